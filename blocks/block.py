@@ -1,0 +1,238 @@
+"""The block: a python-control nonlinear I/O system made of pure kernels.
+
+A block is data (parameters ``p``, start states ``x0``, modes and memories ``d0``) plus kernels, plain functions
+of one shape ``(t, x, d, u, p, out)`` that read arrays and write ``out``:
+
+    out        outputs y(t, x, u)                  der   state rates dx/dt
+    zc         event functions, fire when > 0      jump  the transition of event ``out[0]``: changes d and x
+    step       one sample: changes d, writes y     next_time  next discontinuity of a source, largest step
+
+Python-control calls them interpreted (``updfcn``, ``outfcn``); the engine calls the same functions compiled.
+Nothing is kept inside a block, so a call never changes it.
+"""
+
+import copy
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import control as ct
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blocks.ports import BlockError, Labels, Port, labelled, nearest
+
+Floats = NDArray[np.float64]
+Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
+
+
+@dataclass(frozen=True)
+class Kernels:
+    """The functions of a block and what the engine must know about them.
+
+    ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the
+    same instant.  ``rates``: whether ``zc`` and ``jump`` want the input rates behind the inputs in ``u``.
+    """
+
+    out: Kernel | None = None
+    der: Kernel | None = None
+    zc: Kernel | None = None
+    jump: Kernel | None = None
+    step: Kernel | None = None
+    next_time: Kernel | None = None
+    n_events: int = 0
+    feeds: bool = True
+    rates: bool = False
+
+
+class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
+    """Base of all blocks; see the module docstring.  Subclasses fill in the class data and call ``__init__``.
+
+    Class data: ``ports_in``, ``ports_out``, ``kernels``, ``modes`` (name -> value of ``d[0]``),
+    ``period_param`` and ``offset_param`` (sampled blocks), ``dead_time_param`` (delays all inputs in the engine).
+    """
+
+    ports_in: tuple[Port, ...] = ()
+    ports_out: tuple[Port, ...] = ()
+    kernels: Kernels = Kernels()
+    modes: Mapping[str, float] = {}
+    period_param: str | None = None
+    offset_param: str | None = None
+    dead_time_param: str | None = None
+    host: Callable[[float, Floats, Floats, Floats], ArrayLike] | None = None
+
+    def __init__(
+        self,
+        *,
+        name: str,
+        params: Mapping[str, float],
+        states: Mapping[str, float] | None = None,
+        memory: Mapping[str, float] | None = None,
+        start_output: ArrayLike | None = None,
+        table: ArrayLike = (),
+        inputs: Labels = None,
+        outputs: Labels = None,
+        units: Mapping[str, str] | None = None,
+        spans: Mapping[str, tuple[float, float]] | None = None,
+    ) -> None:
+        states, memory = dict(states or {}), dict(memory or {})
+        self.param_names = tuple(params)
+        self.state_names = tuple(states)
+        self.memory_names = tuple(memory)
+        named = np.array([float(v) for v in params.values()], dtype=float)
+        self.p: Floats = np.concatenate([named, np.asarray(table, dtype=float).ravel()])
+        self.x0: Floats = np.array(list(states.values()), dtype=float)
+        self.d0: Floats = np.array(list(memory.values()), dtype=float)
+        self.y0: Floats = (
+            np.zeros(len(self.ports_out)) if start_output is None else np.array(start_output, dtype=float).ravel()
+        )
+        self.units: dict[str, str] = {port.name: port.unit for port in (*self.ports_in, *self.ports_out)}
+        for key, unit in (units or {}).items():
+            if key not in self.units:
+                raise BlockError(f"block '{name}' has no port '{key}'; {nearest(key, list(self.units))}")
+            self.units[key] = unit
+        self.spans: dict[str, tuple[float, float]] = dict(spans or {})
+        self.check(dict(zip(self.param_names, named, strict=True)), name)
+        self._p_now = self.p
+        super().__init__(
+            self._update,
+            self._output,
+            params=dict(zip(self.param_names, (float(v) for v in named), strict=True)),
+            inputs=labelled(name, "input", self.ports_in, inputs),
+            outputs=labelled(name, "output", self.ports_out, outputs),
+            states=list(self.seen_states()),
+            dt=self.period if self.sampled else 0,
+            name=name,
+        )
+
+    # --- what subclasses may refine -----------------------------------------------------------------------
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless the parameters make sense together."""
+
+    def smooth(self) -> "Block":
+        """Return the continuous block that python-control sees in a diagram (its own continuous limit)."""
+        return self
+
+    def seen_states(self) -> tuple[str, ...]:
+        """Return the names of the states that python-control sees."""
+        return self.memory_names if self.sampled else self.state_names
+
+    # --- facts --------------------------------------------------------------------------------------------
+    @property
+    def sampled(self) -> bool:
+        """Whether the block runs at its own sampling instants."""
+        return self.period_param is not None
+
+    @property
+    def period(self) -> float:
+        """Sampling period [s]; 0 for a continuous block."""
+        return float(self.p[self.param_names.index(self.period_param)]) if self.period_param else 0.0
+
+    @property
+    def mode(self) -> str | None:
+        """Name of the present mode, if the block has modes."""
+        return next((m for m, value in self.modes.items() if self.d0[0] == value), None) if self.modes else None
+
+    # --- changed copies -----------------------------------------------------------------------------------
+    def with_params(self, **changes: float) -> Self:
+        """Return a copy with other parameter values.
+
+        Raises ``BlockError`` for an unknown name or a value that breaks the block's rules.
+        """
+        p = self.p.copy()
+        for key, value in changes.items():
+            p[self.param_index(key)] = float(value)
+        other = self._copy()
+        other.p = other._p_now = p
+        other.params = dict(zip(self.param_names, (float(v) for v in p), strict=False))
+        other.check(other.params, self.name)
+        return other
+
+    def in_mode(self, mode: str) -> Self:
+        """Return a copy that starts (and, for python-control, stays) in the named mode."""
+        if mode not in self.modes:
+            raise BlockError(f"block '{self.name}' has no mode '{mode}'; {nearest(mode, list(self.modes))}")
+        other = self._copy()
+        other.d0 = self.d0.copy()
+        other.d0[0] = self.modes[mode]
+        return other
+
+    def starting_at(self, **values: float) -> Self:
+        """Return a copy with other start values of states or memories."""
+        other = self._copy()
+        other.x0, other.d0 = self.x0.copy(), self.d0.copy()
+        for key, value in values.items():
+            if key in self.state_names:
+                other.x0[self.state_names.index(key)] = value
+            elif key in self.memory_names:
+                other.d0[self.memory_names.index(key)] = value
+            else:
+                known = [*self.state_names, *self.memory_names]
+                raise BlockError(f"block '{self.name}' has no state '{key}'; {nearest(key, known)}")
+        return other
+
+    def relabelled(self, name: str, inputs: list[str], outputs: list[str]) -> Self:
+        """Return a copy under another name with other port labels (what nesting does)."""
+        other = self._copy()
+        other.name = name
+        other.set_inputs(inputs)
+        other.set_outputs(outputs)
+        return other
+
+    def _copy(self) -> Self:
+        other = copy.copy(self)
+        other.updfcn, other.outfcn = other._update, other._output
+        return other
+
+    def param_index(self, key: str) -> int:
+        """Return where a parameter stands in ``p``; raise ``BlockError`` with the nearest name if it does not."""
+        if key not in self.param_names:
+            known = list(self.param_names)
+            raise BlockError(f"block '{self.name}' has no parameter '{key}'; {nearest(key, known)}")
+        return self.param_names.index(key)
+
+    # --- python-control -----------------------------------------------------------------------------------
+    def _update_params(self, params: Mapping[str, float] | None) -> None:
+        """Take parameters by their own name, or as ``block.name`` inside a diagram."""
+        p = self.p
+        for key, value in (params or {}).items():
+            owner, _, short = key.rpartition(".")
+            if owner in ("", self.name):
+                p = p.copy() if p is self.p else p
+                p[self.param_index(short)] = value
+        self._p_now = p
+
+    def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
+        if self.sampled:
+            after = np.array(x, dtype=float)
+            self._sample(t, after, u)
+            return after
+        rates = np.zeros(len(self.x0))
+        if self.kernels.der is not None:
+            self.kernels.der(t, x, self.d0, u, self._p_now, rates)
+        return rates
+
+    def _out(self, t: float, x: Floats, u: Floats) -> Floats:
+        if self.sampled:
+            return self._sample(t, np.array(x, dtype=float), u)
+        y = np.zeros(len(self.ports_out))
+        if self.kernels.out is not None:
+            self.kernels.out(t, x, self.d0, u, self._p_now, y)
+        return y
+
+    def _sample(self, t: float, memory: Floats, u: Floats) -> Floats:
+        if self.host is not None:
+            return np.asarray(self.host(t, memory, u, self._p_now), dtype=float).ravel()
+        y = np.zeros(len(self.ports_out))
+        if self.kernels.step is not None:
+            self.kernels.step(t, self.x0, memory, u, self._p_now, y)
+        return y
+
+    def _update(self, t: float, x: Floats, u: Floats, params: Mapping[str, float]) -> Floats:
+        self._update_params(params)
+        return self._rhs(t, x, u)
+
+    def _output(self, t: float, x: Floats, u: Floats, params: Mapping[str, float]) -> Floats:
+        self._update_params(params)
+        return self._out(t, x, u)

@@ -1,0 +1,60 @@
+"""The ports of a block: textbook names with units, and the labels under which a diagram knows them."""
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+Labels = str | Sequence[str] | Mapping[str, str] | None
+
+
+@dataclass(frozen=True)
+class Port:
+    """One input or output: its textbook name and its unit ("" fits every unit)."""
+
+    name: str
+    unit: str = ""
+
+
+class BlockError(ValueError):
+    """A block was asked for something it cannot be: the message gives the value, the rule and the remedy."""
+
+
+def nearest(wrong: str, names: Sequence[str]) -> str:
+    """Return a hint that names the most similar known name, and all of them when they are few.
+
+    >>> nearest("F_S", ["F_s", "F_c"])
+    "did you mean 'F_s'? known: F_s, F_c"
+    """
+    close = difflib.get_close_matches(wrong, names, n=1, cutoff=0.4) or [n for n in names if n.lower() == wrong.lower()]
+    hint = f"did you mean '{close[0]}'? " if close else ""
+    known = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+    return f"{hint}known: {known or 'none'}"
+
+
+def labelled(block: str, side: str, ports: Sequence[Port], given: Labels) -> list[str]:
+    """Return the labels of all ports: their own names unless the caller gave others.
+
+    ``given`` is one label (for a single port), one label per port in order, or a mapping from port to label.
+    """
+    names = [port.name for port in ports]
+    if given is None:
+        return names
+    if isinstance(given, str):
+        given = [given]
+    if isinstance(given, Mapping):
+        for key in given:
+            if key not in names:
+                raise BlockError(f"block '{block}' has no {side} '{key}'; {nearest(key, names)}")
+        return [given.get(name, name) for name in names]
+    if len(given) != len(names):
+        raise BlockError(
+            f"block '{block}' has {len(names)} {side}s ({', '.join(names)}), but {len(given)} labels were given; "
+            f"give one label per {side}, or a mapping such as {{'{names[0] if names else 'X'}': 'new label'}}"
+        )
+    return list(given)
+
+
+def require(rule: bool, block: str, name: str, value: object, text: str, remedy: str) -> None:
+    """Raise a ``BlockError`` that states value, rule and remedy unless ``rule`` holds."""
+    if not rule:
+        raise BlockError(f"{block}: {name} = {value!r}, but {text}; {remedy}")

@@ -1,0 +1,196 @@
+"""Stiff steps: the L-stable Rosenbrock method RODAS4 with third-order dense output.
+
+One Jacobian by finite differences and one LU factorisation per step, six solves, no iteration.  Coefficients:
+Hairer & Wanner, Solving ODEs II, section VI.4; the order is measured in ``tests/engine/test_order.py``.
+"""
+
+import numpy as np
+from numba import njit
+
+from engine.layout import (
+    ATOL,
+    JACOBIANS,
+    N_SIGNALS,
+    N_STATES,
+    O_CONT,
+    O_DFDT,
+    O_F,
+    O_JAC,
+    O_K,
+    O_LU,
+    O_PIVOT,
+    O_S,
+    O_X,
+    O_Y0,
+    O_Y1,
+    RTOL,
+    T_LEFT,
+)
+from engine.sweep import finite, rates
+
+_GAMMA = 0.25
+_ALPHA = np.array([0.0, 0.386, 0.21, 0.63, 1.0, 1.0])
+_D = np.array([0.25, -0.1043, 0.1035, -0.03620000000000023, 0.0, 0.0])
+_A = np.array(
+    [
+        [0, 0, 0, 0, 0],
+        [1.544, 0, 0, 0, 0],
+        [0.9466785280815826, 0.2557011698983284, 0, 0, 0],
+        [3.314825187068521, 2.896124015972201, 0.9986419139977817, 0, 0],
+        [1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 0],
+        [1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0],
+    ]
+)
+_C = np.array(
+    [
+        [0, 0, 0, 0, 0],
+        [-5.6688, 0, 0, 0, 0],
+        [-2.430093356833875, -0.2063599157091915, 0, 0, 0],
+        [-0.1073529058151375, -9.594562251023355, -20.47028614809616, 0, 0],
+        [7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160, 0],
+        [8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054],
+    ]
+)
+_DENSE = np.array(
+    [
+        [10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662],
+        [-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872],
+    ]
+)
+
+
+@njit(cache=True, error_model="numpy")
+def jacobian(I, W, t, h):  # type: ignore[no-untyped-def]
+    """Fill df/dy (row major) and df/dt at the start of a step by forward differences."""
+    n = I[N_STATES]
+    x, f, k, y0, jac, dfdt = I[O_X], I[O_F], I[O_K], I[O_Y0], I[O_JAC], I[O_DFDT]
+    I[JACOBIANS] += 1
+    for i in range(n):
+        W[x + i] = W[y0 + i]
+    for j in range(n):
+        shift = 1.5e-8 * max(abs(W[y0 + j]), 1e-3)
+        W[x + j] = W[y0 + j] + shift
+        shift = W[x + j] - W[y0 + j]
+        rates(I, W, t)
+        for i in range(n):
+            W[jac + i * n + j] = (W[f + i] - W[k + i]) / shift
+        W[x + j] = W[y0 + j]
+    shift = 1e-3 * h
+    if t + shift > W[T_LEFT]:
+        shift = max(0.0, W[T_LEFT] - t)
+    for i in range(n):
+        W[dfdt + i] = 0.0
+    if shift > 0.0:
+        rates(I, W, t + shift)
+        for i in range(n):
+            W[dfdt + i] = (W[f + i] - W[k + i]) / shift
+
+
+@njit(cache=True, error_model="numpy")
+def factorise(I, W, h):  # type: ignore[no-untyped-def]
+    """LU-factorise ``1/(h gamma) - J`` with partial pivoting; return whether it is regular."""
+    n = I[N_STATES]
+    jac, lu, pivot = I[O_JAC], I[O_LU], I[O_PIVOT]
+    for i in range(n):
+        for j in range(n):
+            W[lu + i * n + j] = -W[jac + i * n + j]
+        W[lu + i * n + i] += 1.0 / (h * _GAMMA)
+    for col in range(n):
+        best = col
+        for i in range(col + 1, n):
+            if abs(W[lu + i * n + col]) > abs(W[lu + best * n + col]):
+                best = i
+        W[pivot + col] = best
+        if W[lu + best * n + col] == 0.0:
+            return False
+        if best != col:
+            for j in range(n):
+                keep = W[lu + col * n + j]
+                W[lu + col * n + j] = W[lu + best * n + j]
+                W[lu + best * n + j] = keep
+        inverse = 1.0 / W[lu + col * n + col]
+        for i in range(col + 1, n):
+            if W[lu + i * n + col] != 0.0:
+                factor = W[lu + i * n + col] * inverse
+                W[lu + i * n + col] = factor
+                for j in range(col + 1, n):
+                    W[lu + i * n + j] -= factor * W[lu + col * n + j]
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def solve(I, W, b):  # type: ignore[no-untyped-def]
+    """Solve in place with the factors for the right-hand side at ``W[b]``."""
+    n = I[N_STATES]
+    lu, pivot = I[O_LU], I[O_PIVOT]
+    for i in range(n):
+        swap = int(W[pivot + i])
+        if swap != i:
+            keep = W[b + i]
+            W[b + i] = W[b + swap]
+            W[b + swap] = keep
+    for i in range(n):
+        for j in range(i):
+            W[b + i] -= W[lu + i * n + j] * W[b + j]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            W[b + i] -= W[lu + i * n + j] * W[b + j]
+        W[b + i] /= W[lu + i * n + i]
+
+
+@njit(cache=True, error_model="numpy")
+def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
+    """Try one step from ``W[O_Y0]``; the rates there stand at ``W[O_K]``; return the error norm.
+
+    Stages are kept behind the first slot of ``W[O_K]``, which still holds the rates at the start.
+    """
+    n = I[N_STATES]
+    x, f, k, y0, y1 = I[O_X], I[O_F], I[O_K], I[O_Y0], I[O_Y1]
+    dfdt = I[O_DFDT]
+    if not factorise(I, W, h):
+        return np.inf
+    for stage in range(6):
+        at = k + (stage + 1) * n
+        if stage > 0:
+            for i in range(n):
+                total = W[y0 + i]
+                for j in range(stage):
+                    total += _A[stage, j] * W[k + (j + 1) * n + i]
+                W[x + i] = total
+            rates(I, W, t + _ALPHA[stage] * h)
+        for i in range(n):
+            total = W[k + i] if stage == 0 else W[f + i]
+            for j in range(stage):
+                total += _C[stage, j] / h * W[k + (j + 1) * n + i]
+            W[at + i] = total + h * _D[stage] * W[dfdt + i]
+        solve(I, W, at)
+    worst = 0.0
+    last = k + 6 * n
+    for i in range(n):
+        W[y1 + i] = W[x + i] + W[last + i]
+        scale = W[ATOL] + W[RTOL] * max(abs(W[y0 + i]), abs(W[y1 + i]))
+        worst = max(worst, abs(W[last + i]) / scale)
+    if not finite(W, y1, n):
+        return np.inf
+    for i in range(n):
+        W[x + i] = W[y1 + i]
+    rates(I, W, t + h)
+    if not finite(W, f, n) or not finite(W, I[O_S], I[N_SIGNALS]):
+        return np.inf
+    return worst
+
+
+@njit(cache=True, error_model="numpy")
+def rosenbrock_dense(I, W):  # type: ignore[no-untyped-def]
+    """Prepare the dense output of the step just accepted, in the form of ``explicit.interpolate``."""
+    n = I[N_STATES]
+    k, y0, y1, c = I[O_K], I[O_Y0], I[O_Y1], I[O_CONT]
+    for i in range(n):
+        W[c + i] = W[y0 + i]
+        W[c + n + i] = W[y1 + i] - W[y0 + i]
+        for m in range(2):
+            total = 0.0
+            for j in range(5):
+                total += _DENSE[m, j] * W[k + (j + 1) * n + i]
+            W[c + (2 + m) * n + i] = total
+        W[c + 4 * n + i] = 0.0

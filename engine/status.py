@@ -1,0 +1,50 @@
+"""How a run can end, as data: a code and a hint, never NaN and never a hang."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+
+class Status(IntEnum):
+    """Outcome of a run."""
+
+    OK = 0
+    EVENTS_FULL = 1  # internal: the host empties the event buffer and resumes
+    DELAY_FULL = 2  # internal: the host starts again with a longer delay line
+    STEP_TOO_SMALL = 3
+    NOT_FINITE = 4
+    CHATTERING = 5
+    TOO_MANY_STEPS = 6
+    INTERRUPTED = 7
+
+
+HINTS: dict[Status, str] = {
+    Status.OK: "",
+    Status.EVENTS_FULL: "the event buffer is full; the run can be resumed",
+    Status.DELAY_FULL: "the delay line is full; start again with a longer one",
+    Status.STEP_TOO_SMALL: (
+        "the step size fell below what the clock can resolve: the model is singular here, or far stiffer than "
+        "its tolerances; loosen rtol, choose method='stiff', or look at the last logged values"
+    ),
+    Status.NOT_FINITE: (
+        "a rate or signal became infinite or not a number: look at the last logged values for a division by "
+        "zero, a negative pressure or an unstable loop"
+    ),
+    Status.CHATTERING: (
+        "modes switch back and forth without time passing: two transitions of a block undo each other; "
+        "check its event functions, or add hysteresis"
+    ),
+    Status.TOO_MANY_STEPS: "the step budget is spent; raise max_steps, loosen rtol, or shorten the run",
+    Status.INTERRUPTED: "interrupted; what was simulated so far is kept",
+}
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What one run cost: accepted and rejected steps, right-hand sides, Jacobians, events [-]."""
+
+    steps: int = 0
+    rejected: int = 0
+    rhs: int = 0
+    jacobians: int = 0
+    events: int = 0
+    components: int = 0
