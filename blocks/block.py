@@ -12,9 +12,9 @@ Nothing is kept inside a block, so a call never changes it.
 """
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import control as ct
 import numpy as np
@@ -45,6 +45,19 @@ class Kernels:
     rates: bool = False
 
 
+class Host(Protocol):
+    """What a sampled block runs in Python, between two calls of the engine: a filter, a detector.
+
+    The state is any value; it goes in and comes out, so the block itself never changes.
+    """
+
+    def init(self, p: Floats) -> Any:
+        """Return the state before the first sample."""
+
+    def step(self, t: float, state: Any, u: Floats, p: Floats) -> tuple[Any, Sequence[float]]:
+        """Take the sample ``u`` at time ``t`` [s]; return the next state and the outputs to hold."""
+
+
 class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
     """Base of all blocks; see the module docstring.  Subclasses fill in the class data and call ``__init__``.
 
@@ -59,7 +72,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
     period_param: str | None = None
     offset_param: str | None = None
     dead_time_param: str | None = None
-    host: Callable[[float, Floats, Floats, Floats], ArrayLike] | None = None
+    host: "Host | None" = None
 
     def __init__(
         self,
@@ -223,7 +236,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
 
     def _sample(self, t: float, memory: Floats, u: Floats) -> Floats:
         if self.host is not None:
-            return np.asarray(self.host(t, memory, u, self._p_now), dtype=float).ravel()
+            return np.asarray(self.host.step(t, self.host.init(self._p_now), u, self._p_now)[1], dtype=float)
         y = np.zeros(len(self.ports_out))
         if self.kernels.step is not None:
             self.kernels.step(t, self.x0, memory, u, self._p_now, y)

@@ -25,7 +25,10 @@ def address(kernel: Kernel | None) -> int:
     if kernel is None:
         return 0
     if kernel not in _compiled:
-        _compiled[kernel] = cfunc(SIGNATURE, cache=True, error_model="numpy")(kernel)
+        try:
+            _compiled[kernel] = cfunc(SIGNATURE, cache=True, error_model="numpy")(kernel)
+        except RuntimeError:  # defined at a prompt: numba has no file beside which to keep the cache
+            _compiled[kernel] = cfunc(SIGNATURE, error_model="numpy")(kernel)
     return int(_compiled[kernel].address)
 
 

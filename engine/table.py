@@ -1,6 +1,6 @@
 """From a list of blocks to the two arrays of ``engine.layout``."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,8 +18,8 @@ Ints = NDArray[np.int64]
 class FlatBlock:
     """One block as the engine sees it: kernels, sizes, start values, and which signals it reads.
 
-    ``wires`` and ``first_signal`` are indices into the signals of the whole diagram.  ``host`` is the Python
-    step ``(t, memory, u) -> y`` of a hosted block, which changes ``memory`` itself.
+    ``wires`` and ``first_signal`` are indices into the signals of the whole diagram.  ``host`` runs a hosted
+    block in Python: ``init(p) -> state`` and ``step(t, state, u, p) -> (state, y)``.
     """
 
     name: str
@@ -43,7 +43,7 @@ class FlatBlock:
     period_at: int = -1  # where the sampling period stands in p
     offset_at: int = -1  # where the first sampling instant stands in p
     capacity: int = 0  # of the delay ring
-    host: Callable[..., Any] | None = None
+    host: Any = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,13 @@
+"""Join blocks into diagrams and run them.
+
+wire       blocks and diagrams joined by signal names      Diagram    what it returns, a python-control system
+simulate   the compiled engine                             drive      one block alone
+ensemble   one diagram over thousands of parameter sets    reference  slow, independent integrators
+"""
+
+from plant.diagram import Diagram, wire
+from plant.drive import drive
+from plant.simulate import Event, Run, simulate
+from plant.wiring import WiringError
+
+__all__ = ["Diagram", "Event", "Run", "WiringError", "drive", "simulate", "wire"]

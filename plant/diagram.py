@@ -1,0 +1,252 @@
+"""A diagram: blocks wired by signal names, a ``control.InterconnectedSystem`` and at the same time a value.
+
+It can be taken apart (``blocks``, ``part``), changed (``with_params``, ``replace``, ``starting_at``, ``in_mode``)
+and nested; every change returns a new diagram and leaves the old one as it was.
+"""
+
+import copy
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Self
+
+import control as ct
+import numpy as np
+from numpy.typing import ArrayLike
+
+from blocks.block import Block
+from blocks.ports import nearest
+from plant.wiring import WiringError, check_readers, check_units, drivers, flow_order
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from plant.flatten import Plan
+
+
+class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
+    """Blocks joined by signal names; build one with ``wire``.
+
+    Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
+    ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  As a python-control system its inputs are
+    the open inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
+    """
+
+    def __init__(
+        self, blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequence[str] | None = None,
+        name: str = "diagram",
+    ) -> None:  # fmt: skip
+        self.blocks = tuple(blocks)
+        self.open_inputs = tuple(inputs)
+        self.driven = drivers(self.blocks, self.open_inputs)
+        self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
+        check_readers(self.blocks, self.driven, self.open_inputs, () if outputs is None else self.chosen_outputs)
+        self.signal_units = check_units(self.blocks, self.driven)
+        self.order = tuple(flow_order(self.blocks, self.driven))
+        self.signals = tuple(self.driven)
+        self._plan: Plan | None = None
+        seen = [block.smooth() for block in self.blocks]
+        states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
+        super().__init__(
+            seen, inputs=list(self.open_inputs), outputs=list(self.chosen_outputs), states=states, name=name, dt=0,
+            params={f"{b.name}.{k}": v for b in seen for k, v in b.params.items()},
+        )  # fmt: skip
+        self._connect()
+
+    def _connect(self) -> None:
+        """Fill python-control's connection maps."""
+        columns = {signal: self.output_offset[b] + j for signal, (b, j) in self.driven.items()}
+        connect = np.zeros((sum(len(b.ports_in) for b in self.blocks), sum(len(b.ports_out) for b in self.blocks)))
+        entry = np.zeros((connect.shape[0], len(self.open_inputs)))
+        row = 0
+        for block in self.blocks:
+            for signal in block.input_labels:
+                if signal in columns:
+                    connect[row, columns[signal]] = 1.0
+                else:
+                    entry[row, self.open_inputs.index(signal)] = 1.0
+                row += 1
+        self.set_connect_map(connect)
+        self.set_input_map(entry)
+        exits = np.zeros((len(self.chosen_outputs), connect.shape[1] + connect.shape[0]))
+        for i, signal in enumerate(self.chosen_outputs):
+            exits[i, columns[signal]] = 1.0
+        self.set_output_map(exits)
+
+    # --- look ---------------------------------------------------------------------------------------------
+    def __getitem__(self, name: str) -> Block:
+        """Return a block by name."""
+        return self.blocks[self.block_index(name)]
+
+    def block_index(self, name: str) -> int:
+        """Return the position of a block; raise ``WiringError`` with the nearest name if there is none."""
+        for b, block in enumerate(self.blocks):
+            if block.name == name:
+                return b
+        known = [block.name for block in self.blocks]
+        raise WiringError(f"the diagram has no block '{name}'; {nearest(name, known)}")
+
+    def plot(self) -> "Figure":
+        """Draw the diagram: one box per block, one arrow per signal."""
+        from plant.draw import draw
+
+        return draw(self)
+
+    # --- change -------------------------------------------------------------------------------------------
+    def with_params(self, changes: Mapping[str, float]) -> Self:
+        """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
+        return self._with_blocks(self._changed(changes, Block.with_params))
+
+    def starting_at(self, values: Mapping[str, float]) -> Self:
+        """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``."""
+        return self._with_blocks(self._changed(values, Block.starting_at))
+
+    def in_mode(self, modes: str | Mapping[str, str]) -> Self:
+        """Return the diagram with blocks in a mode: one name for all that have it, or block -> mode.
+
+        A stuck stem linearises to zero; ``ct.linearize(loop.in_mode("ideal"), ...)`` shows the loop behind it.
+        """
+        if isinstance(modes, str):
+            having = {block.name: modes for block in self.blocks if modes in block.modes}
+            if not having:
+                known = sorted({m for block in self.blocks for m in block.modes})
+                raise WiringError(f"no block of the diagram has a mode '{modes}'; {nearest(modes, known)}")
+            modes = having
+        changed = list(self.blocks)
+        for name, mode in modes.items():
+            b = self.block_index(name)
+            changed[b] = changed[b].in_mode(mode)
+        return self._with_blocks(changed)
+
+    def at_state(self, x: ArrayLike) -> Self:
+        """Return the diagram starting from a python-control state vector (e.g. of ``find_operating_point``)."""
+        values = dict(zip(self.state_labels, np.asarray(x, dtype=float).ravel(), strict=True))
+        plain = {}
+        for label, value in values.items():
+            name, _, state = label[:-1].rpartition("[")
+            block = self[name]
+            if state in block.state_names or state in block.memory_names:
+                plain[f"{name}.{state}"] = float(value)
+        return self.starting_at(plain)
+
+    def replace(self, name: str, block: Block) -> "Diagram":
+        """Return the diagram with one block replaced; the new one takes over name and labels, port by port."""
+        b = self.block_index(name)
+        old = self.blocks[b]
+        if len(block.ports_in) != len(old.ports_in) or len(block.ports_out) != len(old.ports_out):
+            raise WiringError(
+                f"block '{name}' has {len(old.ports_in)} inputs and {len(old.ports_out)} outputs, its replacement "
+                f"'{block.name}' {len(block.ports_in)} and {len(block.ports_out)}; they must agree"
+            )
+        new = block.relabelled(name, list(old.input_labels), list(old.output_labels))
+        changed = [*self.blocks[:b], new, *self.blocks[b + 1 :]]
+        return Diagram(changed, self.open_inputs, self._declared_outputs(), self.name)
+
+    def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
+        """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""
+        kept = [self[n] for n in names]
+        driven = {s for block in kept for s in block.output_labels}
+        inputs = dict.fromkeys(s for block in kept for s in block.input_labels if s not in driven)
+        return Diagram(kept, list(inputs), None, name)
+
+    def without(self, *names: str) -> "Diagram":
+        """Return the diagram without some blocks; what they drove becomes an open input where it is read."""
+        for n in names:
+            self.block_index(n)
+        return self.part([block.name for block in self.blocks if block.name not in names], self.name)
+
+    def named(self, name: str, **inputs: str) -> "Diagram":
+        """Return the diagram under another name, its open inputs relabelled (``SP="SP1"``), for nesting."""
+        for key in inputs:
+            if key not in self.open_inputs:
+                raise WiringError(
+                    f"diagram '{self.name}' has no open input '{key}'; {nearest(key, list(self.open_inputs))}"
+                )
+        blocks = [
+            block.relabelled(block.name, [inputs.get(s, s) for s in block.input_labels], list(block.output_labels))
+            for block in self.blocks
+        ]
+        return Diagram(blocks, [inputs.get(s, s) for s in self.open_inputs], self._declared_outputs(), name)
+
+    def leaves(self) -> list[Block]:
+        """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
+        prefix = f"{self.name}/"
+        return [
+            block.relabelled(
+                prefix + block.name,
+                [prefix + s if s in self.driven else s for s in block.input_labels],
+                [prefix + s for s in block.output_labels],
+            )
+            for block in self.blocks
+        ]
+
+    def _declared_outputs(self) -> tuple[str, ...] | None:
+        return None if self.chosen_outputs == self.signals else self.chosen_outputs
+
+    def _changed(self, values: Mapping[str, float], change: Any) -> list[Block]:
+        grouped: dict[int, dict[str, float]] = {}
+        for key, value in values.items():
+            name, _, what = key.rpartition(".")
+            if not name:
+                raise WiringError(f"'{key}' does not say which block; write 'block.name', e.g. 'valve.F_s'")
+            grouped.setdefault(self.block_index(name), {})[what] = value
+        blocks = list(self.blocks)
+        for b, group in grouped.items():
+            blocks[b] = change(blocks[b], **group)
+        return blocks
+
+    def _with_blocks(self, blocks: Sequence[Block]) -> Self:
+        """Return a copy with blocks that differ only in values; wiring and plan are shared."""
+        other = copy.copy(self)
+        other.blocks = tuple(blocks)
+        seen = [block.smooth() for block in blocks]
+        other.syslist = seen
+        other.params = {f"{b.name}.{k}": v for b in seen for k, v in b.params.items()}
+        other.updfcn, other.outfcn = other._update, other._output
+        return other
+
+    def _update_params(self, params: Mapping[str, float] | None) -> None:
+        for key in params or {}:
+            if key not in self.params:
+                raise WiringError(f"the diagram has no parameter '{key}'; {nearest(key, list(self.params))}")
+        super()._update_params(params)
+
+    def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
+        self._update_params(params)
+        return self._rhs(t, x, u)
+
+    def _output(self, t: float, x: Any, u: Any, params: Any) -> Any:
+        self._update_params(params)
+        return self._out(t, x, u)
+
+
+def wire(
+    items: Iterable[Block | Diagram],
+    inputs: Sequence[str] = (),
+    outputs: Sequence[str] | None = None,
+    name: str = "diagram",
+) -> Diagram:
+    """Join blocks and diagrams by signal name into one diagram.
+
+    A signal is driven by exactly one output label and read by every input with the same label.  A nested diagram
+    ``loop`` shows its signals as ``loop/PV`` and reads its open inputs by name.
+
+    Parameters: ``items`` blocks and diagrams; ``inputs`` signals left open on purpose; ``outputs`` the outputs of
+    the python-control system (default: every signal).
+
+    Raises ``WiringError`` for unknown, dangling, doubly driven or unit-mismatched signals and algebraic loops.
+
+    >>> from blocks import PI, FirstOrder, Step
+    >>> loop = wire([Step("SP", 0.5), PI(K_p=0.4, T_i=10.0, outputs="MV"), FirstOrder(K=3.0, tau=10.0)])
+    >>> loop.signals
+    ('SP', 'MV', 'PV')
+    """
+    leaves: list[Block] = []
+    for item in items:
+        if isinstance(item, Diagram):
+            leaves += item.leaves()
+        elif isinstance(item, Block):
+            leaves.append(item)
+        else:
+            raise WiringError(
+                f"{item!r} is neither a block nor a diagram; wrap a python-control system in a Block subclass"
+            )
+    return Diagram(leaves, inputs, outputs, name)

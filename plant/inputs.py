@@ -1,0 +1,39 @@
+"""Close the open inputs of a diagram with signals, and drive one block alone."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from blocks.recorded import Recorded
+
+from blocks.block import Block
+from blocks.sources import Constant
+from plant.diagram import Diagram
+from plant.wiring import WiringError
+
+
+def source(signal: str, given: Any) -> Block:
+    """Return a source of ``signal``: from a number, a pair of arrays ``(t, values)``, or a source block."""
+    if isinstance(given, Block):
+        if given.ports_in or len(given.ports_out) != 1:
+            raise WiringError(f"block '{given.name}' cannot drive input '{signal}': it must be a source of one signal")
+        return given.relabelled(signal, [], [signal])
+    if isinstance(given, tuple) and len(given) == 2:
+        return Recorded(signal, *given)
+    if np.ndim(given) == 0 and isinstance(given, int | float | np.floating | np.integer):
+        return Constant(signal, float(given))
+    raise WiringError(
+        f"input '{signal}' was given {type(given).__name__}; give a number, a pair (t, values), or a source block"
+    )
+
+
+def close(diagram: Diagram, inputs: Mapping[str, Any]) -> Diagram:
+    """Return the diagram with the named inputs driven."""
+    from blocks.ports import nearest
+
+    for signal in inputs:
+        if signal not in diagram.open_inputs:
+            raise WiringError(f"the diagram has no open input '{signal}'; {nearest(signal, list(diagram.open_inputs))}")
+    sources = [source(signal, given) for signal, given in inputs.items()]
+    still_open = [s for s in diagram.open_inputs if s not in inputs]
+    return Diagram([*sources, *diagram.blocks], still_open, diagram._declared_outputs(), diagram.name)

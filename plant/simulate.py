@@ -1,0 +1,241 @@
+"""Simulate a diagram with the compiled engine: a log at the times asked for, events, status, statistics."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blocks.block import Block
+from blocks.ports import nearest
+from engine.run import METHODS, Outcome, Settings, prepare, run
+from engine.status import HINTS, Statistics, Status
+from plant.diagram import Diagram
+from plant.flatten import DELAY_RECORDS, Plan, plan
+from plant.inputs import close
+from plant.wiring import WiringError
+from records import Log
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Event:
+    """A change of mode: time [s], block, mode before, mode after."""
+
+    t: float
+    block: str
+    before: str
+    after: str
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
+
+    If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
+    ``final`` is the diagram at the end of the run: simulate it to go on.
+    """
+
+    log: Log
+    events: tuple[Event, ...]
+    status: Status
+    hint: str
+    statistics: Statistics
+    final: Diagram
+
+    @property
+    def ok(self) -> bool:
+        """Whether the run reached its end."""
+        return self.status is Status.OK
+
+    def plot(self, names: Sequence[str] | None = None) -> "Figure":
+        """Plot the log with the events marked."""
+        from plant.plots import plot_run
+
+        return plot_run(self, names)
+
+
+def simulate(
+    diagram: Diagram,
+    duration: float,
+    *,
+    every: float | None = None,
+    times: ArrayLike | None = None,
+    inputs: Mapping[str, Any] | None = None,
+    params: Mapping[str, float] | None = None,
+    start: Mapping[str, float] | None = None,
+    rtol: float = 1e-6,
+    atol: float = 1e-9,
+    method: str = "auto",
+    max_steps: int = 20_000_000,
+    t0: float = 0.0,
+    on_progress: Callable[[float], None] | None = None,
+) -> Run:
+    """Simulate ``duration`` seconds and log every signal.
+
+    Parameters: ``every`` log interval [s] (default: 1000 intervals) or ``times`` [s]; ``inputs`` open input ->
+    number, ``(t, values)`` or source block; ``params`` as in ``Diagram.with_params``; ``start`` as in
+    ``Diagram.starting_at``; ``rtol``, ``atol`` local error per step; ``method`` "auto", "explicit" or "stiff";
+    ``on_progress`` called with the time reached.
+
+    Raises ``ValueError`` for a request that makes no sense; numerical failure is a status, not an exception.
+
+    >>> from blocks import Step, FirstOrder
+    >>> from plant import simulate, wire
+    >>> run = simulate(wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)]), 50.0, every=10.0)
+    >>> run.log["PV"].round(4).tolist()
+    [0.0, 1.7293, 1.9634, 1.995, 1.9993, 1.9999]
+    """
+    ready = set_up(diagram, inputs, params, start)
+    grid = log_times(duration, every, times, t0)
+    settings = check_settings(Settings(rtol, atol, method, max_steps))
+    records = DELAY_RECORDS
+    while True:
+        laid = plan(ready, records)
+        outcomes = [_run(laid, c, ready, settings, grid, t0, t0 + duration, on_progress) for c in laid.components]
+        if not any(o.status is Status.DELAY_FULL for o in outcomes):
+            return _collect(ready, laid, outcomes, grid)
+        records *= 4
+
+
+def set_up(
+    diagram: Diagram,
+    inputs: Mapping[str, Any] | None = None,
+    params: Mapping[str, float] | None = None,
+    start: Mapping[str, float] | None = None,
+) -> Diagram:
+    """Return the diagram with its inputs closed and values changed; refuse inputs left open."""
+    if inputs:
+        diagram = close(diagram, inputs)
+    if diagram.open_inputs:
+        raise WiringError(
+            f"the diagram's input '{diagram.open_inputs[0]}' is open; "
+            f"give it a signal: simulate(..., inputs={{'{diagram.open_inputs[0]}': 0.0}})"
+        )
+    if params:
+        diagram = diagram.with_params(params)
+    if start:
+        diagram = diagram.starting_at(start)
+    return diagram
+
+
+def log_times(duration: float, every: float | None, times: ArrayLike | None, t0: float) -> Floats:
+    """Return the log times [s], refusing requests that make no sense."""
+    if not (np.isfinite(duration) and duration > 0.0):
+        raise ValueError(f"duration = {duration!r}, but it must be a positive number of seconds")
+    if times is not None:
+        grid = np.asarray(times, dtype=float).ravel()
+        if grid.size and (np.any(np.diff(grid) < 0) or grid[0] < t0 or grid[-1] > t0 + duration * (1 + 1e-12)):
+            raise ValueError(
+                f"times run from {grid[0]} to {grid[-1]} s, but they must increase within {t0} .. {t0 + duration} s"
+            )
+        return grid
+    step = duration / 1000.0 if every is None else float(every)
+    if not (np.isfinite(step) and 0.0 < step <= duration):
+        raise ValueError(f"every = {every!r}, but the log interval must be positive and at most {duration} s")
+    count = int(np.floor(duration / step + 1e-9)) + 1
+    grid = t0 + np.arange(count) * step
+    grid[-1] = min(grid[-1], t0 + duration)
+    return grid
+
+
+def check_settings(settings: Settings) -> Settings:
+    """Refuse tolerances and methods that make no sense."""
+    if settings.method not in METHODS:
+        raise ValueError(f"method = {settings.method!r}; {nearest(settings.method, list(METHODS))}")
+    if not (1e-13 <= settings.rtol <= 0.1 and settings.atol > 0.0):
+        raise ValueError(
+            f"rtol = {settings.rtol!r}, atol = {settings.atol!r}, but 1e-13 <= rtol <= 0.1 and atol > 0 are needed"
+        )
+    return settings
+
+
+def _run(
+    laid: Plan,
+    component: Any,
+    diagram: Diagram,
+    settings: Settings,
+    grid: Floats,
+    t0: float,
+    t_end: float,
+    on_progress: Callable[[float], None] | None,
+) -> Outcome:
+    I, W = prepare(component, settings, t0)
+    laid.fill(component, W, diagram.blocks)
+    return run(component, laid.flat, I, W, grid, t_end, on_progress)
+
+
+def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats) -> Run:
+    columns: dict[int, Floats] = {}
+    events: list[Event] = []
+    status = Status.OK
+    blamed = ""
+    for component, outcome in zip(laid.components, outcomes, strict=True):
+        for column, row in zip(component.columns, outcome.log, strict=True):
+            columns[column] = row
+        for t, b, before, after in outcome.events:
+            block = diagram.blocks[int(b)]
+            names = {value: name for name, value in block.modes.items()}
+            events.append(Event(float(t), block.name, names.get(before, str(before)), names.get(after, str(after))))
+        if outcome.status is not Status.OK and status is Status.OK:
+            status = outcome.status
+            blamed = f"at t = {outcome.t:.6g} s in {', '.join(diagram.blocks[b].name for b in component.blocks if b < len(diagram.blocks))}"
+    events.sort(key=lambda event: event.t)
+    units = {s: u for s, u in diagram.signal_units.items() if u}
+    spans = {}
+    for block in diagram.blocks:
+        for port, span in block.spans.items():
+            labels = dict(zip([p.name for p in block.ports_out], block.output_labels, strict=True))
+            if port in labels:
+                spans[labels[port]] = span
+    log = Log(
+        t=grid,
+        signals={signal: columns[i] for i, signal in enumerate(diagram.signals)},
+        units=units,
+        spans=spans,
+        origin=f"simulated: {diagram.name}",
+    )
+    counters = [o.I for o in outcomes]
+    return Run(
+        log=log,
+        events=tuple(events),
+        status=status,
+        hint=f"{HINTS[status]} ({blamed})" if blamed else HINTS[status],
+        statistics=statistics(counters),
+        final=_final(diagram, laid, outcomes),
+    )
+
+
+def statistics(counters: Sequence[Any]) -> Statistics:
+    """Add up what the components cost."""
+    from engine import layout as at
+
+    total = Statistics(components=len(counters))
+    for I in counters:
+        total = replace(
+            total,
+            steps=total.steps + int(I[at.STEPS]),
+            rejected=total.rejected + int(I[at.REJECTED]),
+            rhs=total.rhs + int(I[at.RHS]),
+            jacobians=total.jacobians + int(I[at.JACOBIANS]),
+            events=total.events + int(I[at.EVENTS]),
+        )
+    return total
+
+
+def _final(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome]) -> Diagram:
+    """Return the diagram with states and memories as they stand at the end."""
+    blocks: list[Block] = list(diagram.blocks)
+    for component, outcome in zip(laid.components, outcomes, strict=True):
+        for b in component.blocks:
+            if b < len(blocks) and (len(blocks[b].x0) or len(blocks[b].d0)):
+                x, d = component.states[b], component.memory[b]
+                values = dict(zip(blocks[b].state_names, outcome.W[x : x + len(blocks[b].x0)], strict=True))
+                values |= dict(zip(blocks[b].memory_names, outcome.W[d : d + len(blocks[b].d0)], strict=True))
+                blocks[b] = blocks[b].starting_at(**{k: float(v) for k, v in values.items()})
+    return diagram._with_blocks(blocks)

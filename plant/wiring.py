@@ -1,0 +1,132 @@
+"""The one strict way to wire: by signal name, checked when the diagram is built.
+
+Every rule here raises ``WiringError`` with the signals it concerns and, for unknown names, the nearest right one.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from blocks.block import Block
+from blocks.ports import nearest
+
+
+class WiringError(ValueError):
+    """The blocks do not fit together: an unknown, dangling, doubly driven or mismatched signal, or a loop."""
+
+
+def drivers(blocks: Sequence[Block], inputs: Sequence[str]) -> dict[str, tuple[int, int]]:
+    """Return signal -> (block, output port); refuse doubly driven signals and repeated block names."""
+    names: set[str] = set()
+    found: dict[str, tuple[int, int]] = {}
+    for b, block in enumerate(blocks):
+        if block.name in names:
+            raise WiringError(f"two blocks are called '{block.name}'; give one of them another name= ")
+        names.add(block.name)
+        for j, signal in enumerate(block.output_labels):
+            if signal in found:
+                other = blocks[found[signal][0]].name
+                raise WiringError(
+                    f"signal '{signal}' is driven by both '{other}' and '{block.name}'; "
+                    f"label the output of one of them with outputs=, or add them with a Sum block"
+                )
+            if signal in inputs:
+                raise WiringError(
+                    f"signal '{signal}' is driven by '{block.name}' and also declared as an input of the diagram; "
+                    f"take it out of inputs="
+                )
+            found[signal] = (b, j)
+    return found
+
+
+def check_readers(
+    blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], inputs: Sequence[str], outputs: Sequence[str]
+) -> None:
+    """Refuse inputs nobody drives, declared inputs nobody reads, sources nobody reads, unknown outputs."""
+    known = [*driven, *inputs]
+    read: set[str] = set()
+    for block in blocks:
+        for port, signal in zip(block.ports_in, block.input_labels, strict=True):
+            read.add(signal)
+            if signal not in driven and signal not in inputs:
+                raise WiringError(
+                    f"input {port.name} of block '{block.name}' reads signal '{signal}', which nothing drives; "
+                    f"{nearest(signal, known)}; or declare it with inputs=['{signal}']"
+                )
+    for signal in inputs:
+        if signal not in read:
+            raise WiringError(
+                f"the diagram declares an input '{signal}' that no block reads; {nearest(signal, sorted(read))}"
+            )
+    for signal in outputs:
+        if signal not in driven:
+            raise WiringError(
+                f"the diagram declares an output '{signal}' that nothing drives; {nearest(signal, list(driven))}"
+            )
+    for block in blocks:
+        if not block.ports_in and not any(s in read or s in outputs for s in block.output_labels):
+            wanted = nearest(block.output_labels[0], sorted(read))
+            raise WiringError(
+                f"no block reads '{block.output_labels[0]}' from source '{block.name}'; {wanted}; "
+                f"remove the source, or name the signal in outputs="
+            )
+
+
+def check_units(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) -> dict[str, str]:
+    """Return signal -> unit; refuse a signal whose ports state different units ("" fits every unit)."""
+    stated: dict[str, dict[str, str]] = {}
+    for block in blocks:
+        ports = [*zip(block.ports_in, block.input_labels, strict=True)]
+        ports += zip(block.ports_out, block.output_labels, strict=True)
+        for port, signal in ports:
+            unit = block.units[port.name]
+            if unit:
+                stated.setdefault(signal, {})[unit] = f"{port.name} of '{block.name}'"
+    for signal, units in stated.items():
+        if len(units) > 1:
+            said = "; ".join(f"{where} is in [{unit}]" for unit, where in units.items())
+            raise WiringError(
+                f"signal '{signal}' has mismatched units: {said}; convert with a Gain block, or correct units="
+            )
+    return {signal: next(iter(stated[signal])) if signal in stated else "" for signal in driven}
+
+
+def feeds_now(block: Block) -> bool:
+    """Return whether a block's outputs depend on its inputs at the same instant."""
+    if block.dead_time_param and block.p[block.param_index(block.dead_time_param)] > 0.0:
+        return False
+    return block.kernels.feeds and bool(block.ports_in)
+
+
+def flow_order(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) -> list[int]:
+    """Return the blocks in signal-flow order; refuse algebraic loops, naming their signals."""
+    waits: dict[int, set[int]] = {}
+    for b, block in enumerate(blocks):
+        before = {driven[s][0] for s in block.input_labels if s in driven} if feeds_now(block) else set()
+        waits[b] = before
+    order: list[int] = []
+    done: set[int] = set()
+    while len(order) < len(blocks):
+        ready = [b for b in waits if b not in done and waits[b] <= done]
+        if not ready:
+            raise WiringError(_describe_loop(blocks, driven, {b: waits[b] - done for b in waits if b not in done}))
+        order += ready
+        done.update(ready)
+    return order
+
+
+def _describe_loop(
+    blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], waits: Mapping[int, Iterable[int]]
+) -> str:
+    path: list[int] = []
+    b = next(iter(waits))
+    while b not in path:
+        path.append(b)
+        b = next(iter(waits[b]))
+    loop = path[path.index(b) :][::-1]
+    parts = []
+    for here, there in zip(loop, [*loop[1:], loop[0]], strict=True):
+        signal = next(s for s in blocks[there].input_labels if driven.get(s, (-1, 0))[0] == here)
+        parts.append(f"'{blocks[here].name}' -({signal})-> ")
+    return (
+        f"algebraic loop: {''.join(parts)}'{blocks[loop[0]].name}'; every loop needs one block whose output does not "
+        f"follow its input at once (a lag, an integrator, a dead time)"
+    )
