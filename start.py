@@ -1,0 +1,63 @@
+"""Set up stickslip in its own virtual environment and run it; needs nothing but Python 3.11 or later.
+
+python3 start.py              the demonstration: five short stories and one HTML page
+python3 start.py demo --help  any stickslip command follows the same way
+python3 start.py test         the tests, exactly as continuous integration runs them
+"""
+
+import hashlib
+import os
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+HOME = Path(os.environ.get("STICKSLIP_VENV", ROOT / ".venv"))
+BIN = HOME / ("Scripts" if os.name == "nt" else "bin")
+
+TEST_STEPS = [
+    ["ruff", "check", "."],
+    ["ruff", "format", "--check", "."],
+    ["mypy"],
+    ["python", "-m", "benchmarks.simulate", "--quick"],
+    ["python", "-m", "pytest", "-n", "auto", "-q"],
+]
+
+
+def installed(extra: str) -> None:
+    """Create the environment if needed and install the checkout, editable, unless that is already done."""
+    wanted = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest() + extra
+    stamp = HOME / "stickslip-installed"
+    if stamp.exists() and stamp.read_text() in (wanted, wanted.removesuffix(extra) + "[test]"):
+        return
+    print(f"setting up {HOME} (once, about a minute)", flush=True)
+    venv.create(HOME, with_pip=True, clear=HOME.exists() and not stamp.exists())
+    pip = [str(BIN / "python"), "-m", "pip", "--disable-pip-version-check", "install", "-q", "-e", f"{ROOT}{extra}"]
+    subprocess.run(pip, check=True)
+    stamp.write_text(wanted)
+
+
+def main() -> int:
+    """Run one of the two jobs; return its exit code."""
+    if sys.version_info < (3, 11):
+        print(f"Python {sys.version.split()[0]} is too old: stickslip needs 3.11 or later", file=sys.stderr)
+        return 2
+    arguments = sys.argv[1:] or ["demo"]
+    try:
+        installed("[test]" if arguments == ["test"] else "")
+    except subprocess.CalledProcessError as failure:
+        print(f"installing failed (exit code {failure.returncode}); the lines above say why", file=sys.stderr)
+        return 2
+    if arguments != ["test"]:
+        return subprocess.run([str(BIN / "python"), "-m", "stickslip", *arguments], check=False).returncode
+    for step in TEST_STEPS:
+        print("+", *step, flush=True)
+        code = subprocess.run([str(BIN / step[0]), *step[1:]], cwd=ROOT, check=False).returncode
+        if code:
+            return code
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,20 @@
+"""Entry point: checks that our packages are the ones Python finds, then hands over to the commands."""
+
+import sys
+
+from stickslip.shadow import shadowed
+
+
+def main() -> None:
+    """Run the command line; never a traceback for a user's mistake."""
+    trouble = shadowed()
+    if trouble:
+        print(trouble, file=sys.stderr)
+        raise SystemExit(2)
+    from stickslip.cli import cli
+
+    cli.main(prog_name="stickslip")
+
+
+if __name__ == "__main__":
+    main()

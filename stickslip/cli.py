@@ -1,0 +1,53 @@
+"""The commands; each lives in a file of its own and imports what it needs only when it runs."""
+
+import importlib
+
+import click
+
+COMMANDS = {
+    "demo": "five short stories with known truth, and two real loops, as one HTML page",
+    "check": "read one loop from a file and say whether its valve sticks",
+    "simulate": "run a named case and compare its numbers with the published ones",
+}
+
+HELP = """Sticky control valves: simulate them, find them in routine data.
+
+\b
+Start here:
+  stickslip demo                      see what this is about (writes stickslip-demo/index.html)
+  stickslip check my_loop.csv         is the valve sticking? in words first
+  stickslip check my_loop.csv --op OUT.CV --pv PV.CV --process integrating
+  stickslip simulate ideal_high       the thesis's loop: published beside reproduced
+
+\b
+A file for 'check' is CSV or Parquet with a time column and OP (controller output),
+PV (measurement) and, if logged, SP (set point), MV (stem position), MODE.
+Everything that is guessed is printed; options take over where a guess is wrong.
+
+\b
+Exit codes: 0 done, 1 done and stiction found, 2 the input cannot be read or the
+request makes no sense.
+"""
+
+
+class Lazy(click.Group):
+    """A group that imports a command's file only when the command is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f"stickslip.{name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=Lazy, help=HELP, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="stickslip")
+def cli() -> None:
+    """Group of all commands."""

@@ -1,0 +1,109 @@
+"""One HTML page that opens offline: no script, no request, pictures inside as SVG."""
+
+import html
+import io
+import re
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+CSS = """
+:root { color-scheme: light; --ink: #1d2733; --soft: #5b6875; --line: #dfe4ea; --bg: #f6f8fa; }
+* { box-sizing: border-box; }
+body { font: 16px/1.55 system-ui, -apple-system, "Segoe UI", Roboto, Arial, sans-serif; color: var(--ink);
+  background: var(--bg); margin: 0; }
+main { max-width: 1040px; margin: 0 auto; padding: 32px 20px 64px; }
+h1 { font-size: 30px; margin: 0 0 6px; letter-spacing: -0.01em; }
+h2 { font-size: 20px; margin: 0; }
+.lead { color: var(--soft); margin: 0 0 22px; max-width: 72ch; }
+article { background: #fff; border: 1px solid var(--line); border-radius: 10px; padding: 20px 22px; margin: 18px 0; }
+header.row { display: flex; gap: 12px; align-items: baseline; flex-wrap: wrap; }
+.badge { font-size: 13px; font-weight: 650; padding: 2px 10px; border-radius: 99px; border: 1px solid transparent; }
+.stiction { background: #fdecea; color: #96231c; border-color: #f3c1bc; }
+.no_stiction { background: #e8f5ec; color: #1c6b38; border-color: #bfe2cb; }
+.inconclusive, .not_applicable { background: #fff6e0; color: #7a5600; border-color: #f0dca8; }
+.truth { color: var(--soft); font-size: 14px; }
+.reason { margin: 10px 0 4px; max-width: 80ch; }
+.story { color: var(--soft); margin: 6px 0; max-width: 80ch; }
+ul.notes { color: var(--soft); font-size: 14px; margin: 8px 0; padding-left: 18px; }
+figure { margin: 14px 0 0; } figure svg { width: 100%; height: auto; }
+table { border-collapse: collapse; margin: 6px 0 0; font-size: 14.5px; width: 100%; }
+th, td { text-align: left; padding: 6px 10px 6px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
+th { color: var(--soft); font-weight: 600; }
+a { color: #1f5fa8; } footer { color: var(--soft); font-size: 13.5px; margin-top: 28px; }
+@media print { body { background: #fff; } article { break-inside: avoid; } }
+"""
+
+
+@dataclass
+class Section:
+    """One article: title, verdict in a badge, a reason, and what helps to believe it."""
+
+    title: str
+    badge: str
+    kind: str
+    reason: str
+    story: str = ""
+    truth: str = ""
+    notes: list[str] = field(default_factory=list)
+    figures: list[str] = field(default_factory=list)
+
+
+def page(title: str, lead: str, sections: Sequence[Section], table: Sequence[Sequence[str]] = ()) -> str:
+    """Return the whole page; the first row of ``table`` is its head and each row links to its section."""
+    parts = [
+        "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
+        "<meta name='viewport' content='width=device-width, initial-scale=1'>",
+        f"<title>{html.escape(title)}</title><style>{CSS}</style></head><body><main>",
+        f"<h1>{html.escape(title)}</h1>",
+        f"<p class='lead'>{html.escape(lead)}</p>" if lead else "",
+    ]
+    if table:
+        parts.append(_table(table))
+    for number, section in enumerate(sections):
+        parts.append(_article(number, section))
+    parts.append(
+        "<footer>Written by stickslip. This page needs no network and no script.</footer></main></body></html>"
+    )
+    return "\n".join(part for part in parts if part)
+
+
+def _table(rows: Sequence[Sequence[str]]) -> str:
+    head = "".join(f"<th>{html.escape(cell)}</th>" for cell in rows[0])
+    body = ""
+    for number, row in enumerate(rows[1:]):
+        first = f"<td><a href='#s{number}'>{html.escape(row[0])}</a></td>"
+        body += f"<tr>{first}{''.join(f'<td>{html.escape(cell)}</td>' for cell in row[1:])}</tr>"
+    return f"<article><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></article>"
+
+
+def _article(number: int, section: Section) -> str:
+    notes = "".join(f"<li>{html.escape(note)}</li>" for note in section.notes)
+    figures = "".join(f"<figure>{svg}</figure>" for svg in section.figures)
+    return (
+        f"<article id='s{number}'><header class='row'><h2>{html.escape(section.title)}</h2>"
+        f"<span class='badge {section.kind}'>{html.escape(section.badge)}</span>"
+        + (f"<span class='truth'>{html.escape(section.truth)}</span>" if section.truth else "")
+        + "</header>"
+        + (f"<p class='story'>{html.escape(section.story)}</p>" if section.story else "")
+        + f"<p class='reason'>{html.escape(section.reason)}</p>"
+        + (f"<ul class='notes'>{notes}</ul>" if notes else "")
+        + figures
+        + "</article>"
+    )
+
+
+def figure_to_svg(figure: "Figure") -> str:
+    """Return a figure as SVG text fit for inlining: no prolog, and ids that clash with no other picture."""
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", bbox_inches="tight", metadata={"Date": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    own = f"f{zlib.crc32(text.encode()):08x}"
+    text = re.sub(r'\bid="([^"]+)"', rf'id="{own}-\1"', text)
+    text = re.sub(r"url\(#([^)]+)\)", rf"url(#{own}-\1)", text)
+    return re.sub(r'href="#([^"]+)"', rf'href="#{own}-\1"', text)
