@@ -1,0 +1,39 @@
+"""Published experiments as named cases, with published, analytic and reproduced numbers side by side.
+
+>>> from cases import find, names
+>>> names()
+('ideal_high', 'ideal_normal', 'ideal_half_gain', 'ideal_integrating', 'sine')
+>>> find("sine").duration
+600.0
+"""
+
+import difflib
+
+from cases.case import Case, Number
+
+__all__ = ["Case", "CaseError", "Number", "find", "names"]
+
+
+class CaseError(ValueError):
+    """There is no case of that name."""
+
+
+def _all() -> dict[str, Case]:
+    from cases.ideal import CASES_BY_NAME
+
+    return dict(CASES_BY_NAME)
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of all cases."""
+    return tuple(_all())
+
+
+def find(name: str) -> Case:
+    """Return a case by name; raise ``CaseError`` with the nearest names if there is none."""
+    known = _all()
+    if name not in known:
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean '{close[0]}'? " if close else ""
+        raise CaseError(f"there is no case '{name}'; {hint}known: {', '.join(known)}")
+    return known[name]

@@ -1,0 +1,131 @@
+"""How fast and how right is the engine, with its peers in the same run.
+
+    python -m benchmarks.simulate [--quick] [--json FILE]
+
+The subject is ``ideal_high``: the thesis's loop with the full-mass stem, 600 s, 6001 log rows, one in-process
+call of ``plant.simulate``.  Peers solve the same problem: hand-written C, python-control's own response of its
+best twin (it knows no events), PathSim with its zero-crossing events.  ``X_over_ideal`` is the peer's time over
+ours; every peer's error is printed beside it.
+"""
+
+import os
+import subprocess
+import sys
+import time
+import warnings
+
+import numpy as np
+
+from benchmarks.report import Figures, median_seconds, options, publish
+from cases import find
+from cases.exact import exact_run
+from plant import simulate, wire
+from plant.ensemble import ensemble
+from plant.loops import self_regulating_loop
+
+NOTES = {
+    "ideal_error": "largest error in e against the exact automaton (required: below 1e-6)",
+    "ideal_s": "one simulation with its log, median [s]",
+    "ideal_over_c": "our time over hand-written C's (required: at most 4)",
+    "c_error": "the C program's largest error in e",
+    "control_over_ideal": "python-control's time over ours (required: at least 1000)",
+    "control_error": "python-control's largest error in e",
+    "pathsim_over_ideal": "PathSim's time over ours (required: at least 1000)",
+    "pathsim_error": "PathSim's largest error in e",
+    "fifty_loops_s": "50 different loops in one diagram, 600 s [s] (required: at most 0.5)",
+    "scaling_exponent": "cost ~ N^this from 1 to 200 loops (required: at most 1.2)",
+    "ensemble_1000_s": "1000 members of the ideal loop, all signals kept [s] (required: at most 3)",
+    "simulate_process_s": "whole process 'stickslip simulate ideal_high', warm cache [s] (required: at most 2.0)",
+    "help_process_s": "whole process 'stickslip --help' [s] (required: at most 0.3)",
+}
+
+
+def many_loops(count: int):
+    """Return ``count`` ideal loops in one diagram, friction spread so that events fall apart."""
+    friction = np.linspace(1900.0, 2250.0, count)
+    return wire([self_regulating_loop(F_s=float(F_s), name=f"loop{i}") for i, F_s in enumerate(friction)])
+
+
+def process_seconds(arguments: list[str], repeats: int) -> float:
+    """Return the median wall time of a whole ``stickslip`` process [s]."""
+    command = [sys.executable, "-m", "stickslip", *arguments]
+    return median_seconds(lambda: subprocess.run(command, check=True, capture_output=True), repeats)
+
+
+def main() -> None:
+    """Measure everything and print it."""
+    chosen = options(__doc__.splitlines()[0])
+    repeats = 5 if chosen.quick else 30
+    case = find("ideal_high")
+    loop = case.build()
+    exact = exact_run()
+    figures: Figures = {}
+
+    def ours():
+        return simulate(loop, case.duration, every=case.every)
+
+    run = ours()
+    figures["ideal_error"] = float(np.max(np.abs(run.log["SP"] - run.log["PV"] - exact.e)))
+    figures["ideal_s"] = ideal = median_seconds(ours, repeats)
+    figures |= c_figures(ideal, exact.e, repeats)
+    if not chosen.quick:
+        figures |= control_figures(ideal, exact.e)
+        figures |= pathsim_figures(ideal, exact.e)
+
+    sizes = (1, 10, 50) if chosen.quick else (1, 5, 20, 50, 100, 200)
+    costs = []
+    for count in sizes:
+        diagram = many_loops(count)
+        costs.append(median_seconds(lambda d=diagram: simulate(d, 600.0, every=0.1), 5))
+    figures["fifty_loops_s"] = costs[sizes.index(50)]
+    figures["scaling_exponent"] = float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
+
+    members = 100 if chosen.quick else 1000
+    spread = {"valve.F_s": np.linspace(1750.0, 2250.0, members)}
+    begin = time.perf_counter()
+    result = ensemble(loop, case.duration, params=spread, every=case.every)
+    figures[f"ensemble_{members}_s"] = time.perf_counter() - begin
+    figures["ensemble_failed"] = int(np.sum(np.asarray(result.status) != 0))
+
+    figures["simulate_process_s"] = process_seconds(["simulate", "ideal_high"], 3 if chosen.quick else 7)
+    figures["help_process_s"] = process_seconds(["--help"], 3 if chosen.quick else 7)
+    figures["cores"] = os.cpu_count()
+    publish(figures, NOTES, chosen.json)
+
+
+def c_figures(ideal: float, exact_e: np.ndarray, repeats: int) -> Figures:
+    """Return the figures of the hand-written C program."""
+    from benchmarks.peers import c_loop
+
+    try:
+        once = c_loop.prepare()
+    except c_loop.NoCompiler as reason:
+        print(reason, file=sys.stderr)
+        return {"ideal_over_c": None, "c_error": None}
+    error = float(np.max(np.abs(once().e - exact_e)))
+    return {"ideal_over_c": ideal / median_seconds(once, repeats), "c_error": error}
+
+
+def control_figures(ideal: float, exact_e: np.ndarray) -> Figures:
+    """Return the figures of python-control's own response."""
+    from benchmarks.peers import python_control
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        _, e, seconds = python_control.run()
+    return {"control_over_ideal": seconds / ideal, "control_error": float(np.max(np.abs(e - exact_e)))}
+
+
+def pathsim_figures(ideal: float, exact_e: np.ndarray) -> Figures:
+    """Return the figures of PathSim."""
+    try:
+        from benchmarks.peers import pathsim_loop
+    except ImportError as reason:
+        print(f"PathSim is SKIPPED: {reason}; install the extra 'bench'", file=sys.stderr)
+        return {"pathsim_over_ideal": None, "pathsim_error": None}
+    log = pathsim_loop.run()
+    return {"pathsim_over_ideal": log.seconds / ideal, "pathsim_error": float(np.max(np.abs(log.e - exact_e)))}
+
+
+if __name__ == "__main__":
+    main()

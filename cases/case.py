@@ -1,0 +1,53 @@
+"""A case: a diagram that reproduces a published experiment, and its numbers side by side."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from plant.diagram import Diagram
+    from plant.simulate import Run
+
+
+@dataclass(frozen=True)
+class Number:
+    """One quantity three times: as published, from theory, and as reproduced here.
+
+    ``published`` and ``analytic`` are None where nobody printed or derived one.  ``spread`` is the standard
+    deviation of the reproduced value where it is a mean.  ``note`` explains any difference in a sentence.
+    """
+
+    quantity: str
+    unit: str
+    published: float | None
+    analytic: float | None
+    reproduced: float
+    spread: float | None = None
+    source: str = ""
+    note: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the number as plain values for JSON."""
+        return dict(self.__dict__)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A named case: what it shows, how to build and run it, and how to compute its numbers.
+
+    ``numbers`` takes no argument because some numbers need other starts or parameters than the plain run.
+    """
+
+    name: str
+    title: str
+    about: str
+    build: Callable[[], "Diagram"]
+    duration: float
+    every: float
+    numbers: Callable[[], Sequence[Number]]
+
+    def run(self, **changes: Any) -> "Run":
+        """Simulate the case; keywords go to ``plant.simulate`` (e.g. ``params={"valve.F_s": 1750.0}``)."""
+        from plant import simulate
+
+        return simulate(self.build(), self.duration, every=self.every, **changes)

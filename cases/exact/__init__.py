@@ -1,0 +1,35 @@
+"""Loops whose answer is known without any simulator: the oracle the engine is measured against."""
+
+from cases.exact.closed_form import (
+    closed_form_R,
+    cycle_period,
+    oscillating_references,
+    symmetric_error,
+    symmetric_start,
+)
+from cases.exact.ideal_loop import ExactRun, StemEvent, exact_run
+from cases.exact.parameters import (
+    IDEAL_HALF_GAIN,
+    IDEAL_HIGH,
+    IDEAL_NORMAL,
+    INTEGRATOR_HIGH,
+    ExactLoop,
+    ExactLoopError,
+)
+
+__all__ = [
+    "IDEAL_HALF_GAIN",
+    "IDEAL_HIGH",
+    "IDEAL_NORMAL",
+    "INTEGRATOR_HIGH",
+    "ExactLoop",
+    "ExactLoopError",
+    "ExactRun",
+    "StemEvent",
+    "closed_form_R",
+    "cycle_period",
+    "exact_run",
+    "oscillating_references",
+    "symmetric_error",
+    "symmetric_start",
+]
