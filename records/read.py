@@ -1,0 +1,256 @@
+"""Reading records: a CSV, text or Parquet file becomes a log or one control loop."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from records.assemble import assemble, layout_of
+from records.columns import choose_columns
+from records.errors import LogError, ReadError
+from records.heading import Heading, parse_heading
+from records.log import Log
+from records.loop import LoopRecord
+from records.source import decoded, file_bytes, is_parquet
+from records.spans import guess_op_span
+from records.table import Table, parse_table
+from records.tags import Process, measurement_of, process_of, tag_in
+
+__all__ = ["ReadError", "read_log", "read_loop"]
+
+
+def read_log(
+    path: str | os.PathLike[str],
+    *,
+    columns: Mapping[str, str] | None = None,
+    time: str | None = None,
+    decimal: str | None = None,
+    separator: str | None = None,
+    time_format: str | None = None,
+    interval: float | None = None,
+) -> Log:
+    """Read a CSV, text or Parquet file as a log.
+
+    Parameters
+    ----------
+    path : path
+        The file. Parquet is told by its content, not by its name.
+    columns : mapping, optional
+        Name in the log -> column (or tag of a long table) in the file; only these are read. Otherwise every
+        column with numbers is read under its own name.
+    time : str, optional
+        Column of the time.
+    decimal, separator : str, optional
+        Decimal mark and the character between cells, found from the file when not given.
+    time_format : str, optional
+        strptime format of the time stamps.
+    interval : float, optional
+        Seconds between rows [s], for files without a usable time.
+
+    Returns a Log whose notes say what was assumed. A clock time becomes seconds from the first row and `start`.
+
+    Raises ReadError if the file cannot be read as a table of signals over time.
+
+    >>> import tempfile, pathlib
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "trend.csv"
+    >>> _ = file.write_text("time;FIC211.PV;FIC211.OP\\ns;m3/h;%\\n0;4,0;50\\n1;Bad Input;51\\n")
+    >>> log = read_log(file)
+    >>> log.names, log.units["FIC211.PV"], log.good("FIC211.PV").tolist()
+    (('FIC211.PV', 'FIC211.OP'), 'm3/h', [True, False])
+    """
+    with _named(path):
+        table, heading = _opened(path, separator)
+        layout = layout_of(table, heading, time, decimal, time_format, interval)
+        return _with_origin(assemble(layout, columns), path, heading)
+
+
+def read_loop(
+    path: str | os.PathLike[str],
+    *,
+    sp: str | None = None,
+    pv: str | None = None,
+    op: str | None = None,
+    mv: str | None = None,
+    mode: str | None = None,
+    loop: str | None = None,
+    name: str | None = None,
+    process: Process | None = None,
+    op_span: tuple[float, float] | None = None,
+    time: str | None = None,
+    decimal: str | None = None,
+    separator: str | None = None,
+    time_format: str | None = None,
+    interval: float | None = None,
+) -> LoopRecord:
+    """Read one control loop from a CSV, text or Parquet file.
+
+    Parameters
+    ----------
+    sp, pv, op, mv, mode : str, optional
+        Columns (or tags) of the signals; guessed from their names when not given, "" leaves one out.
+    loop : str, optional
+        Tag of the loop, for a file with several.
+    name : str, optional
+        Name to give the loop; otherwise its tag, or the name of the file.
+    process : {"self_regulating", "integrating", "unknown"}, optional
+        Otherwise told from the first letter of the tag: levels integrate.
+    op_span : (low, high), optional
+        Span of OP in its unit; otherwise told from its unit or its values.
+    time, decimal, separator, time_format, interval
+        As for `read_log`.
+
+    Returns a LoopRecord whose signals are called SP, PV, OP, MV and MODE and whose notes say what was assumed.
+
+    Raises ReadError as `read_log` does, and if the loop cannot be told.
+
+    >>> import tempfile, pathlib
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "trend.csv"
+    >>> _ = file.write_text("time,LIC7.SP,LIC7.PV,LIC7.OP\\n0,40,41,55.5\\n10,40,42,55\\n20,40,42,54.5\\n")
+    >>> record = read_loop(file)
+    >>> record.name, record.measurement, record.process, record.op_percent
+    ('LIC7', 'level', 'integrating', array([55.5, 55. , 54.5]))
+    """
+    with _named(path):
+        if op_span is not None:
+            _check_span(op_span)
+        table, heading = _opened(path, separator)
+        layout = layout_of(table, heading, time, decimal, time_format, interval)
+        given = {"sp": sp, "pv": pv, "op": op, "mv": mv, "mode": mode}
+        roles = choose_columns(layout.names, given, loop)
+        parts = {"SP": roles.sp, "PV": roles.pv, "OP": roles.op, "MV": roles.mv, "MODE": roles.mode}
+        wanted = {part: column for part, column in parts.items() if column is not None}
+        log = assemble(layout, wanted, [roles.mode] if roles.mode else [])
+        log = _with_origin(log, path, heading)
+        notes = [f"{c!r} is read as {part}." for part, c in wanted.items() if _differs(c, part, roles.loop)]
+        notes += roles.notes
+        if "MODE" in log and not np.isfinite(log["MODE"]).any():
+            log = _without(log, "MODE")
+        log, found = _with_spans(log, op_span, own=heading is not None)
+        notes += found
+        stem = Path(path).stem
+        tag = roles.loop or tag_in(stem)
+        measurement = measurement_of(tag) or measurement_of(roles.pv)
+        if process is None:
+            process = process_of(measurement)
+            notes.append(_about_process(measurement, tag, process))
+        return LoopRecord(
+            log=replace(log, notes=(*log.notes, *(note for note in notes if note not in log.notes))),
+            name=name or roles.loop or stem,
+            sp_name="SP" if "SP" in log else None,
+            pv_name="PV",
+            op_name="OP",
+            mv_name="MV" if "MV" in log else None,
+            mode_name="MODE" if "MODE" in log else None,
+            process=process,
+            measurement=measurement,
+        )
+
+
+@contextmanager
+def _named(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Put the file's name in front of a complaint."""
+    try:
+        yield
+    except (ReadError, LogError) as fault:
+        raise ReadError(f"{os.fspath(path)}: {fault}") from None
+
+
+def _opened(path: str | os.PathLike[str], separator: str | None) -> tuple[Table, Heading | None]:
+    raw = file_bytes(path)
+    if is_parquet(raw):
+        return _parquet(raw)
+    text = decoded(raw)
+    head = [line[1:].strip() for line in text[:200_000].split("\n") if line.startswith("#")]
+    heading = parse_heading(head)
+    table = parse_table(text, separator, split_units=heading is None)
+    if heading is not None:  # the time column of our own files says its unit
+        first = table.frame.columns[0]
+        table = replace(table, frame=table.frame.rename({first: "time"}), units={"time": "s"})
+    return table, heading
+
+
+def _parquet(raw: bytes) -> tuple[Table, Heading | None]:
+    import polars as pl
+
+    try:
+        frame = pl.read_parquet(io.BytesIO(raw))
+        text = pl.read_parquet_metadata(io.BytesIO(raw)).get("stickslip", "")
+    except (pl.exceptions.PolarsError, OSError) as fault:
+        raise ReadError(f"the Parquet file is damaged ({fault}); export it again") from None
+    if frame.width < 2:
+        raise ReadError(f"the file has only {frame.width} column; a record needs a time and a signal")
+    heading = parse_heading(text.split("\n"))
+    units: dict[str, str] = {}
+    if heading is not None:
+        frame = frame.rename({frame.columns[0]: "time"})
+        units = {"time": "s"}
+    return Table(frame, list(range(1, frame.height + 1)), units), heading
+
+
+def _with_origin(log: Log, path: str | os.PathLike[str], heading: Heading | None) -> Log:
+    if heading is not None:
+        return replace(log, origin=heading.origin, notes=(*heading.notes, *log.notes))
+    return replace(log, origin=f"read from {Path(path).name}")
+
+
+def _differs(column: str, part: str, loop: str) -> bool:
+    """Whether the reader had to interpret: FIC211.PV of the loop FIC211 is plain, PID1/OUT.CV is not."""
+    rest = column.casefold().replace(loop.casefold(), "", 1) if loop else column.casefold()
+    return rest.strip(" ._/\\:-") != part.casefold()
+
+
+def _without(log: Log, name: str) -> Log:
+    return replace(
+        log,
+        signals={key: values for key, values in log.signals.items() if key != name},
+        units={key: unit for key, unit in log.units.items() if key != name},
+        spans={key: span for key, span in log.spans.items() if key != name},
+        quality={key: mask for key, mask in log.quality.items() if key != name},
+    )
+
+
+def _check_span(span: tuple[float, float]) -> None:
+    low, high = (float(limit) for limit in span)
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        raise ReadError(
+            f"op_span = ({low:g}, {high:g}) is empty or turned round; give finite low < high, "
+            "and turn the signal itself for an air-to-close valve"
+        )
+
+
+def _with_spans(log: Log, op_span: tuple[float, float] | None, *, own: bool) -> tuple[Log, list[str]]:
+    """The log with the span of OP, and that of MV where it moves on the same scale."""
+    notes: list[str] = []
+    unit = log.units.get("OP", "")
+    span: tuple[float, float] | None
+    if op_span is not None:
+        span = (float(op_span[0]), float(op_span[1]))
+    elif own or "OP" in log.spans:
+        return log, notes
+    else:
+        span, unit, note = guess_op_span(log["OP"][log.good("OP")], unit)
+        notes += [note] if note else []
+    if span is None:
+        return log, notes
+    units = dict(log.units) | ({"OP": unit} if unit else {})
+    spans = dict(log.spans) | {"OP": span}
+    if "MV" in log and "MV" not in spans and units.get("MV", unit) == unit:
+        seen = log["MV"][log.good("MV")]
+        margin = 0.05 * (span[1] - span[0])
+        if len(seen) and span[0] - margin <= seen.min() and seen.max() <= span[1] + margin:
+            spans["MV"] = span
+            units |= {"MV": unit} if unit else {}
+    return replace(log, units=units, spans=spans), notes
+
+
+def _about_process(measurement: str, tag: str, process: str) -> str:
+    if not measurement:
+        return "The tag does not tell what is measured: the process is taken as unknown."
+    kind = "integrating" if process == "integrating" else "self-regulating"
+    return f"The process is taken as {kind}: {tag or 'the tag of PV'} is a {measurement} loop."

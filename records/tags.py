@@ -1,0 +1,60 @@
+"""What an instrument tag says about its loop (ISA-5.1: the first letter is the measured variable)."""
+
+from __future__ import annotations
+
+import re
+from typing import Literal
+
+__all__ = ["Process", "measurement_of", "process_of", "tag_in"]
+
+Process = Literal["self_regulating", "integrating", "unknown"]
+
+_MEASURED = {
+    "F": "flow",
+    "L": "level",
+    "P": "pressure",
+    "T": "temperature",
+    "A": "analyser",
+    "Q": "analyser",
+}
+
+# First letter, an optional modifier (difference, ratio, total), then the functions, then the number.
+# AI and QI are left out: in most control systems they are analogue inputs, not analysers.
+_TAG = re.compile(
+    r"(?<![A-Za-z])(?P<tag>(?P<first>[FLPT])[DFQK]?[ICRTYV]{1,3}[-_ ]?\d+[A-Za-z]?(?![A-Za-z])"
+    r"|(?P<quality>[AQ])(?:IC|RC|C|T|IT)[-_ ]?\d+[A-Za-z]?(?![A-Za-z]))",
+    re.IGNORECASE,
+)
+
+
+def tag_in(text: str) -> str:
+    """The first instrument tag found in `text`, "" when there is none.
+
+    >>> tag_in("12-FIC-211.PV"), tag_in("LIC31102B_20240823_2155"), tag_in("CHEM1")
+    ('FIC-211', 'LIC31102B', '')
+    """
+    found = _TAG.search(text)
+    return found["tag"] if found else ""
+
+
+def measurement_of(tag: str) -> str:
+    """The measured variable by the first letter of the tag in `tag`, "" when it cannot be told.
+
+    >>> [measurement_of(tag) for tag in ("FC145", "LIC106", "12-PIC-7", "TIC_1203A", "AC1", "PAP2")]
+    ['flow', 'level', 'pressure', 'temperature', 'analyser', '']
+    """
+    found = _TAG.search(tag)
+    if not found:
+        return ""
+    return _MEASURED[(found["first"] or found["quality"]).upper()]
+
+
+def process_of(measurement: str) -> Process:
+    """The usual kind of process behind a measurement: levels integrate, the others settle.
+
+    >>> process_of("level"), process_of("flow"), process_of("")
+    ('integrating', 'self_regulating', 'unknown')
+    """
+    if measurement == "level":
+        return "integrating"
+    return "self_regulating" if measurement else "unknown"
