@@ -1,13 +1,30 @@
-"""Deterministic signals: constant and step (more in the sibling files of this room).
+"""Signals without a period: constant, step and ramp.
 
-step   y = before for t < at, else after
+    constant   y = value
+    step       y = before for t < at, else after
+    ramp       y = before + slope (clip(t, start, end) - start)
+
+out  the signal named first, in the unit given.  The instants of steps and kinks are announced to the engine, so
+that no integration step crosses them.  Valid for any finite numbers.  See also: periodic, recorded, noise.
 """
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
-from blocks.ports import Port
+from blocks.ports import Port, require
+
+
+def finite(params: Mapping[str, float], name: str, *keys: str) -> None:
+    """Raise ``BlockError`` unless the named parameters are finite numbers."""
+    for key in keys:
+        value = float(params[key])
+        require(math.isfinite(value), name, key, value, "it must be a finite number", f"give {key} a number")
+
+
+def _constant_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = p[0]
 
 
 def _step_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -16,6 +33,35 @@ def _step_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 def _step_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
     out[0] = p[2] if t < p[2] else math.inf
+
+
+def _ramp_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = p[0] + p[1] * (min(max(t, p[2]), p[3]) - p[2])
+
+
+def _ramp_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
+    if t < p[2]:
+        out[0] = p[2]
+    else:
+        out[0] = p[3] if t < p[3] else math.inf
+
+
+class Constant(Block):
+    """A signal that never changes: ``value``.
+
+    >>> float(Constant("SP", 0.5).output(7.0, [], [])[0])
+    0.5
+    """
+
+    ports_out = (Port("out"),)
+    kernels = Kernels(out=_constant_out, feeds=False)
+
+    def __init__(self, signal: str, value: float, *, unit: str = "", name: str = "") -> None:
+        super().__init__(name=name or signal, params={"value": value}, outputs=signal, units={"out": unit})
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        finite(params, name, "value")
 
 
 class Step(Block):
@@ -37,3 +83,46 @@ class Step(Block):
             outputs=signal,
             units={"out": unit},
         )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        finite(params, name, "before", "after")
+        at = float(params["at"])
+        require(not math.isnan(at), name, "at", at, "it must be a time", "give at= in seconds")
+
+
+class Ramp(Block):
+    """A ramp: ``before`` until ``start`` [s], then ``slope`` [unit/s] until ``end`` [s] (default: for ever).
+
+    >>> feed = Ramp("Z_I", slope=-0.12 / 720, before=0.37, end=720.0)
+    >>> [round(float(feed.output(t, [], [])[0]), 4) for t in (0.0, 360.0, 720.0, 900.0)]
+    [0.37, 0.31, 0.25, 0.25]
+    """
+
+    ports_out = (Port("out"),)
+    kernels = Kernels(out=_ramp_out, next_time=_ramp_next, feeds=False)
+
+    def __init__(
+        self,
+        signal: str,
+        slope: float,
+        *,
+        start: float = 0.0,
+        end: float = math.inf,
+        before: float = 0.0,
+        unit: str = "",
+        name: str = "",
+    ) -> None:
+        super().__init__(
+            name=name or signal,
+            params={"before": before, "slope": slope, "start": start, "end": end},
+            outputs=signal,
+            units={"out": unit},
+        )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        finite(params, name, "before", "slope", "start")
+        start, end = float(params["start"]), float(params["end"])
+        rule = f"a ramp cannot end before its start at {start} s"
+        require(end >= start, name, "end", end, rule, "give an end after start")

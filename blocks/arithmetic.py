@@ -1,0 +1,151 @@
+"""Sums, gains and limits of signals.
+
+    sum    y = offset + w_1 u_1 + ... + w_n u_n
+    gain   y = offset + factor u
+    limit  y = low if u < low, high if u > high, else u
+
+in  the signals named, out the signal named first; no states.  A Limit declares its modes, so that the instants
+at which it takes hold and lets go are located and logged.  See also: sensor (gain, offset and limits in one).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block, Kernels
+from blocks.ports import Port, require
+from blocks.sources import finite
+
+
+def _sum_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    total = p[1]
+    for i in range(int(p[0])):
+        total += p[2 + i] * u[i]
+    y[0] = total
+
+
+def _gain_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = p[1] + p[0] * u[0]
+
+
+def _limit_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = min(max(u[0], p[0]), p[1])
+
+
+def _limit_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
+    if d[0] == 0.0:
+        g[0] = u[0] - p[1]
+        g[1] = p[0] - u[0]
+    else:
+        g[0] = p[1] - u[0] if d[0] > 0.0 else u[0] - p[0]
+        g[1] = -1.0
+
+
+def _limit_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
+    if d[0] != 0.0:
+        d[0] = 0.0
+    else:
+        d[0] = 1.0 if k[0] == 0.0 else -1.0
+
+
+class Sum(Block):
+    """A weighted sum of signals: ``weights`` maps each input signal to its factor.
+
+    The parameters are ``offset`` and one weight per input, under the name of the signal.
+
+    >>> e = Sum("e", {"SP": 1.0, "PV": -1.0})
+    >>> round(float(e.output(0.0, [], [0.5, 0.2])[0]), 6)
+    0.3
+    """
+
+    ports_out = (Port("out"),)
+    kernels = Kernels(out=_sum_out)
+
+    def __init__(
+        self, signal: str, weights: Mapping[str, float], *, offset: float = 0.0, unit: str = "", name: str = ""
+    ) -> None:
+        require(bool(weights), name or signal, "weights", weights, "a sum needs at least one input", "name one")
+        self.ports_in = tuple(Port(key) for key in weights)
+        super().__init__(
+            name=name or signal,
+            params={"n": len(weights), "offset": offset, **weights},
+            outputs=signal,
+            units={"out": unit},
+        )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        n, given = len(params) - 2, float(params["n"])
+        require(given == n, name, "n", given, f"the sum has {n} inputs", "make another Sum")
+        finite(params, name, *params)
+
+
+class Gain(Block):
+    """A factor and an offset: ``signal`` = offset + factor x ``source``, for example to change units.
+
+    >>> percent = Gain("OP_percent", "OP", 100.0, unit="%")
+    >>> float(percent.output(0.0, [], [0.25])[0])
+    25.0
+    """
+
+    ports_in = (Port("in"),)
+    ports_out = (Port("out"),)
+    kernels = Kernels(out=_gain_out)
+
+    def __init__(
+        self, signal: str, source: str, factor: float, *, offset: float = 0.0, unit: str = "", name: str = ""
+    ) -> None:
+        super().__init__(
+            name=name or signal,
+            params={"factor": factor, "offset": offset},
+            inputs=source,
+            outputs=signal,
+            units={"out": unit},
+        )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        finite(params, name, "factor", "offset")
+
+
+class Limit(Block):
+    """A limiter: ``signal`` is ``source`` kept within ``low`` ... ``high``.
+
+    >>> valve = Limit("x", "OP", low=0.0, high=1.0)
+    >>> [float(valve.output(0.0, [], [OP])[0]) for OP in (-0.2, 0.3, 1.4)]
+    [0.0, 0.3, 1.0]
+    """
+
+    ports_in = (Port("in"),)
+    ports_out = (Port("out"),)
+    kernels = Kernels(out=_limit_out, zc=_limit_zc, jump=_limit_jump, n_events=2)
+    modes = {"free": 0.0, "at high limit": 1.0, "at low limit": -1.0}
+
+    def __init__(
+        self,
+        signal: str,
+        source: str,
+        low: float = -math.inf,
+        high: float = math.inf,
+        *,
+        unit: str = "",
+        name: str = "",
+    ) -> None:
+        super().__init__(
+            name=name or signal,
+            params={"low": low, "high": high},
+            memory={"mode": 0.0},
+            inputs=source,
+            outputs=signal,
+            units={"in": unit, "out": unit},
+        )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        check_limits(params, name)
+
+
+def check_limits(params: Mapping[str, float], name: str) -> None:
+    """Raise ``BlockError`` unless ``low`` < ``high`` (either may be infinite)."""
+    low, high = float(params["low"]), float(params["high"])
+    require(low < high, name, "low", low, f"it must be below high = {high!r}", "exchange or correct the limits")

@@ -1,0 +1,144 @@
+"""Signals from a table: recorded data played back, and staircases.
+
+    previous   y = v_k                                              t_k <= t < t_(k+1)
+    linear     y = v_k + (v_(k+1) - v_k) (t - t_k)/(t_(k+1) - t_k)
+
+The ends hold: y = v_1 before t_1, y = v_n after t_n.  The table is block data (``p`` = n, linear, t_1 ... t_n,
+v_1 ... v_n); each value is found by binary search, nothing is remembered between calls.  Every t_k is announced to
+the engine, so playback is exact at the knots; n knots cost at least n integration steps.
+See also: sources, periodic.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from blocks.block import Block, Kernels
+from blocks.compiled import inline
+from blocks.ports import BlockError, Port, nearest, require
+
+HOLDS = {"previous": 0.0, "linear": 1.0}
+
+
+@inline
+def _passed(t: float, p: Any) -> int:
+    """Return how many of the knots lie at or before ``t``."""
+    low = 0
+    high = int(p[0])
+    while low < high:
+        mid = (low + high) // 2
+        if p[2 + mid] <= t:
+            low = mid + 1
+        else:
+            high = mid
+    return low
+
+
+def _recorded_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    n = int(p[0])
+    k = _passed(t, p)
+    at = 1 + n + k  # the value of the last knot passed
+    if k == 0:
+        y[0] = p[2 + n]
+    elif k == n or p[1] == 0.0:
+        y[0] = p[at]
+    else:
+        y[0] = p[at] + (p[at + 1] - p[at]) * ((t - p[1 + k]) / (p[2 + k] - p[1 + k]))
+
+
+def _recorded_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
+    k = _passed(t, p)
+    out[0] = p[2 + k] if k < int(p[0]) else math.inf
+
+
+class Recorded(Block):
+    """Recorded data: ``values`` at times ``t`` [s], joined by straight lines or held (``hold="previous"``).
+
+    Raises ``BlockError`` unless t (n,) strictly increases and values (n,) are finite.
+
+    >>> pv = Recorded("PV", [0.0, 1.0, 3.0], [5.0, 6.0, 4.0])
+    >>> [float(pv.output(t, [], [])[0]) for t in (-1.0, 0.5, 1.0, 2.0, 9.0)]
+    [5.0, 5.5, 6.0, 5.0, 4.0]
+    """
+
+    ports_out = (Port("out"),)
+    kernels = Kernels(out=_recorded_out, next_time=_recorded_next, feeds=False)
+
+    def __init__(
+        self,
+        signal: str,
+        t: ArrayLike,
+        values: ArrayLike,
+        *,
+        hold: str = "linear",
+        unit: str = "",
+        name: str = "",
+    ) -> None:
+        name = name or signal
+        times, levels = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+        if hold not in HOLDS:
+            raise BlockError(f"{name}: hold = {hold!r}; {nearest(str(hold), list(HOLDS))}")
+        if times.ndim != 1 or times.shape != levels.shape or not times.size:
+            raise BlockError(
+                f"{name}: t has shape {times.shape}, values {levels.shape}, but both must be (n,) with n >= 1; "
+                f"give one value per time"
+            )
+        bad = np.flatnonzero(~(np.isfinite(times) & np.isfinite(levels)))
+        if bad.size:
+            raise BlockError(
+                f"{name}: {bad.size} of {times.size} samples are not finite, the first at index {bad[0]}; "
+                f"drop them or fill the gaps first"
+            )
+        back = np.flatnonzero(np.diff(times) <= 0.0)
+        if back.size:
+            raise BlockError(
+                f"{name}: t[{back[0]}] = {times[back[0]]} is followed by {times[back[0] + 1]}, but times must "
+                f"strictly increase; sort them and drop repeated ones"
+            )
+        super().__init__(
+            name=name,
+            params={"n": times.size, "linear": HOLDS[hold]},
+            table=np.concatenate([times, levels]),
+            outputs=signal,
+            units={"out": unit},
+        )
+
+    def with_params(self, **changes: float) -> Self:
+        """Return a copy with ``linear`` (1 or 0) changed; the length of the table cannot change."""
+        if "n" in changes:
+            require(changes["n"] == self.p[0], self.name, "n", changes["n"], "it is the length of the table",
+                    "make another Recorded")  # fmt: skip
+        return super().with_params(**changes)
+
+
+class Staircase(Recorded):
+    """Levels one after the other: each ``dwell`` [s] long from ``start`` [s], or from given times ``at`` [s].
+
+    Before the first time the first level holds, after the last the last.  Raises ``BlockError`` for a dwell that
+    is not positive, or if both or neither of dwell and at are given.
+
+    >>> stairs = Staircase("OP", [0.4, 0.5, 0.6], dwell=100.0)
+    >>> [float(stairs.output(t, [], [])[0]) for t in (0.0, 99.0, 100.0, 500.0)]
+    [0.4, 0.4, 0.5, 0.6]
+    """
+
+    def __init__(
+        self,
+        signal: str,
+        levels: Sequence[float],
+        *,
+        dwell: float | None = None,
+        at: Sequence[float] | None = None,
+        start: float = 0.0,
+        unit: str = "",
+        name: str = "",
+    ) -> None:
+        if (dwell is None) == (at is None):
+            raise BlockError(f"{name or signal}: give either dwell= (one length for all levels) or at= (their times)")
+        if dwell is not None:
+            require(dwell > 0.0, name or signal, "dwell", dwell, "it must be positive", "give dwell= in seconds")
+        times = start + np.arange(len(levels)) * dwell if dwell is not None else np.asarray(at, dtype=float)
+        super().__init__(signal, times, levels, hold="previous", unit=unit, name=name)

@@ -1,0 +1,126 @@
+"""PI controller that computes at scan times and holds its output in between, as a DCS does.
+
+    e_k  = action (SP_k - PV_k)                           sampled at t_k = offset + k dt
+    v_k  = K_p e_k + z_k,    OP_k = v_k limited to low ... high, held until t_(k+1)
+    z_(k+1) = z_k + dt K_p e_k / T_i                      anti_windup = "none"
+            + min(dt / T_t, 1) (OP_k - v_k)               anti_windup = "back_calculation"
+    z_(k+1) = z_k if v_k is at or beyond a limit and      anti_windup = "conditional"
+            e_k pushes further out, else as "none"
+
+Positional, ideal form; z is updated after the output, that is, the integral is the forward (left) rectangle rule.
+It approaches the continuous PI with first order as dt -> 0.  Ports and parameters as in pi, and ``dt`` scan time
+[s], ``offset`` first scan [s].  With respect to the loop the hold adds about dt/2 of dead time.
+
+Source: Astrom and Wittenmark, Computer-Controlled Systems, 3rd ed. 1997, section 8.5 (operational aspects of PID).
+Valid for any dt > 0; stability of the loop is the user's affair.  See also: pi.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block, Kernels
+from blocks.pi import PI, check_tuning, op_span, start_integral, tuned
+from blocks.ports import Labels, Port, require
+from blocks.sources import finite
+
+# p = K_p, T_i, low, high, T_t, action, dt, offset; d = z
+
+
+def _plain_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    e = p[5] * (u[0] - u[1])
+    v = p[0] * e + d[0]
+    y[0] = min(max(v, p[2]), p[3])
+    track = p[6] / (p[4] if p[4] > 0.0 else p[1])
+    d[0] += p[6] * p[0] * e / p[1] + min(track, 1.0) * (y[0] - v)
+
+
+def _conditional_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    e = p[5] * (u[0] - u[1])
+    v = p[0] * e + d[0]
+    y[0] = min(max(v, p[2]), p[3])
+    outwards = (v >= p[3] and e > 0.0) or (v <= p[2] and e < 0.0)
+    if not outwards:
+        d[0] += p[6] * p[0] * e / p[1]
+
+
+class SampledPI(Block):
+    """PI controller, ideal positional form, with scan time ``dt`` [s]; otherwise the interface of ``PI``.
+
+    Raises ``BlockError`` as ``PI`` does, and for dt <= 0.
+
+    >>> pi = SampledPI(K_p=0.4, T_i=10.0, dt=1.0, start_op=0.5)
+    >>> z = pi.dynamics(0.0, pi.d0, [0.6, 0.5])                # one scan with e = 0.1: z = 0.5 + 0.4 x 0.1 / 10
+    >>> round(float(z[0]), 6), round(float(pi.output(1.0, z, [0.6, 0.5])[0]), 6)
+    (0.504, 0.544)
+    """
+
+    ports_in = (Port("SP"), Port("PV"))
+    ports_out = (Port("OP"),)
+    period_param = "dt"
+    offset_param = "offset"
+
+    def __init__(
+        self,
+        K_p: float,
+        T_i: float = math.inf,
+        *,
+        dt: float,
+        offset: float = 0.0,
+        low: float = 0.0,
+        high: float = 1.0,
+        action: str = "reverse",
+        anti_windup: str = "back_calculation",
+        T_t: float = 0.0,
+        start_op: float | None = None,
+        start_error: float = 0.0,
+        name: str = "controller",
+        inputs: Labels = None,
+        outputs: Labels = None,
+        units: Mapping[str, str] | None = None,
+        spans: Mapping[str, tuple[float, float]] | None = None,
+    ) -> None:
+        params = tuned(K_p, T_i, low, high, T_t, action, anti_windup, name) | {"dt": dt, "offset": offset}
+        self.anti_windup = anti_windup
+        self.kernels = Kernels(step=_conditional_step if anti_windup == "conditional" else _plain_step)
+        self.check(params, name)
+        super().__init__(
+            name=name,
+            params=params,
+            memory={"z": start_integral(params, start_op, start_error, name)},
+            start_output=[min(max(0.0 if start_op is None else start_op, low), high)],
+            inputs=inputs,
+            outputs=outputs,
+            units=units,
+            spans=op_span(params, spans),
+        )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        check_tuning(params, name)
+        check_scan(params, name)
+
+    def smooth(self) -> PI:
+        """Return the continuous PI controller that this one approaches as dt -> 0."""
+        values = dict(zip(self.param_names, self.p, strict=True))
+        return PI(
+            values["K_p"],
+            values["T_i"],
+            low=values["low"],
+            high=values["high"],
+            action="reverse" if values["action"] > 0.0 else "direct",
+            anti_windup=self.anti_windup,
+            T_t=values["T_t"],
+            name=self.name,
+            inputs=self.input_labels,
+            outputs=self.output_labels,
+            units=self.units,
+            spans=self.spans,
+        ).starting_at(z=float(self.d0[0]))
+
+
+def check_scan(params: Mapping[str, float], name: str) -> None:
+    """Raise ``BlockError`` unless ``dt`` and ``offset`` are a sampling period and a first sampling instant."""
+    finite(params, name, "dt", "offset")
+    dt = float(params["dt"])
+    require(dt > 0.0, name, "dt", dt, "it must be positive", "give the sampling period in seconds")

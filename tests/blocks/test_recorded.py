@@ -1,0 +1,84 @@
+"""Recorded data and staircases: exact at the knots, numpy's interpolation in between as the oracle."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from blocks.ports import BlockError
+from blocks.recorded import Recorded, Staircase
+from plant import simulate, wire
+
+
+def at(block, t):
+    return float(block.output(t, [], [])[0])
+
+
+@st.composite
+def tables(draw):
+    gaps = draw(st.lists(st.floats(1e-3, 100.0), min_size=1, max_size=30))
+    t = draw(st.floats(-50.0, 50.0)) + np.cumsum(gaps)
+    values = draw(st.lists(st.floats(-1e3, 1e3), min_size=len(t), max_size=len(t)))
+    return t, np.array(values)
+
+
+@given(table=tables(), where=st.floats(-100.0, 3500.0))
+def test_lines_agree_with_numpy_and_knots_are_exact(table, where):
+    t, values = table
+    block = Recorded("PV", t, values)
+    assert [at(block, s) for s in t] == values.tolist()
+    scale = 1e-9 * (1.0 + np.abs(values).max())
+    assert at(block, where) == pytest.approx(np.interp(where, t, values), abs=scale)
+
+
+@given(table=tables(), where=st.floats(-100.0, 3500.0))
+def test_holding_keeps_the_last_value_passed(table, where):
+    t, values = table
+    block = Recorded("PV", t, values, hold="previous")
+    passed = np.searchsorted(t, where, side="right")
+    assert at(block, where) == values[max(passed - 1, 0)]
+    out = np.array([np.inf, np.inf])
+    block.kernels.next_time(where, block.x0, block.d0, np.zeros(0), block.p, out)
+    assert out[0] == (t[passed] if passed < len(t) else np.inf)
+
+
+@pytest.mark.parametrize("hold", ["linear", "previous"])
+def test_compiled_playback_is_exact_at_irregular_knots(hold):
+    rng = np.random.default_rng(5)
+    t = np.cumsum(rng.uniform(0.01, 2.0, 500))
+    values = rng.normal(size=500)
+    log = simulate(wire([Recorded("PV", t, values, hold=hold)], outputs=["PV"]), float(t[-1]), times=t).log
+    np.testing.assert_array_equal(log["PV"], values)
+
+
+def test_staircase_by_dwell_and_by_times():
+    even = Staircase("OP", [0.1, 0.2, 0.4], dwell=5.0, start=10.0)
+    assert [at(even, t) for t in (0.0, 14.9, 15.0, 20.0, 1e9)] == [0.1, 0.1, 0.2, 0.4, 0.4]
+    uneven = Staircase("OP", [0.1, 0.2, 0.4], at=[0.0, 1.0, 7.0])
+    assert [at(uneven, t) for t in (0.5, 1.0, 6.9, 7.0)] == [0.1, 0.2, 0.2, 0.4]
+
+
+def test_changing_the_hold_and_keeping_the_table():
+    block = Recorded("PV", [0.0, 2.0], [1.0, 3.0])
+    held = block.with_params(linear=0.0)
+    assert (at(block, 1.0), at(held, 1.0)) == (2.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Recorded("PV", [0.0, 1.0], [1.0]), ["(2,)", "(1,)", "one value per time"]),
+        (lambda: Recorded("PV", [], []), ["n >= 1"]),
+        (lambda: Recorded("PV", [0.0, 1.0, 1.0], [1.0, 2.0, 3.0]), ["t[1] = 1.0", "strictly", "drop repeated"]),
+        (lambda: Recorded("PV", [0.0, 1.0], [1.0, np.nan]), ["1 of 2 samples", "index 1", "fill the gaps"]),
+        (lambda: Recorded("PV", [0.0], [1.0], hold="prev"), ["hold = 'prev'", "did you mean 'previous'"]),
+        (lambda: Recorded("PV", [0.0], [1.0]).with_params(n=5), ["n = 5", "length of the table"]),
+        (lambda: Staircase("OP", [1.0, 2.0]), ["either dwell=", "at="]),
+        (lambda: Staircase("OP", [1.0, 2.0], dwell=-1.0), ["dwell = -1.0", "positive"]),
+    ],
+)
+def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
+    with pytest.raises(BlockError) as error:
+        make()
+    for word in words:
+        assert word in str(error.value)
