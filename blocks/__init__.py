@@ -1,0 +1,75 @@
+"""Blocks: one python-control nonlinear I/O system per file, made of pure kernels.
+
+sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise
+controllers  PI SampledPI
+valves       StickSlip QuasiStaticStem (physical)   KanoValve ChoudhuryValve HeValve ChenValve StenmanValve
+             (two-parameter, sampled)   Deadband IdealValve Characteristic
+processes    FirstOrder SecondOrder Integrator DeadTime
+sensors      Sensor SampledSensor
+arithmetic   Sum Gain Limit
+"""
+
+from blocks.arithmetic import Gain, Limit, Sum
+from blocks.block import Block, Host, Kernels
+from blocks.characteristic import Characteristic
+from blocks.chen_valve import ChenValve
+from blocks.choudhury_valve import ChoudhuryValve
+from blocks.dead_time import DeadTime
+from blocks.deadband import Deadband
+from blocks.first_order import FirstOrder
+from blocks.he_valve import HeValve
+from blocks.ideal_valve import IdealValve
+from blocks.integrator import Integrator
+from blocks.kano_valve import KanoValve
+from blocks.noise import Noise
+from blocks.periodic import Sine, Slug, Square, Triangle
+from blocks.pi import PI
+from blocks.ports import BlockError, Labels, Port
+from blocks.quasi_static_stem import QuasiStaticStem
+from blocks.recorded import Recorded, Staircase
+from blocks.sampled_pi import SampledPI
+from blocks.second_order import SecondOrder
+from blocks.sensor import SampledSensor, Sensor
+from blocks.sources import Constant, Ramp, Step
+from blocks.stenman_valve import StenmanValve
+from blocks.stick_slip import StickSlip
+
+__all__ = [
+    "PI",
+    "Block",
+    "BlockError",
+    "Characteristic",
+    "ChenValve",
+    "ChoudhuryValve",
+    "Constant",
+    "DeadTime",
+    "Deadband",
+    "FirstOrder",
+    "Gain",
+    "HeValve",
+    "Host",
+    "IdealValve",
+    "Integrator",
+    "KanoValve",
+    "Kernels",
+    "Labels",
+    "Limit",
+    "Noise",
+    "Port",
+    "QuasiStaticStem",
+    "Ramp",
+    "Recorded",
+    "SampledPI",
+    "SampledSensor",
+    "SecondOrder",
+    "Sensor",
+    "Sine",
+    "Slug",
+    "Square",
+    "Staircase",
+    "StenmanValve",
+    "Step",
+    "StickSlip",
+    "Sum",
+    "Triangle",
+]

@@ -105,7 +105,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
                 raise BlockError(f"block '{name}' has no port '{key}'; {nearest(key, list(self.units))}")
             self.units[key] = unit
         self.spans: dict[str, tuple[float, float]] = dict(spans or {})
-        self.check(dict(zip(self.param_names, named, strict=True)), name)
+        self.check(dict(zip(self.param_names, named.tolist(), strict=True)), name)
         self._p_now = self.p
         super().__init__(
             self._update,

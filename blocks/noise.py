@@ -20,7 +20,6 @@ from typing import Any, Self
 import numpy as np
 
 from blocks.block import Block, Kernels
-from blocks.compiled import inline
 from blocks.ports import Port, require
 from blocks.sources import Constant, finite
 
@@ -36,7 +35,6 @@ TWO_PI = 2.0 * math.pi
 Seed = int | Sequence[int]
 
 
-@inline
 def uniform(d: Any, k: int) -> float:
     """Return the next number of (0, 1) of the generator whose six doubles stand at ``d[k]`` ... ``d[k + 5]``."""
     a: float = A12 * d[k + 1] - A13 * d[k]
@@ -56,7 +54,6 @@ def uniform(d: Any, k: int) -> float:
     return (a - b) * NORM if a > b else (a - b + M1) * NORM
 
 
-@inline
 def coloured(d: Any, k: int, dt: float, correlation_time: float) -> float:
     """Advance generator and noise (``d[k]`` ... ``d[k + 6]``) by one sample; return w of unit variance."""
     a = math.exp(-dt / correlation_time) if correlation_time > 0.0 else 0.0

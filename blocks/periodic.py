@@ -18,14 +18,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
-from blocks.compiled import inline
 from blocks.ports import Port, require
 from blocks.sources import finite
 
 TWO_PI = 2.0 * math.pi
 
 
-@inline
 def whole(t: float, start: float, length: float) -> float:
     """Return the largest whole k with ``start + k length <= t``, exactly as this sum is rounded."""
     k = math.floor((t - start) / length)

@@ -17,13 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from blocks.block import Block, Kernels
-from blocks.compiled import inline
 from blocks.ports import BlockError, Port, nearest, require
 
 HOLDS = {"previous": 0.0, "linear": 1.0}
 
 
-@inline
 def _passed(t: float, p: Any) -> int:
     """Return how many of the knots lie at or before ``t``."""
     low = 0

@@ -22,16 +22,16 @@ from typing import Any, Self
 
 from blocks.arithmetic import check_limits
 from blocks.block import Block, Kernels
-from blocks.compiled import inline
 from blocks.noise import Seed, Seeded, check_noise, coloured, seeded
 from blocks.ports import Labels, Port, require
 from blocks.sampled_pi import check_scan
 from blocks.sources import finite
 
+RESOLUTION = 2.0**52  # values of more steps than this are whole numbers of steps anyway
+
 # p = tau, factor, bias, drift, low, high
 
 
-@inline
 def _target(t: float, u: Any, p: Any) -> float:
     """Return what the sensor would show at rest."""
     target: float = p[1] * u[0] + p[2] + p[3] * t
@@ -75,7 +75,7 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     follow = 1.0 - math.exp(-p[6] / p[0]) if p[0] > 0.0 else 1.0
     d[7] += follow * (_target(t, u, p) - d[7])
     value = d[7] + p[8] * coloured(d, 0, p[6], p[9])
-    if p[10] > 0.0:
+    if p[10] > 0.0 and abs(value) < RESOLUTION * p[10]:
         value = p[10] * math.floor(value / p[10] + 0.5)
     y[0] = min(max(value, p[4]), p[5])
 

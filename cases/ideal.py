@@ -31,10 +31,10 @@ _PRINTED_MODEL = (
 
 def index(t: Floats, e: Floats) -> tuple[float, float, int]:
     """Return mean, standard deviation and count of R by Algorithm 1 as printed, [-]."""
-    from detect.algorithm1 import algorithm1
+    from detect.algorithm1 import ratios
 
-    values = algorithm1(t, e)
-    return float(np.mean(values)), float(np.std(values, ddof=1)), len(values)
+    result = ratios(t, e)
+    return result.mean, result.std, len(result.R)
 
 
 def on_symmetric_cycle(loop: "Diagram", exact: ExactLoop) -> "Diagram":
@@ -44,7 +44,7 @@ def on_symmetric_cycle(loop: "Diagram", exact: ExactLoop) -> "Diagram":
     cancellation), so the start decides; half and half is the reference that the closed form describes.
     """
     start = symmetric_start(exact)
-    return loop.starting_at({"valve.x": start.x_0, "process.x": start.PV_0, "controller.z": start.z_0})
+    return loop.starting_at({"valve.x": start.x_0, "process.PV": start.PV_0, "controller.z": start.z_0})
 
 
 def _simulate(loop: "Diagram", duration: float) -> "Run":
@@ -57,22 +57,20 @@ def _errors(run: "Run") -> tuple[Floats, Floats]:
     return run.log.t, run.log["SP"] - run.log["PV"]
 
 
-def valve_figure(run: "Run") -> tuple[float, float]:
-    """Return (deadband, jump) in percent of OP, read off the MV-OP figure of a run.
+def valve_figure(loop: "Diagram", run: "Run") -> tuple[float, float]:
+    """Return (deadband, jump) in percent of OP, read off the MV-OP figure at the stops of the stem.
 
     The deadband is the distance between OP - MV at the stops after upward and after downward moves; the jump
-    is the median distance between successive rests of the stem.
+    is the median distance between successive rests.
     """
+    from plant import simulate
+
     stops = [event for event in run.events if event.block == "valve" and event.after == "stuck" and event.t > 0.0]
-    at = np.array([event.t for event in stops]) + 1e-9
-    lag = np.interp(at, run.log.t, run.log["OP"] - run.log["MV"])
+    log = simulate(loop, run.log.duration, times=[event.t for event in stops], rtol=1e-8, atol=1e-11).log
     upward = np.array([event.before == "sliding up" for event in stops])
-    after = np.searchsorted(run.log.t, at)
-    keep = after < len(run.log.t)
-    rests = run.log["MV"][after[keep]]
-    lag = (run.log["OP"] - run.log["MV"])[after[keep]]
-    deadband = lag[upward[keep]].mean() - lag[~upward[keep]].mean()
-    return 100.0 * float(deadband), 100.0 * float(np.median(np.abs(np.diff(rests))))
+    lag = log["OP"] - log["MV"]
+    deadband = lag[upward].mean() - lag[~upward].mean()
+    return 100.0 * float(deadband), 100.0 * float(np.median(np.abs(np.diff(log["MV"]))))
 
 
 def _self_regulating_numbers(
@@ -82,11 +80,10 @@ def _self_regulating_numbers(
 
     exact = ExactLoop(F_s=F_s, K_p=K_p, SP=setpoint)
     period = cycle_period(exact)
-    run = _simulate(
-        on_symmetric_cycle(self_regulating_loop(F_s=F_s, K_p=K_p, setpoint=setpoint), exact), max(600.0, 6.0 * period)
-    )
+    loop = on_symmetric_cycle(self_regulating_loop(F_s=F_s, K_p=K_p, setpoint=setpoint), exact)
+    run = _simulate(loop, max(600.0, 6.0 * period))
     mean, spread, count = index(*_errors(run))
-    deadband, jump = valve_figure(run)
+    deadband, jump = valve_figure(loop, run)
     slips = [event.t for event in run.events if event.block == "valve" and event.after == "sliding up"]
     read_F_s, read_K_p = reading
     faster = ExactLoop(F_s=read_F_s, K_p=read_K_p, K=3.0 * GAIN_READING, SP=setpoint)
@@ -140,10 +137,9 @@ def integrating_numbers() -> Sequence[Number]:
     loop = build_integrating()
     run = _simulate(loop, 2000.0)
     pv, op, mv = run.log["PV"], run.log["OP"], run.log["MV"]
-    k, J, S = 52500.0, (HIGH - 1250.0) / 52500.0, (HIGH + 1250.0) / 52500.0
+    J, S = (HIGH - 1250.0) / 52500.0, (HIGH + 1250.0) / 52500.0
     slips = [event.t for event in run.events if event.block == "valve" and event.after == "sliding up"]
     half = len(run.log.t) // 2
-    del k
     return [
         Number("amplitude of PV", "-", None, S / (2 * 0.2), 0.5 * float(np.ptp(pv[half:])), None, "",
                "S / (2 K_p): proportional action alone must carry OP through the stick band"),
@@ -168,12 +164,14 @@ def sine_numbers() -> Sequence[Number]:
 
 
 def build_integrating() -> "Diagram":
-    """Return eq. 7.4's loop on its symmetric cycle: stem half a jump up, just stopped, no error."""
+    """Return eq. 7.4's loop on its symmetric cycle: stem half a jump up and just stopped, PV at its lowest."""
     from plant.loops import integrating_loop
 
-    half_jump, f_c = 0.5 * (HIGH - 1250.0) / 52500.0, 1250.0 / 52500.0
-    loop = integrating_loop(F_s=HIGH)
-    return loop.starting_at({"valve.x": half_jump, "process.x": 0.0, "controller.z": half_jump + f_c})
+    half_jump, f_c, K_p = 0.5 * (HIGH - 1250.0) / 52500.0, 1250.0 / 52500.0, 0.2
+    lowest = -0.5 * (HIGH + 1250.0) / 52500.0 / K_p
+    loop = integrating_loop(F_s=HIGH, K_p=K_p, name="ideal_integrating")
+    z = half_jump + f_c + K_p * lowest
+    return loop.starting_at({"valve.x": half_jump, "process.PV": lowest, "controller.z": z})
 
 
 def _loop(**changes: Any) -> "Diagram":

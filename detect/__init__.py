@@ -1,0 +1,33 @@
+"""Stiction detectors: pure functions from a LoopRecord to a Verdict, most with a streaming twin.
+
+One loop in five lines:
+
+>>> import numpy as np
+>>> from detect import diagnose
+>>> from records import LoopRecord
+>>> t = np.arange(1000.0)
+>>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
+>>> answer = diagnose(loop)
+>>> print(answer.verdict)
+no_stiction
+
+`answer.reason` says why, `answer.to_dict()` is ready for JSON, `answer.plot()` draws it. A single method is a
+module with a CARD, Params and `detect(record) -> Verdict`; all of them stand in METHODS.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from detect import area_ratio, hagglund1995, oscillation
+from detect.diagnose import Diagnosis, diagnose
+from detect.gate import Gate
+from detect.verdict import Verdict
+
+__all__ = ["GATES", "METHODS", "Diagnosis", "Gate", "Verdict", "diagnose"]
+
+METHODS: tuple[ModuleType, ...] = (area_ratio,)
+"""Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
+
+GATES: tuple[ModuleType, ...] = (oscillation, hagglund1995)
+"""Every oscillation detector: modules with `find(record) -> Gate`."""

@@ -6,7 +6,9 @@ Everything it needs to go on later is in ``I`` and ``W``; it returns a ``Status`
 import numpy as np
 from numba import njit
 
+from engine.call import pointer_to
 from engine.delay import next_break, open_record
+from engine.dense import interpolate
 from engine.events import (
     begin_instant,
     fire_positive,
@@ -15,45 +17,52 @@ from engine.events import (
     sample,
     settle,
 )
-from engine.explicit import STIFF_RATIO, explicit_dense, explicit_step, interpolate
+from engine.explicit import STIFF_RATIO, explicit_dense, explicit_step
+from engine.high_order import HIGH_STIFF_RATIO, high_order_dense, high_order_step
 from engine.layout import (
     ATOL,
     CAPACITY,
     CHAIN,
+    CLOSE,
     D_SIZE,
     D_V,
     DEAD_TIME,
     DELAY,
+    DENSE_TERMS,
     EV_COUNT,
     EVENTS,
+    EVENTS_SEEN,
+    EXPLICIT,
     FRESH,
     HAS_DELAYS,
     HAS_RATES,
     HEAD,
     K1_VALID,
     KIND,
-    L_WIRES,
+    LEARN,
+    LOGGED,
     MAX_CHAIN,
     MAX_STEP,
     MAX_STEPS,
     METHOD,
     METHOD_WISH,
     N_BLOCKS,
+    N_CHECKED,
     N_EVENTS,
-    N_LOG,
     N_SAMPLED,
-    N_SIGNALS,
     N_STATES,
     O_F,
     O_G,
     O_G0,
     O_K,
+    O_RESTART,
     O_S,
     O_X,
     O_Y0,
     O_Y1,
     PENDING_LEVEL,
     REJECTED,
+    RESTARTS,
     ROW,
     RTOL,
     STEP,
@@ -62,17 +71,20 @@ from engine.layout import (
     T_LEFT,
     T_STOP,
     WIRES,
+    D,
     H,
     P,
     R,
     T,
 )
 from engine.rosenbrock import jacobian, rosenbrock_dense, rosenbrock_step
+from engine.rows import write_row, write_rows_inside
 from engine.sweep import clock, evaluate_events, finite, rates, signals
 
 OK, EVENTS_FULL, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 STIFF_STEPS = 12  # steps in a row at the stability limit before the stiff method takes over
 SMOOTH = 9
+NEAR = 0.9  # a stiff step goes this share of the way to an event; a short one then locates it
 
 
 @njit(cache=True, error_model="numpy")
@@ -83,22 +95,14 @@ def copy(W, source, target, n):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def write_row(I, W, log, row):  # type: ignore[no-untyped-def]
-    """Write the present signals into one row of the log."""
-    wires = I[L_WIRES]
-    for i in range(I[N_LOG]):
-        log[i, row] = W[I[O_S] + I[wires + i]]
-
-
-@njit(cache=True, error_model="numpy")
-def write_rows_inside(I, W, times, log, t, h, t_new):  # type: ignore[no-untyped-def]
-    """Write the log rows strictly before ``t_new`` from the dense output of the step that began at ``t``."""
-    while I[ROW] < times.shape[0] and times[I[ROW]] < t_new:
-        at = times[I[ROW]]
-        interpolate(I, W, (at - t) / h)
-        signals(I, W, at)
-        write_row(I, W, log, I[ROW])
-        I[ROW] += 1
+def mode_slot(I, W):  # type: ignore[no-untyped-def]
+    """Return where the first step after an event into the present combination of modes is remembered."""
+    key = 0
+    for b in range(I[N_BLOCKS]):
+        row = H + b * R
+        if I[row + LOGGED]:
+            key = (7 * key + int(W[I[row + D]]) + 64) % RESTARTS
+    return key
 
 
 @njit(cache=True, error_model="numpy")
@@ -164,16 +168,16 @@ def limit_by_delays(I, W):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def advance(I, W, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
+def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
     """Integrate to ``t_end``; write rows of ``log`` at ``times``; rows at ``t_end`` itself only if ``last``.
 
     Resumable: call again with a later ``t_end`` (or after emptying the event buffer ``EV``).
     """
+    I, W = pointer_to(ints), pointer_to(floats)
     n = I[N_STATES]
     y0, y1, k, f, x = I[O_Y0], I[O_Y1], I[O_K], I[O_F], I[O_X]
     rejected_before = False
     break_level = SMOOTH
-    events_before = -1
     while True:
         # --- the present instant ----------------------------------------------------------------------
         if I[FRESH]:
@@ -187,12 +191,14 @@ def advance(I, W, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
             copy(W, x, y0, n)
             I[FRESH] = 0
             I[K1_VALID] = 0
-            W[STEP] = 0.0
-            if I[EVENTS] != events_before:  # another mode may be stiff or not: find out afresh
-                I[METHOD] = 1 if I[METHOD_WISH] == 2 else 0
+            if I[EVENTS] != I[EVENTS_SEEN]:  # another mode: other steps, and stiff or not must be found out afresh
+                I[METHOD] = 1 if I[METHOD_WISH] == 2 else I[EXPLICIT]
                 I[STIFF_COUNT] = 0
-            events_before = I[EVENTS]
-            if not finite(W, I[O_S], I[N_SIGNALS]):
+                slot = mode_slot(I, W)
+                W[STEP] = W[I[O_RESTART] + slot]
+                I[LEARN] = slot + 1
+                I[EVENTS_SEEN] = I[EVENTS]
+            if not finite(W, I[O_S], I[N_CHECKED]):
                 return NOT_FINITE
         arrived = W[T] >= t_end - clock(W)
         if I[ROW] < times.shape[0] and times[I[ROW]] <= W[T] and (last or not arrived):
@@ -236,14 +242,16 @@ def advance(I, W, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
                 h = 0.5 * left
             if I[METHOD] == 0:
                 error, ratio = explicit_step(I, W, t, h)
-                power = 0.2
+                limit, power = STIFF_RATIO, 0.2
+            elif I[METHOD] == 2:
+                error, ratio = high_order_step(I, W, t, h)
+                limit, power = HIGH_STIFF_RATIO, 0.125
             else:
                 if not have_jacobian:
                     jacobian(I, W, t, h)
                     have_jacobian = True
                 error = rosenbrock_step(I, W, t, h)
-                ratio = 0.0
-                power = 0.25
+                ratio, limit, power = 0.0, 1.0, 0.25
             if error <= 1.0:
                 break
             rejected_before = True
@@ -252,7 +260,11 @@ def advance(I, W, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
             if W[STEP] < clock(W):
                 return STEP_TOO_SMALL if np.isfinite(error) else NOT_FINITE
         I[STEPS] += 1
-        growth = 5.0 if error < 1e-12 else min(5.0, max(0.2, 0.9 * error ** (-power)))
+        best = 0.9 * max(error, 1e-15) ** (-power)
+        if I[LEARN] > 0:
+            W[I[O_RESTART] + I[LEARN] - 1] = h * min(100.0, best)
+            I[LEARN] = 0
+        growth = min(10.0 if I[METHOD] == 2 else 5.0, max(0.2, best))
         if rejected_before:
             growth = min(growth, 1.0)
             rejected_before = False
@@ -261,18 +273,31 @@ def advance(I, W, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
         else:
             W[STEP] = max(W[STEP], h * growth)
         t_new = W[T_STOP] if h == left else t + h
+        copy(W, f, y1 + n, n)  # rates at the end, kept over dense output and event searches
         # --- where did it lead -------------------------------------------------------------------------
         crossing = 2.0
         dense = False
         if I[N_EVENTS] > 0 or I[HAS_DELAYS] or (I[ROW] < times.shape[0] and times[I[ROW]] < t_new):
             if I[METHOD] == 0:
                 explicit_dense(I, W, h)
+                I[DENSE_TERMS] = 5
+            elif I[METHOD] == 2:
+                high_order_dense(I, W, t, h)
+                I[DENSE_TERMS] = 8
             else:
                 rosenbrock_dense(I, W)
+                I[DENSE_TERMS] = 4
             dense = True
-        copy(W, f, y1 + n, n)  # rates at the end, kept over event searches
         if I[N_EVENTS] > 0:
             crossing = first_crossing(I, W, t, h)
+        if I[METHOD] == 1 and crossing <= 1.0 and I[CLOSE] == 0 and crossing * h > 1e-6:
+            W[STEP] = NEAR * crossing * h  # its dense output is of low order: come closer and look again
+            I[CLOSE] = 2
+            I[REJECTED] += 1
+            continue
+        if I[CLOSE] > 0:
+            I[CLOSE] -= 1
+            W[STEP] = min(W[STEP], 0.25 * h) if I[CLOSE] == 1 else W[STEP]
         if crossing <= 1.0:
             h_used = crossing * h
             t_new = t + h_used
@@ -311,8 +336,8 @@ def advance(I, W, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
             if h == left:
                 I[FRESH] = 1
                 I[PENDING_LEVEL] = break_level if (I[HAS_DELAYS] and break_level < SMOOTH) else 0
-            if I[METHOD] == 0 and I[METHOD_WISH] == 0:
-                I[STIFF_COUNT] = I[STIFF_COUNT] + 1 if ratio > STIFF_RATIO else max(0, I[STIFF_COUNT] - 2)
+            if I[METHOD] != 1 and I[METHOD_WISH] == 0:
+                I[STIFF_COUNT] = I[STIFF_COUNT] + 1 if ratio > limit else max(0, I[STIFF_COUNT] - 2)
                 if I[STIFF_COUNT] >= STIFF_STEPS:
                     I[METHOD] = 1
         if I[STEPS] >= I[MAX_STEPS]:

@@ -6,18 +6,24 @@ The same Python function runs interpreted, with numpy arrays in place of the poi
 """
 
 from collections.abc import Callable
+from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 from llvmlite import ir
 from numba import cfunc, types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.core.caching import FunctionCache
+from numba.extending import intrinsic, register_jitable
+
+from engine.stamp import fresh
 
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 
 _POINTER = types.CPointer(types.float64)
 SIGNATURE = types.void(types.float64, _POINTER, _POINTER, _POINTER, _POINTER, _POINTER)
 _compiled: dict[Kernel, Any] = {}
+_reached: set[FunctionType] = set()
 
 
 def address(kernel: Kernel | None) -> int:
@@ -25,11 +31,35 @@ def address(kernel: Kernel | None) -> int:
     if kernel is None:
         return 0
     if kernel not in _compiled:
+        _reach(kernel)
+        source = Path(kernel.__code__.co_filename)
         try:
-            _compiled[kernel] = cfunc(SIGNATURE, cache=True, error_model="numpy")(kernel)
-        except RuntimeError:  # defined at a prompt: numba has no file beside which to keep the cache
+            with fresh(Path(FunctionCache(kernel).cache_path), source.parent):
+                _compiled[kernel] = cfunc(SIGNATURE, cache=True, error_model="numpy")(kernel)
+        except (RuntimeError, OSError):  # defined at a prompt, or nowhere to keep the cache
             _compiled[kernel] = cfunc(SIGNATURE, error_model="numpy")(kernel)
     return int(_compiled[kernel].address)
+
+
+def _reach(function: Any) -> None:
+    """Let compiled code call the plain Python functions of its module that ``function`` names."""
+    for name in function.__code__.co_names:
+        helper = function.__globals__.get(name)
+        if isinstance(helper, FunctionType) and helper not in _reached:
+            _reached.add(helper)
+            register_jitable(helper)
+            _reach(helper)
+
+
+@intrinsic
+def pointer_to(typingctx, array):  # type: ignore[no-untyped-def]
+    """Return the data pointer of a contiguous array; indexing it costs one load, and passing it one register."""
+    sig = types.CPointer(array.dtype)(array)
+
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
+        return cgutils.create_struct_proxy(signature.args[0])(context, builder, value=args[0]).data
+
+    return sig, codegen
 
 
 @intrinsic
@@ -42,8 +72,7 @@ def call(typingctx, where, t, base, ox, od, ou, op, oo):  # type: ignore[no-unty
         pointer = double.as_pointer()
         function = ir.FunctionType(ir.VoidType(), [double] + [pointer] * 5)
         target = builder.inttoptr(args[0], function.as_pointer())
-        array = cgutils.create_struct_proxy(signature.args[2])(context, builder, value=args[2])
-        pointers = [builder.gep(array.data, [offset]) for offset in args[3:]]
+        pointers = [builder.gep(args[2], [offset]) for offset in args[3:]]
         builder.call(target, [args[1], *pointers])
         return context.get_dummy_value()
 

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from engine.call import call
-from engine.explicit import interpolate
+from engine.dense import interpolate
 from engine.layout import (
     A_JUMP,
     A_NEXT,
@@ -56,7 +56,7 @@ from engine.layout import (
     X,
     Y,
 )
-from engine.sweep import clock, evaluate_events, event_functions, gather, gather_with_rates, signals
+from engine.sweep import clock, evaluate_events, gather, gather_with_rates, signals
 
 IMPULSE = 1e12  # rate that stands for a jump of a signal
 
@@ -239,17 +239,11 @@ def at_fraction(I, W, t, h, s):  # type: ignore[no-untyped-def]
 def first_crossing(I, W, t, h):  # type: ignore[no-untyped-def]
     """Return the fraction of the step at which the first event fires, or 2 if none does.
 
-    Looks at the end (signals must be current there) and at the middle, where an event may come and go, then
-    closes in by the Illinois rule with bisection every third time.  Leaves the event functions of the end
-    behind ``W[O_G]``.
+    Looks at the end and at the middle, where an event may come and go, then closes in by the Illinois rule with
+    bisection every third time.  Leaves the event functions of the end behind ``W[O_G]``.
     """
     ng = I[N_EVENTS]
-    if I[HAS_RATES]:
-        interpolate(I, W, 1.0)
-        evaluate_events(I, W, t + h, min(1.0, h))
-    else:
-        event_functions(I, W, t + h)
-    end = highest(I, W)
+    end = at_fraction(I, W, t, h, 1.0)
     for i in range(ng):
         W[I[O_G] + ng + i] = W[I[O_G] + i]
     left, right = 0.0, 0.5

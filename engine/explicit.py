@@ -9,7 +9,7 @@ from numba import njit
 
 from engine.layout import (
     ATOL,
-    N_SIGNALS,
+    N_CHECKED,
     N_STATES,
     O_CONT,
     O_F,
@@ -79,7 +79,7 @@ def explicit_step(I, W, t, h):  # type: ignore[no-untyped-def]
             err += _E[j] * W[k + j * n + i]
         scale = W[ATOL] + W[RTOL] * max(abs(W[y0 + i]), abs(W[y1 + i]))
         worst = max(worst, abs(h * err) / scale)
-    if not finite(W, f, n) or not finite(W, I[O_S], I[N_SIGNALS]):
+    if not finite(W, f, n) or not finite(W, I[O_S], I[N_CHECKED]):
         worst = np.inf
     return worst, h * slope / max(change, 1e-300)
 
@@ -100,15 +100,3 @@ def explicit_dense(I, W, h):  # type: ignore[no-untyped-def]
         W[c + 2 * n + i] = bend
         W[c + 3 * n + i] = rise - h * W[k + 6 * n + i] - bend
         W[c + 4 * n + i] = h * last
-
-
-@njit(cache=True, error_model="numpy")
-def interpolate(I, W, s):  # type: ignore[no-untyped-def]
-    """Write the state at the fraction ``s`` of the last step to ``W[O_X]`` (both methods share this form)."""
-    n = I[N_STATES]
-    x, c = I[O_X], I[O_CONT]
-    r = 1.0 - s
-    for i in range(n):
-        W[x + i] = W[c + i] + s * (
-            W[c + n + i] + r * (W[c + 2 * n + i] + s * (W[c + 3 * n + i] + r * W[c + 4 * n + i]))
-        )

@@ -17,7 +17,7 @@ O_X = 4  # working state: what kernels read
 O_F = 5  # state rates: what der kernels write
 O_Y0 = 6  # accepted state at the start of the step
 O_Y1 = 7  # proposed state at the end of the step, behind it the rates there (2 x n)
-O_K = 8  # stage rates (7 x n), also Rosenbrock stages (6 x n)
+O_K = 8  # stage rates (16 x n); Rosenbrock: rates at the start, then six stages
 O_S = 9  # signals: block outputs one after the other
 O_S0 = 10  # signals just before a discontinuity
 O_G = 11  # event functions now, behind them those at the end of the step (2 x n)
@@ -37,7 +37,7 @@ REJECTED = 25
 RHS = 26
 EVENTS = 27
 JACOBIANS = 28
-METHOD = 29  # 0 explicit, 1 Rosenbrock: what the current segment uses
+METHOD = 29  # 0 explicit 5(4), 1 Rosenbrock, 2 explicit 8(5,3): what the current segment uses
 METHOD_WISH = 30  # 0 automatic, 1 explicit only, 2 Rosenbrock only
 EV_COUNT = 31  # events written to the buffer and not yet collected
 FRESH = 32  # 1: a discontinuity at the present time has not been handled yet
@@ -47,13 +47,25 @@ HAS_DELAYS = 35
 K1_VALID = 36
 CHAIN = 37  # transitions since time last moved
 MAX_STEPS = 38
-O_CONT = 40  # dense output: 5 coefficients per state
+O_CONT = 40  # dense output: up to 8 coefficients per state
 O_SCRATCH = 44  # memories saved while a sampled block publishes before it reads
 PENDING_LEVEL = 41  # smoothness level of the discontinuity being handled (0 = jump)
 N_SAMPLED = 42
 MAX_CHAIN = 45
 O_PIVOT = 46
-H = 48
+N_CHECKED = 47  # signals that must stay finite: all but those of hosted blocks, where NaN says "no value"
+DENSE_TERMS = 48  # coefficients of the dense output in use
+EXPLICIT = 49  # the explicit method of this component: 2 unless it is sampled
+O_RESTART = 50  # first steps that worked after earlier events, by mode
+LEARN = 51  # 1 + slot of O_RESTART that the next accepted step fills in
+EVENTS_SEEN = 54  # events before the present stretch
+O_CX = 52  # states of a chunk of log rows
+O_CS = 53  # their signals
+H = 56
+CLOSE = 55  # 2: a stiff step is repeated up to just before an event, 1: the next one is short and locates it
+
+CHUNK = 32  # log rows evaluated together
+RESTARTS = 16
 
 # --- block row ------------------------------------------------------------------------------------------
 KIND = 0
@@ -88,7 +100,8 @@ HEAD = 28  # delay ring: index of the next record to write
 TAIL = 29  # delay ring: oldest record kept
 BREAK = 30  # delay ring: first record whose start is not yet passed as a breakpoint
 LOGGED = 31  # 1: changes of d[0] go to the event log
-R = 32
+GATHER = 32  # inputs to copy before a call; 0 where U points at the one signal read
+R = 36
 
 CONTINUOUS = 0
 SAMPLED = 1

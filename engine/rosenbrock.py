@@ -10,7 +10,7 @@ from numba import njit
 from engine.layout import (
     ATOL,
     JACOBIANS,
-    N_SIGNALS,
+    N_CHECKED,
     N_STATES,
     O_CONT,
     O_DFDT,
@@ -175,14 +175,14 @@ def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
     for i in range(n):
         W[x + i] = W[y1 + i]
     rates(I, W, t + h)
-    if not finite(W, f, n) or not finite(W, I[O_S], I[N_SIGNALS]):
+    if not finite(W, f, n) or not finite(W, I[O_S], I[N_CHECKED]):
         return np.inf
     return worst
 
 
 @njit(cache=True, error_model="numpy")
 def rosenbrock_dense(I, W):  # type: ignore[no-untyped-def]
-    """Prepare the dense output of the step just accepted, in the form of ``explicit.interpolate``."""
+    """Prepare the dense output of the step just accepted, in the form of ``dense.interpolate``."""
     n = I[N_STATES]
     k, y0, y1, c = I[O_K], I[O_Y0], I[O_Y1], I[O_CONT]
     for i in range(n):
@@ -193,4 +193,3 @@ def rosenbrock_dense(I, W):  # type: ignore[no-untyped-def]
             for j in range(5):
                 total += _DENSE[m, j] * W[k + (j + 1) * n + i]
             W[c + (2 + m) * n + i] = total
-        W[c + 4 * n + i] = 0.0

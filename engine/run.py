@@ -7,8 +7,9 @@ import numpy as np
 
 from engine import layout as at
 from engine.advance import advance
+from engine.cache import ensure_compiled
 from engine.status import Status
-from engine.sweep import signals
+from engine.sweep import refresh
 from engine.table import Component, FlatBlock, Floats, Ints
 
 METHODS = {"auto": 0, "explicit": 1, "stiff": 2}
@@ -40,6 +41,7 @@ class Outcome:
 
 def prepare(component: Component, settings: Settings, t0: float) -> tuple[Ints, Floats]:
     """Return fresh arrays of a component, ready to start at ``t0`` [s]."""
+    ensure_compiled()
     I, W = component.I.copy(), component.W.copy()
     W[at.RTOL], W[at.ATOL], W[at.T] = settings.rtol, settings.atol, t0
     I[at.METHOD_WISH] = METHODS[settings.method]
@@ -126,7 +128,7 @@ class _Hosts:
         for b, row in self.rows.items():
             if self._due(b, W) > now:
                 continue
-            signals(I, W, now)
+            refresh(I, W, now)
             wires = I[I[row + at.WIRES] : I[row + at.WIRES] + I[row + at.NU]]
             u = W[I[at.O_S] + wires]
             self.states[b], y = self.blocks[b].host.step(now, self.states[b], u, self._p(b, W))

@@ -6,7 +6,7 @@ All functions work on the two arrays of ``engine.layout``; the states they see a
 import numpy as np
 from numba import njit
 
-from engine.call import call
+from engine.call import call, pointer_to
 from engine.delay import delayed
 from engine.layout import (
     A_DER,
@@ -15,6 +15,7 @@ from engine.layout import (
     CONTINUOUS,
     DEAD_TIME,
     FEEDS,
+    GATHER,
     HAS_RATES,
     KIND,
     N_BLOCKS,
@@ -51,7 +52,7 @@ def gather(I, W, row):  # type: ignore[no-untyped-def]
     s = I[O_S]
     u = I[row + U]
     wires = I[row + WIRES]
-    for i in range(I[row + NU]):
+    for i in range(I[row + GATHER]):
         W[u + i] = W[s + I[wires + i]]
 
 
@@ -68,7 +69,7 @@ def signals(I, W, t):  # type: ignore[no-untyped-def]
             if I[row + FEEDS]:
                 u = I[row + U]
                 wires = I[row + WIRES]
-                for i in range(I[row + NU]):
+                for i in range(I[row + GATHER]):
                     W[u + i] = W[s + I[wires + i]]
             call(I[row + A_OUT], t, W, x + I[row + X], I[row + D], I[row + U], I[row + P], s + I[row + Y])
         elif kind == DEAD_TIME:
@@ -88,7 +89,7 @@ def rates(I, W, t):  # type: ignore[no-untyped-def]
         if I[row + NX] > 0:
             u = I[row + U]
             wires = I[row + WIRES]
-            for i in range(I[row + NU]):
+            for i in range(I[row + GATHER]):
                 W[u + i] = W[s + I[wires + i]]
             call(I[row + A_DER], t, W, x + I[row + X], I[row + D], u, I[row + P], f + I[row + X])
 
@@ -98,7 +99,7 @@ def signal_rates(I, W, t, scale):  # type: ignore[no-untyped-def]
     """Estimate d(signal)/dt along the flow by one shifted sweep; needs ``W[O_F]`` and the signals at ``t``."""
     n, ns = I[N_STATES], I[N_SIGNALS]
     x, f, s, r, tmp = I[O_X], I[O_F], I[O_S], I[O_RATE], I[O_TMP]
-    shift = 1e-6 * scale
+    shift = 1e-6 * max(scale, 1e-3 * (1.0 + 1e-6 * abs(t)))
     if t + shift > W[T_LEFT]:
         shift = -shift
     for i in range(n):
@@ -171,3 +172,9 @@ def finite(W, start, n):  # type: ignore[no-untyped-def]
 def clock(W):  # type: ignore[no-untyped-def]
     """Return the smallest time difference that the present time can resolve [s]."""
     return 4.0 * np.spacing(max(1.0, abs(W[T])))
+
+
+@njit(cache=True, error_model="numpy")
+def refresh(ints, floats, t):  # type: ignore[no-untyped-def]
+    """Compute every signal at ``t``, called from Python with the arrays themselves."""
+    signals(pointer_to(ints), pointer_to(floats), t)

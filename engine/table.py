@@ -71,7 +71,7 @@ def build(
     """Lay out the given blocks (indices in signal-flow order) as one component that logs ``columns``."""
     rows = [blocks[b] for b in members]
     local: dict[int, int] = {}  # diagram signal -> component signal
-    for block in rows:
+    for block in sorted(rows, key=lambda block: block.kind == at.HOSTED):
         for j in range(len(block.y0)):
             local[block.first_signal + j] = len(local)
     n = sum(len(b.x0) for b in rows)
@@ -90,9 +90,10 @@ def build(
     header[at.N_BLOCKS], header[at.N_STATES] = len(rows), n
     header[at.N_SIGNALS], header[at.N_EVENTS], header[at.N_D] = ns, ng, nd
     lengths = {
-        at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 7 * n, at.O_CONT: 5 * n, at.O_TMP: n,
+        at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: 8 * n, at.O_TMP: n,
         at.O_JAC: n * n, at.O_LU: n * n, at.O_PIVOT: n, at.O_DFDT: n, at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
-        at.O_G: 2 * ng, at.O_G0: ng, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in rows] or [0]),
+        at.O_G: 2 * ng, at.O_G0: ng, at.O_RESTART: at.RESTARTS, at.O_CX: at.CHUNK * n,
+        at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in rows] or [0]),
     }  # fmt: skip
     for slot, length in lengths.items():
         header[slot] = stretch(length)
@@ -114,7 +115,9 @@ def build(
         row[at.NU], row[at.NY], row[at.NX] = len(block.wires), len(block.y0), len(block.x0)
         row[at.ND], row[at.NG] = len(block.d0), block.n_events
         row[at.RATES], row[at.FEEDS], row[at.LOGGED] = block.rates, block.feeds, block.logged
-        row[at.U] = stretch(2 * len(block.wires))
+        direct = len(block.wires) == 1 and not block.rates
+        row[at.U] = header[at.O_S] + local[block.wires[0]] if direct else stretch(2 * len(block.wires))
+        row[at.GATHER] = 0 if direct else len(block.wires)
         row[at.P] = params[b] = stretch(len(block.p))
         row[at.D], row[at.X], row[at.G] = d_next, x_next, g_next
         row[at.Y] = local[block.first_signal] if len(block.y0) else 0
@@ -127,7 +130,7 @@ def build(
             row[at.CAPACITY] = max(block.capacity, capacity)
             row[at.DELAY] = stretch(int(row[at.CAPACITY]) * at.D_SIZE)
         wires += [local[w] for w in block.wires]
-        states[b], memory[b] = int(header[at.O_X]) + x_next, d_next
+        states[b], memory[b] = int(header[at.O_Y0]) + x_next, d_next
         values += [
             (params[b], block.p),
             (states[b], block.x0),
@@ -141,7 +144,10 @@ def build(
     header[at.HAS_RATES] = any(b.rates and b.n_events for b in rows)
     header[at.HAS_DELAYS] = any(b.kind == at.DEAD_TIME for b in rows)
     header[at.N_SAMPLED] = sum(b.kind == at.SAMPLED for b in rows)
-    header[at.FRESH] = 1
+    header[at.N_CHECKED] = ns - sum(len(b.y0) for b in rows if b.kind == at.HOSTED)
+    sampled = any(b.kind in (at.SAMPLED, at.HOSTED) for b in rows)
+    header[at.EXPLICIT] = 0 if sampled else 2  # long steps do not pay between close sampling instants
+    header[at.FRESH], header[at.EVENTS_SEEN] = 1, -1
     header[at.MAX_CHAIN] = 20 + 10 * ng
     W = np.zeros(size)
     for start, value in values:

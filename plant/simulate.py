@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from blocks.block import Block
 from blocks.ports import nearest
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.status import HINTS, Statistics, Status
+from engine.table import Component
 from plant.diagram import Diagram
 from plant.flatten import DELAY_RECORDS, Plan, plan
 from plant.inputs import close
@@ -38,7 +40,7 @@ class Run:
     """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
-    ``final`` is the diagram at the end of the run: simulate it to go on.
+    ``final`` is the diagram at the end of the run: simulate it to go on.  ``ends`` are the engine's arrays there.
     """
 
     log: Log
@@ -46,7 +48,13 @@ class Run:
     status: Status
     hint: str
     statistics: Statistics
-    final: Diagram
+    diagram: Diagram
+    ends: tuple[tuple[Component, Floats], ...]
+
+    @cached_property
+    def final(self) -> Diagram:
+        """The diagram with states and memories as they stand at the end."""
+        return _final(self.diagram, self.ends)
 
     @property
     def ok(self) -> bool:
@@ -173,18 +181,22 @@ def _run(
 def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats) -> Run:
     columns: dict[int, Floats] = {}
     events: list[Event] = []
+    modes: dict[str, dict[float, str]] = {}
     status = Status.OK
     blamed = ""
     for component, outcome in zip(laid.components, outcomes, strict=True):
         for column, row in zip(component.columns, outcome.log, strict=True):
             columns[column] = row
-        for t, b, before, after in outcome.events:
+        for t, b, before, after in outcome.events.tolist():
             block = diagram.blocks[int(b)]
-            names = {value: name for name, value in block.modes.items()}
-            events.append(Event(float(t), block.name, names.get(before, str(before)), names.get(after, str(after))))
+            if block.name not in modes:
+                modes[block.name] = {value: name for name, value in block.modes.items()}
+            names = modes[block.name]
+            events.append(Event(t, block.name, names.get(before, str(before)), names.get(after, str(after))))
         if outcome.status is not Status.OK and status is Status.OK:
             status = outcome.status
-            blamed = f"at t = {outcome.t:.6g} s in {', '.join(diagram.blocks[b].name for b in component.blocks if b < len(diagram.blocks))}"
+            culprits = [diagram.blocks[b].name for b in component.blocks if b < len(diagram.blocks)]
+            blamed = f"at t = {outcome.t:.6g} s in {', '.join(culprits)}"
     events.sort(key=lambda event: event.t)
     units = {s: u for s, u in diagram.signal_units.items() if u}
     spans = {}
@@ -207,7 +219,8 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
         status=status,
         hint=f"{HINTS[status]} ({blamed})" if blamed else HINTS[status],
         statistics=statistics(counters),
-        final=_final(diagram, laid, outcomes),
+        diagram=diagram,
+        ends=tuple((component, outcome.W) for component, outcome in zip(laid.components, outcomes, strict=True)),
     )
 
 
@@ -228,14 +241,13 @@ def statistics(counters: Sequence[Any]) -> Statistics:
     return total
 
 
-def _final(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome]) -> Diagram:
-    """Return the diagram with states and memories as they stand at the end."""
+def _final(diagram: Diagram, ends: tuple[tuple[Component, Floats], ...]) -> Diagram:
     blocks: list[Block] = list(diagram.blocks)
-    for component, outcome in zip(laid.components, outcomes, strict=True):
+    for component, W in ends:
         for b in component.blocks:
             if b < len(blocks) and (len(blocks[b].x0) or len(blocks[b].d0)):
                 x, d = component.states[b], component.memory[b]
-                values = dict(zip(blocks[b].state_names, outcome.W[x : x + len(blocks[b].x0)], strict=True))
-                values |= dict(zip(blocks[b].memory_names, outcome.W[d : d + len(blocks[b].d0)], strict=True))
+                values = dict(zip(blocks[b].state_names, W[x : x + len(blocks[b].x0)], strict=True))
+                values |= dict(zip(blocks[b].memory_names, W[d : d + len(blocks[b].d0)], strict=True))
                 blocks[b] = blocks[b].starting_at(**{k: float(v) for k, v in values.items()})
     return diagram._with_blocks(blocks)

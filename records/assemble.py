@@ -216,7 +216,10 @@ def _could_be_time(column: pl.Series, decimal: str) -> bool:
     elif not column.dtype.is_numeric():
         return False
     values = column.cast(pl.Float64, strict=False)
-    return len(values) > 1 and values.null_count() == 0 and bool((np.diff(values.to_numpy()) > 0).all())
+    if len(values) < 2 or values.null_count():
+        return False
+    found = values.to_numpy()
+    return bool((found[1:] > found[:-1]).all())
 
 
 def _quality_target(column: str, columns: list[str]) -> str | None:

@@ -181,7 +181,7 @@ def _parquet(raw: bytes) -> tuple[Table, Heading | None]:
     try:
         frame = pl.read_parquet(io.BytesIO(raw))
         text = pl.read_parquet_metadata(io.BytesIO(raw)).get("stickslip", "")
-    except (pl.exceptions.PolarsError, OSError) as fault:
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as fault:
         raise ReadError(f"the Parquet file is damaged ({fault}); export it again") from None
     if frame.width < 2:
         raise ReadError(f"the file has only {frame.width} column; a record needs a time and a signal")

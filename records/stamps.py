@@ -121,7 +121,8 @@ def _from_numbers(numbers: pl.Series, lines: list[int], unit: str) -> Times:
             start = datetime.fromtimestamp(t[0] / scale, tz=UTC)
             return Times((t - t[0]) / scale, start, (f"Time is read as {name} since 1970 (UTC).",))
     # Days since 1900 go up by less than 0.02 (half an hour) a row; seconds from 30000 up would not.
-    if low > 25000 and high < 75000 and 0 < float(np.median(np.abs(np.diff(t)))) < 0.02:
+    usual = float(np.median(np.abs(np.diff(t)))) if len(t) > 1 else 0.0
+    if low > 25000 and high < 75000 and 0 < usual < 0.02:
         start = _SERIAL_EPOCH + timedelta(days=float(t[0]))
         # Day serials hold 1e-6 s or worse; milliseconds are what they can tell.
         return Times(np.round((t - t[0]) * 86400.0, 3), start, ("Time is read as spreadsheet day serials.",))

@@ -1,0 +1,133 @@
+"""The sticky stem without mass: what stick_slip becomes when its stem is infinitely faster than the loop.
+
+    stuck    x held while |OP - x| <= f_s; then it slips to OP - dir f_c, dir = sgn(OP - x)
+    sliding  x = OP - dir f_c while dir dOP/dt >= 0; on a reversal of OP it sticks where it is
+
+    f_s = (S + J)/2 = F_s/k,   f_c = (S - J)/2 = F_c/k        (reduction of thesis eqs. 4.4 and 4.5)
+
+in   OP  controller output [fraction of span]        out  MV  stem position [fraction of travel]
+S    movement of OP after a reversal until the stem breaks away [fraction of OP]
+J    jump when it breaks away [fraction of OP], 0 <= J <= S
+low, high  end stops [fraction of travel]; -inf and inf lift them
+
+With the thesis's stem (modes at -115 and -335 1/s) and OP periods of 37 to 500 s it follows the full-mass stem
+within about 0.01 s times the rate of OP, except for 0.1 s after a jump.  An OP that stands still does not stop a
+sliding stem for good: it goes on from there without a new jump, as the full-mass stem does, which only creeps
+towards rest; the sampled models of Kano and Choudhury stick there and need J more.  Where OP jumps back (a
+sampled controller), the stem sticks where it was before the jump and then sees the new OP.
+
+At a stop the stem rests (stuck) until OP pulls it away by more than f_s.  Mode "ideal" is MV = OP, without stops.
+A breakaway needs f_s plus 1e-12 of travel, so that rounding cannot free the stem where f_s = f_c.
+See also: stick_slip (with mass), deadband (J = 0).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any, Self
+
+from blocks.block import Block, Kernels
+from blocks.ports import Port, require
+
+STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
+ROUNDING = 1e-12  # of travel
+
+
+def sliding_at(OP: float, direction: float, S: float, J: float, low: float, high: float) -> float:
+    """Return where a stem that slides in ``direction`` stands."""
+    return min(max(OP - direction * 0.5 * (S - J), low), high)
+
+
+def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    if d[0] == STUCK:
+        y[0] = d[1]
+    elif d[0] == IDEAL:
+        y[0] = u[0]
+    else:
+        y[0] = sliding_at(u[0], d[0], p[0], p[1], p[2], p[3])
+
+
+def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
+    g[0] = -1.0
+    g[1] = -1.0
+    if d[0] == STUCK:
+        pull = u[0] - d[1]
+        free = d[1] < p[3] if pull > 0.0 else d[1] > p[2]  # not through a stop
+        if free:
+            g[0] = abs(pull) - 0.5 * (p[0] + p[1]) - ROUNDING
+    elif d[0] != IDEAL:
+        g[0] = -d[0] * u[1]
+        stem = u[0] - d[0] * 0.5 * (p[0] - p[1])
+        g[1] = stem - p[3] if d[0] == UP else p[2] - stem
+
+
+def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
+    if d[0] == STUCK:
+        d[0] = UP if u[0] > d[1] else DOWN
+    else:
+        d[1] = sliding_at(u[0], d[0], p[0], p[1], p[2], p[3])
+        d[0] = STUCK
+
+
+class QuasiStaticStem(Block):
+    """A massless valve stem with the bands ``S`` and ``J``; defaults are the thesis's high stiction.
+
+    Raises ``BlockError`` unless 0 <= J <= S and the stops are in order.
+
+    >>> from plant import drive
+    >>> valve = QuasiStaticStem(S=0.06, J=0.02)  # f_s = 0.04, f_c = 0.02
+    >>> drive(valve, 3.0, every=1.0, OP=([0, 1, 2, 3], [0.0, 0.039, 0.1, 0.05])).log["MV"].round(3).tolist()
+    [0.0, 0.0, 0.08, 0.08]
+    """
+
+    ports_in = (Port("OP"),)
+    ports_out = (Port("MV"),)
+    kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2, rates=True)
+    modes = {"stuck": STUCK, "sliding up": UP, "sliding down": DOWN, "ideal": IDEAL}
+
+    def __init__(
+        self,
+        S: float = 3500.0 / 52500.0,
+        J: float = 1000.0 / 52500.0,
+        *,
+        low: float = 0.0,
+        high: float = 1.0,
+        start: float = 0.0,
+        name: str = "valve",
+        **labels: Any,
+    ) -> None:
+        require(low <= start <= high, name, "start", start, f"the stops are at {low} and {high}", "start between them")
+        super().__init__(
+            name=name,
+            params={"S": S, "J": J, "low": low, "high": high},
+            memory={"mode": STUCK, "x": start},
+            **labels,
+        )
+
+    @classmethod
+    def from_friction(cls, f_s: float, f_c: float, **keywords: Any) -> Self:
+        """Return the stem with the static and Coulomb friction bands ``f_s`` >= ``f_c`` [fraction of OP].
+
+        >>> valve = QuasiStaticStem.from_friction(f_s=0.04, f_c=0.02)
+        >>> round(valve.f_s, 12), round(valve.f_c, 12)
+        (0.04, 0.02)
+        """
+        return cls(f_s + f_c, f_s - f_c, **keywords)
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless 0 <= J <= S and low < high."""
+        S, J = float(params["S"]), float(params["J"])
+        require(0.0 <= S < math.inf, name, "S", S, "a band is finite and not negative", "give 0 or more")
+        require(0.0 <= J <= S, name, "J", J, f"0 <= J <= S = {S} is needed", "a jump is part of S; lower J or raise S")
+        low, high = float(params["low"]), float(params["high"])
+        require(low < high, name, "high", high, f"the upper stop lies above the lower one, {low}", "raise high")
+
+    @property
+    def f_s(self) -> float:
+        """Static friction band (S + J)/2 [fraction of OP]."""
+        return float(self.p[0] + self.p[1]) / 2.0
+
+    @property
+    def f_c(self) -> float:
+        """Coulomb friction band (S - J)/2 [fraction of OP]."""
+        return float(self.p[0] - self.p[1]) / 2.0

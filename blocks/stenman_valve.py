@@ -1,0 +1,80 @@
+"""Sticky valve with one band, sampled (Stenman, Gustafsson & Forsman 2003).
+
+    MV = MV before   while |OP - MV before| <= d
+    MV = OP          otherwise
+
+in   OP  controller output [fraction of span]        out  MV  stem position [fraction of travel]
+d    stickband and jump in one [unit of OP], >= 0: S = J = d                 dt  sampling period [s]
+low, high  ends of the span [unit of OP], which OP is clipped to; -inf and inf lift them
+
+Source: A. Stenman, F. Gustafsson, K. Forsman, A segmentation-based method for detection of stiction in control
+valves, Int. J. Adaptive Control and Signal Processing 17 (2003) 625-634.
+After a jump the stem is where the controller wants it, so there is no deadband; real valves have one.
+Valid for a first guess and for one-parameter fits.  See also: he_valve, kano_valve.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block, Kernels
+from blocks.ideal_valve import IdealValve
+from blocks.ports import Port, require
+
+
+def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    op = min(max(u[0], p[1]), p[2])
+    if abs(op - d[0]) > p[0] or op == p[1] or op == p[2]:
+        d[0] = op
+    y[0] = d[0]
+
+
+class StenmanValve(Block):
+    """The sampled one-parameter valve with band ``d`` [unit of OP] and sampling period ``dt`` [s].
+
+    ``start`` is where MV stands before the first sample.  Raises ``BlockError`` unless 0 <= d <= high - low and
+    dt > 0.
+
+    >>> from plant import drive
+    >>> valve = StenmanValve(d=0.04, dt=1.0, start=0.5)
+    >>> drive(valve, 3.0, every=1.0, OP=([0, 1, 2, 3], [0.5, 0.53, 0.56, 0.59])).log["MV"].round(3).tolist()
+    [0.5, 0.5, 0.56, 0.56]
+    """
+
+    ports_in = (Port("OP"),)
+    ports_out = (Port("MV"),)
+    kernels = Kernels(step=_step)
+    period_param = "dt"
+
+    def __init__(
+        self,
+        d: float,
+        dt: float,
+        *,
+        low: float = 0.0,
+        high: float = 1.0,
+        start: float = 0.0,
+        name: str = "valve",
+        **labels: Any,
+    ) -> None:
+        super().__init__(
+            name=name,
+            params={"d": d, "low": low, "high": high, "dt": dt},
+            memory={"MV": start},
+            start_output=start,
+            **labels,
+        )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless 0 <= d <= high - low and dt > 0."""
+        d, dt = float(params["d"]), float(params["dt"])
+        low, high = float(params["low"]), float(params["high"])
+        require(low < high, name, "high", high, f"the span of OP ends above its beginning, {low}", "raise high")
+        rule = f"0 <= d <= {high - low} is needed, the span of OP"
+        require(0.0 <= d <= high - low and math.isfinite(d), name, "d", d, rule, "with OP in percent give high=100")
+        require(0.0 < dt < math.inf, name, "dt", dt, "a sampling period is positive", "give dt in seconds")
+
+    def smooth(self) -> IdealValve:
+        """Return the valve without friction, which is what python-control sees in a diagram."""
+        return IdealValve.instead_of(self)

@@ -1,0 +1,56 @@
+"""The card of a detector: what it needs, assumes, finds and costs, as data that tables and tests read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+__all__ = ["Card"]
+
+
+@dataclass(frozen=True)
+class Card:
+    """Facts about one method.
+
+    name : str
+        Name of the module and of the method in verdicts.
+    title, source : str
+        Title for tables; paper with year and place.
+    signals : tuple of str
+        What it reads, of "SP", "PV", "OP", "MV".
+    assumes : tuple of str
+        Conditions; `detect` checks those it can.
+    finds : str
+        What the index tells.
+    index : (low, high)
+        Range that the index can take [-].
+    process : tuple of {"self_regulating", "integrating"}
+        Processes it works on.
+    streams : str
+        "exact", "window" or "no".
+    stream_bound : float
+        Largest relative difference of the index between batch and stream on a stationary record [-].
+    pros, cons : tuple of str
+    cost : str
+        Order of the work for n samples.
+    kind : {"detector", "gate"}
+        Gates answer whether the loop oscillates, detectors whether the valve sticks.
+
+    >>> Card("x", "X", "nobody", ("PV",), (), "nothing", (0, 1), ("self_regulating",), "no").kind
+    'detector'
+    """
+
+    name: str
+    title: str
+    source: str
+    signals: tuple[str, ...]
+    assumes: tuple[str, ...]
+    finds: str
+    index: tuple[float, float]
+    process: tuple[str, ...]
+    streams: Literal["exact", "window", "no"]
+    stream_bound: float = 0.0
+    pros: tuple[str, ...] = ()
+    cons: tuple[str, ...] = ()
+    cost: str = "O(n)"
+    kind: Literal["detector", "gate"] = "detector"

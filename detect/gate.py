@@ -1,0 +1,37 @@
+"""What an oscillation detector says: does the loop oscillate, how fast, how regularly, how much."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["REGULARITY_MAX", "Gate"]
+
+REGULARITY_MAX = 999.0  # a perfectly regular wave has no spread; a finite stand-in keeps JSON happy
+
+
+@dataclass(frozen=True)
+class Gate:
+    """Result of an oscillation test.
+
+    oscillating : bool
+    period : float or None
+        Period of the oscillation [s]; None when there is none to speak of.
+    regularity : float
+        mean / (3 std) of the crossing intervals [-], at most 999; above 1 is regular.
+    amplitude : float
+        Half the peak-to-peak of the equivalent sine, sqrt(2) std [unit of the signal].
+    cycles : float
+        Cycles in the record, duration / period.
+    reason : str
+        One sentence with the numbers.
+
+    >>> Gate(False, None, 0.0, 1.2, 0.0, "No regular crossings.").oscillating
+    False
+    """
+
+    oscillating: bool
+    period: float | None
+    regularity: float
+    amplitude: float
+    cycles: float
+    reason: str

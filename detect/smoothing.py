@@ -1,0 +1,86 @@
+"""Zero-phase smoothing and noise level of unevenly sampled signals.
+
+The moving average is taken over time, not over samples: the samples are joined by straight lines and the
+area under them is averaged over a window centred on each sample. It therefore needs no even grid and has no
+phase, and one rule serves logs of any sampling.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["moving_average", "noise_std"]
+
+Values = npt.NDArray[np.float64]
+
+
+def moving_average(t: Values, x: Values, width: float, ends: Literal["shrink", "hold"] = "shrink") -> Values:
+    """Centred moving average over `width` [s] of time, shape (n,).
+
+        y(t) = 1/w * integral of x from t - w/2 to t + w/2
+
+    Near the ends the window shrinks symmetrically ("shrink": keeps the shape) or the nearest full window is
+    repeated ("hold": a baseline that does not follow the last swing).
+
+    >>> t = np.arange(5.0)
+    >>> moving_average(t, 2 * t, 2.0).tolist()
+    [0.0, 2.0, 4.0, 6.0, 8.0]
+    """
+    if width <= 0 or len(t) < 3:
+        return x.copy()
+    t = t - t[0]
+    area = np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(t))])
+    room = np.minimum(t, t[-1] - t)
+    if ends == "hold":
+        half = min(width, t[-1]) / 2
+        centre = np.clip(t, half, t[-1] - half)
+        held: Values = (_area_to(t, x, area, centre + half) - _area_to(t, x, area, centre - half)) / (2 * half)
+        return held
+    half_width = np.minimum(width / 2, room)
+    inside = half_width > 0
+    y = x.copy()
+    c, h = t[inside], half_width[inside]
+    y[inside] = (_area_to(t, x, area, c + h) - _area_to(t, x, area, c - h)) / (2 * h)
+    return y
+
+
+def _area_to(t: Values, x: Values, area: Values, q: Values) -> Values:
+    """Area under the polygon (t, x) from its start to the times q."""
+    k = np.clip(np.searchsorted(t, q, side="right") - 1, 0, len(t) - 2)
+    s = q - t[k]
+    slope = (x[k + 1] - x[k]) / (t[k + 1] - t[k])
+    result: Values = area[k] + s * (x[k] + 0.5 * slope * s)
+    return result
+
+
+def noise_std(t: Values, x: Values) -> float:
+    """Standard deviation of white measurement noise [unit of x], blind to a smooth wave below.
+
+    Each sample is predicted by the cubic through its two neighbours on either side; the error has the
+    variance sigma^2 (1 + sum of squared weights). The median of the scaled errors / 0.6745 is robust
+    against corners and jumps. On a clean sine of 50 samples a period it reads 0.003 % of the amplitude, and
+    noise between samples that is itself smooth (coloured) escapes it.
+
+    >>> rng = np.random.default_rng(0)
+    >>> t = np.arange(2000.0)
+    >>> round(noise_std(t, np.sin(t / 8) + rng.normal(0, 0.1, 2000)), 2)
+    0.1
+    """
+    if len(t) < 7:
+        return 0.0
+    nodes = [t[0:-4], t[1:-3], t[3:-1], t[4:]]
+    values = [x[0:-4], x[1:-3], x[3:-1], x[4:]]
+    middle = t[2:-2]
+    prediction = np.zeros_like(middle)
+    spread = np.ones_like(middle)
+    for i, ti in enumerate(nodes):
+        weight = np.ones_like(middle)
+        for j, tj in enumerate(nodes):
+            if j != i:
+                weight *= (middle - tj) / (ti - tj)
+        prediction += weight * values[i]
+        spread += weight**2
+    return float(np.median(np.abs(x[2:-2] - prediction) / np.sqrt(spread)) / 0.6744897501960817)

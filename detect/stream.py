@@ -1,0 +1,121 @@
+"""What streaming twins share: the sample they take, the loop they know, and a buffer that never grows.
+
+A twin is three functions: `init(p, facts) -> state`, `update(p, state, t, sample) -> state` and
+`verdict(p, state) -> Verdict`. States are values: updating one leaves the old one as it was, so a stream can
+be replayed or branched, and a state can be pickled.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from records import Log, LoopRecord
+
+__all__ = ["Buffer", "LoopFacts", "Sample", "replay"]
+
+Values = npt.NDArray[np.float64]
+_CHUNK = 64  # appending copies at most so many rows
+
+
+class Sample(NamedTuple):
+    """One scan of a loop, each in its own unit; NaN where it is missing or bad. mode: 0 is manual."""
+
+    pv: float
+    op: float
+    sp: float = math.nan
+    mode: float = 1.0
+
+
+@dataclass(frozen=True)
+class LoopFacts:
+    """What is known about a loop before its first sample: name, process, measurement, span of OP, SP logged."""
+
+    name: str = ""
+    process: str = "unknown"
+    measurement: str = ""
+    op_span: tuple[float, float] | None = (0.0, 100.0)
+    has_sp: bool = True
+
+    @classmethod
+    def of(cls, record: LoopRecord) -> LoopFacts:
+        """The facts of a record."""
+        return cls(record.name, record.process, record.measurement, record.op_span, record.sp is not None)
+
+
+@dataclass(frozen=True)
+class Buffer:
+    """Rows (t, pv, op, sp, mode) in the order of arrival.
+
+    >>> b = Buffer().append(0.0, Sample(1, 2)).append(1.0, Sample(3, 4))
+    >>> len(b), b.rows()[:, 1].tolist()
+    (2, [1.0, 3.0])
+    """
+
+    chunks: tuple[Values, ...] = ()
+    recent: tuple[tuple[float, ...], ...] = ()
+
+    def __len__(self) -> int:
+        return sum(len(chunk) for chunk in self.chunks) + len(self.recent)
+
+    @property
+    def last_time(self) -> float:
+        """Time of the youngest row [s]; -inf when empty."""
+        if self.recent:
+            return self.recent[-1][0]
+        return float(self.chunks[-1][-1, 0]) if self.chunks else -math.inf
+
+    def append(self, t: float, sample: Sample) -> Buffer:
+        """The buffer with one more row; raises ValueError when t [s] does not advance."""
+        if not t > self.last_time:
+            raise ValueError(f"t = {t} s follows {self.last_time} s; time must increase, drop repeated samples")
+        recent = (*self.recent, (t, *sample))
+        if len(recent) < _CHUNK:
+            return Buffer(self.chunks, recent)
+        return Buffer((*self.chunks, np.array(recent)), ())
+
+    def last(self, n: int) -> Buffer:
+        """The last n rows."""
+        return Buffer((self.rows()[-n:],), ()) if n else Buffer()
+
+    def rows(self) -> Values:
+        """All rows, shape (n, 5)."""
+        parts = [*self.chunks, np.array(self.recent, dtype=float).reshape(-1, 5)]
+        return np.concatenate(parts)
+
+    def record(self, facts: LoopFacts) -> LoopRecord:
+        """The rows as a loop record."""
+        rows = self.rows()
+        record = LoopRecord.from_arrays(
+            rows[:, 0],
+            pv=rows[:, 1],
+            op=rows[:, 2],
+            sp=rows[:, 3] if facts.has_sp else None,
+            mode=rows[:, 4],
+            name=facts.name,
+            op_span=facts.op_span,
+        )
+        return replace(record, process=facts.process, measurement=facts.measurement)  # type: ignore[arg-type]
+
+
+def replay(method: ModuleType, record: LoopRecord, p: Any) -> Any:
+    """Feed a record sample by sample to the streaming twin of a method and return its final state.
+
+    Bad samples go in as NaN, as a gateway would deliver them.
+    """
+    state = method.init(p, LoopFacts.of(record))
+    log: Log = record.log
+    pv = np.where(log.good(record.pv_name), record.pv, np.nan)
+    op = np.where(log.good(record.op_name), record.op, np.nan)
+    sp = np.full(len(record), np.nan)
+    if record.sp is not None and record.sp_name is not None:
+        sp = np.where(log.good(record.sp_name), record.sp, np.nan)
+    mode = np.ones(len(record)) if record.mode is None else record.mode
+    for t, *row in zip(record.t, pv, op, sp, mode, strict=True):
+        state = method.update(p, state, float(t), Sample(*map(float, row)))
+    return state

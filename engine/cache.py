@@ -1,0 +1,25 @@
+"""Compile the engine once per machine."""
+
+from pathlib import Path
+
+from numba import types
+
+from engine.advance import advance
+from engine.stamp import fresh
+
+_FLOATS, _ROWS = types.float64[::1], types.float64[:, ::1]
+SIGNATURE = (types.int64[::1], _FLOATS, _ROWS, _FLOATS, _ROWS, types.float64, types.boolean)
+_ready = False
+
+
+def ensure_compiled() -> None:
+    """Load or compile the engine once per process; processes that start together wait for the first one."""
+    global _ready
+    if _ready:
+        return
+    try:
+        with fresh(Path(advance.stats.cache_path), Path(__file__).parent):
+            advance.compile(SIGNATURE)
+    except OSError:  # a cache that cannot be written is no reason not to run
+        advance.compile(SIGNATURE)
+    _ready = True

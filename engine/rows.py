@@ -1,0 +1,92 @@
+"""Log rows: dense output at the log times, a chunk of rows at a time, block by block."""
+
+from numba import njit
+
+from engine.call import call
+from engine.delay import delayed
+from engine.dense import interpolate
+from engine.layout import (
+    A_OUT,
+    CHUNK,
+    CONTINUOUS,
+    DEAD_TIME,
+    GATHER,
+    KIND,
+    L_WIRES,
+    N_BLOCKS,
+    N_LOG,
+    N_SIGNALS,
+    N_STATES,
+    NU,
+    NY,
+    O_CS,
+    O_CX,
+    O_S,
+    O_X,
+    ROW,
+    WIRES,
+    D,
+    H,
+    P,
+    R,
+    U,
+    X,
+    Y,
+)
+
+
+@njit(cache=True, error_model="numpy")
+def write_row(I, W, log, row):  # type: ignore[no-untyped-def]
+    """Write the present signals into one row of the log."""
+    wires = I[L_WIRES]
+    for i in range(I[N_LOG]):
+        log[i, row] = W[I[O_S] + I[wires + i]]
+
+
+@njit(cache=True, error_model="numpy")
+def write_rows_inside(I, W, times, log, t, h, t_new):  # type: ignore[no-untyped-def]
+    """Write the log rows strictly before ``t_new`` from the dense output of the step that began at ``t``."""
+    n, ns = I[N_STATES], I[N_SIGNALS]
+    x, cx, cs = I[O_X], I[O_CX], I[O_CS]
+    wires = I[L_WIRES]
+    while True:
+        first = I[ROW]
+        count = 0
+        while count < CHUNK and first + count < times.shape[0] and times[first + count] < t_new:
+            interpolate(I, W, (times[first + count] - t) / h)
+            for i in range(n):
+                W[cx + count * n + i] = W[x + i]
+            count += 1
+        if count == 0:
+            return
+        for b in range(I[N_BLOCKS]):
+            _chunk_signals(I, W, H + b * R, times, first, count)
+        for i in range(I[N_LOG]):
+            signal = cs + I[wires + i]
+            for r in range(count):
+                log[i, first + r] = W[signal + r * ns]
+        I[ROW] = first + count
+
+
+@njit(cache=True, error_model="numpy")
+def _chunk_signals(I, W, row, times, first, count):  # type: ignore[no-untyped-def]
+    """Compute one block's outputs for all rows of the chunk."""
+    n, ns = I[N_STATES], I[N_SIGNALS]
+    cx, cs = I[O_CX] + I[row + X], I[O_CS]
+    kind, where, d, p, y, u = I[row + KIND], I[row + A_OUT], I[row + D], I[row + P], I[row + Y], I[row + U]
+    wires, gathered = I[row + WIRES], I[row + GATHER]
+    direct = gathered == 0 and I[row + NU] == 1
+    if kind == CONTINUOUS:
+        for r in range(count):
+            base = cs + r * ns
+            for i in range(gathered):
+                W[u + i] = W[base + I[wires + i]]
+            inputs = base + I[wires] if direct else u
+            call(where, times[first + r], W, cx + r * n, d, inputs, p, base + y)
+    elif kind == DEAD_TIME:
+        for r in range(count):
+            W[cs + r * ns + y] = delayed(I, W, row, times[first + r])
+    else:
+        for r in range(count):
+            for j in range(I[row + NY]):
+                W[cs + r * ns + y + j] = W[I[O_S] + y + j]

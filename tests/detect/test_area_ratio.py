@@ -1,0 +1,249 @@
+import itertools
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from detect import area_ratio, stream
+from detect.area_ratio import Params, closed_form, detect
+
+
+def test_closed_form_meets_the_integral():
+    """Analytic: areas of 1 - (1 + a) exp(-s), the response of a unit lag to a square wave, by quadrature."""
+    from scipy.integrate import quad
+
+    for h in (0.5, 1.0, 2.0, 25 / 8, 5.0):
+        a = np.tanh(h / 2)
+        zero = np.log1p(a)
+        before = quad(lambda s, a=a: 1 - (1 + a) * np.exp(-s), zero, h)[0]
+        after = -quad(lambda s, a=a: 1 - (1 + a) * np.exp(-s), 0, zero)[0]
+        assert closed_form(h) == pytest.approx(before / after, rel=1e-9)
+
+
+def test_closed_form_values():
+    # values in the design notes, derived there by hand: h = 1, 2, 3.125, 5
+    for h, R in ((1, 1.92), (2, 3.44), (3.125, 5.86), (5, 11.1)):
+        assert closed_form(h) == pytest.approx(R, rel=0.005)
+
+
+def test_exponential_wave(wave, loop):
+    t = np.arange(0.0, 1000.0, 0.5)
+    v = detect(loop(t, wave("exponential", t)))
+    assert v.verdict == "stiction"
+    assert v.index == pytest.approx(closed_form(25 / 8), rel=0.02)  # analytic
+
+
+def test_fall_of_three_samples(wave, loop):
+    """The corner is found from samples beyond the next crossing too."""
+    t = np.arange(0.0, 2000.0)
+    v = detect(loop(t, wave("exponential", t, phase=0.007, tau=4.0)))
+    assert v.index == pytest.approx(closed_form(25 / 4), rel=0.03)  # analytic
+
+
+@pytest.mark.parametrize(
+    "R, low, high, word",
+    [
+        (1.3, 1.2, 1.5, "stiction"),
+        (1.3, 1.05, 1.6, "inconclusive"),
+        (1.2, 1.15, 1.24, "inconclusive"),
+        (1.0, 0.9, 1.2, "no_stiction"),
+        (1.0, 0.9, 1.3, "inconclusive"),
+        (0.8, 0.7, 0.85, "inconclusive"),
+    ],
+)
+def test_bands(R, low, high, word):
+    assert area_ratio._word(R, low, high, sine=0.1, triangle=1.0, p=Params())[0] == word
+
+
+@pytest.mark.parametrize("period", [50, 83.7, 400])
+def test_sine_is_one(wave, loop, period):
+    t = np.arange(20.0 * int(period))
+    v = detect(loop(t, wave("sine", t, period, phase=0.17)))
+    assert v.verdict == "no_stiction"
+    assert v.index == pytest.approx(1.0, rel=0.005)  # analytic
+
+
+def test_uneven_sampling(wave, loop):
+    t = np.cumsum(np.random.default_rng(5).uniform(0.2, 1.0, 2500))
+    assert detect(loop(t, wave("exponential", t))).index == pytest.approx(closed_form(25 / 8), rel=0.02)
+    assert detect(loop(t, wave("sine", t))).index == pytest.approx(1.0, rel=0.02)
+
+
+@pytest.mark.parametrize("noise", [0.1, 0.2, 0.3])
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_keeps_the_verdict(wave, loop, noise, seed):
+    t, rng = np.arange(1000.0), np.random.default_rng(seed)
+    for kind, word in (("sine", "no_stiction"), ("exponential", "stiction")):
+        e = wave(kind, t, 50.15, rng.uniform())
+        assert detect(loop(t, e + noise * np.std(e) * rng.normal(size=1000))).verdict == word
+
+
+def test_triangle_is_never_cleared(wave, loop):
+    """A triangle has R = 1 as a sine has, but it is the wave of an integrating loop, sticky or not."""
+    t = np.arange(1000.0)
+    e = wave("triangle", t, 50.15) + 0.02 * np.random.default_rng(0).normal(size=1000)
+    v = detect(loop(t, e))
+    assert v.index == pytest.approx(1.0, abs=0.03)  # analytic
+    assert v.verdict == "inconclusive"
+    assert "triangular" in v.reason
+
+
+def test_square_is_undefined(wave, loop):
+    t = np.arange(1000.0)
+    e = wave("square", t, 50.3) + 0.02 * np.random.default_rng(0).normal(size=1000)
+    v = detect(loop(t, e))
+    assert v.verdict == "inconclusive"
+    assert v.index is None
+    assert "flat" in v.reason
+
+
+def test_early_peaks_are_like_neither(wave, loop):
+    t = np.arange(1000.0)
+    v = detect(loop(t, wave("exponential", -t, 50.15)))
+    assert v.verdict == "inconclusive"
+    assert v.index < 0.5
+    assert "early" in v.reason
+
+
+def test_level_does_not_apply(wave, loop):
+    t = np.arange(1000.0)
+    v = detect(loop(t, wave("exponential", t), process="integrating"))
+    assert (v.verdict, v.code) == ("not_applicable", "wrong_process_type")
+
+
+def test_one_sided_wave_is_flagged(wave, loop):
+    t = np.arange(1000.0)
+    e = np.where(wave("sine", t) > 0, wave("sine", t), wave("exponential", t))
+    v = detect(loop(t, e))
+    assert "halves differ" in v.reason
+    assert v.evidence["R_below"] > 2 * v.evidence["R_above"]
+
+
+def test_few_usable_half_cycles_do_not_decide(wave, loop):
+    t = np.arange(2000.0)
+    e = wave("exponential", t, 50.15)
+    e = np.where((t // 401) % 2 == 0, e, np.sign(e) * 1.0) + 0.01 * np.random.default_rng(0).normal(size=2000)
+    v = detect(loop(t, e), Params(usable_min=0.9))
+    assert v.verdict == "inconclusive"
+    assert "unusable" in v.reason
+
+
+def test_interval_covers_the_truth(wave, loop):
+    """Analytic R = 1 for a sine; a 90 % interval over 60 noisy records should hold it in at least 45."""
+    t, hits = np.arange(1000.0), 0
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        v = detect(loop(t, wave("sine", t, 50.15, rng.uniform()) + rng.normal(0, 0.15, 1000)))
+        hits += v.interval[0] <= 1.0 <= v.interval[1]
+    assert hits >= 45
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    scale=st.floats(1e-3, 1e3),
+    offset=st.floats(-1e3, 1e3),
+    sign=st.sampled_from([-1.0, 1.0]),
+    slow=st.floats(1e-2, 1e2),
+)
+def test_index_ignores_units_sign_and_clock(scale, offset, sign, slow):
+    from records import LoopRecord
+
+    t = np.arange(600.0)
+    u = t / 50.15 % 1.0
+    e = np.where(u < 0.5, 1.0, -1.0) * (1 - 1.9 * np.exp(-(u % 0.5) * 6))
+    e = e + np.random.default_rng(0).normal(0, 0.05, 600)
+    op = 50 + np.sin(t)
+
+    def of(time, error, sp):
+        return detect(LoopRecord.from_arrays(time, pv=sp - error, op=op, sp=np.full(600, sp)))
+
+    base, changed = of(t, e, 0.0), of(slow * t, sign * scale * e, offset)
+    assert changed.verdict == base.verdict == "stiction"
+    # offset + small error loses digits, hence not 1e-9
+    assert changed.index == pytest.approx(base.index, rel=1e-4)
+
+
+def test_doubling_the_sampling_changes_little(wave, loop):
+    coarse, fine = np.arange(0.0, 1000.0), np.arange(0.0, 1000.0, 0.5)
+    a = detect(loop(coarse, wave("exponential", coarse, 50.15))).index
+    b = detect(loop(fine, wave("exponential", fine, 50.15))).index
+    assert a == pytest.approx(b, rel=0.02)
+
+
+# ---- streaming ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["sine", "exponential"])
+def test_stream_equals_batch_within_one_block(wave, loop, kind):
+    t = np.cumsum(np.random.default_rng(0).uniform(0.5, 1.5, 1500))
+    record = loop(t, wave(kind, t) + 0.1 * np.random.default_rng(1).normal(size=1500))
+    p = Params()
+    twin = area_ratio.verdict(p, stream.replay(area_ratio, record, p))
+    assert twin.to_dict() == detect(record, p).to_dict()
+
+
+@pytest.mark.parametrize("kind", ["sine", "exponential"])
+@pytest.mark.parametrize("noise", [0.0, 0.1, 0.3])
+@pytest.mark.parametrize("seed", range(3))
+def test_stream_meets_the_bound_of_the_card(wave, loop, kind, noise, seed):
+    rng = np.random.default_rng(seed)
+    t = np.arange(9000.0)
+    record = loop(t, wave(kind, t, 50.15, rng.uniform()) + noise * rng.normal(size=9000))
+    p = Params(block=1024)
+    twin, batch = area_ratio.verdict(p, stream.replay(area_ratio, record, p)), detect(record, p)
+    assert twin.verdict == batch.verdict
+    assert twin.index == pytest.approx(batch.index, rel=area_ratio.CARD.stream_bound)
+
+
+def test_no_half_cycle_is_lost_or_counted_twice(wave, loop):
+    t = np.arange(6000.0)
+    p = Params(block=512)
+    state = stream.replay(area_ratio, loop(t, wave("exponential", t, 50.15)), p)
+    found = [*state.half_cycles]
+    assert len(found) > 200
+    for a, b in itertools.pairwise(found):
+        assert b.start == pytest.approx(a.end, abs=0.05)
+
+
+def test_memory_is_bounded(wave, loop):
+    t = np.arange(8000.0)
+    p = Params(block=256, half_cycles_max=40)
+    state = stream.replay(area_ratio, loop(t, wave("sine", t)), p)
+    assert len(state.buffer) < p.block
+    assert len(state.half_cycles) <= p.half_cycles_max
+
+
+def test_stream_forgets_an_oscillation_that_stopped(wave, loop):
+    t = np.arange(4000.0)
+    e = np.where(t < 2000, wave("exponential", t, 50.15), 0) + 0.05 * np.random.default_rng(0).normal(size=4000)
+    p = Params(block=512)
+    v = area_ratio.verdict(p, stream.replay(area_ratio, loop(t, e), p))
+    assert v.code == "no_oscillation"
+
+
+def test_states_are_values(wave, loop):
+    p = Params(block=128)
+    state = area_ratio.init(p)
+    seen = []
+    for i in range(300):
+        e = float(wave("sine", float(i)))
+        new = area_ratio.update(p, state, float(i), stream.Sample(pv=30 - e, op=50 + e, sp=30.0))
+        seen.append((state, len(state.buffer)))
+        state = new
+    assert all(len(old.buffer) == n for old, n in seen)
+    again = pickle.loads(pickle.dumps(state))
+    assert area_ratio.verdict(p, again).to_dict() == area_ratio.verdict(p, state).to_dict()
+
+
+def test_empty_stream_says_so():
+    v = area_ratio.verdict(Params(), area_ratio.init(Params()))
+    assert v.verdict == "not_applicable"
+
+
+def test_wrong_params_are_refused():
+    with pytest.raises(ValueError, match="R_low"):
+        Params(R_low=2.0)
+    with pytest.raises(ValueError, match="block"):
+        Params(block=3)

@@ -1,0 +1,125 @@
+"""What every method must do, asked of each member of METHODS."""
+
+import importlib
+import pkgutil
+
+import numpy as np
+import pytest
+
+import detect
+from detect import GATES, METHODS, stream
+from records import LoopRecord
+
+by_name = pytest.mark.parametrize("method", METHODS, ids=lambda m: m.CARD.name)
+
+
+def test_every_card_is_listed():
+    pages = [importlib.import_module(f"detect.{m.name}") for m in pkgutil.iter_modules(detect.__path__)]
+    with_card = {page.__name__ for page in pages if hasattr(page, "CARD")}
+    assert with_card == {m.__name__ for m in (*METHODS, *GATES)}
+    assert all(m.CARD.kind == "detector" for m in METHODS)
+    assert all(m.CARD.kind == "gate" for m in GATES)
+
+
+@pytest.mark.parametrize("page", [*METHODS, *GATES], ids=lambda m: m.CARD.name)
+def test_card_is_complete(page):
+    card = page.CARD
+    assert page.__name__ == f"detect.{card.name}"
+    assert card.title and card.source and card.finds and card.assumes and card.pros and card.cons
+    assert set(card.signals) <= {"SP", "PV", "OP", "MV"}
+    assert card.index[0] < card.index[1]
+    assert card.streams == "no" or hasattr(page, "update")
+
+
+def noise(seed):
+    rng = np.random.default_rng(seed)
+    return rng.normal(size=1000)
+
+
+def awkward(loop):
+    t = np.arange(1000.0)
+    e = np.sin(t / 8)
+    holes = e.copy()
+    holes[(t % 100) < 85] = np.nan
+    stuck_op = LoopRecord.from_arrays(t, pv=30 - e, op=np.full(1000, 42.0), sp=np.full(1000, 30.0))
+    at_limit = LoopRecord.from_arrays(t, pv=30 - e, op=np.where(e > 0, 100.0, 60.0), sp=np.full(1000, 30.0))
+    return {
+        "three rows": loop(t[:3], e[:3]),
+        "one row": loop(t[:1], e[:1]),
+        "two cycles": loop(t[:100], e[:100]),
+        "flat PV": loop(t, 0 * e),
+        "OP never moves": stuck_op,
+        "OP at its limit": at_limit,
+        "gappy": loop(t, holes),
+        "all missing": loop(t, np.full(1000, np.nan)),
+        "manual": loop(t, e, mode=np.zeros(1000)),
+    }
+
+
+@by_name
+def test_record_is_untouched(method, wave, loop):
+    t = np.arange(1000.0)
+    record = loop(t, wave("exponential", t))
+    before = {name: values.copy() for name, values in record.log.signals.items()}
+    method.detect(record)
+    assert all((record.log[name] == values).all() for name, values in before.items())
+
+
+@by_name
+def test_silent_on_noise(method, loop):
+    t = np.arange(1000.0)
+    assert all(method.detect(loop(t, noise(seed))).verdict != "stiction" for seed in range(40))
+
+
+@by_name
+def test_silent_on_a_sine(method, wave, loop):
+    t = np.arange(2000.0)
+    for period in (23.0, 50.0, 173.0):
+        for share in (0.0, 0.2):
+            e = wave("sine", t, period) + share * np.random.default_rng(1).normal(size=2000)
+            assert method.detect(loop(t, e)).verdict != "stiction"
+
+
+@by_name
+def test_finds_a_strong_slip_and_creep(method, wave, loop):
+    t = np.arange(1000.0)
+    v = method.detect(loop(t, wave("exponential", t, 50.15)))
+    assert v.verdict == "stiction"
+    assert method.CARD.index[0] <= v.index <= method.CARD.index[1]
+
+
+@by_name
+@pytest.mark.parametrize("case", list(awkward(lambda t, e, **k: None)))
+def test_abstains_on_awkward_data(method, loop, case):
+    v = method.detect(awkward(loop)[case])
+    assert v.verdict == "not_applicable"
+    assert v.index is None
+    assert v.reason.endswith(".")
+
+
+@by_name
+def test_stream_agrees_with_batch(method, wave, loop):
+    if method.CARD.streams == "no":
+        pytest.skip("does not stream")
+    t = np.arange(5000.0)
+    record = loop(t, wave("exponential", t, 50.15) + 0.05 * np.random.default_rng(0).normal(size=5000))
+    p = method.Params()
+    batch, twin = method.detect(record, p), method.verdict(p, stream.replay(method, record, p))
+    assert twin.verdict == batch.verdict
+    assert twin.index == pytest.approx(batch.index, rel=max(method.CARD.stream_bound, 1e-9))
+
+
+@by_name
+def test_picture_shows_something(method, wave, loop):
+    t = np.arange(1000.0)
+    for e in (wave("exponential", t), 0 * t):
+        figure = method.detect(loop(t, e)).plot()
+        figure.canvas.draw()
+        assert figure.axes
+
+
+@by_name
+def test_same_answer_twice(method, wave, loop):
+    t = np.arange(1000.0)
+    record = loop(t, wave("exponential", t) + 0.1 * noise(0))
+    assert method.detect(record).to_dict() == method.detect(record).to_dict()

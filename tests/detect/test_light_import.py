@@ -1,0 +1,10 @@
+import subprocess
+import sys
+
+HEAVY = ("scipy", "matplotlib", "polars", "filterpy", "numba", "control", "blocks", "engine", "plant")
+
+
+def test_detect_needs_numpy_only():
+    code = f"import sys, detect; print([m for m in {HEAVY!r} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,120 @@
+import numpy as np
+import pytest
+
+from detect import hagglund1995, oscillation
+
+
+@pytest.mark.parametrize("kind", ["sine", "triangle", "square", "exponential"])
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+def test_waves_pass_with_their_period(wave, loop, kind, noise):
+    t = np.arange(1000.0)
+    e = wave(kind, t) + noise * np.random.default_rng(0).normal(size=1000)
+    gate = oscillation.find(loop(t, e))
+    assert gate.oscillating
+    assert gate.period == pytest.approx(50, rel=0.02)  # analytic
+    assert gate.cycles == pytest.approx(20, rel=0.02)
+
+
+def test_amplitude_is_that_of_the_sine(wave, loop):
+    t = np.arange(1000.0)
+    assert oscillation.find(loop(t, 3 * wave("sine", t))).amplitude == pytest.approx(3, rel=0.02)  # analytic
+
+
+def test_drift_does_not_hide_the_wave(wave, loop):
+    t = np.arange(2000.0)
+    gate = oscillation.find(loop(t, wave("sine", t) + 4 * np.sin(2 * np.pi * t / 1800)))
+    assert gate.oscillating
+    assert gate.period == pytest.approx(50, rel=0.03)
+
+
+def test_noise_is_silent(loop):
+    t = np.arange(1000.0)
+    fired = sum(oscillation.find(loop(t, np.random.default_rng(k).normal(size=1000))).oscillating for k in range(60))
+    assert fired <= 1
+
+
+def test_filtered_noise_is_nearly_silent(loop):
+    t, fired = np.arange(1000.0), 0
+    for seed in range(40):
+        x = np.random.default_rng(seed).normal(size=1000)
+        for i in range(1, 1000):
+            x[i] += 0.8 * x[i - 1]
+        fired += oscillation.find(loop(t, x)).oscillating
+    assert fired <= 6
+
+
+@pytest.mark.parametrize("e", [np.zeros(500), np.arange(500.0), np.sin(np.arange(500.0) / 60), np.ones(5)])
+def test_no_cycles_no_oscillation(loop, e):
+    assert not oscillation.find(loop(np.arange(float(len(e))), e)).oscillating
+
+
+@pytest.mark.parametrize("slow", [0.01, 1.0, 100.0])
+def test_load_count_finds_a_sine(wave, slow):
+    t = np.arange(1000.0)
+    p, s = hagglund1995.Params(a=0.5), hagglund1995.init(hagglund1995.Params(a=0.5))
+    for ti, e in zip(slow * t, wave("sine", t), strict=True):
+        s = hagglund1995.update(p, s, ti, e)
+    gate = hagglund1995.gate(p, s)
+    assert gate.oscillating
+    assert gate.period == pytest.approx(50 * slow, rel=1e-3)  # analytic
+    assert gate.amplitude == pytest.approx(1.0, rel=0.02)  # analytic
+
+
+def test_load_count_at_the_tolerated_amplitude(wave):
+    """Analytic: a half sine of amplitude A has area 2 A / w, so A just above a loads and just below does not."""
+    t = np.arange(0, 3000.0, 0.5)
+    for amplitude, loads in ((1.02, True), (0.98, False)):
+        p = hagglund1995.Params(a=1.0, w_u=2 * np.pi / 50)
+        s = hagglund1995.init(p)
+        for ti, e in zip(t, amplitude * wave("sine", t), strict=True):
+            s = hagglund1995.update(p, s, ti, e)
+        assert (s.x > 10) is loads
+
+
+def test_lobe_area_is_cut_at_the_crossing():
+    """Analytic: a triangle with peaks on samples and crossings half way between has mean |e| = half its peak."""
+    t = np.arange(0, 400.0)
+    u = (t + 0.5) / 10 % 1.0
+    e = np.where(u < 0.5, 1, -1) * (10 - np.abs(40 * (u % 0.5) - 10))
+    p = hagglund1995.Params(a=0.1)
+    s = hagglund1995.init(p)
+    for ti, ei in zip(t, e, strict=True):
+        s = hagglund1995.update(p, s, ti, ei)
+    assert s.mean_abs == pytest.approx(5.0, rel=1e-6)
+
+
+def test_load_count_saturates_as_the_paper_says(wave):
+    """Analytic: two loads a period, forgetting over 50 periods, so x tends to about 100."""
+    t = np.arange(0, 50 * 400.0)
+    p = hagglund1995.Params(a=0.1, w_u=2 * np.pi / 50)
+    s = hagglund1995.init(p)
+    for ti, e in zip(t, wave("sine", t), strict=True):
+        s = hagglund1995.update(p, s, ti, e)
+    assert s.x == pytest.approx(100, rel=0.02)
+
+
+def test_load_count_keeps_no_history(wave):
+    p = hagglund1995.Params(a=0.1)
+    s = hagglund1995.init(p)
+    for i in range(5000):
+        s = hagglund1995.update(p, s, float(i), float(np.sin(i / 3)))
+    assert len(s.crossed) == 11
+
+
+def test_load_count_is_silent_on_noise(loop):
+    t = np.arange(2000.0)
+    assert not any(
+        hagglund1995.find(loop(t, np.random.default_rng(k).normal(size=2000))).oscillating for k in range(10)
+    )
+
+
+def test_missing_samples_are_skipped(wave, loop):
+    t = np.arange(1000.0)
+    e = wave("sine", t)
+    e[::17] = np.nan
+    assert hagglund1995.find(loop(t, e)).oscillating
+
+
+def test_wrong_params_are_refused():
+    with pytest.raises(ValueError, match="a > 0"):
+        hagglund1995.Params(a=0.0)

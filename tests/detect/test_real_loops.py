@@ -1,0 +1,46 @@
+"""Real loops. Labels are checked once, never tuned on: the only claim is that no verdict is the wrong way round."""
+
+import csv
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from detect import diagnose
+from records import LoopRecord
+
+DATA = Path(os.environ.get("STICKSLIP_DATA", Path(__file__).parents[3] / "shared" / "data"))
+LIST = DATA / "loops.csv"
+pytestmark = pytest.mark.skipif(not LIST.exists(), reason=f"real loops not found at {DATA}; set STICKSLIP_DATA")
+ROWS = list(csv.DictReader(LIST.open(encoding="utf-8"))) if LIST.exists() else []
+STANDARDISED = ("CHEM10", "CHEM12", "CHEM13")  # their OP has no known span
+
+
+def read(row):
+    table = np.genfromtxt(DATA / row["file"], delimiter=",", names=True)
+    record = LoopRecord.from_arrays(
+        table["time"],
+        pv=table["PV"],
+        op=table["OP"],
+        sp=table["SP"] if "SP" in table.dtype.names else None,
+        name=row["loop"],
+        op_span=None if row["loop"] in STANDARDISED else (0, 100),
+        process="integrating" if row["integrating"] == "true" else "unknown",
+    )
+    return replace(record, measurement=row["measurement"])
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row["loop"])
+def test_never_the_wrong_way_round(row):
+    answer = diagnose(read(row))
+    wrong = "no_stiction" if row["label"] == "stiction" else "stiction"
+    assert answer.verdict != wrong
+    if row["integrating"] == "true":
+        assert answer.methods[0].code == "wrong_process_type"
+
+
+def test_clear_loops_are_decided():
+    decided = {row["loop"] for row in ROWS if diagnose(read(row)).verdict in ("stiction", "no_stiction")}
+    assert {"CHEM10", "PAP2", "CHEM13", "PAP9"} <= decided  # snapshot
