@@ -58,15 +58,15 @@ def _rows(log: "Log", columns: dict[str, tuple[str, float, float, int]]) -> list
 
 
 def sticky_flow() -> str:
-    """A flow valve with 5 % stickband and 2 % slip jump; PI-style wide export with digital states."""
+    """A flow valve with S = 6 % and J = 3 % of OP; PI-style wide export with digital states."""
     from blocks import PI, FirstOrder, SampledSensor, Step, StickSlip
 
     log = _loop(
         [
             Step("SP", 0.55),
-            PI(K_p=0.35, T_i=6.0, start_op=0.42, inputs={"PV": "PV_m"}),
-            StickSlip.from_bands(S=0.06, J=0.022, start=0.40),
-            FirstOrder(K=1.3, tau=3.0, start=0.50),
+            PI(K_p=0.6, T_i=8.0, start_op=0.42, inputs={"PV": "PV_m"}),
+            StickSlip.from_bands(S=0.06, J=0.03, start=0.40),
+            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
             SampledSensor(dt=1.0, sd=0.0008, seed=11),
         ],
         2400.0,
@@ -96,8 +96,8 @@ def tight_tuning() -> str:
             PI(K_p=4.55, T_i=60.0, start_op=0.5, inputs={"PV": "PV_m"}),
             Noise("load", sd=0.03, dt=5.0, correlation_time=30.0, seed=5),
             Sum("MV", {"OP": 1.0, "load": 1.0}),
-            FirstOrder(K=1.0, tau=60.0, theta=8.0, theta_start=0.5, start=0.5, outputs="T_jacket", name="jacket"),
-            SecondOrder(K=1.0, tau1=12.0, tau2=4.0, start=0.5, inputs="T_jacket"),
+            FirstOrder(K=1.0, tau=60.0, theta=8.0, start=0.5, outputs="T_jacket", name="jacket"),
+            SecondOrder(K=1.0, omega=0.144, zeta=1.15, start=0.5, inputs="T_jacket"),
             SampledSensor(dt=2.0, sd=0.0005, seed=6),
         ],
         4800.0,
@@ -152,7 +152,7 @@ def sticky_level() -> str:
             Step("SP", 0.5),
             PI(K_p=1.6, T_i=500.0, action="direct", start_op=0.47, inputs={"PV": "PV_m"}),
             StickSlip.from_bands(S=0.06, J=0.02, start=0.45),
-            Gain("net", "MV", factor=-1.0, bias=0.46),
+            Gain("net", "MV", -1.0, offset=0.46),
             Integrator(K=1.0, T=120.0, start=0.5, inputs="net"),
             SampledSensor(dt=5.0, sd=0.0004, seed=31),
         ],
@@ -177,9 +177,9 @@ def compressed_flow() -> str:
     log = _loop(
         [
             Step("SP", 0.55),
-            PI(K_p=0.35, T_i=6.0, start_op=0.42, inputs={"PV": "PV_m"}),
-            StickSlip.from_bands(S=0.06, J=0.022, start=0.40),
-            FirstOrder(K=1.3, tau=3.0, start=0.50),
+            PI(K_p=0.6, T_i=8.0, start_op=0.42, inputs={"PV": "PV_m"}),
+            StickSlip.from_bands(S=0.06, J=0.03, start=0.40),
+            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
             SampledSensor(dt=1.0, sd=0.0008, seed=12),
         ],
         2400.0,
@@ -188,7 +188,7 @@ def compressed_flow() -> str:
     rebuilt = swinging_door(log, {"PV_m": 0.012, "OP": 0.01})
     lines = ["t,FIC512.SP,FIC512.PV,FIC512.OP"]
     for t, sp, pv, op in zip(rebuilt.t, rebuilt["SP"], rebuilt["PV_m"], rebuilt["OP"], strict=True):
-        lines.append(f"{t:.0f},{sp * 80:.2f},{pv * 80:.4f},{op * 100:.4f}")
+        lines.append(f"{t:.0f},{sp * 80:.2f},{pv * 80:.6f},{op * 100:.6f}")
     return "\n".join(lines) + "\n"
 
 

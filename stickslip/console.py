@@ -69,6 +69,9 @@ def user_errors(command: Callable[..., Any]) -> Callable[..., Any]:
     def wrapped(*args: Any, **kwargs: Any) -> Any:
         try:
             return command(*args, **kwargs)
+        except BrokenPipeError:  # the reader, e.g. ``head``, has seen enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise SystemExit(0) from None
         except (ValueError, OSError) as error:
             click.secho(f"Error: {error}", fg="red", err=True)
             raise SystemExit(2) from None

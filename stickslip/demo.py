@@ -1,0 +1,114 @@
+"""``stickslip demo``: five short stories with known truth, and two real loops where they are at hand."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stickslip.check import STYLE, WORDS
+from stickslip.console import Speaker, json_option, user_errors, write_whole
+
+if TYPE_CHECKING:
+    from detect import Diagnosis
+
+REAL = (
+    ("PAP2", "isdb/PAP2.csv", "stiction", "A flow loop of a paper mill (International Stiction Data Base, FC525)."),
+    ("PAP9", "isdb/PAP9.csv", "no stiction", "A temperature loop of a paper mill (International Stiction Data Base)."),
+)
+LEAD = (
+    "Five loops of our own making, exported as a historian would, so the truth is known; then real loops, labelled by "
+    "experts. One method so far, the area ratio: it says what it sees, and says so when it cannot judge."
+)
+
+
+@dataclass(frozen=True)
+class Told:
+    """One loop of the demonstration and what was said about it."""
+
+    title: str
+    truth: str
+    story: str
+    lesson: str
+    diagnosis: "Diagnosis"
+
+    @property
+    def score(self) -> str:
+        """Right, wrong, or abstained, against the truth."""
+        said = self.diagnosis.verdict.replace("_", " ")
+        return "right" if said == self.truth else "abstained" if said in ("inconclusive", "not applicable") else "WRONG"
+
+
+@click.command("demo")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("stickslip-demo"), help="Folder for the page.")
+@json_option
+@user_errors
+def command(out: Path, json_file: str | None) -> None:
+    """Diagnose five example exports (and two real loops) and write one HTML page.
+
+    Real loops are read from the folder that the variable STICKSLIP_DATA names (default ../shared/data).
+    """
+    say = Speaker(json_file)
+    told = _stories(say) + _real(say)
+    rows = [[t.title, t.truth, WORDS[t.diagnosis.verdict].lower(), t.score] for t in told]
+    say.table("", ["loop", "truth", "verdict", ""], rows)
+    out.mkdir(parents=True, exist_ok=True)
+    target = out / "index.html"
+    write_whole(target, _page(told).encode())
+    say(f"open {target} in a browser: trends, PV-OP pictures and the evidence for every verdict")
+    say.document(
+        {
+            "schema": "stickslip.demo/1",
+            "page": str(target),
+            "loops": [{"truth": t.truth, "score": t.score, "title": t.title, **t.diagnosis.to_dict()} for t in told],
+        }
+    )
+
+
+def _stories(say: Speaker) -> list[Told]:
+    from cases.stories import STORIES
+
+    return [_tell(say, s.path, f"{s.name}: {s.title}", s.truth, s.story, s.lesson) for s in STORIES]
+
+
+def _real(say: Speaker) -> list[Told]:
+    default = Path(__file__).resolve().parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("STICKSLIP_DATA", default))
+    if not folder.is_dir():
+        say(f"no real loops: there is no folder {folder}; set STICKSLIP_DATA to one that holds them", fg="yellow")
+        return []
+    told = []
+    for name, file, truth, story in REAL:
+        if (folder / file).is_file():
+            told.append(_tell(say, folder / file, f"{name}: a real loop", truth, story, "The label is an expert's."))
+        else:
+            say(f"real loop {name} is skipped: {folder / file} is not there", fg="yellow")
+    return told
+
+
+def _tell(say: Speaker, path: Path, title: str, truth: str, story: str, lesson: str) -> Told:
+    from detect import diagnose
+    from records import read_loop
+
+    diagnosis = diagnose(read_loop(path))
+    say(f"{title}: ", nl=False)
+    say(WORDS[diagnosis.verdict].lower(), fg=STYLE[diagnosis.verdict], bold=True)
+    return Told(title, truth, story, lesson, diagnosis)
+
+
+def _page(told: list[Told]) -> str:
+    from stickslip.page import Section, figure_to_svg, page
+
+    sections = []
+    table = [["loop", "truth", "verdict", "score"]]
+    for t in told:
+        word = WORDS[t.diagnosis.verdict]
+        section = Section(
+            t.title, word, t.diagnosis.verdict, t.diagnosis.reason, f"{t.story} {t.lesson}", f"truth: {t.truth}"
+        )
+        section.notes.extend(t.diagnosis.assumptions)
+        section.figures.append(figure_to_svg(t.diagnosis.plot()))
+        sections.append(section)
+        table.append([t.title, t.truth, word.lower(), t.score])
+    return page("Is it the valve?", LEAD, sections, table)
