@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import control as ct
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
 from blocks.ports import nearest
@@ -83,6 +83,16 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
                 return b
         known = [block.name for block in self.blocks]
         raise WiringError(f"the diagram has no block '{name}'; {nearest(name, known)}")
+
+    @property
+    def x0(self) -> NDArray[np.float64]:
+        """Start state as python-control counts states, shape (nstates,)."""
+        values = []
+        for block in self.syslist:
+            start = dict(zip(block.state_names, block.x0, strict=True))
+            start |= dict(zip(block.memory_names, block.d0, strict=True))
+            values += [float(start.get(state, 0.0)) for state in block.seen_states()]
+        return np.array(values)
 
     def plot(self) -> "Figure":
         """Draw the diagram: one box per block, one arrow per signal."""

@@ -18,7 +18,7 @@ import numpy as np
 from cases.exact import IDEAL_HIGH, ExactLoop
 
 SOURCE = Path(__file__).with_name("ideal_loop.c")
-FLAGS = ("-O3", "-march=native", "-std=gnu11", "-shared", "-fPIC")
+FLAGS = ("-O3", "-std=gnu11", "-shared", "-fPIC")
 H_STUCK, H_SLIP = 0.05, 5e-4  # [s]
 COLUMNS = ("t", "SP", "PV", "OP", "MV", "v")
 
