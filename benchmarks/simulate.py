@@ -3,9 +3,9 @@
     python -m benchmarks.simulate [--quick] [--json FILE]
 
 The subject is ``ideal_high``: the thesis's loop with the full-mass stem, 600 s, 6001 log rows, one in-process
-call of ``plant.simulate`` at rtol 1e-8.  Peers solve the same problem: hand-written C, python-control's own response of its
-best twin (it knows no events), PathSim with its zero-crossing events.  ``X_over_ideal`` is the peer's time over
-ours; every peer's error is printed beside it.
+call of ``plant.simulate`` at rtol 1e-8.  Peers solve the same problem: hand-written C, python-control's own
+response of its best twin (it knows no events), PathSim with its zero-crossing events.  ``X_over_ideal`` is the
+peer's time over ours; every peer's error is printed beside it.
 """
 
 import os

@@ -131,6 +131,12 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         """Return the names of the states that python-control sees."""
         return self.memory_names if self.sampled else self.state_names
 
+    def seen_start(self) -> Floats:
+        """Return the start values of the states that python-control sees."""
+        if self.host is not None:
+            return np.zeros(0)
+        return self.d0 if self.sampled else self.x0
+
     # --- facts --------------------------------------------------------------------------------------------
     @property
     def sampled(self) -> bool:
@@ -160,6 +166,8 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         other.p = other._p_now = p
         other.params = dict(zip(self.param_names, (float(v) for v in p), strict=False))
         other.check(other.params, self.name)
+        if self.sampled:
+            other.dt = other.period
         return other
 
     def in_mode(self, mode: str) -> Self:

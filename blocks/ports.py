@@ -36,6 +36,17 @@ def labelled(block: str, side: str, ports: Sequence[Port], given: Labels) -> lis
 
     ``given`` is one label (for a single port), one label per port in order, or a mapping from port to label.
     """
+    labels = _labels(block, side, ports, given)
+    for label in labels:
+        if labels.count(label) > 1:
+            raise BlockError(
+                f"block '{block}' has two {side}s labelled '{label}'; labels of one block must differ: "
+                f"give the signal a second name with a Gain block"
+            )
+    return labels
+
+
+def _labels(block: str, side: str, ports: Sequence[Port], given: Labels) -> list[str]:
     names = [port.name for port in ports]
     if given is None:
         return names

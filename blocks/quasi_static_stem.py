@@ -123,11 +123,21 @@ class QuasiStaticStem(Block):
         require(low < high, name, "high", high, f"the upper stop lies above the lower one, {low}", "raise high")
 
     @property
+    def S(self) -> float:
+        """Movement of OP after a reversal until the stem breaks away [fraction of OP]."""
+        return float(self.p[0])
+
+    @property
+    def J(self) -> float:
+        """Slip jump [fraction of OP]."""
+        return float(self.p[1])
+
+    @property
     def f_s(self) -> float:
         """Static friction band (S + J)/2 [fraction of OP]."""
-        return float(self.p[0] + self.p[1]) / 2.0
+        return (self.S + self.J) / 2.0
 
     @property
     def f_c(self) -> float:
         """Coulomb friction band (S - J)/2 [fraction of OP]."""
-        return float(self.p[0] - self.p[1]) / 2.0
+        return (self.S - self.J) / 2.0

@@ -35,6 +35,7 @@ from blocks.ports import Port, require
 from blocks.quasi_static_stem import QuasiStaticStem
 
 STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
+TIE = 1e-6  # with F_s = F_c a stem creeps to rest exactly at breakaway, where rounding would start it again and again
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -56,10 +57,11 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
     g[0] = -1.0
     g[1] = -1.0
     if d[0] == STUCK:  # away from a stop only
+        breakaway = p[4] if p[4] > p[3] * (1.0 + TIE) else p[3] * (1.0 + TIE)
         if spring > 0.0:
-            g[0] = spring - p[4] if x[0] < p[6] else -1.0
+            g[0] = spring - breakaway if x[0] < p[6] else -1.0
         else:
-            g[0] = -spring - p[4] if x[0] > p[5] else -1.0
+            g[0] = -spring - breakaway if x[0] > p[5] else -1.0
     elif d[0] != IDEAL:
         forward = d[0] * x[1]
         braking = d[0] * spring < p[3] + p[2] * forward

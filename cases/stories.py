@@ -104,8 +104,10 @@ def tight_tuning() -> str:
         2.0,
     )
     columns = {
-        "SP": ("TIC-204 Sp", 80.0, 40.0, 2), "PV_m": ("TIC-204 Pv", 80.0, 40.0, 3), "OP": ("TIC-204 Out", 100.0, 0.0, 2),
-    }  # fmt: skip
+        "SP": ("TIC-204 Sp", 80.0, 40.0, 2),
+        "PV_m": ("TIC-204 Pv", 80.0, 40.0, 3),
+        "OP": ("TIC-204 Out", 100.0, 0.0, 2),
+    }
     rows = _rows(log, columns)
     lines = ["Zeit;" + ";".join(head for head, *_ in columns.values()), ";degC;degC;%"]
     for i, cells in enumerate(zip(*rows, strict=True)):

@@ -84,6 +84,7 @@ from engine.sweep import clock, evaluate_events, finite, rates, signals
 OK, EVENTS_FULL, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 STIFF_STEPS = 12  # steps in a row at the stability limit before the stiff method takes over
 SMOOTH = 9
+APART = 1e-6  # transitions that follow each other faster than this [s] count as one chain
 NEAR = 0.9  # a stiff step goes this share of the way to an event; a short one then locates it
 
 
@@ -186,6 +187,9 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
             if I[N_SAMPLED] > 0:
                 signals(I, W, W[T])
                 sample(I, W)
+            if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
+                signals(I, W, W[T])
+                begin_instant(I, W)
             if not settle(I, W, EV, min(1.0, max(W[STEP], 1e-9))):
                 return CHATTERING
             copy(W, x, y0, n)
@@ -309,7 +313,7 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
             I[PENDING_LEVEL] = SMOOTH
         if dense:
             write_rows_inside(I, W, times, log, t, h, t_new)
-        if h_used > 1e-9 * max(1.0, abs(t)):
+        if h_used > APART:
             I[CHAIN] = 0
         if crossing <= 1.0:
             interpolate(I, W, crossing)

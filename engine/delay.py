@@ -22,18 +22,18 @@ def delayed(I, W, row, t):  # type: ignore[no-untyped-def]
     cap = I[row + CAPACITY]
     head = I[row + HEAD]
     tail = I[row + TAIL]
-    wanted = t - W[I[row + P]]
-    if head == tail or wanted < W[base + (tail % cap) * D_SIZE + D_T]:
+    theta = W[I[row + P]]
+    if head == tail or t < W[base + (tail % cap) * D_SIZE + D_T] + theta:
         return W[I[row + P] + 1]
     low, high = tail, head - 1  # record numbers; the ring index is the number modulo the capacity
     while low < high:
         mid = (low + high + 1) // 2
-        if W[base + (mid % cap) * D_SIZE + D_T] <= wanted:
+        if W[base + (mid % cap) * D_SIZE + D_T] + theta <= t:  # the same sum as a breakpoint: no rounding between
             low = mid
         else:
             high = mid - 1
     at = base + (low % cap) * D_SIZE
-    s = 4.0 * (wanted - W[at + D_T]) / W[at + D_H]
+    s = 4.0 * (t - (W[at + D_T] + theta)) / W[at + D_H]
     v = at + D_V
     s1, s2, s3, s4 = s - 1.0, s - 2.0, s - 3.0, s - 4.0
     return (

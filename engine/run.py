@@ -46,12 +46,12 @@ def prepare(component: Component, settings: Settings, t0: float) -> tuple[Ints, 
     W[at.RTOL], W[at.ATOL], W[at.T] = settings.rtol, settings.atol, t0
     I[at.METHOD_WISH] = METHODS[settings.method]
     I[at.MAX_STEPS] = settings.max_steps
-    for number in range(I[at.N_BLOCKS]):
-        row = at.H + number * at.R
-        if I[row + at.KIND] == at.SAMPLED and I[row + at.PERIOD] != 0:
-            late = (t0 - W[I[row + at.OFFSET]]) / W[I[row + at.PERIOD]]
-            I[row + at.COUNT] = max(0, int(np.ceil(late - 1e-9)))
     return I, W
+
+
+def _samples_before(t0: float, offset: float, period: float) -> int:
+    """Return how many sampling instants lie before ``t0``."""
+    return max(0, int(np.ceil((t0 - offset) / period - 1e-9)))
 
 
 def run(
@@ -73,6 +73,9 @@ def run(
     events: list[Floats] = []
     hosts = _Hosts(component, blocks, W) if component.hosted else None
     t0 = float(W[at.T])
+    for row in range(at.H, at.H + int(I[at.N_BLOCKS]) * at.R, at.R):
+        if I[row + at.KIND] == at.SAMPLED:
+            I[row + at.COUNT] = _samples_before(t0, W[I[row + at.OFFSET]], W[I[row + at.PERIOD]])
     stops = [t_end] if on_progress is None else list(np.linspace(t0, t_end, 101)[1:])
     status = Status.OK
     try:
@@ -108,6 +111,8 @@ class _Hosts:
         self.component = component
         self.taken = dict.fromkeys(component.hosted, 0)
         self.states = {b: blocks[b].host.init(self._p(b, W)) for b in component.hosted}
+        for b in component.hosted:
+            self.taken[b] = _samples_before(float(W[at.T]), self._due(b, W), self._p(b, W)[blocks[b].period_at])
 
     def _p(self, b: int, W: Floats) -> Floats:
         start = self.component.params[b]

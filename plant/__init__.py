@@ -7,7 +7,9 @@ ensemble   one diagram over thousands of parameter sets    reference  slow, inde
 
 from plant.diagram import Diagram, wire
 from plant.drive import drive
+from plant.ensemble import ensemble
+from plant.portfolio import Ensemble
 from plant.simulate import Event, Run, simulate
 from plant.wiring import WiringError
 
-__all__ = ["Diagram", "Event", "Run", "WiringError", "drive", "simulate", "wire"]
+__all__ = ["Diagram", "Ensemble", "Event", "Run", "WiringError", "drive", "ensemble", "simulate", "wire"]

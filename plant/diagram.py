@@ -87,12 +87,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
     @property
     def x0(self) -> NDArray[np.float64]:
         """Start state as python-control counts states, shape (nstates,)."""
-        values = []
-        for block in self.syslist:
-            start = dict(zip(block.state_names, block.x0, strict=True))
-            start |= dict(zip(block.memory_names, block.d0, strict=True))
-            values += [float(start.get(state, 0.0)) for state in block.seen_states()]
-        return np.array(values)
+        return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
 
     def plot(self) -> "Figure":
         """Draw the diagram: one box per block, one arrow per signal."""
@@ -103,11 +98,11 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
     # --- change -------------------------------------------------------------------------------------------
     def with_params(self, changes: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
-        return self._with_blocks(self._changed(changes, Block.with_params))
+        return self._with_blocks(self._changed(changes, "with_params"))
 
     def starting_at(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``."""
-        return self._with_blocks(self._changed(values, Block.starting_at))
+        return self._with_blocks(self._changed(values, "starting_at"))
 
     def in_mode(self, modes: str | Mapping[str, str]) -> Self:
         """Return the diagram with blocks in a mode: one name for all that have it, or block -> mode.
@@ -191,7 +186,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
     def _declared_outputs(self) -> tuple[str, ...] | None:
         return None if self.chosen_outputs == self.signals else self.chosen_outputs
 
-    def _changed(self, values: Mapping[str, float], change: Any) -> list[Block]:
+    def _changed(self, values: Mapping[str, float], change: str) -> list[Block]:
         grouped: dict[int, dict[str, float]] = {}
         for key, value in values.items():
             name, _, what = key.rpartition(".")
@@ -200,14 +195,16 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
             grouped.setdefault(self.block_index(name), {})[what] = value
         blocks = list(self.blocks)
         for b, group in grouped.items():
-            blocks[b] = change(blocks[b], **group)
+            blocks[b] = getattr(blocks[b], change)(**group)
         return blocks
 
     def _with_blocks(self, blocks: Sequence[Block]) -> Self:
         """Return a copy with blocks that differ only in values; wiring and plan are shared."""
+        seen = [block.smooth() for block in blocks]
+        if [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:  # a dead time came or went
+            return type(self)(blocks, self.open_inputs, self._declared_outputs(), self.name)
         other = copy.copy(self)
         other.blocks = tuple(blocks)
-        seen = [block.smooth() for block in blocks]
         other.syslist = seen
         other.params = {f"{b.name}.{k}": v for b in seen for k, v in b.params.items()}
         other.updfcn, other.outfcn = other._update, other._output

@@ -7,7 +7,16 @@ from plant.diagram import Diagram
 from plant.simulate import Run, simulate
 
 
-def drive(block: Block, duration: float, *, every: float | None = None, **inputs: Any) -> Run:
+def drive(
+    block: Block,
+    duration: float,
+    *,
+    every: float | None = None,
+    rtol: float = 1e-6,
+    atol: float = 1e-9,
+    method: str = "auto",
+    **inputs: Any,
+) -> Run:
     """Simulate one block on given input signals, named by their labels; see ``simulate`` for what they may be.
 
     >>> from blocks import FirstOrder
@@ -15,4 +24,5 @@ def drive(block: Block, duration: float, *, every: float | None = None, **inputs
     >>> drive(FirstOrder(K=2.0, tau=5.0), 5.0, every=5.0, MV=1.0).log["PV"].round(4).tolist()
     [0.0, 1.2642]
     """
-    return simulate(Diagram([block], list(block.input_labels), name=block.name), duration, every=every, inputs=inputs)
+    diagram = Diagram([block], list(block.input_labels), name=block.name)
+    return simulate(diagram, duration, every=every, inputs=inputs, rtol=rtol, atol=atol, method=method)

@@ -81,11 +81,11 @@ def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
             order += made
         order.append(b)
     groups = _groups(flat, order, first)
-    components = []
+    components: list[Component] = []
     places: dict[int, list[int]] = {}
     taken: set[int] = set()
     for members in groups:
-        columns = []
+        columns: list[int] = []
         for f in members:
             places.setdefault(f, []).append(len(components))
             if f < len(blocks) and f not in taken:  # a copied source is logged once

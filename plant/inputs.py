@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from blocks.recorded import Recorded
 
 from blocks.block import Block
+from blocks.recorded import Recorded
 from blocks.sources import Constant
 from plant.diagram import Diagram
 from plant.wiring import WiringError

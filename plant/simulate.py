@@ -147,9 +147,9 @@ def log_times(duration: float, every: float | None, times: ArrayLike | None, t0:
     if not (np.isfinite(step) and 0.0 < step <= duration):
         raise ValueError(f"every = {every!r}, but the log interval must be positive and at most {duration} s")
     count = int(np.floor(duration / step + 1e-9)) + 1
-    grid = t0 + np.arange(count) * step
-    grid[-1] = min(grid[-1], t0 + duration)
-    return grid
+    even: Floats = t0 + np.arange(count, dtype=np.float64) * step
+    even[-1] = min(even[-1], t0 + duration)
+    return even
 
 
 def check_settings(settings: Settings) -> Settings:

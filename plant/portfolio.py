@@ -1,0 +1,180 @@
+"""What an ensemble gave: one entry a member, each of which can be looked at or run again alone."""
+
+import json
+import os
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.run import Settings
+from engine.status import HINTS, Statistics, Status
+from plant.diagram import Diagram
+from plant.members import Floats, Members
+from plant.simulate import Event, Run, simulate
+from records import Log
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ensemble:
+    """The outcome of ``ensemble``.
+
+    Attributes
+    ----------
+    t : (rows,) [s].
+    values : signal -> (members, rows), read-only; NaN where a member did not get to.
+    status : (members,) codes of ``Status``; ``ended`` (members,) the time reached [s].
+    summary : name -> (members,), NaN where a member failed.
+    event_counts : (members,); ``statistics`` the cost of all members together.
+    members, settings, duration : what was asked for, see ``params``, ``start``, ``seeds``.
+    raw_events : per member (events, 4): t, block, value before, value after; see ``events``.
+    """
+
+    t: Floats
+    values: Mapping[str, Floats]
+    status: NDArray[np.int8]
+    ended: Floats
+    summary: Mapping[str, Floats]
+    event_counts: NDArray[np.int64]
+    statistics: Statistics
+    members: Members
+    settings: Settings
+    duration: float
+    raw_events: tuple[Floats, ...]
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __repr__(self) -> str:
+        codes, counts = np.unique(self.status, return_counts=True)
+        told = ", ".join(f"{count} {Status(int(code)).name}" for code, count in zip(codes, counts, strict=True))
+        return f"<Ensemble of {len(self)} members of '{self.members.diagram.name}' over {self.duration:g} s: {told}>"
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Which members reached their end, (members,)."""
+        return np.asarray(self.status == Status.OK)
+
+    @property
+    def params(self) -> Mapping[str, Floats]:
+        """The parameters given, name -> (members,)."""
+        return self.members.params
+
+    @property
+    def start(self) -> Mapping[str, Floats]:
+        """The start values given, name -> (members,)."""
+        return self.members.start
+
+    @property
+    def seeds(self) -> NDArray[np.int64] | None:
+        """The seed of every member, (members,)."""
+        return self.members.seeds
+
+    def told(self, i: int) -> str:
+        """Return what makes member ``i`` different, in one line."""
+        self._check(i)
+        parts = [f"{key} = {column[i]:g}" for key, column in [*self.params.items(), *self.start.items()]]
+        return ", ".join(parts + ([] if self.seeds is None else [f"seed {self.seeds[i]}"]))
+
+    def hint(self, i: int) -> str:
+        """Return why member ``i`` failed and what to try; empty if it did not fail."""
+        self._check(i)
+        status = Status(int(self.status[i]))
+        return f"{HINTS[status]} (at t = {self.ended[i]:.6g} s)" if HINTS[status] else ""
+
+    def log(self, i: int) -> Log:
+        """Return the signals kept of member ``i``.
+
+        Raises ``ValueError`` if the ensemble kept no logs.
+        """
+        if not self.values:
+            raise ValueError(f"no logs were kept; give keep_logs=True, or call run({i}) to simulate the member again")
+        diagram = self.members.diagram
+        return Log(
+            t=self.t,
+            signals={signal: rows[i] for signal, rows in self.values.items()},
+            units={s: diagram.signal_units[s] for s in self.values if diagram.signal_units.get(s)},
+            spans={s: span for s, span in _spans(diagram).items() if s in self.values},
+            origin=f"simulated: {diagram.name}, member {i}: {self.told(i)}",
+        )
+
+    def events(self, i: int) -> tuple[Event, ...]:
+        """Return the changes of mode of member ``i`` in order of time (none if no logs were kept)."""
+        self._check(i)
+        found = []
+        for t, b, before, after in self.raw_events[i]:
+            block = self.members.diagram.blocks[int(b)]
+            names = {value: name for name, value in block.modes.items()}
+            found.append(Event(float(t), block.name, names.get(before, str(before)), names.get(after, str(after))))
+        return tuple(sorted(found, key=lambda event: event.t))
+
+    def member(self, i: int) -> Diagram:
+        """Return member ``i`` as a diagram with its parameters, start values and random numbers."""
+        self._check(i)
+        return self.members.diagram_of(i)
+
+    def run(self, i: int) -> Run:
+        """Simulate member ``i`` again, alone and with all signals; the values agree to the last bit."""
+        s = self.settings
+        return simulate(
+            self.member(i), self.duration, times=self.t, rtol=s.rtol, atol=s.atol, method=s.method,
+            max_steps=s.max_steps,
+        )  # fmt: skip
+
+    def plot(self, signal: str) -> "Figure":
+        """Plot a signal over all members that reached their end: median, 5 to 95 % band, some members."""
+        from plant.plots import plot_ensemble
+
+        return plot_ensemble(self, signal)
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Write one row a member: status, parameters, start values ``name(0)``, seed, summary, signals as arrays.
+
+        Time [s], units and settings are JSON in the footer under the key "stickslip".  The file appears whole or
+        not at all.  Read with ``polars.read_parquet(path)["PV"].to_numpy()``, shape (members, rows).
+        """
+        import polars as pl
+
+        columns: dict[str, object] = {
+            "member": np.arange(len(self)),
+            "status": [Status(int(code)).name for code in self.status],
+            **self.params,
+            **{f"{key}(0)": column for key, column in self.start.items()},
+            **({} if self.seeds is None else {"seed": self.seeds}),
+            "events": self.event_counts,
+            **{f"summary.{key}": column for key, column in self.summary.items()},
+            **self.values,
+        }
+        heading = {
+            "origin": f"simulated: {self.members.diagram.name}", "duration [s]": self.duration,
+            "units": self.members.diagram.signal_units, "rtol": self.settings.rtol, "atol": self.settings.atol,
+            "method": self.settings.method, "time [s]": self.t.tolist(),
+        }  # fmt: skip
+        target = Path(path)
+        part = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+        try:
+            pl.DataFrame(columns).write_parquet(part, metadata={"stickslip": json.dumps(heading)})
+            os.replace(part, target)
+        finally:
+            part.unlink(missing_ok=True)
+
+    def _check(self, i: int) -> None:
+        if not -len(self) <= i < len(self):
+            raise IndexError(f"there is no member {i}; the ensemble has {len(self)}")
+
+
+def _spans(diagram: Diagram) -> dict[str, tuple[float, float]]:
+    """Return the instrument spans of the signals that have one."""
+    found = {}
+    for block in diagram.blocks:
+        for port, signal in zip(block.ports_out, block.output_labels, strict=True):
+            if port.name in block.spans:
+                found[signal] = block.spans[port.name]
+    return found
