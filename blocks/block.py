@@ -193,6 +193,12 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
                 raise BlockError(f"block '{self.name}' has no state '{key}'; {nearest(key, known)}")
         return other
 
+    def holding(self, outputs: ArrayLike) -> Self:
+        """Return a copy of a sampled block whose outputs stand at ``outputs`` until its first sample."""
+        other = self._copy()
+        other.y0 = np.array(outputs, dtype=float).ravel()
+        return other
+
     def relabelled(self, name: str, inputs: list[str], outputs: list[str]) -> Self:
         """Return a copy under another name with other port labels (what nesting does)."""
         other = self._copy()

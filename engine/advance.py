@@ -16,14 +16,17 @@ from engine.events import (
     next_stop,
     sample,
     settle,
+    stop_at,
 )
 from engine.explicit import STIFF_RATIO, explicit_dense, explicit_step
 from engine.high_order import HIGH_STIFF_RATIO, high_order_dense, high_order_step
+from engine.jacobian import jacobian
 from engine.layout import (
     ATOL,
     CAPACITY,
     CHAIN,
     CLOSE,
+    D_NODES,
     D_SIZE,
     D_V,
     DEAD_TIME,
@@ -37,6 +40,7 @@ from engine.layout import (
     HAS_DELAYS,
     HAS_RATES,
     HEAD,
+    HOLD,
     K1_VALID,
     KIND,
     LEARN,
@@ -68,6 +72,7 @@ from engine.layout import (
     STEP,
     STEPS,
     STIFF_COUNT,
+    STOP_LEVEL,
     T_LEFT,
     T_STOP,
     WIRES,
@@ -77,9 +82,9 @@ from engine.layout import (
     R,
     T,
 )
-from engine.rosenbrock import jacobian, rosenbrock_dense, rosenbrock_step
+from engine.rosenbrock import rosenbrock_dense, rosenbrock_step
 from engine.rows import write_row, write_rows_inside
-from engine.sweep import clock, evaluate_events, finite, rates, signals
+from engine.sweep import clock, evaluate_events, finite, rates, resolution, signals
 
 OK, EVENTS_FULL, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 STIFF_STEPS = 12  # steps in a row at the stability limit before the stiff method takes over
@@ -138,9 +143,10 @@ def store_delays(I, W, t, h, part):  # type: ignore[no-untyped-def]
         row = H + b * R
         if I[row + KIND] == DEAD_TIME and open_record(I, W, row, t, part * h, I[PENDING_LEVEL]) < 0:
             return False
-    for m in range(5):
-        interpolate(I, W, 0.25 * m * part)
-        signals(I, W, t + 0.25 * m * part * h)
+    for m in range(D_NODES):
+        s = m / (D_NODES - 1.0) * part
+        interpolate(I, W, s)
+        signals(I, W, t + s * h)
         for b in range(I[N_BLOCKS]):
             row = H + b * R
             if I[row + KIND] == DEAD_TIME:
@@ -152,20 +158,13 @@ def store_delays(I, W, t, h, part):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def limit_by_delays(I, W):  # type: ignore[no-untyped-def]
-    """Stop at breakpoints leaving a dead time, and never step further than the shortest dead time.
-
-    Returns the smoothness level with which the next breakpoint arrives.
-    """
-    level = SMOOTH
+    """Stop at breakpoints leaving a dead time, and never step further than the shortest dead time."""
     for b in range(I[N_BLOCKS]):
         row = H + b * R
         if I[row + KIND] == DEAD_TIME:
-            at, smooth = next_break(I, W, row, W[T] + clock(W))
-            if at < W[T_STOP]:
-                W[T_STOP] = at
-                level = int(smooth) + 1
+            at, level = next_break(I, W, row, W[T])
+            stop_at(I, W, at, int(level))
             W[MAX_STEP] = min(W[MAX_STEP], W[I[row + P]])
-    return level
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -178,15 +177,17 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
     n = I[N_STATES]
     y0, y1, k, f, x = I[O_Y0], I[O_Y1], I[O_K], I[O_F], I[O_X]
     rejected_before = False
-    break_level = SMOOTH
     while True:
         # --- the present instant ----------------------------------------------------------------------
         if I[FRESH]:
-            begin_instant(I, W)
             copy(W, y0, x, n)
-            if I[N_SAMPLED] > 0:
-                signals(I, W, W[T])
-                sample(I, W)
+            if I[HOLD] and W[T] >= t_end - clock(W):
+                return OK
+            if I[FRESH] == 1:
+                begin_instant(I, W)
+                copy(W, y0, x, n)
+                if I[N_SAMPLED] > 0:
+                    sample(I, W)
             if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
                 signals(I, W, W[T])
                 begin_instant(I, W)
@@ -205,24 +206,24 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
             if not finite(W, I[O_S], I[N_CHECKED]):
                 return NOT_FINITE
         arrived = W[T] >= t_end - clock(W)
-        if I[ROW] < times.shape[0] and times[I[ROW]] <= W[T] and (last or not arrived):
+        present = W[T] + clock(W)
+        if I[ROW] < times.shape[0] and times[I[ROW]] <= present and (last or not arrived):
             copy(W, y0, x, n)
             signals(I, W, W[T])
-            while I[ROW] < times.shape[0] and times[I[ROW]] <= W[T]:
+            while I[ROW] < times.shape[0] and times[I[ROW]] <= present:
                 write_row(I, W, log, I[ROW])
                 I[ROW] += 1
         if arrived:
             copy(W, y0, x, n)
             return OK
-        if I[EV_COUNT] >= EV.shape[0] - 2 * I[N_EVENTS] - 8:
+        if I[EV_COUNT] >= EV.shape[0] - I[MAX_CHAIN] - 2 * I[N_EVENTS] - 8:  # what one instant may write
             return EVENTS_FULL
         # --- what must not be stepped over -------------------------------------------------------------
-        W[T_LEFT] = np.inf
         next_stop(I, W, t_end)
         if I[HAS_DELAYS]:
-            break_level = limit_by_delays(I, W)
+            limit_by_delays(I, W)
         t = W[T]
-        W[T_LEFT] = np.nextafter(W[T_STOP], -np.inf)
+        W[T_LEFT] = np.nextafter(W[T_LEFT], -np.inf)
         if not I[K1_VALID]:
             copy(W, y0, x, n)
             rates(I, W, t)
@@ -305,6 +306,8 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
         if crossing <= 1.0:
             h_used = crossing * h
             t_new = t + h_used
+            if W[T_STOP] - t_new <= resolution(t_new):
+                t_new = W[T_STOP]
         else:
             h_used = h
         if I[HAS_DELAYS] and h_used > 0.0:
@@ -312,7 +315,7 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
                 return DELAY_FULL
             I[PENDING_LEVEL] = SMOOTH
         if dense:
-            write_rows_inside(I, W, times, log, t, h, t_new)
+            write_rows_inside(I, W, times, log, t, h, t_new - resolution(t_new))
         if h_used > APART:
             I[CHAIN] = 0
         if crossing <= 1.0:
@@ -339,7 +342,7 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
             W[T] = t_new
             if h == left:
                 I[FRESH] = 1
-                I[PENDING_LEVEL] = break_level if (I[HAS_DELAYS] and break_level < SMOOTH) else 0
+                I[PENDING_LEVEL] = I[STOP_LEVEL]
             if I[METHOD] != 1 and I[METHOD_WISH] == 0:
                 I[STIFF_COUNT] = I[STIFF_COUNT] + 1 if ratio > limit else max(0, I[STIFF_COUNT] - 2)
                 if I[STIFF_COUNT] >= STIFF_STEPS:

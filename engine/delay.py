@@ -1,18 +1,26 @@
 """Dead time, exactly: the delayed signal is read from a ring of step records, never approximated by lags.
 
-Each accepted step leaves one record: start, length, smoothness of its start, and five equidistant values of the
-signal, read back by fourth-order Lagrange interpolation.  A jump that enters the delay leaves it ``theta``
+Each accepted step leaves one record: start, length, smoothness of its start, and eight equidistant values of the
+signal, read back by the polynomial of degree 7 through them (barycentric formula): what follows the state loses
+nothing, because no method's dense output is of higher degree.  A jump that enters the delay leaves it ``theta``
 later as a breakpoint at which the integrator stops; what follows it around a loop gets smoother by one order
-each time and is dropped once smoother than the integrator can notice.
+each time it passes an integrator and is dropped once smoother than the integrator can notice.
+
+All comparisons are made on the side of the exit, with ``start + theta`` rounded once: a breakpoint and the value
+read there then agree to the last bit.
 """
+
+import math
 
 import numpy as np
 from numba import njit
 
-from engine.layout import BREAK, CAPACITY, D_H, D_LEVEL, D_SIZE, D_T, D_V, DELAY, HEAD, TAIL, P
+from engine.layout import BREAK, CAPACITY, D_H, D_LEVEL, D_NODES, D_SIZE, D_T, D_V, DELAY, HEAD, SHARP, TAIL, P
 
 SMOOTH = 9.0  # level of a record whose start is an ordinary step end
-DROPPED = 5.0  # a breakpoint this smooth is below the order of the integrator
+DROPPED = 8.0  # a breakpoint this smooth is below the order of the integrator
+LAST = D_NODES - 1.0
+WEIGHTS = np.array([(-1.0) ** m * math.comb(D_NODES - 1, m) for m in range(D_NODES)])
 
 
 @njit(cache=True, error_model="numpy")
@@ -33,27 +41,27 @@ def delayed(I, W, row, t):  # type: ignore[no-untyped-def]
         else:
             high = mid - 1
     at = base + (low % cap) * D_SIZE
-    s = 4.0 * (t - (W[at + D_T] + theta)) / W[at + D_H]
-    v = at + D_V
-    s1, s2, s3, s4 = s - 1.0, s - 2.0, s - 3.0, s - 4.0
-    return (
-        W[v] * s1 * s2 * s3 * s4 / 24.0
-        - W[v + 1] * s * s2 * s3 * s4 / 6.0
-        + W[v + 2] * s * s1 * s3 * s4 / 4.0
-        - W[v + 3] * s * s1 * s2 * s4 / 6.0
-        + W[v + 4] * s * s1 * s2 * s3 / 24.0
-    )
+    s = LAST * (t - (W[at + D_T] + theta)) / W[at + D_H]
+    top, bottom = 0.0, 0.0
+    for m in range(D_NODES):
+        gap = s - m
+        if gap == 0.0:
+            return W[at + D_V + m]
+        weight = WEIGHTS[m] / gap
+        top += weight * W[at + D_V + m]
+        bottom += weight
+    return top / bottom
 
 
 @njit(cache=True, error_model="numpy")
 def open_record(I, W, row, t, h, level):  # type: ignore[no-untyped-def]
-    """Start the record of the step ``[t, t + h]`` and return where its five values go, or -1 if the ring is full."""
+    """Start the record of the step ``[t, t + h]`` and return where its values go, or -1 if the ring is full."""
     base = I[row + DELAY]
     cap = I[row + CAPACITY]
     theta = W[I[row + P]]
     while I[row + HEAD] - I[row + TAIL] >= 2:
         second = base + ((I[row + TAIL] + 1) % cap) * D_SIZE
-        if W[second + D_T] > t - theta:
+        if W[second + D_T] + theta > t - 2e-6 * (1.0 + 1e-6 * abs(t)):  # rates look a little into the past
             break
         I[row + TAIL] += 1
     if I[row + HEAD] - I[row + TAIL] >= cap:
@@ -70,13 +78,16 @@ def open_record(I, W, row, t, h, level):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def next_break(I, W, row, t):  # type: ignore[no-untyped-def]
-    """Return (time, level) of the next breakpoint that leaves the delay after ``t``, or (inf, smooth)."""
+    """Return (time, level) of the next breakpoint that leaves the delay after ``t``, or (inf, smooth).
+
+    The level is the one with which it meets the next dead time.
+    """
     base = I[row + DELAY]
     cap = I[row + CAPACITY]
     theta = W[I[row + P]]
     while I[row + BREAK] < I[row + HEAD]:
         at = base + (I[row + BREAK] % cap) * D_SIZE
         if W[at + D_LEVEL] < DROPPED and W[at + D_T] + theta > t:
-            return W[at + D_T] + theta, W[at + D_LEVEL]
+            return W[at + D_T] + theta, W[at + D_LEVEL] + (1 - I[row + SHARP])
         I[row + BREAK] += 1
     return np.inf, SMOOTH

@@ -7,7 +7,7 @@ below zero; transitions that follow at once from others (slip, then stick) are c
 import numpy as np
 from numba import njit
 
-from engine.call import call
+from engine.call import call, pointer_to
 from engine.dense import interpolate
 from engine.layout import (
     A_JUMP,
@@ -19,6 +19,7 @@ from engine.layout import (
     COUNT,
     EV_COUNT,
     EVENTS,
+    EVENTS_SEEN,
     FEEDS,
     GLOBAL,
     HAS_RATES,
@@ -43,6 +44,8 @@ from engine.layout import (
     PERIOD,
     RATES,
     SAMPLED,
+    SEEN,
+    STOP_LEVEL,
     T_LEFT,
     T_STOP,
     WIRES,
@@ -56,7 +59,7 @@ from engine.layout import (
     X,
     Y,
 )
-from engine.sweep import clock, evaluate_events, gather, gather_with_rates, signals
+from engine.sweep import clock, evaluate_events, gather, gather_with_rates, resolution, signals
 
 IMPULSE = 1e12  # rate that stands for a jump of a signal
 
@@ -150,6 +153,15 @@ def settle(I, W, EV, scale):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def sample(I, W):  # type: ignore[no-untyped-def]
     """Run the sampled blocks that are due now: those without feedthrough publish first, then all in flow order."""
+    publish(I, W)
+    for b in range(I[N_BLOCKS]):
+        take(I, W, H + b * R)
+
+
+@njit(cache=True, error_model="numpy")
+def publish(I, W):  # type: ignore[no-untyped-def]
+    """Let the sampled blocks that are due and need no input for it write their outputs, memories untouched."""
+    signals(I, W, W[T])
     now = W[T] + clock(W)
     for b in range(I[N_BLOCKS]):
         row = H + b * R
@@ -159,12 +171,15 @@ def sample(I, W):  # type: ignore[no-untyped-def]
             run_step(I, W, row)
             for i in range(I[row + ND]):
                 W[I[row + D] + i] = W[I[O_SCRATCH] + i]
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
-        if I[row + KIND] == SAMPLED and due(I, W, row) <= now:
-            signals(I, W, W[T])
-            run_step(I, W, row)
-            I[row + COUNT] += 1
+
+
+@njit(cache=True, error_model="numpy")
+def take(I, W, row):  # type: ignore[no-untyped-def]
+    """Take the sample of one block if it is due."""
+    if I[row + KIND] == SAMPLED and due(I, W, row) <= W[T] + clock(W):
+        signals(I, W, W[T])
+        run_step(I, W, row)
+        I[row + COUNT] += 1
 
 
 @njit(cache=True, error_model="numpy")
@@ -192,6 +207,8 @@ def run_step(I, W, row):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def begin_instant(I, W):  # type: ignore[no-untyped-def]
     """Look at the present from its right side: keep the signals before it, lift the left limit."""
+    if I[EVENTS_SEEN] == -1:
+        begin_run(I, W)
     s, s0 = I[O_S], I[O_S0]
     for i in range(I[N_SIGNALS]):
         W[s0 + i] = W[s + i]
@@ -199,21 +216,63 @@ def begin_instant(I, W):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
+def begin_run(I, W):  # type: ignore[no-untyped-def]
+    """Count the samples that lie before the start, or at it if the run continues one that has taken them."""
+    for b in range(I[N_BLOCKS]):
+        row = H + b * R
+        if I[row + KIND] == SAMPLED:
+            I[row + COUNT] = max(0, int(np.ceil((W[T] - W[I[row + OFFSET]]) / W[I[row + PERIOD]] - 1e-9)))
+            if due(I, W, row) <= W[SEEN] + clock(W):
+                I[row + COUNT] += 1
+    I[EVENTS_SEEN] = -2
+
+
+@njit(cache=True, error_model="numpy")
+def stop_at(I, W, at, level):  # type: ignore[no-untyped-def]
+    """Do not step over ``at``; instants that differ by rounding only are one, at the last of them.
+
+    While stops are collected, ``T_LEFT`` holds the first instant of the cluster and ``T_STOP`` the last.
+    """
+    near = resolution(at)
+    if at < W[T_LEFT] - near:
+        W[T_LEFT] = W[T_STOP] = at
+        I[STOP_LEVEL] = level
+    elif at <= W[T_LEFT] + near:
+        W[T_LEFT] = min(W[T_LEFT], at)
+        W[T_STOP] = max(W[T_STOP], at)
+        I[STOP_LEVEL] = min(I[STOP_LEVEL], level)
+
+
+@njit(cache=True, error_model="numpy")
+def open_instant(ints, floats):  # type: ignore[no-untyped-def]
+    """Begin an instant and publish, called from Python with the arrays themselves."""
+    I, W = pointer_to(ints), pointer_to(floats)
+    begin_instant(I, W)
+    publish(I, W)
+
+
+@njit(cache=True, error_model="numpy")
+def take_sample(ints, floats, row):  # type: ignore[no-untyped-def]
+    """Take the sample of one block if it is due, called from Python with the arrays themselves."""
+    take(pointer_to(ints), pointer_to(floats), row)
+
+
+@njit(cache=True, error_model="numpy")
 def next_stop(I, W, t_end):  # type: ignore[no-untyped-def]
     """Find the next instant not to be stepped over and the largest step that the sources allow."""
-    stop = t_end
+    W[T_LEFT] = W[T_STOP] = t_end
+    I[STOP_LEVEL] = 0
     largest = np.inf
     for b in range(I[N_BLOCKS]):
         row = H + b * R
         if I[row + KIND] == SAMPLED:
-            stop = min(stop, due(I, W, row))
+            stop_at(I, W, due(I, W, row), 0)
         elif I[row + KIND] == CONTINUOUS and I[row + A_NEXT] != 0:
             at = I[row + NEXT_TIME]
             call(I[row + A_NEXT], W[T], W, I[O_X] + I[row + X], I[row + D], I[row + U], I[row + P], at)
             if W[at] > W[T]:
-                stop = min(stop, W[at])
+                stop_at(I, W, W[at], 0)
             largest = min(largest, W[at + 1])
-    W[T_STOP] = stop
     W[MAX_STEP] = largest
 
 
@@ -236,11 +295,23 @@ def at_fraction(I, W, t, h, s):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
+def top_of_parabola(start, middle, end):  # type: ignore[no-untyped-def]
+    """Return where a function, known at the fractions 0, 1/2 and 1, may rise above zero in between, or 0."""
+    bend = 2.0 * (start - 2.0 * middle + end)
+    slope = 4.0 * middle - 3.0 * start - end
+    if not (start <= 0.0 and bend < 0.0 and 0.0 < slope < -2.0 * bend):
+        return 0.0
+    rise = -0.25 * slope * slope / bend  # from the start to the top
+    return -0.5 * slope / bend if start + rise > 0.1 * (min(start, end) - start - rise) else 0.0
+
+
+@njit(cache=True, error_model="numpy")
 def first_crossing(I, W, t, h):  # type: ignore[no-untyped-def]
     """Return the fraction of the step at which the first event fires, or 2 if none does.
 
-    Looks at the end and at the middle, where an event may come and go, then closes in by the Illinois rule with
-    bisection every third time.  Leaves the event functions of the end behind ``W[O_G]``.
+    Looks at the end, at the middle and at the tops of the parabolas through start, middle and end, where an event
+    may come and go; then closes in by the Illinois rule with bisection every third time.  Leaves the event functions
+    of the end behind ``W[O_G]``.
     """
     ng = I[N_EVENTS]
     end = at_fraction(I, W, t, h, 1.0)
@@ -249,23 +320,37 @@ def first_crossing(I, W, t, h):  # type: ignore[no-untyped-def]
     left, right = 0.0, 0.5
     top = at_fraction(I, W, t, h, 0.5)
     low = -np.inf
-    if top <= 0.0:
-        if end <= 0.0:
+    if top <= 0.0 and end <= 0.0:
+        for i in range(ng):
+            W[I[O_G] + 2 * ng + i] = W[I[O_G] + i]
+        right = 0.0
+        for i in range(ng):
+            s = top_of_parabola(W[I[O_G0] + i], W[I[O_G] + 2 * ng + i], W[I[O_G] + ng + i])
+            if s > 0.0:
+                top = at_fraction(I, W, t, h, s)
+                if top > 0.0:
+                    right = s
+                    break
+        if right == 0.0:
             return 2.0
+        low = at_fraction(I, W, t, h, 0.0)
+        if low > 0.0:
+            return 0.0
+    elif top <= 0.0:
         left, right, low, top = 0.5, 1.0, top, end
     else:
         low = at_fraction(I, W, t, h, 0.0)
         if low > 0.0:
             return 0.0
-    resolution = clock(W) / h
+    finest = clock(W) / h
     for turn in range(200):
-        if right - left <= resolution:
+        if right - left <= finest:
             break
         if turn % 3 == 2 or not np.isfinite(low):
             s = 0.5 * (left + right)
         else:
             s = left + (right - left) * low / (low - top)
-            s = min(max(s, left + 0.5 * resolution), right - 0.5 * resolution)
+            s = min(max(s, left + 0.5 * finest), right - 0.5 * finest)
         value = at_fraction(I, W, t, h, s)
         if value > 0.0:
             right, top = s, value

@@ -11,23 +11,19 @@ from numba import njit
 
 from engine.layout import (
     ATOL,
-    JACOBIANS,
     N_CHECKED,
     N_STATES,
     O_CONT,
     O_DFDT,
     O_F,
-    O_JAC,
     O_K,
-    O_LU,
-    O_PIVOT,
     O_S,
     O_X,
     O_Y0,
     O_Y1,
     RTOL,
-    T_LEFT,
 )
+from engine.linear import factorise, solve
 from engine.sweep import finite, rates
 
 _GAMMA = 0.25
@@ -62,85 +58,6 @@ _DENSE = np.array(
 
 
 @njit(cache=True, error_model="numpy")
-def jacobian(I, W, t, h):  # type: ignore[no-untyped-def]
-    """Fill df/dy (row major) and df/dt at the start of a step by forward differences."""
-    n = I[N_STATES]
-    x, f, k, y0, jac, dfdt = I[O_X], I[O_F], I[O_K], I[O_Y0], I[O_JAC], I[O_DFDT]
-    I[JACOBIANS] += 1
-    for i in range(n):
-        W[x + i] = W[y0 + i]
-    for j in range(n):
-        shift = 1.5e-8 * max(abs(W[y0 + j]), 1e-3)
-        W[x + j] = W[y0 + j] + shift
-        shift = W[x + j] - W[y0 + j]
-        rates(I, W, t)
-        for i in range(n):
-            W[jac + i * n + j] = (W[f + i] - W[k + i]) / shift
-        W[x + j] = W[y0 + j]
-    shift = 1e-3 * h
-    if t + shift > W[T_LEFT]:
-        shift = max(0.0, W[T_LEFT] - t)
-    for i in range(n):
-        W[dfdt + i] = 0.0
-    if shift > 0.0:
-        rates(I, W, t + shift)
-        for i in range(n):
-            W[dfdt + i] = (W[f + i] - W[k + i]) / shift
-
-
-@njit(cache=True, error_model="numpy")
-def factorise(I, W, h):  # type: ignore[no-untyped-def]
-    """LU-factorise ``1/(h gamma) - J`` with partial pivoting; return whether it is regular."""
-    n = I[N_STATES]
-    jac, lu, pivot = I[O_JAC], I[O_LU], I[O_PIVOT]
-    for i in range(n):
-        for j in range(n):
-            W[lu + i * n + j] = -W[jac + i * n + j]
-        W[lu + i * n + i] += 1.0 / (h * _GAMMA)
-    for col in range(n):
-        best = col
-        for i in range(col + 1, n):
-            if abs(W[lu + i * n + col]) > abs(W[lu + best * n + col]):
-                best = i
-        W[pivot + col] = best
-        if W[lu + best * n + col] == 0.0:
-            return False
-        if best != col:
-            for j in range(n):
-                keep = W[lu + col * n + j]
-                W[lu + col * n + j] = W[lu + best * n + j]
-                W[lu + best * n + j] = keep
-        inverse = 1.0 / W[lu + col * n + col]
-        for i in range(col + 1, n):
-            if W[lu + i * n + col] != 0.0:
-                factor = W[lu + i * n + col] * inverse
-                W[lu + i * n + col] = factor
-                for j in range(col + 1, n):
-                    W[lu + i * n + j] -= factor * W[lu + col * n + j]
-    return True
-
-
-@njit(cache=True, error_model="numpy")
-def solve(I, W, b):  # type: ignore[no-untyped-def]
-    """Solve in place with the factors for the right-hand side at ``W[b]``."""
-    n = I[N_STATES]
-    lu, pivot = I[O_LU], I[O_PIVOT]
-    for i in range(n):
-        swap = int(W[pivot + i])
-        if swap != i:
-            keep = W[b + i]
-            W[b + i] = W[b + swap]
-            W[b + swap] = keep
-    for i in range(n):
-        for j in range(i):
-            W[b + i] -= W[lu + i * n + j] * W[b + j]
-    for i in range(n - 1, -1, -1):
-        for j in range(i + 1, n):
-            W[b + i] -= W[lu + i * n + j] * W[b + j]
-        W[b + i] /= W[lu + i * n + i]
-
-
-@njit(cache=True, error_model="numpy")
 def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
     """Try one step from ``W[O_Y0]``; the rates there stand at ``W[O_K]``; return the error norm.
 
@@ -149,7 +66,7 @@ def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
     n = I[N_STATES]
     x, f, k, y0, y1 = I[O_X], I[O_F], I[O_K], I[O_Y0], I[O_Y1]
     dfdt = I[O_DFDT]
-    if not factorise(I, W, h):
+    if not factorise(I, W, 1.0 / (h * _GAMMA)):
         return np.inf
     for stage in range(6):
         at = k + (stage + 1) * n

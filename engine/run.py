@@ -8,8 +8,9 @@ import numpy as np
 from engine import layout as at
 from engine.advance import advance
 from engine.cache import ensure_compiled
+from engine.events import open_instant, take_sample
 from engine.status import Status
-from engine.sweep import refresh
+from engine.sweep import refresh, resolution
 from engine.table import Component, FlatBlock, Floats, Ints
 
 METHODS = {"auto": 0, "explicit": 1, "stiff": 2}
@@ -39,13 +40,17 @@ class Outcome:
     W: Floats
 
 
-def prepare(component: Component, settings: Settings, t0: float) -> tuple[Ints, Floats]:
-    """Return fresh arrays of a component, ready to start at ``t0`` [s]."""
+def prepare(component: Component, settings: Settings, t0: float, seen: float = -np.inf) -> tuple[Ints, Floats]:
+    """Return fresh arrays of a component, ready to start at ``t0`` [s].
+
+    ``seen``: samples up to this time [s] have been taken before, by the run that this one continues.
+    """
     ensure_compiled()
     I, W = component.I.copy(), component.W.copy()
     W[at.RTOL], W[at.ATOL], W[at.T] = settings.rtol, settings.atol, t0
     I[at.METHOD_WISH] = METHODS[settings.method]
     I[at.MAX_STEPS] = settings.max_steps
+    W[at.SEEN] = seen
     return I, W
 
 
@@ -69,27 +74,26 @@ def run(
     and interrupted (what is simulated so far is then kept).
     """
     log = np.full((len(component.columns), len(times)), np.nan)
-    buffer = np.empty((_EVENT_BUFFER + 2 * int(I[at.N_EVENTS]), 4))
+    buffer = np.empty((_EVENT_BUFFER + 2 * int(I[at.MAX_CHAIN] + I[at.N_EVENTS]), 4))
     events: list[Floats] = []
     hosts = _Hosts(component, blocks, W) if component.hosted else None
     t0 = float(W[at.T])
-    for row in range(at.H, at.H + int(I[at.N_BLOCKS]) * at.R, at.R):
-        if I[row + at.KIND] == at.SAMPLED:
-            I[row + at.COUNT] = _samples_before(t0, W[I[row + at.OFFSET]], W[I[row + at.PERIOD]])
     stops = [t_end] if on_progress is None else list(np.linspace(t0, t_end, 101)[1:])
     status = Status.OK
     try:
         for stop in stops:
             while status is Status.OK:
                 target = min(stop, hosts.next_due(W)) if hosts else stop
-                last = target >= t_end and not (hosts and hosts.next_due(W) <= t_end)
+                hosted = hosts is not None and target == hosts.next_due(W)
+                I[at.HOLD] = hosted
+                last = target >= t_end and not hosted
                 code = Status(advance(I, W, buffer, times, log, target, last))
                 events.append(buffer[: I[at.EV_COUNT]].copy())
                 I[at.EV_COUNT] = 0
                 if code is Status.EVENTS_FULL:
                     continue
                 status = code
-                if hosts and status is Status.OK and target == hosts.next_due(W):
+                if hosts is not None and hosted and status is Status.OK:
                     hosts.sample(I, W)
                     continue
                 break
@@ -110,9 +114,11 @@ class _Hosts:
         self.blocks = blocks
         self.component = component
         self.taken = dict.fromkeys(component.hosted, 0)
-        self.states = {b: blocks[b].host.init(self._p(b, W)) for b in component.hosted}
         for b in component.hosted:
             self.taken[b] = _samples_before(float(W[at.T]), self._due(b, W), self._p(b, W)[blocks[b].period_at])
+            if self._due(b, W) <= W[at.SEEN] + resolution(W[at.T]):
+                self.taken[b] += 1
+        self.states = {b: blocks[b].host.init(self._p(b, W)) for b in component.hosted}
 
     def _p(self, b: int, W: Floats) -> Floats:
         start = self.component.params[b]
@@ -127,11 +133,16 @@ class _Hosts:
         return min(self._due(b, W) for b in self.rows)
 
     def sample(self, I: Ints, W: Floats) -> None:
-        """Run every hosted block that is due now and ask the engine to look at this instant again."""
+        """Take all samples of the present instant in flow order, compiled and hosted ones alike."""
         now = self.next_due(W)
-        W[at.T_LEFT] = np.inf
-        for b, row in self.rows.items():
-            if self._due(b, W) > now:
+        open_instant(I, W)
+        hosted = {row: b for b, row in self.rows.items()}
+        for row in range(at.H, at.H + at.R * int(I[at.N_BLOCKS]), at.R):
+            if row not in hosted:
+                take_sample(I, W, row)
+                continue
+            b = hosted[row]
+            if self._due(b, W) > now + resolution(now):
                 continue
             refresh(I, W, now)
             wires = I[I[row + at.WIRES] : I[row + at.WIRES] + I[row + at.NU]]
@@ -140,4 +151,4 @@ class _Hosts:
             first = I[at.O_S] + I[row + at.Y]
             W[first : first + I[row + at.NY]] = y
             self.taken[b] += 1
-        I[at.FRESH] = 1
+        I[at.FRESH] = 2

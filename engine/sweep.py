@@ -102,6 +102,7 @@ def signal_rates(I, W, t, scale):  # type: ignore[no-untyped-def]
     shift = 1e-6 * max(scale, 1e-3 * (1.0 + 1e-6 * abs(t)))
     if t + shift > W[T_LEFT]:
         shift = -shift
+    shift = (t + shift) - t
     for i in range(n):
         W[tmp + i] = W[x + i]
         W[x + i] += shift * W[f + i]
@@ -169,9 +170,15 @@ def finite(W, start, n):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
+def resolution(t):  # type: ignore[no-untyped-def]
+    """Return the smallest time difference that counts at ``t`` [s]."""
+    return 4.0 * np.spacing(max(1.0, abs(t)))
+
+
+@njit(cache=True, error_model="numpy")
 def clock(W):  # type: ignore[no-untyped-def]
     """Return the smallest time difference that the present time can resolve [s]."""
-    return 4.0 * np.spacing(max(1.0, abs(W[T])))
+    return resolution(W[T])
 
 
 @njit(cache=True, error_model="numpy")

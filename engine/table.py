@@ -65,6 +65,24 @@ class Component:
     hosted: tuple[int, ...] = field(default=())
 
 
+def _reach(rows: Sequence[FlatBlock]) -> list[tuple[list[int], list[int]]]:
+    """Return for each block whose outputs and whose rates its states reach without passing another state."""
+    driver = {block.first_signal + j: i for i, block in enumerate(rows) for j in range(len(block.y0))}
+    found: list[tuple[list[int], list[int]]] = []
+    for number, block in enumerate(rows):
+        if not len(block.x0):
+            found.append(([], []))
+            continue
+        outs = [number]
+        for i, other in enumerate(rows):  # in flow order, so one pass is enough
+            follows = i != number and other.kind == at.CONTINUOUS and other.feeds
+            if follows and any(driver[w] in outs for w in other.wires):
+                outs.append(i)
+        ders = [i for i, b in enumerate(rows) if len(b.x0) and (i == number or any(driver[w] in outs for w in b.wires))]
+        found.append((outs, ders))
+    return found
+
+
 def build(
     blocks: Sequence[FlatBlock], members: Sequence[int], columns: Sequence[int], capacity: int = 2048
 ) -> Component:
@@ -91,8 +109,9 @@ def build(
     header[at.N_SIGNALS], header[at.N_EVENTS], header[at.N_D] = ns, ng, nd
     lengths = {
         at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: 8 * n, at.O_TMP: n,
-        at.O_JAC: n * n, at.O_LU: n * n, at.O_PIVOT: n, at.O_DFDT: n, at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
-        at.O_G: 2 * ng, at.O_G0: ng, at.O_RESTART: at.RESTARTS, at.O_CX: at.CHUNK * n,
+        at.O_JAC: n * n, at.O_LU: n * n, at.O_PIVOT: n * (2 * n + 4) + 2, at.O_DFDT: n,
+        at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
+        at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: at.RESTARTS, at.O_CX: at.CHUNK * n,
         at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in rows] or [0]),
     }  # fmt: skip
     for slot, length in lengths.items():
@@ -127,6 +146,7 @@ def build(
         row[at.PERIOD] = params[b] + block.period_at if block.period_at >= 0 else zero
         row[at.OFFSET] = params[b] + block.offset_at if block.offset_at >= 0 else zero
         if block.kind == at.DEAD_TIME:
+            row[at.SHARP] = _meets_dead_time(rows, block.first_signal)
             row[at.CAPACITY] = max(block.capacity, capacity)
             row[at.DELAY] = stretch(int(row[at.CAPACITY]) * at.D_SIZE)
         wires += [local[w] for w in block.wires]
@@ -139,6 +159,10 @@ def build(
             (int(row[at.NEXT_TIME]), np.array([np.inf, np.inf])),
         ]
         x_next, d_next, g_next = x_next + len(block.x0), d_next + len(block.d0), g_next + block.n_events
+    for number, (outs, ders) in enumerate(_reach(rows)):
+        for lists, start, length in ((outs, at.J_OUT, at.N_J_OUT), (ders, at.J_DER, at.N_J_DER)):
+            table[number, start], table[number, length] = wires_start + len(wires), len(lists)
+            wires += [at.H + other * at.R for other in lists]
     header[at.L_WIRES] = wires_start + len(wires)
     header[at.N_LOG] = len(columns)
     header[at.HAS_RATES] = any(b.rates and b.n_events for b in rows)
@@ -153,6 +177,7 @@ def build(
     for start, value in values:
         W[start : start + len(value)] = value
     W[at.T_LEFT] = W[at.MAX_STEP] = W[at.T_STOP] = np.inf
+    W[at.SEEN] = -np.inf
     I = np.concatenate([header, table.ravel(), np.array(wires + [local[c] for c in columns], dtype=np.int64)]).astype(
         np.int64
     )
@@ -167,3 +192,19 @@ def build(
         columns=tuple(columns),
         hosted=tuple(b for b in members if blocks[b].kind == at.HOSTED),
     )
+
+
+def _meets_dead_time(rows: Sequence[FlatBlock], signal: int) -> bool:
+    """Return whether ``signal`` reaches a dead time through nothing but blocks that feed through."""
+    waiting, seen = [signal], {signal}
+    while waiting:
+        now = waiting.pop()
+        for block in rows:
+            if now in block.wires:
+                if block.kind == at.DEAD_TIME:
+                    return True
+                if block.kind == at.CONTINUOUS and block.feeds:
+                    new = {block.first_signal + j for j in range(len(block.y0))} - seen
+                    waiting += new
+                    seen |= new
+    return False

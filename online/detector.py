@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks import Block, Kernels, Labels, Port
-from blocks.ports import require
+from blocks.ports import BlockError, require
 from detect.stream import LoopFacts, Sample
 
+PROCESSES = ("self_regulating", "integrating", "unknown")
 CODES = {"not_applicable": 0.0, "inconclusive": 1.0, "no_stiction": 2.0, "stiction": 3.0}
 
 
@@ -73,7 +74,8 @@ class _Silent(Block):
 class DetectorBlock(Block):
     """A streaming method (a module of ``detect`` with ``init``, ``update``, ``verdict``) sampled every ``dt`` [s].
 
-    Raises ``BlockError`` if the method does not stream or ``dt`` is not positive.
+    Raises ``BlockError`` if the method is none or does not stream, the process is of no known kind, or ``dt`` is
+    not positive.
 
     >>> from detect import area_ratio
     >>> from online import DetectorBlock
@@ -98,7 +100,10 @@ class DetectorBlock(Block):
         inputs: Labels = None,
         outputs: Labels = None,
     ) -> None:
+        if not hasattr(method, "CARD"):
+            raise BlockError(f"method = {method!r} is no detector; give a module of detect with a CARD, e.g. area_ratio")
         name = name or method.CARD.name
+        require(process in PROCESSES, name, "process", process, "it is none of the known kinds", f"give {PROCESSES}")
         require(method.CARD.streams, name, "method", method.CARD.name, "this method does not stream", "run it on a log")
         facts = LoopFacts(name=name, process=process, op_span=(0.0, 1.0))
         require(verdict_every >= 1, name, "verdict_every", verdict_every, "it counts samples", "give 1 or more")

@@ -5,8 +5,8 @@
          noise  standard deviation of the measurement noise that the filter works with [unit of PV]
 
 Every ``dt`` seconds one sample is taken.  Noise and liveliness are estimated from the last ``window`` samples,
-once the window is full and again each time it has been renewed; until then, and always if ``noise_std`` and ``q``
-are given, the filter uses those.  Python-control sees the filter as a wire: PV_f = PV.
+once the window is full and again each time it has been renewed; a window that is half bad or at rest changes
+nothing.  Until the first estimate, and always if ``window`` is 0, the filter uses ``noise_std`` and ``q`` as given.  Python-control sees the filter as a wire: PV_f = PV.
 """
 
 from dataclasses import dataclass
@@ -46,12 +46,20 @@ class PrefilterHost:
         """Take one sample; return the next state and (filtered value, noise)."""
         params, times, values = state.params, (*state.t, t), (*state.z, float(u[0]))
         if self.window and len(times) >= self.window:
-            params = prefilter.estimate(np.array(times), np.array(values))
+            params = self._estimate(np.array(times), np.array(values), params)
             times, values = (), ()
         elif not self.window:
             times, values = (), ()
         kalman = prefilter.update(params, state.kalman, t, float(u[0]))
-        return PrefilterState(kalman, params, times, values), [float(kalman.x[0]), params.noise_std]
+        seen = not np.isnan(kalman.t)
+        return PrefilterState(kalman, params, times, values), [float(kalman.x[0]) if seen else np.nan, params.noise_std]
+
+    def _estimate(self, t: NDArray[np.float64], z: NDArray[np.float64], present: prefilter.Params) -> prefilter.Params:
+        """Return new parameters, or the present ones if the window holds nothing to learn from."""
+        good = z[np.isfinite(z)]
+        if len(good) < len(z) // 2 or np.ptp(good) <= 1e-12 * np.abs(good).max():
+            return present
+        return prefilter.estimate(t, z)
 
 
 def _wire(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
 from blocks.ports import nearest
-from plant.wiring import WiringError, check_readers, check_units, drivers, flow_order
+from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from plant.flatten import Plan
+    from plant.flatten import Past, Plan
 
 
 class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
@@ -43,6 +43,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None
+        self._past: Past | None = None  # what a run that ended here left under way
         seen = [block.smooth() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
         super().__init__(
@@ -199,9 +200,13 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         return blocks
 
     def _with_blocks(self, blocks: Sequence[Block]) -> Self:
-        """Return a copy with blocks that differ only in values; wiring and plan are shared."""
+        """Return a copy with blocks that differ only in values; wiring and plan are shared.
+
+        A dead time that becomes or ceases to be zero changes the signal flow: then everything is checked afresh.
+        """
         seen = [block.smooth() for block in blocks]
-        if [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:  # a dead time came or went
+        same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
+        if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
             return type(self)(blocks, self.open_inputs, self._declared_outputs(), self.name)
         other = copy.copy(self)
         other.blocks = tuple(blocks)

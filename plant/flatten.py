@@ -12,12 +12,13 @@ import numpy as np
 
 from blocks.block import Block
 from engine import layout as at
-from engine.table import Component, FlatBlock, Floats, build
+from engine.table import Component, FlatBlock, Floats, Ints, build
 
 if TYPE_CHECKING:
     from plant.diagram import Diagram
 
 DELAY_RECORDS = 2048
+Ends = tuple[tuple[Component, Ints, Floats], ...]  # the components of a diagram with their arrays at the end of a run
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Plan:
     records: int = field(default=DELAY_RECORDS)
 
     def fill(self, component: Component, W: Floats, blocks: tuple[Block, ...]) -> None:
-        """Write parameters, start states, modes and memories of the blocks into the arrays of a run."""
+        """Write parameters, start states, modes, memories and held outputs of the blocks into the arrays of a run."""
         for b in component.blocks:
             if b < len(blocks):
                 block = blocks[b]
@@ -43,10 +44,54 @@ class Plan:
                 x, d = component.states[b], component.memory[b]
                 W[x : x + len(block.x0)] = block.x0
                 W[d : d + len(block.d0)] = block.d0
+                if len(block.y0):
+                    y = component.signals[self.flat[b].first_signal]
+                    W[y : y + len(block.y0)] = block.y0
         for b, flats in self.delays.items():
             for f in flats:
                 if f in component.params:
                     W[component.params[f] : component.params[f] + 2] = _delay_params(blocks[b])
+
+
+@dataclass(frozen=True)
+class Past:
+    """What a run left behind besides states and memories: its end [s] and the contents of the dead times.
+
+    ``delays[f]``: the records under way in flat delay ``f``, oldest first (records, engine.layout.D_SIZE).
+    """
+
+    t: float
+    delays: Mapping[int, Floats]
+
+    @staticmethod
+    def of(ends: Ends) -> "Past":
+        """Collect what the components leave behind."""
+        delays = {}
+        for component, I, W in ends:
+            for number, f in enumerate(component.blocks):
+                row = at.H + number * at.R
+                if I[row + at.KIND] == at.DEAD_TIME:
+                    ring = W[I[row + at.DELAY] :][: I[row + at.CAPACITY] * at.D_SIZE].reshape(-1, at.D_SIZE)
+                    delays[f] = ring[np.arange(I[row + at.TAIL], I[row + at.HEAD]) % len(ring)]
+        return Past(min(float(W[at.T]) for _, _, W in ends), delays)
+
+    def ends_at(self, t: float) -> bool:
+        """Return whether this is the past of ``t`` [s], rounding allowed for."""
+        return abs(t - self.t) <= 4.0 * float(np.spacing(max(1.0, abs(t))))
+
+    def put_back(self, component: Component, I: Ints, W: Floats) -> None:
+        """Fill the dead times of a component that is about to start."""
+        for number, f in enumerate(component.blocks):
+            row = at.H + number * at.R
+            records = self.delays.get(f)
+            if I[row + at.KIND] == at.DEAD_TIME and records is not None:
+                W[I[row + at.DELAY] :][: records.size] = records.ravel()
+                I[row + at.HEAD] = len(records)
+
+    @property
+    def records(self) -> int:
+        """Length of the longest history."""
+        return max((len(records) for records in self.delays.values()), default=0)
 
 
 def plan(diagram: "Diagram", records: int = DELAY_RECORDS) -> Plan:

@@ -12,9 +12,8 @@ from blocks.block import Block
 from blocks.ports import nearest
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.status import HINTS, Statistics, Status
-from engine.table import Component
 from plant.diagram import Diagram
-from plant.flatten import DELAY_RECORDS, Plan, plan
+from plant.flatten import DELAY_RECORDS, Ends, Past, Plan, plan
 from plant.inputs import close
 from plant.wiring import WiringError
 from records import Log
@@ -40,7 +39,8 @@ class Run:
     """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
-    ``final`` is the diagram at the end of the run: simulate it to go on.  ``ends`` are the engine's arrays there.
+    ``final`` is the diagram at the end of the run: simulate it with ``t0`` = that time to go on (only blocks that run
+    in Python begin anew).  ``ends`` are the engine's arrays there.
     """
 
     log: Log
@@ -49,11 +49,11 @@ class Run:
     hint: str
     statistics: Statistics
     diagram: Diagram
-    ends: tuple[tuple[Component, Floats], ...]
+    ends: Ends
 
     @cached_property
     def final(self) -> Diagram:
-        """The diagram with states and memories as they stand at the end."""
+        """The diagram with states, memories, held outputs and dead times as they stand at the end."""
         return _final(self.diagram, self.ends)
 
     @property
@@ -102,10 +102,11 @@ def simulate(
     ready = set_up(diagram, inputs, params, start)
     grid = log_times(duration, every, times, t0)
     settings = check_settings(Settings(rtol, atol, method, max_steps))
-    records = DELAY_RECORDS
+    past = ready._past if ready._past is not None and ready._past.ends_at(t0) else None
+    records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     while True:
         laid = plan(ready, records)
-        outcomes = [_run(laid, c, ready, settings, grid, t0, t0 + duration, on_progress) for c in laid.components]
+        outcomes = [_run(laid, c, ready, settings, grid, t0, t0 + duration, on_progress, past) for c in laid.components]
         if not any(o.status is Status.DELAY_FULL for o in outcomes):
             return _collect(ready, laid, outcomes, grid)
         records *= 4
@@ -136,20 +137,25 @@ def log_times(duration: float, every: float | None, times: ArrayLike | None, t0:
     """Return the log times [s], refusing requests that make no sense."""
     if not (np.isfinite(duration) and duration > 0.0):
         raise ValueError(f"duration = {duration!r}, but it must be a positive number of seconds")
+    if not np.isfinite(t0):
+        raise ValueError(f"t0 = {t0!r}, but it must be a number of seconds")
+    t_end = t0 + duration
     if times is not None:
         grid = np.asarray(times, dtype=float).ravel()
-        if grid.size and (np.any(np.diff(grid) < 0) or grid[0] < t0 or grid[-1] > t0 + duration * (1 + 1e-12)):
+        rounding = 4.0 * np.spacing(max(abs(t0), abs(t_end)))
+        inside = grid.size > 0 and np.all(np.isfinite(grid)) and np.all(np.diff(grid) > 0.0)
+        if not (inside and grid[0] >= t0 - rounding and grid[-1] <= t_end + rounding):
             raise ValueError(
-                f"times run from {grid[0]} to {grid[-1]} s, but they must increase within {t0} .. {t0 + duration} s"
+                f"times = {np.array2string(grid, threshold=6)} s, but they must be finite and increase strictly "
+                f"within {t0} .. {t_end} s"
             )
-        return grid
+        return np.asarray(np.clip(grid, t0, t_end))
     step = duration / 1000.0 if every is None else float(every)
     if not (np.isfinite(step) and 0.0 < step <= duration):
         raise ValueError(f"every = {every!r}, but the log interval must be positive and at most {duration} s")
     count = int(np.floor(duration / step + 1e-9)) + 1
     even: Floats = t0 + np.arange(count, dtype=np.float64) * step
-    even[-1] = min(even[-1], t0 + duration)
-    return even
+    return np.minimum(even, t_end)
 
 
 def check_settings(settings: Settings) -> Settings:
@@ -172,9 +178,12 @@ def _run(
     t0: float,
     t_end: float,
     on_progress: Callable[[float], None] | None,
+    past: Past | None,
 ) -> Outcome:
-    I, W = prepare(component, settings, t0)
+    I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
     laid.fill(component, W, diagram.blocks)
+    if past is not None:
+        past.put_back(component, I, W)
     return run(component, laid.flat, I, W, grid, t_end, on_progress)
 
 
@@ -220,7 +229,7 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
         hint=f"{HINTS[status]} ({blamed})" if blamed else HINTS[status],
         statistics=statistics(counters),
         diagram=diagram,
-        ends=tuple((component, outcome.W) for component, outcome in zip(laid.components, outcomes, strict=True)),
+        ends=tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True)),
     )
 
 
@@ -241,13 +250,19 @@ def statistics(counters: Sequence[Any]) -> Statistics:
     return total
 
 
-def _final(diagram: Diagram, ends: tuple[tuple[Component, Floats], ...]) -> Diagram:
+def _final(diagram: Diagram, ends: Ends) -> Diagram:
     blocks: list[Block] = list(diagram.blocks)
-    for component, W in ends:
+    first = {signal: i for i, signal in enumerate(diagram.signals)}
+    for component, _, W in ends:
         for b in component.blocks:
             if b < len(blocks) and (len(blocks[b].x0) or len(blocks[b].d0)):
                 x, d = component.states[b], component.memory[b]
                 values = dict(zip(blocks[b].state_names, W[x : x + len(blocks[b].x0)], strict=True))
                 values |= dict(zip(blocks[b].memory_names, W[d : d + len(blocks[b].d0)], strict=True))
                 blocks[b] = blocks[b].starting_at(**{k: float(v) for k, v in values.items()})
-    return diagram._with_blocks(blocks)
+            if b < len(blocks) and blocks[b].sampled:
+                y = component.signals[first[blocks[b].output_labels[0]]]
+                blocks[b] = blocks[b].holding(W[y : y + len(blocks[b].y0)])
+    final = diagram._with_blocks(blocks)
+    final._past = Past.of(ends)
+    return final

@@ -1,5 +1,6 @@
 """Entry point: checks that our packages are the ones Python finds, then hands over to the commands."""
 
+import io
 import sys
 
 from stickslip.shadow import shadowed
@@ -7,6 +8,9 @@ from stickslip.shadow import shadowed
 
 def main() -> None:
     """Run the command line; never a traceback for a user's mistake."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without our signs, e.g. plus-minus, shows a '?'
     trouble = shadowed()
     if trouble:
         print(trouble, file=sys.stderr)

@@ -1,11 +1,15 @@
 """``stickslip check``: one loop from a file, a verdict in words first."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors, write_whole
+from stickslip.console import Speaker, json_option, user_errors
+from stickslip.targets import check_targets, write_whole
+
+if TYPE_CHECKING:
+    from detect import Diagnosis
 
 STYLE = {"stiction": "red", "no_stiction": "green", "inconclusive": "yellow", "not_applicable": "yellow"}
 WORDS = {
@@ -24,47 +28,77 @@ WORDS = {
 @click.option("--mv", help="Name of the stem position column.")
 @click.option("--mode", help="Name of the controller mode column.")
 @click.option("--time", help="Name of the time column.")
+@click.option("--time-format", metavar="FORMAT", help="Format of the time stamps, e.g. '%d/%m/%y %H:%M:%S'.")
+@click.option("--interval", type=float, metavar="SECONDS", help="Time between rows, for a file without time.")
+@click.option("--separator", metavar="CHAR", help="Character between the cells, if the guess is wrong.")
+@click.option("--decimal", metavar="CHAR", help="Decimal mark, '.' or ',', if the guess is wrong.")
 @click.option("--loop", help="Which loop, when the file holds several.")
 @click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
-def command(file: Path, html: Path | None, json_file: str | None, **columns: Any) -> None:
+def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -> None:
     """Say whether the valve of the loop in FILE sticks, and why.
 
+    FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start.
+
     \b
-    Exit codes: 0 done, 1 stiction found, 2 FILE cannot be read.
+    Examples:
+      stickslip check FIC101.csv
+      stickslip check export.csv --loop FIC101 --html report.html
+      stickslip check trend.csv --pv FT101 --op FCV101 --time Zeit --decimal ,
+      stickslip check FIC101.csv --json - | jq .verdict
+
+    \b
+    Exit codes:
+      0  done: no stiction, or the record does not tell (the verdict says which)
+      1  done, and stiction found
+      2  FILE cannot be read, or the request makes no sense
     """
+    check_targets({"--html": html, "--json": json_file}, source=file)
+    if file.is_char_device() or file.is_block_device():
+        raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
     from detect import diagnose
     from records import read_loop
 
-    record = read_loop(file, **{name: value for name, value in columns.items() if value is not None})
-    diagnosis = diagnose(record)
+    diagnosis = diagnose(read_loop(file, **{name: value for name, value in told.items() if value is not None}))
     say = Speaker(json_file)
+    _tell(say, diagnosis)
+    if html is not None:
+        write_whole(html, _report(diagnosis).encode())
+        say(f"report: {html}")
+    say.document(diagnosis.to_dict())
+    raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
+
+
+def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
+    """Print verdict, reason, assumptions and the methods' numbers, in this order."""
     say(f"{diagnosis.loop}: {WORDS[diagnosis.verdict]}", fg=STYLE[diagnosis.verdict], bold=True)
-    say(diagnosis.reason)
+    say.paragraph(diagnosis.reason)
     say()
+    say("Read and assumed:")
     for sentence in diagnosis.assumptions:
-        say(f"  assumed: {sentence}")
+        say.paragraph(sentence, "  - ")
     rows = [
         [
             verdict.method,
             WORDS[verdict.verdict].lower(),
-            "" if verdict.index is None else f"{verdict.index:.3g}",
-            "" if verdict.threshold is None else f"{verdict.threshold:.3g}",
-            verdict.reason,
+            "-" if verdict.index is None else f"{verdict.index:.3g}",
+            "-" if verdict.threshold is None else f"{verdict.threshold:.3g}",
         ]
         for verdict in diagnosis.methods
     ]
-    say.table("", ["method", "verdict", "index", "threshold", "why"], rows)
-    if html is not None:
-        from stickslip.page import Section, figure_to_svg, page
+    say.table(["method", "verdict", "index", "threshold"], rows)
+    for verdict in diagnosis.methods:
+        if verdict.reason.rstrip(".") not in diagnosis.reason:
+            say.paragraph(verdict.reason, f"  {verdict.method}: ")
 
-        section = Section(diagnosis.loop, WORDS[diagnosis.verdict], diagnosis.verdict, diagnosis.reason)
-        section.notes.extend(diagnosis.assumptions)
-        section.figures.append(figure_to_svg(diagnosis.plot()))
-        write_whole(html, page(f"{diagnosis.loop}: {WORDS[diagnosis.verdict].lower()}", "", [section]).encode())
-        say(f"report: {html}")
-    say.document(diagnosis.to_dict())
-    raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
+
+def _report(diagnosis: "Diagnosis") -> str:
+    from stickslip.page import Section, figure_to_svg, page
+
+    section = Section(diagnosis.loop, WORDS[diagnosis.verdict], diagnosis.verdict, diagnosis.reason)
+    section.notes.extend(diagnosis.assumptions)
+    section.figures.append(figure_to_svg(diagnosis.plot()))
+    return page(f"{diagnosis.loop}: {WORDS[diagnosis.verdict].lower()}", "", [section])

@@ -1,8 +1,12 @@
 """The commands; each lives in a file of its own and imports what it needs only when it runs."""
 
+import difflib
 import importlib
+from pathlib import Path
 
 import click
+
+from stickslip import __version__
 
 COMMANDS = {
     "demo": "five short stories with known truth, and two real loops, as one HTML page",
@@ -42,12 +46,24 @@ class Lazy(click.Group):
         command: click.Command = importlib.import_module(f"stickslip.{name}").command
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name = args[0]
+        if name not in COMMANDS and not name.startswith("-"):
+            close = difflib.get_close_matches(name, COMMANDS, n=1)
+            hint = f"did you mean '{close[0]}'? " if close else ""
+            if Path(name).is_file():
+                hint = f"to judge the loop in that file: stickslip check {name}; "
+            ctx.fail(f"there is no command '{name}'; {hint}known: {', '.join(COMMANDS)}")
+        return super().resolve_command(ctx, args)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
 
 
 @click.group(cls=Lazy, help=HELP, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
-@click.version_option(package_name="stickslip")
+@click.version_option(__version__, prog_name="stickslip")
 def cli() -> None:
     """Group of all commands."""

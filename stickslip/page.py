@@ -3,6 +3,7 @@
 import html
 import io
 import re
+import warnings
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -29,7 +30,9 @@ header.row { display: flex; gap: 12px; align-items: baseline; flex-wrap: wrap; }
 .truth { color: var(--soft); font-size: 14px; }
 .reason { margin: 10px 0 4px; max-width: 80ch; }
 .story { color: var(--soft); margin: 6px 0; max-width: 80ch; }
-ul.notes { color: var(--soft); font-size: 14px; margin: 8px 0; padding-left: 18px; }
+.guide { max-width: 80ch; }
+.label { color: var(--soft); font-size: 14px; font-weight: 600; margin: 12px 0 0; }
+ul.notes { color: var(--soft); font-size: 14px; margin: 2px 0 8px; padding-left: 18px; }
 figure { margin: 14px 0 0; } figure svg { width: 100%; height: auto; }
 table { border-collapse: collapse; margin: 6px 0 0; font-size: 14.5px; width: 100%; }
 th, td { text-align: left; padding: 6px 10px 6px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
@@ -49,12 +52,18 @@ class Section:
     reason: str
     story: str = ""
     truth: str = ""
+    lesson: str = ""
     notes: list[str] = field(default_factory=list)
     figures: list[str] = field(default_factory=list)
 
 
-def page(title: str, lead: str, sections: Sequence[Section], table: Sequence[Sequence[str]] = ()) -> str:
-    """Return the whole page; the first row of ``table`` is its head and each row links to its section."""
+def page(
+    title: str, lead: str, sections: Sequence[Section], table: Sequence[Sequence[str]] = (), guide: str = ""
+) -> str:
+    """Return the whole page; the first row of ``table`` is its head and each row links to its section.
+
+    ``guide``, below the table, tells how to read the verdicts.
+    """
     parts = [
         "<!doctype html><html lang='en'><head><meta charset='utf-8'>",
         "<meta name='viewport' content='width=device-width, initial-scale=1'>",
@@ -64,6 +73,8 @@ def page(title: str, lead: str, sections: Sequence[Section], table: Sequence[Seq
     ]
     if table:
         parts.append(_table(table))
+    if guide:
+        parts.append(f"<p class='guide'>{html.escape(guide)}</p>")
     for number, section in enumerate(sections):
         parts.append(_article(number, section))
     parts.append(
@@ -91,7 +102,8 @@ def _article(number: int, section: Section) -> str:
         + "</header>"
         + (f"<p class='story'>{html.escape(section.story)}</p>" if section.story else "")
         + f"<p class='reason'>{html.escape(section.reason)}</p>"
-        + (f"<ul class='notes'>{notes}</ul>" if notes else "")
+        + (f"<p class='story'>{html.escape(section.lesson)}</p>" if section.lesson else "")
+        + (f"<p class='label'>What was read and assumed</p><ul class='notes'>{notes}</ul>" if notes else "")
         + figures
         + "</article>"
     )
@@ -99,8 +111,14 @@ def _article(number: int, section: Section) -> str:
 
 def figure_to_svg(figure: "Figure") -> str:
     """Return a figure as SVG text fit for inlining: no prolog, and ids that clash with no other picture."""
+    import matplotlib
+
     buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", bbox_inches="tight", metadata={"Date": None})
+    silent = dict.fromkeys(("Creator", "Date", "Format", "Type"))  # no metadata, no web addresses
+    with warnings.catch_warnings(), matplotlib.rc_context({"svg.fonttype": "none"}):
+        # Text stays text: it can be searched, and the browser has the signs that matplotlib's own font lacks.
+        warnings.filterwarnings("ignore", "Glyph .* missing")
+        figure.savefig(buffer, format="svg", bbox_inches="tight", metadata=silent)
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
     own = f"f{zlib.crc32(text.encode()):08x}"

@@ -1,11 +1,23 @@
 """``stickslip simulate``: run a named case, save what it gives, show published beside reproduced."""
 
+import io
+import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
+from stickslip.console import Speaker, complain, json_option, user_errors
+from stickslip.targets import check_targets, write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from cases import Case
+    from records import Log
+
+LOGS, PICTURES = (".csv", ".parquet"), (".png", ".svg", ".pdf")
+MOST_ROWS = 10_000_000  # some 500 MB of log
 
 
 @click.command("simulate")
@@ -29,35 +41,43 @@ def command(
     Examples:
       stickslip simulate ideal_high --numbers
       stickslip simulate ideal_high --set valve.F_s=1750 --out log.csv --plot trend.png
+
+    \b
+    Exit codes: 0 done, 2 the request makes no sense or the run stopped early.
     """
     from cases import find
-    from plant import simulate
 
     chosen = find(case)
-    log_to = _log_writer(out)
-    built = chosen.build()
-    run = simulate(
-        built, duration or chosen.duration, every=every or chosen.every, params=_parameters(settings) or None
+    check_targets(
+        {"--out": out, "--plot": picture, "--diagram": diagram, "--json": json_file},
+        {"--out": LOGS, "--plot": PICTURES, "--diagram": PICTURES},
     )
+    params = _parameters(settings)
+    span, step = _times(chosen, duration, every)
+    from plant import simulate
+
+    built = chosen.build()
+    run = simulate(built, span, every=step, params=params or None)
     say = Speaker(json_file)
     say(f"{chosen.name}: {chosen.title}", bold=True)
     say(chosen.about)
     cost = run.statistics
     say(f"{run.log.duration:g} s simulated, {len(run.log)} rows, {cost.steps} steps, {len(run.events)} mode changes")
-    if not run.ok:
-        say(f"stopped early: {run.hint}", fg="yellow")
-    if log_to is not None:
-        log_to(run.log)
+    if out is not None:
+        _write(run.log, out)
         say(f"log: {out}")
     if picture is not None:
-        _save(run.plot(), picture)
+        _draw(run.plot(), picture)
         say(f"trends: {picture}")
     if diagram is not None:
-        _save(built.plot(), diagram)
+        _draw(built.plot(), diagram)
         say(f"diagram: {diagram}")
     found = [number.as_dict() for number in chosen.numbers()] if numbers else []
     if found:
-        say.table("", ["quantity", "published", "analytic", "reproduced", "why they differ"], [_row(n) for n in found])
+        say("the case's own numbers, from runs of their own" + (" (without --set)" if params else "") + ":")
+        say.table(["quantity", "published", "analytic", "reproduced"], [_row(n) for n in found])
+        for number in found:
+            say.paragraph(number["note"], f"  {number['quantity']}: ")
     say.document(
         {
             "schema": "stickslip.simulate/1",
@@ -69,21 +89,25 @@ def command(
             "rows": len(run.log),
             "mode_changes": len(run.events),
             "steps": cost.steps,
-            "final": {name: float(run.log[name][-1]) for name in run.log.names} if run.ok else None,
-            "numbers": found,
+            "final": _finite({name: float(run.log[name][-1]) for name in run.log.names}),
+            "numbers": [_finite(number) for number in found],
         }
     )
+    if not run.ok:
+        complain(f"the run stopped early, rows after that are empty: {run.hint}")
+        raise SystemExit(2)
 
 
-def _log_writer(out: Path | None) -> Any:
-    """Return how to write the log, refusing an unknown format before the run."""
-    if out is None:
-        return None
-    if out.suffix == ".csv":
-        return lambda log: log.to_csv(out)
-    if out.suffix == ".parquet":
-        return lambda log: log.to_parquet(out)
-    raise ValueError(f"--out {out}: '{out.suffix}' is not a format of logs; use .csv or .parquet")
+def _times(case: "Case", duration: float | None, every: float | None) -> tuple[float, float]:
+    """Return duration and log interval [s]; refuse what would fill the memory before the run."""
+    span = case.duration if duration is None else duration
+    step = every if every is not None else min(case.every, span) if span > 0.0 else case.every
+    if span > 0.0 and step > 0.0 and math.isfinite(span) and span / step > MOST_ROWS:
+        raise ValueError(
+            f"{span:g} s logged every {step:g} s are {span / step:.3g} rows, but a log holds at most {MOST_ROWS:,}; "
+            "give a longer --every"
+        )
+    return span, step
 
 
 def _parameters(settings: tuple[str, ...]) -> dict[str, float]:
@@ -97,10 +121,23 @@ def _parameters(settings: tuple[str, ...]) -> dict[str, float]:
     return values
 
 
-def _save(figure: Any, path: Path) -> None:
-    if path.suffix not in (".png", ".svg", ".pdf"):
-        raise ValueError(f"{path}: '{path.suffix}' is not a picture format; use .png, .svg or .pdf")
-    figure.savefig(path, dpi=150, bbox_inches="tight")
+def _write(log: "Log", path: Path) -> None:
+    real = path.resolve()  # a link keeps pointing where it did
+    try:
+        log.to_parquet(real) if path.suffix.lower() == ".parquet" else log.to_csv(real)
+    except OSError as fault:
+        raise ValueError(f"{path} cannot be written ({fault.strerror or fault}); choose another place") from None
+
+
+def _draw(figure: "Figure", path: Path) -> None:
+    picture = io.BytesIO()
+    figure.savefig(picture, format=path.suffix[1:].lower(), dpi=150, bbox_inches="tight")
+    write_whole(path, picture.getvalue())
+
+
+def _finite(values: dict[str, Any]) -> dict[str, Any]:
+    """Return the values with null where JSON has no number."""
+    return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in values.items()}
 
 
 def _row(number: dict[str, Any]) -> list[str]:
@@ -115,5 +152,4 @@ def _row(number: dict[str, Any]) -> list[str]:
         show(number["published"]) + (where if number["published"] is not None else ""),
         show(number["analytic"]),
         show(number["reproduced"]) + spread,
-        number["note"],
     ]

@@ -186,7 +186,8 @@ def test_random_walks_keep_the_laws(levels, F_s, dt):
     inside = (x > 0.0) & (x < 1.0)
     rate = np.abs(np.diff(levels)).max() / dt
     # analytic: no force beyond breakaway, or beyond Coulomb and viscous friction at the largest rate of OP
-    bound = max(F_s, F_C + F_V * rate)
+    # plus what the stem lags behind while it gathers speed: k rate max(e^-115t - e^-335t)/220, from its two poles
+    bound = max(F_s, F_C + F_V * rate) + K * rate * 1.72e-3
     if levels[0] == pytest.approx(0.5, abs=F_s / K):  # else OP starts with a jump away from the stem
         assert np.all(K * np.abs(op - x)[inside] <= bound * (1 + 1e-3))
     modes = [e.after == "stuck" for e in run.events]

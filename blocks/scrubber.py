@@ -1,0 +1,43 @@
+"""Gas cooler and scrubber between separator and compressor: ideal, only their pressure loss is felt.
+
+    p_out = p - dp                                                            (thesis section 3.3, plant notes 1.4)
+
+in   p  pressure before the cooler [Pa]    out  p_out  pressure behind the scrubber [Pa]      dp  loss [Pa], >= 0
+
+The gas leaves dry and at the compressor's temperature; what condenses is neglected, as in the thesis.
+The loss is constant.  One that grows with the flow belongs into the flow coefficient of the valve behind it.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block, Kernels
+from blocks.ports import Port, require
+
+
+def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = u[0] - p[0]
+
+
+class Scrubber(Block):
+    """Cooler and scrubber with the pressure loss ``dp`` [Pa].
+
+    Raises ``BlockError`` for a negative loss.
+
+    >>> float(Scrubber(0.1e5).output(0.0, [], [30e5])[0])
+    2990000.0
+    """
+
+    ports_in = (Port("p", "Pa"),)
+    ports_out = (Port("p_out", "Pa"),)
+    kernels = Kernels(out=_out)
+
+    def __init__(self, dp: float = 0.1e5, *, name: str = "scrubber", **labels: Any) -> None:
+        super().__init__(name=name, params={"dp": dp}, **labels)
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` for a negative loss."""
+        dp = float(params["dp"])
+        require(0.0 <= dp < math.inf, name, "dp", dp, "a pressure loss is not negative", "give Pa")

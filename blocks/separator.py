@@ -1,0 +1,126 @@
+"""Two-phase separator: crude oil in, oil and gas out; hexane stays liquid, methane boils off.
+
+    dN_oil/dt  = (1 - Z_I) F_in - (1 - z) F_L                     hexane, liquid          (thesis eq. 3.1)
+    dN_metL/dt = Z_I F_in - z F_L - F_sep                         methane, dissolved      (eq. 3.2)
+    dN_metG/dt = F_sep - F_G - F_flare                            methane, gas            (eq. 3.3, with a flare)
+    F_sep = C_4 (p_metV z - p)                                    boil-off, Raoult        (eq. 3.4)
+    V = v_oil N_oil + v_met N_metL                                liquid volume           (eq. 3.5)
+    p = N_metG R T_sep / (V_sep - V)                              ideal gas               (footnote 2)
+    z = N_metL / (N_oil + N_metL),   v = W/rho
+
+in   F_in   feed [mol/s]               Z_I  methane fraction of the feed [-]
+     F_L    oil drawn [mol/s]          F_G  gas drawn [mol/s]          F_flare  gas to flare [mol/s]
+out  p  pressure [Pa]    V  liquid volume [m3]    z  methane fraction of the liquid [-]    F_sep  boil-off [mol/s]
+
+V_sep volume [m3]   C_4 boil-off [mol/s/Pa]   p_metV vapour pressure of methane [Pa]   T_sep [K]   R [J/mol/K]
+W_oil, W_met molar masses [kg/mol]   rho_oil, rho_met densities [kg/m3]
+
+All methane of the feed arrives dissolved.  F_sep may be negative (gas dissolves again) and keeps its sign.  A second
+separator behind it is fed with F_in = F_L and Z_I = z of the first.  The printed W are in g/mol, which would make
+volumes a thousand times too large; R = 8.31 and the numbers are those of table A.1.
+Valid while there is both liquid and gas; not for: heat, water, a separator that runs full (p grows beyond bounds).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block, Kernels
+from blocks.ports import Port, require
+
+# p = V_sep, C_4, p_metV, T_sep, R, W_oil, rho_oil, W_met, rho_met;  x = N_oil, N_metL, N_metG
+
+
+def liquid_volume(x: Any, p: Any) -> float:
+    """Return the liquid volume [m3]."""
+    V: float = p[5] / p[6] * x[0] + p[7] / p[8] * x[1]
+    return V
+
+
+def gas_pressure(x: Any, p: Any) -> float:
+    """Return the pressure of the gas above the liquid [Pa]."""
+    pressure: float = x[2] * p[4] * p[3] / (p[0] - liquid_volume(x, p))
+    return pressure
+
+
+def boil_off(x: Any, p: Any) -> float:
+    """Return the flow of methane from the liquid into the gas [mol/s]."""
+    flow: float = p[1] * (p[2] * x[1] / (x[0] + x[1]) - gas_pressure(x, p))
+    return flow
+
+
+def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = gas_pressure(x, p)
+    y[1] = liquid_volume(x, p)
+    y[2] = x[1] / (x[0] + x[1])
+    y[3] = boil_off(x, p)
+
+
+def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
+    z = x[1] / (x[0] + x[1])
+    F_sep = boil_off(x, p)
+    dx[0] = (1.0 - u[1]) * u[0] - (1.0 - z) * u[2]
+    dx[1] = u[1] * u[0] - z * u[2] - F_sep
+    dx[2] = F_sep - u[3] - u[4]
+
+
+class Separator(Block):
+    """A separator that starts with the given contents [mol]; defaults are separator 1 of the thesis at rest.
+
+    Raises ``BlockError`` unless volume, densities, temperature and contents are positive and the liquid fits in.
+
+    >>> S1 = Separator()
+    >>> p, V, z, F_sep = S1.output(0.0, S1.x0, [8000.0, 0.37, 5716.3, 2283.7, 0.0])
+    >>> round(float(p) / 1e5, 2), round(float(V), 2), round(float(z), 4), round(float(F_sep) / 100)
+    (30.0, 40.95, 0.1183, 23)
+    """
+
+    ports_in = (
+        Port("F_in", "mol/s"),
+        Port("Z_I"),
+        Port("F_L", "mol/s"),
+        Port("F_G", "mol/s"),
+        Port("F_flare", "mol/s"),
+    )
+    ports_out = (Port("p", "Pa"), Port("V", "m3"), Port("z"), Port("F_sep", "mol/s"))
+    kernels = Kernels(out=_out, der=_der, feeds=False)
+
+    def __init__(
+        self,
+        V_sep: float = 81.9,
+        C_4: float = 0.026,
+        *,
+        p_metV: float = 261e5,
+        T_sep: float = 308.15,
+        R: float = 8.31,
+        W_oil: float = 0.086,
+        rho_oil: float = 659.0,
+        W_met: float = 0.016,
+        rho_met: float = 422.0,
+        N_oil: float = 302017.0,
+        N_metL: float = 40525.5,
+        N_metG: float = 47974.7,
+        name: str = "separator",
+        **labels: Any,
+    ) -> None:
+        liquid = W_oil / rho_oil * N_oil + W_met / rho_met * N_metL if rho_oil and rho_met else math.inf
+        rule = f"the contents, {liquid:.4g} m3 of liquid, must fit in with room for gas"
+        require(liquid < V_sep, name, "V_sep", V_sep, rule, "give a larger V_sep or less liquid")
+        for key, moles in {"N_oil": N_oil, "N_metL": N_metL, "N_metG": N_metG}.items():
+            require(moles > 0.0, name, key, moles, "a separator holds both phases", "give moles")
+        super().__init__(
+            name=name,
+            params={
+                "V_sep": V_sep, "C_4": C_4, "p_metV": p_metV, "T_sep": T_sep, "R": R,
+                "W_oil": W_oil, "rho_oil": rho_oil, "W_met": W_met, "rho_met": rho_met,
+            },
+            states={"N_oil": N_oil, "N_metL": N_metL, "N_metG": N_metG},
+            **labels,
+        )  # fmt: skip
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless every parameter is positive and finite."""
+        for key, value in params.items():
+            rule = 0.0 < float(value) < math.inf
+            require(rule, name, key, value, "it must be positive and finite", "give SI units, molar masses in kg/mol")

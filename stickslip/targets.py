@@ -1,0 +1,72 @@
+"""Where results go: refused before the work begins, written whole or not at all."""
+
+import os
+import secrets
+from collections.abc import Mapping
+from pathlib import Path
+
+
+def check_targets(
+    targets: Mapping[str, Path | str | None],
+    formats: Mapping[str, tuple[str, ...]] | None = None,
+    source: Path | None = None,
+) -> None:
+    """Refuse targets (option -> file) that cannot be written, before any work is done.
+
+    ``formats`` lists the endings an option understands; ``source`` is the file that is read.  Raises
+    ``ValueError`` with the option, the value, the rule and the remedy.
+
+    >>> check_targets({"--out": "log.xls"}, {"--out": (".csv", ".parquet")})
+    Traceback (most recent call last):
+    ...
+    ValueError: --out log.xls: '.xls' is not a format it can write; use .csv, .parquet
+    """
+    taken = {} if source is None else {os.path.realpath(source): "the file that is read"}
+    for option, given in targets.items():
+        if given is None or (option == "--json" and str(given) == "-"):
+            continue
+        path, endings = Path(given), (formats or {}).get(option, ())
+        if endings and path.suffix.lower() not in endings:
+            raise ValueError(
+                f"{option} {path}: '{path.suffix}' is not a format it can write; use {', '.join(endings)}"
+            )
+        if not str(given):
+            raise ValueError(f"{option} '' names no file; name one")
+        if path.is_dir():
+            raise ValueError(f"{option} '{given}' is a folder; name a file")
+        if str(given) == "-":
+            raise ValueError(f"{option} -: only --json writes to standard output; name a file")
+        if path.exists() and not path.is_file():
+            if endings:  # such a file must be renamed into place, which would destroy a pipe or a device
+                raise ValueError(f"{option} {path} is a device or a pipe; name an ordinary file")
+            continue
+        if not path.parent.is_dir():
+            raise ValueError(f"{option} {path}: there is no folder '{path.parent}'; make it, or name another")
+        if not os.access(path.parent, os.W_OK):
+            raise ValueError(f"{option} {path}: no permission to write in '{path.parent}'; name another folder")
+        real = os.path.realpath(path)
+        if real in taken:
+            raise ValueError(f"{option} {path} would overwrite {taken[real]}; name another file")
+        taken[real] = f"what {option} writes"
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file completely or not at all: to a temporary neighbour first, then renamed.
+
+    A link keeps pointing where it did; a device or a pipe, e.g. /dev/null, is written to as it stands.  Raises
+    ``ValueError`` naming ``path`` when that fails.
+    """
+    try:
+        if path.exists() and not path.is_file():
+            path.write_bytes(content)
+            return
+        real = Path(os.path.realpath(path))
+        temporary = real.with_name(f".{secrets.token_hex(6)}.part")
+        try:
+            with open(temporary, "xb") as file:
+                file.write(content)
+            os.replace(temporary, real)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as fault:
+        raise ValueError(f"{path} cannot be written ({fault.strerror}); choose another place") from None

@@ -1,0 +1,72 @@
+"""Convergence orders of the three methods and of their dense output, measured at fixed steps."""
+
+import math
+
+import numpy as np
+import pytest
+
+from blocks.block import Block, Kernels
+from blocks.ports import Port
+from engine import layout as at
+from engine.run import Settings, prepare, run
+from engine.status import Status
+from plant import wire
+from plant.flatten import plan
+
+
+def _der(t, x, d, u, p, dx):
+    dx[0] = -0.5 * x[0] * x[0] * x[0]
+    dx[1] = x[1] * math.cos(t)
+
+
+def _out(t, x, d, u, p, y):
+    y[0] = x[0]
+    y[1] = x[1]
+
+
+def _limit(t, x, d, u, p, out):
+    out[0] = math.inf
+    out[1] = p[0]
+
+
+class Smooth(Block):
+    """x' = -x^3/2 and y' = y cos t, with x = 1/sqrt(1 + t), y = exp(sin t)."""
+
+    ports_out = (Port("x"), Port("y"))
+    kernels = Kernels(out=_out, der=_der, next_time=_limit, feeds=False)
+
+    def __init__(self, h):
+        super().__init__(name="smooth", params={"h": h}, states={"x": 1.0, "y": 1.0})
+
+
+def errors(method, h, t_end=2.0):
+    """Return (error at the end, largest error between the steps) of fixed steps ``h``."""
+    diagram = wire([Smooth(h)], outputs=["x", "y"])
+    component = plan(diagram).components[0]
+    I, W = prepare(component, Settings(1e-2, 1e30, "stiff" if method == 1 else "explicit"), 0.0)
+    I[at.EXPLICIT] = method
+    W[I[at.O_RESTART] : I[at.O_RESTART] + at.RESTARTS] = h
+    times = np.concatenate([np.linspace(0.0, t_end, 203)[1:-1], [t_end]])
+    outcome = run(component, plan(diagram).flat, I, W, times, t_end)
+    assert outcome.status is Status.OK
+    assert abs(I[at.STEPS] - t_end / h) <= 2  # the steps are what they should be
+    exact = np.array([1.0 / np.sqrt(1.0 + times), np.exp(np.sin(times))])  # analytic
+    error = np.abs(outcome.log - exact).max(axis=0)
+    return error[-1], error.max()
+
+
+@pytest.mark.parametrize(
+    ("method", "steps", "order", "dense"),
+    [
+        (0, (1 / 8, 1 / 16, 1 / 32), 5, 5),  # Dormand-Prince 5(4), interpolant of degree 4
+        (1, (1 / 32, 1 / 64, 1 / 128), 4, 4),  # Rosenbrock, interpolant of degree 3
+        (2, (1 / 3, 1 / 4, 1 / 5, 1 / 8), 8, 7),  # Dormand-Prince 8(5,3), interpolant of degree 7
+    ],
+    ids=["explicit", "stiff", "high-order"],
+)
+def test_orders(method, steps, order, dense):
+    # published: Hairer, Norsett & Wanner, Solving ODEs I, tables II.5.2, II.5.3, section II.6; ODEs II, section VI.4
+    measured = np.array([errors(method, h) for h in steps])
+    slope = np.polyfit(np.log(steps), np.log(measured), 1)[0]
+    assert order - 0.25 < slope[0] < order + 0.5
+    assert dense - 0.25 < slope[1] < dense + 1.0

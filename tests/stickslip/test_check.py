@@ -1,0 +1,120 @@
+"""`stickslip check`: words, one JSON document of a fixed form, exit codes."""
+
+import json
+
+import pytest
+
+UNFIT = [  # readable, but nothing to judge
+    ("three rows", "time,PV,OP\n0,4,50\n1,5,51\n2,4,52\n"),
+    ("one row", "time,PV,OP\n0,4,50\n"),
+    ("constant", "time,SP,PV,OP\n" + "".join(f"{i},5,5,50\n" for i in range(300))),
+    ("PV never good", "time,SP,PV,OP\n" + "".join(f"{i},5,nan,{50 + i % 3}\n" for i in range(300))),
+    ("nothing ever good", "time,SP,PV,OP\n" + "".join(f"{i},nan,nan,nan\n" for i in range(300))),
+    ("PV infinite", "time,SP,PV,OP\n" + "".join(f"{i},5,inf,{50 + i % 3}\n" for i in range(300))),
+    ("negative times", "time,PV,OP\n" + "".join(f"{i - 500},{4 + i % 9},{50 + i % 5}\n" for i in range(300))),
+    ("byte order mark", "\ufefftime,PV,OP\n0,4,50\n1,5,51\n2,4,52\n"),
+    ("huge times", "time,PV,OP\n" + "".join(f"{i}e300,{4 + i % 9},{50 + i % 5}\n" for i in range(300))),
+    ("huge values", "time,PV,OP\n" + "".join(f"{i},{4 + i % 9}e300,{50 + i % 5}\n" for i in range(300))),
+    ("tiny values", "time,PV,OP\n" + "".join(f"{i},{4 + i % 9}e-310,{50 + i % 5}\n" for i in range(300))),
+]
+
+
+def document(text):
+    """JSON as the standard has it: no NaN, no Infinity."""
+
+    def refuse(word):
+        raise AssertionError(f"{word} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def assert_form(content):
+    keys = ["schema", "loop", "verdict", "probability", "reason", "assumptions", "methods"]
+    assert list(content)[: len(keys)] == keys
+    assert content["schema"] == "stickslip.check/1"
+    assert content["verdict"] in ("stiction", "no_stiction", "inconclusive", "not_applicable")
+    assert content["probability"] is None or 0 <= content["probability"] <= 1
+    assert len(content["reason"]) > 20 and all(isinstance(line, str) for line in content["assumptions"])
+    assert content["methods"]
+    for method in content["methods"]:
+        assert {"name", "verdict", "index", "threshold", "reason"} <= set(method)
+        assert method["reason"]
+        if method["verdict"] == "not_applicable":
+            assert method["index"] is None
+
+
+@pytest.mark.parametrize("content", [c for _, c in UNFIT], ids=[name for name, _ in UNFIT])
+def test_unfit_data_is_a_verdict_not_an_error(call, tmp_path, content):
+    path = tmp_path / "loop.csv"
+    path.write_text(content, encoding="utf-8")
+    result = call("check", path, "--json", "-")
+    assert result.exit_code == 0
+    answer = document(result.stdout)
+    assert_form(answer)
+    assert answer["verdict"] == "not_applicable"
+    assert "NOT APPLICABLE" in result.stderr
+    assert "Warning" not in result.stderr
+
+
+def test_stiction_is_exit_code_1_and_verdict_comes_first(call, exports):
+    result = call("check", exports / "FIC101_pi_export.csv")
+    assert result.exit_code == 1
+    assert result.stdout.startswith("FIC101: STICTION\nThe valve looks sticky.")
+    assert "Bad Input" in result.stdout  # what was read is said
+
+
+def test_no_stiction_is_exit_code_0(call, exports):
+    result = call("check", exports / "PIC305_long_form.csv")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("PIC305: NO STICTION\n")
+
+
+def test_json_alone_on_standard_output_of_a_process(shell, exports):
+    done = shell("check", exports / "FIC101_pi_export.csv", "--json", "-")
+    assert done.returncode == 1
+    answer = document(done.stdout.decode())
+    assert_form(answer)
+    assert (answer["loop"], answer["verdict"]) == ("FIC101", "stiction")
+    assert answer["methods"][0]["index"] > answer["methods"][0]["threshold"]
+    assert done.stderr.decode().startswith("FIC101: STICTION\n")
+
+
+def test_json_file_and_report_are_what_they_say(call, exports, tmp_path):
+    target, page = tmp_path / "answer.json", tmp_path / "report.html"
+    target.write_text("old")
+    result = call("check", exports / "LIC410_level.csv", "--json", target, "--html", page)
+    assert result.exit_code == 0
+    answer = document(target.read_text(encoding="utf-8"))
+    assert_form(answer)
+    assert answer["verdict"] == "not_applicable" and answer["methods"][0]["code"] == "wrong_process_type"
+    assert "NOT APPLICABLE" in page.read_text(encoding="utf-8")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["answer.json", "report.html"]
+
+
+def test_words_and_json_agree(call, exports, tmp_path):
+    aside, kept = call("check", exports / "FIC101_pi_export.csv", "--json", "-"), tmp_path / "x.json"
+    call("check", exports / "FIC101_pi_export.csv", "--json", kept)
+    assert kept.read_bytes() == aside.stdout_bytes
+
+
+def test_names_from_the_file_are_not_markup(call, good, tmp_path):
+    odd = tmp_path / "[red]<b>lööp — 回路.csv"
+    odd.write_bytes(good.read_bytes())
+    page = tmp_path / "page.html"
+    result = call("check", odd, "--html", page)
+    assert "[red]<b>lööp — 回路: NOT APPLICABLE" in result.stdout
+    assert "<b>" not in page.read_text(encoding="utf-8")
+
+
+def test_the_readers_options_reach_the_reader(call, tmp_path):
+    path = tmp_path / "trend.csv"
+    path.write_text("Zeit;FT1;FCV1\n" + "".join(f"{i},5;{4 + i % 3},5;{50 + i % 2},0\n" for i in range(50)))
+    result = call("check", path, "--time", "Zeit", "--pv", "FT1", "--op", "FCV1", "--decimal", ",", "--separator", ";")
+    assert result.exit_code == 0
+    assert "NOT APPLICABLE" in result.stdout
+
+
+def test_from_a_pipe(shell, good):
+    done = shell("check", good, "--json", "/dev/stdout") if good.exists() else None
+    assert done is not None and done.returncode == 0
+    assert b'"schema": "stickslip.check/1"' in done.stdout

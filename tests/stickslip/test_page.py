@@ -1,0 +1,99 @@
+"""The page is one file that works offline: read as text, and in a browser where there is one."""
+
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+
+import pytest
+
+from stickslip.page import Section, page
+
+
+class Reader(HTMLParser):
+    """Collects tags, attributes and text."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.ids, self.links, self.words = [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        for name, value in attrs:
+            if name == "id":
+                self.ids.append(value)
+            if name in ("href", "src", "xlink:href", "srcset", "data", "poster", "action", "background"):
+                self.links.append(value)
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def read(text):
+    reader = Reader()
+    reader.feed(text)
+    return reader
+
+
+@pytest.fixture(scope="module")
+def demo_page(tmp_path_factory):
+    from click.testing import CliRunner
+
+    from stickslip.cli import cli
+
+    folder = tmp_path_factory.mktemp("demo")
+    done = CliRunner().invoke(cli, ["demo", "--out", str(folder)], catch_exceptions=False)
+    assert done.exit_code == 0
+    return folder / "index.html"
+
+
+def test_no_request_no_script_unique_ids(demo_page):
+    text = demo_page.read_text(encoding="utf-8")
+    seen = read(text)
+    assert "script" not in seen.tags and not {"link", "img", "iframe", "object", "embed"} & set(seen.tags)
+    assert seen.links and all(link.startswith("#") for link in seen.links)
+    assert {link[1:] for link in seen.links} <= set(seen.ids)
+    assert len(set(seen.ids)) == len(seen.ids)
+    assert set(re.findall(r"https?://[^\"'\s<]+", text)) <= {
+        "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink",
+    }  # names of XML, which no browser fetches  # fmt: skip
+    assert "@import" not in text and not re.search(r"url\((?!#)", text)
+    assert set(re.findall(r"url\(#([^)]+)\)", text)) <= set(seen.ids)
+    assert not re.search(r"\son[a-z]+=", text)
+
+
+def test_verdicts_reasons_and_guide_are_words(demo_page):
+    words = " ".join(read(demo_page.read_text(encoding="utf-8")).words)
+    for word in ("STICTION", "NO STICTION", "NOT APPLICABLE", "in truth: stiction", "How to read it", "FIC-101"):
+        assert word in words
+    assert "What was read and assumed" in words
+
+
+def test_text_is_escaped():
+    text = page("<a&b>", "", [Section("<i>", "<b>", "stiction", "1 < 2", "<s>", "<t>", "<l>", ["<n>"])], guide="<g>")
+    assert not {"a&b", "i", "b", "s", "t", "l", "n", "g"} & set(read(text).tags)
+    assert "1 &lt; 2" in text
+
+
+def browser(*options):
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
+        pytest.skip("no Chromium here: the page is NOT TESTED in a browser")
+    words = [program, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", *options]
+    return subprocess.run(words, capture_output=True, timeout=100, check=False)
+
+
+def test_a_browser_shows_it(demo_page, tmp_path):
+    alone = tmp_path / "one file.html"
+    shutil.copy(demo_page, alone)
+    done = browser("--virtual-time-budget=2000", "--dump-dom", alone.as_uri())
+    dom = done.stdout.decode()
+    assert "NO STICTION" in dom and "NOT APPLICABLE" in dom
+    assert dom.count("<svg") == dom.count("<figure>") >= 5
+    assert "Written by stickslip" in dom
+
+
+def test_it_prints(demo_page, tmp_path):
+    paper = tmp_path / "page.pdf"
+    browser(f"--print-to-pdf={paper}", demo_page.as_uri())
+    assert len(re.findall(rb"/Type\s*/Page\b", paper.read_bytes())) >= 3

@@ -1,0 +1,65 @@
+"""`stickslip simulate`: the log, the pictures, the numbers, and a run that stops early."""
+
+import json
+
+import pytest
+
+import plant
+from records import read_log
+
+
+def test_log_and_pictures_are_written(call, tmp_path):
+    names = ["log.csv", "log.parquet", "trend.png", "trend.svg", "diagram.pdf"]
+    csv, parquet, png, svg, pdf = (tmp_path / name for name in names)
+    assert call("simulate", "sine", "--out", csv, "--plot", png, "--diagram", pdf, "--json", "-").exit_code == 0
+    assert call("simulate", "sine", "--out", parquet, "--plot", svg).exit_code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
+    for log in (read_log(csv), read_log(parquet)):
+        assert len(log) == 6001 and log.names == ("e",)
+        assert abs(log["e"]).max() == pytest.approx(0.075, abs=1e-6)  # analytic: the amplitude
+    assert png.read_bytes()[:4] == b"\x89PNG" and pdf.read_bytes()[:4] == b"%PDF" and b"<svg" in svg.read_bytes()
+
+
+def test_document(call):
+    result = call("simulate", "ideal_high", "--json", "-")
+    answer = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
+    assert list(answer) == [
+        "schema", "case", "title", "status", "hint", "duration_s", "rows", "mode_changes", "steps", "final", "numbers",
+    ]  # fmt: skip
+    assert answer["schema"] == "stickslip.simulate/1" and answer["status"] == "ok"
+    assert (answer["duration_s"], answer["rows"], answer["numbers"]) == (600.0, 6001, [])
+    assert set(answer["final"]) == {"SP", "OP", "MV", "PV"}
+    assert "600 s simulated" in result.stderr
+
+
+def test_numbers_stand_side_by_side(call):
+    result = call("simulate", "sine", "--numbers", "--json", "-")
+    (number,) = json.loads(result.stdout)["numbers"]
+    assert number["published"] == 1.03  # published: figure 6.1(a)
+    assert number["analytic"] == 1.0
+    assert number["reproduced"] == pytest.approx(1.025, abs=1e-3)
+    assert number["note"] in " ".join(result.stderr.split())
+
+
+def test_settings_reach_the_diagram(call):
+    as_is = json.loads(call("simulate", "ideal_high", "--json", "-").stdout)
+    free = json.loads(call("simulate", "ideal_high", "--set", "valve.F_s=1250", "--json", "-").stdout)
+    assert as_is["mode_changes"] > 10  # slips and sticks for 600 s
+    assert free["final"]["PV"] == pytest.approx(0.5, abs=0.03)  # without a jump the loop settles inside the deadband
+
+
+def test_duration_shorter_than_the_cases_log_interval(call):
+    answer = json.loads(call("simulate", "sine", "--duration", "0.05", "--json", "-").stdout)
+    assert (answer["duration_s"], answer["rows"]) == (0.05, 2)
+
+
+def test_a_run_that_stops_early_is_not_done(call, monkeypatch, tmp_path):
+    whole = plant.simulate
+    monkeypatch.setattr(plant, "simulate", lambda *a, **k: whole(*a, **k, max_steps=20))
+    target = tmp_path / "answer.json"
+    result = call("simulate", "ideal_high", "--json", target)
+    assert result.exit_code == 2
+    assert "Error: the run stopped early" in result.stderr
+    answer = json.loads(target.read_text(), parse_constant=lambda word: pytest.fail(word))
+    assert answer["status"] != "ok" and answer["hint"]
+    assert answer["final"]["PV"] is None
