@@ -7,13 +7,14 @@ python3 start.py test         the tests, exactly as continuous integration runs 
 
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 import venv
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
-HOME = Path(os.environ.get("STICKSLIP_VENV", ROOT / ".venv"))
+HOME = Path(os.environ.get("STICKSLIP_VENV") or ROOT / ".venv").absolute()
 BIN = HOME / ("Scripts" if os.name == "nt" else "bin")
 
 TEST_STEPS = [
@@ -26,13 +27,29 @@ TEST_STEPS = [
 
 
 def installed(extra: str) -> None:
-    """Create the environment if needed and install the checkout, editable, unless that is already done."""
+    """Create the environment if needed and install the checkout, editable, unless that is already done.
+
+    Raises ``ValueError`` when that fails for a reason that the lines printed before do not say.
+    """
     wanted = hashlib.sha256((ROOT / "pyproject.toml").read_bytes()).hexdigest() + extra
     stamp = HOME / "stickslip-installed"
-    if stamp.exists() and stamp.read_text() in (wanted, wanted.removesuffix(extra) + "[test]"):
+    ours, runs = stamp.exists(), shutil.which("python", path=str(BIN)) is not None
+    if ours and runs and stamp.read_text() in (wanted, wanted.removesuffix(extra) + "[test]"):
         return
+    if HOME != ROOT / ".venv" and HOME.exists() and not ours and (HOME.is_file() or any(HOME.iterdir())):
+        raise ValueError(
+            f"STICKSLIP_VENV = {HOME} exists and was not made by this script, which would clear it; "
+            "name a folder that is empty or not there yet"
+        )
     print(f"setting up {HOME} (once, about a minute)", flush=True)
-    venv.create(HOME, with_pip=True, clear=HOME.exists() and not stamp.exists())
+    try:
+        venv.create(HOME, with_pip=True, clear=not (ours and runs))
+    except subprocess.CalledProcessError:
+        raise ValueError(
+            f"{sys.executable} cannot make a virtual environment with pip; on Debian or Ubuntu: "
+            "sudo apt install python3-venv"
+        ) from None
+    stamp.write_text("unfinished")
     pip = [str(BIN / "python"), "-m", "pip", "--disable-pip-version-check", "install", "-q", "-e", f"{ROOT}{extra}"]
     subprocess.run(pip, check=True)
     stamp.write_text(wanted)
@@ -49,6 +66,9 @@ def main() -> int:
     except subprocess.CalledProcessError as failure:
         print(f"installing failed (exit code {failure.returncode}); the lines above say why", file=sys.stderr)
         return 2
+    except (ValueError, OSError) as failure:
+        print(f"Error: {failure}", file=sys.stderr)
+        return 2
     if arguments != ["test"]:
         return subprocess.run([str(BIN / "python"), "-m", "stickslip", *arguments], check=False).returncode
     for step in TEST_STEPS:
@@ -60,4 +80,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    try:
+        raise SystemExit(main())
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None

@@ -9,14 +9,20 @@ sensors      Sensor SampledSensor
 arithmetic   Sum Gain Limit
 """
 
+from blocks.anti_surge import AntiSurge
 from blocks.arithmetic import Gain, Limit, Sum
 from blocks.block import Block, Host, Kernels
 from blocks.characteristic import Characteristic
 from blocks.chen_valve import ChenValve
 from blocks.choudhury_valve import ChoudhuryValve
+from blocks.compressor import Compressor
+from blocks.compressor_map import CubicMap, TabulatedMap
+from blocks.control_valve_flow import ControlValveFlow
 from blocks.dead_time import DeadTime
 from blocks.deadband import Deadband
 from blocks.first_order import FirstOrder
+from blocks.flare import Flare
+from blocks.flow_resistance import FlowResistance
 from blocks.he_valve import HeValve
 from blocks.ideal_valve import IdealValve
 from blocks.integrator import Integrator
@@ -24,27 +30,37 @@ from blocks.kano_valve import KanoValve
 from blocks.noise import Noise
 from blocks.periodic import Sine, Slug, Square, Triangle
 from blocks.pi import PI
+from blocks.plenum import Plenum
 from blocks.ports import BlockError, Labels, Port
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.recorded import Recorded, Staircase
 from blocks.sampled_pi import SampledPI
+from blocks.scrubber import Scrubber
 from blocks.second_order import SecondOrder
 from blocks.sensor import SampledSensor, Sensor
+from blocks.separator import Separator
+from blocks.shaft import Shaft
 from blocks.sources import Constant, Ramp, Step
 from blocks.stenman_valve import StenmanValve
 from blocks.stick_slip import StickSlip
 
 __all__ = [
     "PI",
+    "AntiSurge",
     "Block",
     "BlockError",
     "Characteristic",
     "ChenValve",
     "ChoudhuryValve",
+    "Compressor",
     "Constant",
+    "ControlValveFlow",
+    "CubicMap",
     "DeadTime",
     "Deadband",
     "FirstOrder",
+    "Flare",
+    "FlowResistance",
     "Gain",
     "HeValve",
     "Host",
@@ -55,14 +71,18 @@ __all__ = [
     "Labels",
     "Limit",
     "Noise",
+    "Plenum",
     "Port",
     "QuasiStaticStem",
     "Ramp",
     "Recorded",
     "SampledPI",
     "SampledSensor",
+    "Scrubber",
     "SecondOrder",
     "Sensor",
+    "Separator",
+    "Shaft",
     "Sine",
     "Slug",
     "Square",
@@ -71,5 +91,6 @@ __all__ = [
     "Step",
     "StickSlip",
     "Sum",
+    "TabulatedMap",
     "Triangle",
 ]

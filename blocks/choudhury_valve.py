@@ -21,10 +21,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ideal_valve import IdealValve
-from blocks.kano_valve import check_bands
-from blocks.ports import Port
+from blocks.block import Kernels
+from blocks.sampled_valve import TwoBandValve
 
 STANDS, TURNED, FRESH = 1.0, 0.0, 2.0  # why the valve is stuck: OP stood still, OP turned, never moved
 
@@ -64,7 +62,7 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     y[0] = d[4]
 
 
-class ChoudhuryValve(Block):
+class ChoudhuryValve(TwoBandValve):
     """The sampled valve of Choudhury et al. with ``S`` and ``J`` [unit of OP] and sampling period ``dt`` [s].
 
     ``start`` is where OP and MV stand before the first sample.  Raises ``BlockError`` unless
@@ -76,36 +74,9 @@ class ChoudhuryValve(Block):
     [0.5, 0.5, 0.54, 0.57, 0.57]
     """
 
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
     kernels = Kernels(step=_step)
-    period_param = "dt"
-
-    def __init__(
-        self,
-        S: float,
-        J: float,
-        dt: float,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
-        **labels: Any,
-    ) -> None:
-        super().__init__(
-            name=name,
-            params={"S": S, "J": J, "low": low, "high": high, "dt": dt},
-            memory={"moving": 0.0, "x_ss": start, "why": FRESH, "v": 0.0, "MV": start, "OP": start},
-            start_output=start,
-            **labels,
-        )
 
     @staticmethod
-    def check(params: Mapping[str, float], name: str) -> None:
-        """Raise ``BlockError`` unless 0 <= J <= S <= high - low and dt > 0."""
-        check_bands(params, name)
-
-    def smooth(self) -> IdealValve:
-        """Return the valve without friction, which is what python-control sees in a diagram."""
-        return IdealValve.instead_of(self)
+    def memory_at(start: float) -> Mapping[str, float]:
+        """Return the memory of a valve at rest at ``start``."""
+        return {"moving": 0.0, "x_ss": start, "why": FRESH, "v": 0.0, "MV": start, "OP": start}

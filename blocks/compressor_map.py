@@ -175,7 +175,7 @@ def tabulated_work(q: float, n: float, p: Any) -> float:
     return blended(min(max(r, 0.0), 1.0), n, 2, p)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TabulatedMap:
     """A map from curves; make one with ``from_curves`` or ``from_files``.
 
@@ -243,15 +243,15 @@ class TabulatedMap:
 
     def psi(self, q: float, n: float = 1.0) -> float:
         """Return the head coefficient [-]."""
-        return tabulated(q, n, self._as_p())
+        return float(tabulated(q, n, self._as_p()))
 
     def work(self, q: float, n: float = 1.0) -> float:
         """Return the work coefficient [-]."""
-        return tabulated_work(q, n, self._as_p())
+        return float(tabulated_work(q, n, self._as_p()))
 
     def surge(self, n: float = 1.0) -> float:
         """Return the corrected flow at the surge line [-]."""
-        return edge(n, 1, self._as_p())
+        return float(edge(n, 1, self._as_p()))
 
     def named(self) -> dict[str, float]:
         """Return the number of speeds and points and the valley, by name."""

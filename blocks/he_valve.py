@@ -22,9 +22,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Block, Kernels
-from blocks.ideal_valve import IdealValve
-from blocks.ports import Port, require
+from blocks.block import Kernels
+from blocks.ports import require
+from blocks.sampled_valve import SampledValve, check_sampling
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -37,7 +37,7 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     y[0] = d[0]
 
 
-class HeValve(Block):
+class HeValve(SampledValve):
     """The sampled valve of He et al. with friction bands ``f_s`` >= ``f_d`` [unit of OP] and period ``dt`` [s].
 
     ``start`` is where OP and MV stand before the first sample.  Raises ``BlockError`` unless f_s >= f_d >= 0,
@@ -49,10 +49,7 @@ class HeValve(Block):
     [0.5, 0.5, 0.54, 0.57, 0.57]
     """
 
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
     kernels = Kernels(step=_step)
-    period_param = "dt"
 
     def __init__(
         self,
@@ -82,16 +79,11 @@ class HeValve(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless f_s >= f_d >= 0, f_s + f_d <= high - low and dt > 0."""
-        f_s, f_d, dt = float(params["f_s"]), float(params["f_d"]), float(params["dt"])
-        low, high = float(params["low"]), float(params["high"])
-        require(low < high, name, "high", high, f"the span of OP ends above its beginning, {low}", "raise high")
+        check_sampling(params, name)
+        f_s, f_d = float(params["f_s"]), float(params["f_d"])
+        span = float(params["high"]) - float(params["low"])
         require(f_d >= 0.0, name, "f_d", f_d, "a friction band is not negative", "give 0 or more")
         rule = f"static friction is at least the kinetic one, f_s >= f_d = {f_d}"
         require(f_d <= f_s < math.inf, name, "f_s", f_s, rule, "raise f_s or lower f_d")
-        rule = f"f_s + f_d = {f_s + f_d} must fit into the span of OP, {high - low}"
-        require(f_s + f_d <= high - low, name, "f_s", f_s, rule, "with OP in percent give high=100")
-        require(0.0 < dt < math.inf, name, "dt", dt, "a sampling period is positive", "give dt in seconds")
-
-    def smooth(self) -> IdealValve:
-        """Return the valve without friction, which is what python-control sees in a diagram."""
-        return IdealValve.instead_of(self)
+        rule = f"f_s + f_d = {f_s + f_d} must fit into the span of OP, {span}"
+        require(f_s + f_d <= span, name, "f_s", f_s, rule, "with OP in percent give high=100")

@@ -18,9 +18,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ideal_valve import IdealValve
-from blocks.ports import Port, require
+from blocks.block import Kernels
+from blocks.sampled_valve import TwoBandValve
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -58,18 +57,7 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     y[0] = d[3]
 
 
-def check_bands(params: Mapping[str, float], name: str) -> None:
-    """Raise ``BlockError`` unless 0 <= J <= S <= high - low and dt > 0."""
-    S, J, dt = float(params["S"]), float(params["J"]), float(params["dt"])
-    low, high = float(params["low"]), float(params["high"])
-    require(low < high, name, "high", high, f"the span of OP ends above its beginning, {low}", "raise high")
-    rule = f"0 <= S <= {high - low} is needed, the span of OP"
-    require(0.0 <= S <= high - low and math.isfinite(S), name, "S", S, rule, "with OP in percent give high=100")
-    require(0.0 <= J <= S, name, "J", J, f"0 <= J <= S = {S} is needed", "a jump is part of S; lower J or raise S")
-    require(0.0 < dt < math.inf, name, "dt", dt, "a sampling period is positive", "give dt in seconds")
-
-
-class KanoValve(Block):
+class KanoValve(TwoBandValve):
     """The sampled valve of Kano et al. with the bands ``S`` and ``J`` [unit of OP] and sampling period ``dt`` [s].
 
     ``start`` is where OP and MV stand before the first sample.  Raises ``BlockError`` unless
@@ -81,36 +69,9 @@ class KanoValve(Block):
     [0.5, 0.5, 0.54, 0.57, 0.57]
     """
 
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
     kernels = Kernels(step=_step)
-    period_param = "dt"
-
-    def __init__(
-        self,
-        S: float,
-        J: float,
-        dt: float,
-        *,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
-        name: str = "valve",
-        **labels: Any,
-    ) -> None:
-        super().__init__(
-            name=name,
-            params={"S": S, "J": J, "low": low, "high": high, "dt": dt},
-            memory={"stuck": 1.0, "u_s": start, "dir": 0.0, "MV": start, "OP": start},
-            start_output=start,
-            **labels,
-        )
 
     @staticmethod
-    def check(params: Mapping[str, float], name: str) -> None:
-        """Raise ``BlockError`` unless 0 <= J <= S <= high - low and dt > 0."""
-        check_bands(params, name)
-
-    def smooth(self) -> IdealValve:
-        """Return the valve without friction, which is what python-control sees in a diagram."""
-        return IdealValve.instead_of(self)
+    def memory_at(start: float) -> Mapping[str, float]:
+        """Return the memory of a valve at rest at ``start``."""
+        return {"stuck": 1.0, "u_s": start, "dir": 0.0, "MV": start, "OP": start}

@@ -25,7 +25,7 @@ def nearest(wrong: str, names: Sequence[str]) -> str:
     >>> nearest("F_S", ["F_s", "F_c"])
     "did you mean 'F_s'? known: F_s, F_c"
     """
-    close = difflib.get_close_matches(wrong, names, n=1, cutoff=0.4) or [n for n in names if n.lower() == wrong.lower()]
+    close = [n for n in names if n.lower() == wrong.lower()] or difflib.get_close_matches(wrong, names, 1, cutoff=0.4)
     hint = f"did you mean '{close[0]}'? " if close else ""
     known = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
     return f"{hint}known: {known or 'none'}"

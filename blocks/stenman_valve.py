@@ -13,13 +13,11 @@ After a jump the stem is where the controller wants it, so there is no deadband;
 Valid for a first guess and for one-parameter fits.  See also: he_valve, kano_valve.
 """
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ideal_valve import IdealValve
-from blocks.ports import Port, require
+from blocks.block import Kernels
+from blocks.sampled_valve import SampledValve, check_band, check_sampling
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -29,7 +27,7 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     y[0] = d[0]
 
 
-class StenmanValve(Block):
+class StenmanValve(SampledValve):
     """The sampled one-parameter valve with band ``d`` [unit of OP] and sampling period ``dt`` [s].
 
     ``start`` is where MV stands before the first sample.  Raises ``BlockError`` unless 0 <= d <= high - low and
@@ -41,10 +39,7 @@ class StenmanValve(Block):
     [0.5, 0.5, 0.56, 0.56]
     """
 
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
     kernels = Kernels(step=_step)
-    period_param = "dt"
 
     def __init__(
         self,
@@ -68,13 +63,5 @@ class StenmanValve(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless 0 <= d <= high - low and dt > 0."""
-        d, dt = float(params["d"]), float(params["dt"])
-        low, high = float(params["low"]), float(params["high"])
-        require(low < high, name, "high", high, f"the span of OP ends above its beginning, {low}", "raise high")
-        rule = f"0 <= d <= {high - low} is needed, the span of OP"
-        require(0.0 <= d <= high - low and math.isfinite(d), name, "d", d, rule, "with OP in percent give high=100")
-        require(0.0 < dt < math.inf, name, "dt", dt, "a sampling period is positive", "give dt in seconds")
-
-    def smooth(self) -> IdealValve:
-        """Return the valve without friction, which is what python-control sees in a diagram."""
-        return IdealValve.instead_of(self)
+        check_sampling(params, name)
+        check_band(params, name, "d")

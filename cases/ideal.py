@@ -96,7 +96,7 @@ def _self_regulating_numbers(
     read_mean, read_spread, read_count = index(*_errors(read))
     return [
         Number("R, printed model", "-", published, closed_form_R(0.5 * period, exact.tau), mean, spread, where,
-               f"{_PRINTED_MODEL} ({count} values; Algorithm 1's slope sign lags by up to a sample, which adds 1 to 2 %)"),
+               f"{_PRINTED_MODEL} ({count} values; the slope sign lags by up to a sample, which adds 1 to 2 %)"),
         Number(f"R, loop gain x {GAIN_READING}", "-", published, closed_form_R(0.5 * cycle_period(faster), 10.0),
                read_mean, read_spread, where, f"{note} ({read_count} values in 600 s)"),
         Number("period", "s", None, period, float(np.median(np.diff(slips))), None, "",

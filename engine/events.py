@@ -14,6 +14,7 @@ from engine.layout import (
     A_NEXT,
     A_STEP,
     A_ZC,
+    ATOL,
     CHAIN,
     CONTINUOUS,
     COUNT,
@@ -43,6 +44,7 @@ from engine.layout import (
     OFFSET,
     PERIOD,
     RATES,
+    RTOL,
     SAMPLED,
     SEEN,
     STOP_LEVEL,
@@ -107,7 +109,10 @@ def fire_positive(I, W, EV):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
-    """Show signal jumps as impulses, at their old value, to the blocks that watch the rate of an input."""
+    """Show signal jumps as impulses, at their old value, to the blocks that watch the rate of an input.
+
+    What is far below the tolerances is rounding, for example where a breakpoint leaves a dead time, and no jump.
+    """
     fired = False
     s, s0 = I[O_S], I[O_S0]
     for b in range(I[N_BLOCKS]):
@@ -118,6 +123,8 @@ def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
             for i in range(nu):
                 wire = I[I[row + WIRES] + i]
                 jump = W[s + wire] - W[s0 + wire]
+                if abs(jump) <= 1e-3 * W[ATOL] + (1e-3 * W[RTOL] + 1e-14) * abs(W[s + wire]):
+                    jump = 0.0
                 jumped = jumped or jump != 0.0
                 W[I[row + U] + i] = W[s0 + wire]
                 W[I[row + U] + nu + i] = IMPULSE * jump

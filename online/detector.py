@@ -5,8 +5,9 @@
          verdict  0 not applicable, 1 inconclusive, 2 no stiction, 3 stiction
 
 The block takes a sample every ``dt`` seconds, first at t = 0, and asks the method for a verdict every
-``verdict_every`` samples, because a verdict costs far more than a sample.  Python-control, which runs no Python between
-samples, sees it as a block that always answers 0.
+``verdict_every`` samples, because a verdict costs far more than a sample.  Its answer follows its inputs at once,
+so a loop that is closed over it needs a lag.  Python-control, which runs no Python between samples, sees it as a
+block that always answers 0.
 """
 
 from dataclasses import dataclass
@@ -85,7 +86,7 @@ class DetectorBlock(Block):
 
     ports_in = _Silent.ports_in
     ports_out = _Silent.ports_out
-    kernels = Kernels(feeds=False)
+    kernels = Kernels()  # the answer depends on the sample taken at the same instant
     period_param = "dt"
 
     def __init__(
@@ -101,7 +102,9 @@ class DetectorBlock(Block):
         outputs: Labels = None,
     ) -> None:
         if not hasattr(method, "CARD"):
-            raise BlockError(f"method = {method!r} is no detector; give a module of detect with a CARD, e.g. area_ratio")
+            raise BlockError(
+                f"method = {method!r} is no detector; give a module of detect with a CARD, e.g. area_ratio"
+            )
         name = name or method.CARD.name
         require(process in PROCESSES, name, "process", process, "it is none of the known kinds", f"give {PROCESSES}")
         require(method.CARD.streams, name, "method", method.CARD.name, "this method does not stream", "run it on a log")

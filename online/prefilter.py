@@ -6,7 +6,8 @@
 
 Every ``dt`` seconds one sample is taken.  Noise and liveliness are estimated from the last ``window`` samples,
 once the window is full and again each time it has been renewed; a window that is half bad or at rest changes
-nothing.  Until the first estimate, and always if ``window`` is 0, the filter uses ``noise_std`` and ``q`` as given.  Python-control sees the filter as a wire: PV_f = PV.
+nothing.  Until the first estimate, and always if ``window`` is 0, the filter uses ``noise_std`` and ``q`` as
+given.  Python-control sees the filter as a wire: PV_f = PV.
 """
 
 from dataclasses import dataclass

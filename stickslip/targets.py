@@ -27,9 +27,7 @@ def check_targets(
             continue
         path, endings = Path(given), (formats or {}).get(option, ())
         if endings and path.suffix.lower() not in endings:
-            raise ValueError(
-                f"{option} {path}: '{path.suffix}' is not a format it can write; use {', '.join(endings)}"
-            )
+            raise ValueError(f"{option} {path}: '{path.suffix}' is not a format it can write; use {', '.join(endings)}")
         if not str(given):
             raise ValueError(f"{option} '' names no file; name one")
         if path.is_dir():

@@ -86,9 +86,7 @@ def test_real_design_curves_come_back():
     head, eta = read_curves(DATA / "head.csv"), read_curves(DATA / "efficiency.csv")
     assert sorted(head) == [6882.0, 7865.0, 8848.0, 9831.0, 10322.0]  # published: the table's speeds
     at = float(PchipInterpolator(*head[9831.0])(22000.0))
-    shape = TabulatedMap.from_files(
-        DATA / "head.csv", DATA / "efficiency.csv", speed=9831.0, flow=22000.0, head_at=at
-    )
+    shape = TabulatedMap.from_files(DATA / "head.csv", DATA / "efficiency.csv", speed=9831.0, flow=22000.0, head_at=at)
     for speed, (V, h) in head.items():
         n = speed / 9831.0
         found = [shape.psi(v / 22000.0 / n, n) * n**2 * at for v in V]

@@ -18,7 +18,9 @@ def test_shut_below_and_does_not_wind_up():
     t, flow = run.log.t, run.log["OP"]
     assert np.all(flow[t < 10.0] == 0.0)
     late = t >= 10.0
-    np.testing.assert_allclose(flow[late], 500.0 * (1.0 + (t[late] - 10.0) / 0.8), rtol=1e-9)  # analytic, z = 0 till then
+    np.testing.assert_allclose(
+        flow[late], 500.0 * (1.0 + (t[late] - 10.0) / 0.8), rtol=1e-9
+    )  # analytic, z = 0 till then
 
 
 def test_ports_have_units():

@@ -16,7 +16,7 @@ def test_outputs_are_the_equations():
     p, V, z, F_sep = S.output(0.0, S.x0, np.zeros(5))
     volume = 0.086 / 659.0 * 3.1e5 + 0.016 / 422.0 * 4.2e4  # analytic, molar volumes
     pressure = 4.9e4 * 8.31 * 308.15 / (81.9 - volume)  # analytic, ideal gas
-    assert V == pytest.approx(volume, rel=1e-14)
+    assert pytest.approx(volume, rel=1e-14) == V
     assert p == pytest.approx(pressure, rel=1e-14)
     assert z == pytest.approx(4.2e4 / 3.52e5, rel=1e-14)
     assert F_sep == pytest.approx(0.026 * (261e5 * z - pressure), rel=1e-12)

@@ -73,7 +73,9 @@ def test_two_dead_times_in_a_row_are_their_sum():
 
 def test_loop_of_nothing_but_a_dead_time_keeps_its_edges():
     # analytic: y(t) = step(t - 0.1) - 0.9 y(t - 1): a staircase whose edges never get smoother
-    loop = wire([Step("in", 1.0, at=0.1), Sum("y", {"in": 1.0, "back": -0.9}), DeadTime(1.0, inputs="y", outputs="back")])
+    loop = wire(
+        [Step("in", 1.0, at=0.1), Sum("y", {"in": 1.0, "back": -0.9}), DeadTime(1.0, inputs="y", outputs="back")]
+    )
     run = simulate(loop, 40.0, every=0.35)
     stairs = np.floor(run.log.t - 0.1 + 1e-12)
     expected = np.where(run.log.t < 0.1, 0.0, (1.0 - (-0.9) ** (stairs + 1)) / 1.9)

@@ -135,7 +135,12 @@ def test_every_row_is_written(every):
 LOOPS = {
     "continuous": lambda: [Step("SP", 0.5, at=1.0), SampledPI(0.4, 10.0, dt=0.5), StickSlip(), FirstOrder(3.0, 10.0)],
     "dead time": lambda: [Step("SP", 0.5), SampledPI(0.2, 10.0, dt=0.7), StickSlip(), FirstOrder(3.0, 10.0, 2.0)],
-    "rates": lambda: [Step("SP", 0.5), SampledPI(0.4, 10.0, dt=0.5), QuasiStaticStem(0.06, 0.02), FirstOrder(3.0, 10.0)],
+    "rates": lambda: [
+        Step("SP", 0.5),
+        SampledPI(0.4, 10.0, dt=0.5),
+        QuasiStaticStem(0.06, 0.02),
+        FirstOrder(3.0, 10.0),
+    ],
 }
 
 

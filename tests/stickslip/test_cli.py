@@ -15,7 +15,12 @@ ROOT = Path(__file__).resolve().parents[2]
 def test_help_teaches(call):
     result = call("--help")
     assert result.exit_code == 0
-    for word in ("stickslip demo", "stickslip check my_loop.csv", "stickslip simulate ideal_high", "Exit codes: 0 done"):
+    for word in (
+        "stickslip demo",
+        "stickslip check my_loop.csv",
+        "stickslip simulate ideal_high",
+        "Exit codes: 0 done",
+    ):
         assert word in result.stdout
     assert all(name in result.stdout for name in COMMANDS)
     assert "--pv" in result.stdout and "--process integrating" in result.stdout

@@ -1,0 +1,48 @@
+"""The crude that enters separator 1: flow F_in [mol/s] and methane fraction Z_I [-].
+
+    case 1   constant F_in and Z_I                                                          (thesis table 5.2)
+    case 2   Z_I = mean + amplitude sin(2 pi t/period): 0.25 + 0.1 sin(2 pi t/500)          (thesis table 5.2)
+    slugs    F_in saw-tooth: the riser fills slowly and blows out fast, the gas behind the oil
+
+In a severe slug flow rises while liquid collects and then breaks off; here F_in and, opposite in phase, Z_I follow
+``Slug``.  All start in the middle of their range, so that a plant at rest meets no jump.
+"""
+
+from blocks.block import Block
+from blocks.periodic import Sine, Slug
+from blocks.sources import Constant, Ramp
+
+
+def constant(F_in: float = 8000.0, Z_I: float = 0.37) -> list[Block]:
+    """Return a constant feed."""
+    return [Constant("F_in", F_in, unit="mol/s"), Constant("Z_I", Z_I)]
+
+
+def sine(
+    F_in: float = 8000.0, mean: float = 0.25, amplitude: float = 0.1, period: float = 500.0, start: float = 0.0
+) -> list[Block]:
+    """Return a constant flow with a sinusoidal methane fraction: case 2, from ``start`` [s] on.
+
+    >>> [round(float(block.output(125.0, [], [])[0]), 3) for block in sine()]
+    [8000.0, 0.35]
+    """
+    return [Constant("F_in", F_in, unit="mol/s"), Sine("Z_I", amplitude, period, mean=mean, start=start)]
+
+
+def slugs(
+    F_in: float = 8000.0, Z_I: float = 0.37, *, period: float = 500.0, flow: float = 400.0, gas: float = 0.05,
+    start: float = 0.0,
+) -> list[Block]:  # fmt: skip
+    """Return severe slugging: F_in swings by ``flow`` [mol/s] and Z_I by ``gas``, the one up when the other is down."""
+    return [
+        Slug("F_in", flow, period, mean=F_in, start=start, unit="mol/s"),
+        Slug("Z_I", -gas, period, mean=Z_I, start=start),
+    ]
+
+
+def trip(
+    F_in: float = 8000.0, Z_I: float = 0.37, *, to: float = 0.3, within: float = 5.0, at: float = 10.0
+) -> list[Block]:
+    """Return a feed that falls to the share ``to`` within some seconds, beginning ``at`` [s]."""
+    slope = (to - 1.0) * F_in / within
+    return [Ramp("F_in", slope, start=at, end=at + within, before=F_in, unit="mol/s"), Constant("Z_I", Z_I)]

@@ -1,0 +1,237 @@
+"""The wired plant: it rests, its parts stand alone, its balances close, stems of both kinds agree."""
+
+from dataclasses import replace
+
+import control as ct
+import numpy as np
+import pytest
+
+from blocks.block import Block, Kernels
+from blocks.compressor_map import TabulatedMap
+from blocks.ports import BlockError, Port
+from blocks.quasi_static_stem import QuasiStaticStem
+from blocks.sources import Constant, Step
+from plant import WiringError, simulate, wire
+from plant.production import SET_B, kicked, production_plant
+from plant.production.build import compressor_2, separator_1, turbine_and_shaft
+
+READINGS = ("p_1", "V_1", "z_1", "p_2", "V_2", "p_in2", "p_out2", "p_in3", "p_out3", "m_2", "m_3", "w", "tau_d")
+FLOWS = (
+    "F_in", "Z_I", "z_1", "F_L1", "F_G1", "F_flare1", "z_2", "F_L2", "F_G2", "F_flare2",
+    "m_C4", "m_G1", "m_G2", "m_out2", "tau_d", "tau_2", "tau_3", "w",
+)  # fmt: skip
+
+
+def _books(t, x, d, u, p, dx):
+    dx[0] = u[1] * u[0] - u[2] * u[3] - u[4] - u[5]  # methane into S1
+    dx[1] = (1.0 - u[1]) * u[0] - (1.0 - u[2]) * u[3]  # hexane into S1
+    dx[2] = u[0] - u[4] - u[5] - u[7] - u[8] - u[9]  # moles into S1 and S2 together
+    dx[3] = u[10] + u[11] + u[12] - u[13]  # gas into the plena [kg]
+    dx[4] = (u[14] - u[15] - u[16]) * u[17]  # energy into the shaft [J]
+
+
+def _nothing(t, x, d, u, p, y):
+    y[0] = x[0]
+
+
+class Books(Block):
+    """Integrates what crosses the boundaries, inside the model."""
+
+    ports_in = tuple(Port(name) for name in FLOWS)
+    ports_out = (Port("books"),)
+    kernels = Kernels(out=_nothing, der=_books, feeds=False)
+
+    def __init__(self):
+        super().__init__(
+            name="books", params={}, states=dict.fromkeys(["methane", "hexane", "all", "gas", "energy"], 0.0)
+        )
+
+
+def contents(plant):
+    """Return what the plant holds: methane and hexane of S1, all moles, gas in the plena [kg], shaft energy [J]."""
+    S1, S2 = plant["S1"].x0, plant["S2"].x0
+    plena = sum(plant[f"C{i}_{side}"].x0[0] * 0.6 / 453.43**2 for i in (2, 3) for side in ("inlet", "outlet"))
+    return np.array([S1[1] + S1[2], S1[0], S1.sum() + S2.sum(), plena, 0.5 * 20.0 * plant["shaft"].x0[0] ** 2])
+
+
+@pytest.mark.parametrize("name", ["A", "B"])
+@pytest.mark.parametrize("F_s", ["none", "normal", "high"])
+@pytest.mark.parametrize("method", ["auto", "stiff"])
+def test_rests_whatever_the_stiction(name, F_s, method):
+    run = simulate(production_plant(name, F_s=F_s), 2000.0, every=20.0, method=method)
+    assert run.ok
+    for signal in (*READINGS, "OP_VLCS1", "OP_VPCS1", "OP_VLCS2", "OP_VPCS2"):
+        values = run.log[signal]
+        np.testing.assert_allclose(values, values[0], rtol=1e-6)  # the promise; measured below 1e-12
+    assert not any(event.block.startswith("V") for event in run.events)
+
+
+def test_rests_at_any_feasible_feed():
+    for F_in, Z_I in ((8000.0, 0.25), (7300.0, 0.35), (8200.0, 0.38)):
+        run = simulate(production_plant("B", F_in=F_in, Z_I=Z_I), 500.0, every=10.0, method="stiff")
+        assert run.ok
+        for signal in READINGS:
+            np.testing.assert_allclose(run.log[signal], run.log[signal][0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("case", [1, 2])
+def test_balances_close_to_rounding(case):
+    """Linear invariants survive every step of the method; energy closes to its tolerance."""
+    plant = production_plant("B", F_s="high", case=case)
+    if case == 1:
+        plant = kicked(plant)
+    plant = wire([*plant.blocks, Books()])
+    before = contents(plant)
+    run = simulate(plant, 400.0, every=10.0, method="stiff")
+    assert run.ok and np.ptp(run.log["p_1"]) > 1e4
+    gained = contents(run.final) - before
+    booked = run.final["books"].x0
+    turned_over = np.array([3e6, 5e6, 8e6, 4e4, 15e6 * 400.0])
+    np.testing.assert_allclose(gained[:4] / turned_over[:4], booked[:4] / turned_over[:4], rtol=0, atol=1e-8)
+    assert gained[4] == pytest.approx(booked[4], abs=1e-6 * turned_over[4])
+
+
+def test_stuck_valves_leave_the_stem_where_it_is():
+    run = simulate(kicked(production_plant("B", F_s=1e6)), 60.0, every=1.0, method="stiff")
+    assert np.ptp(run.log["MV_VPCS1"]) == 0.0 and np.ptp(run.log["MV_VLCS1"]) == 0.0
+    assert np.ptp(run.log["OP_VPCS1"]) > 1e-3
+
+
+@pytest.mark.parametrize("F_s", ["normal", "high"])
+def test_stem_laws_hold_in_the_plant(F_s):
+    """Notes, section 5: |OP - x| <= f_s; sliding means |OP - x| = f_c; a slip is J and what OP moved meanwhile."""
+    run = simulate(kicked(production_plant("B", F_s=F_s)), 500.0, every=0.1, method="stiff")
+    F = {"normal": 1750.0, "high": 2250.0}[F_s]
+    f_s, f_c, J = F / 52500.0, 1250.0 / 52500.0, (F - 1250.0) / 52500.0
+    for valve in ("VPCS1", "VLCS1"):
+        OP, MV = run.log[f"OP_{valve}"], run.log[f"MV_{valve}"]
+        assert np.abs(OP - MV).max() <= f_s + 1e-9
+        moved = np.abs(np.diff(MV))
+        slips = moved[moved > 0.5 * J]
+        assert len(slips) > 2
+        assert slips.min() > J - 0.002 and np.median(slips) < J + 0.002
+        slid = (moved > 0.0) & (moved < 0.5 * J)
+        if slid.any():
+            np.testing.assert_allclose(np.abs(OP - MV)[1:][slid], f_c, atol=1e-6)
+
+
+def test_full_stem_agrees_with_the_quasi_static_one():
+    """The full stem lags by 12 ms and lands where OP has meanwhile gone; both slip in the same order."""
+    feed = [Step("F_in", 8150.0, 8000.0, at=1.0, unit="mol/s"), Constant("Z_I", 0.37)]
+    runs = [
+        simulate(production_plant("B", F_s="high", stem=stem, feed=feed), 40.0, every=0.05, method="stiff")
+        for stem in ("quasi_static", "full")
+    ]
+    slips = [[(e.block, e.after, e.t) for e in run.events if e.before == "stuck"] for run in runs]
+    assert len(slips[0]) == 3 and [s[:2] for s in slips[0]] == [s[:2] for s in slips[1]]
+    assert slips[0][0][2] == pytest.approx(slips[1][0][2], abs=1e-3)  # before the first slip nothing differs
+    np.testing.assert_allclose([s[2] for s in slips[0]], [s[2] for s in slips[1]], atol=0.6)
+    before = (runs[0].log.t < slips[0][1][2]) & (abs(runs[0].log.t - slips[0][0][2]) > 0.1)
+    a, b = (run.log["MV_VPCS1"][before] for run in runs)
+    assert np.abs(a - b).max() < 1e-3  # OP moved 6e-4 while the stem was on its way
+
+
+def test_full_stems_start_at_rest_too():
+    run = simulate(production_plant("B", stem="full"), 100.0, every=10.0, method="stiff")
+    np.testing.assert_allclose(run.log["p_1"], 30e5, rtol=1e-9)
+
+
+def test_any_valve_may_stick():
+    plant = production_plant("B", sticky=("VPCS2", "VRVC2"), F_s={"VPCS2": "high", "VRVC2": 1800.0})
+    assert isinstance(plant["VPCS2"], QuasiStaticStem) and plant["VRVC2"].f_s == pytest.approx(1800.0 / 52500.0)
+    assert not isinstance(plant["VPCS1"], QuasiStaticStem)
+
+
+def test_separator_alone_holds_its_pressure_after_a_step_of_feed():
+    loop = separator_1("B", F_s="none").without("F_in")
+    run = simulate(loop, 400.0, every=1.0, inputs={"F_in": Step("F_in", 8100.0, 8000.0, at=10.0)}, method="stiff")
+    late = run.log.t > 200.0
+    assert np.abs(run.log["p_1"][late] - 30e5).max() < 0.3e5
+    assert run.log["F_L1"][-1] > run.log["F_L1"][0]
+
+
+def test_compressor_alone_rests_and_takes_more_gas():
+    station = compressor_2("B")
+    rest = 0.016 * 2283.7189819065397
+    still = simulate(station, 20.0, every=1.0, inputs={"m_G1": rest}, method="stiff")
+    np.testing.assert_allclose(still.log["p_out2"], 75e5, rtol=1e-8)
+    more = simulate(station, 60.0, every=1.0, inputs={"m_G1": 1.1 * rest}, method="stiff")
+    assert more.log["m_2"][-1] == pytest.approx(more.log["m_out2"][-1], rel=1e-6)
+    assert more.log["m_2"][-1] == pytest.approx(47.05088519 + 0.1 * rest, rel=1e-6)  # analytic: gas in is gas out
+
+
+def test_shaft_alone_keeps_its_speed_under_load():
+    load = {"OP_VPCS2": 0.9, "tau_3": 1350.35}
+    run = simulate(
+        turbine_and_shaft("B"), 60.0, every=0.5, inputs={**load, "tau_2": Step("tau_2", 15000.0, 14284.7, at=5.0)}
+    )
+    assert run.log["w"][-1] == pytest.approx(994.838, abs=2e-3)
+    assert run.log["tau_d"][-1] == pytest.approx(16350.35, rel=2e-3)  # analytic: the sum of the loads
+    assert run.log["w"].min() < 994.838 - 5e-3
+
+
+def test_wide_open_gas_valve_raises_the_speed():
+    load = {"tau_2": 14284.7, "tau_3": 1350.35}
+    run = simulate(turbine_and_shaft("B"), 100.0, every=1.0, inputs={**load, "OP_VPCS2": 0.95})
+    assert run.log["w_SP"][-1] == pytest.approx(994.838 + 3.0 * 0.05 * (1 + 100.0 / 600.0), rel=1e-6)  # analytic
+
+
+def test_python_control_sees_the_plant_at_rest():
+    plant = production_plant("B", sticky=())
+    rates = plant.dynamics(0.0, plant.x0, [])
+    scale = np.maximum(np.abs(plant.x0), 1.0)
+    # analytic: nothing moves. Anti-windup holds flare and anti-surge integrals.
+    np.testing.assert_allclose(rates / scale, 0.0, atol=1e-7)
+    assert len(plant.x0) == 23
+
+
+def test_linearised_with_ideal_valves_it_is_stable():
+    plant = production_plant("A", sticky=())
+    poles = np.linalg.eigvals(ct.linearize(plant, plant.x0, []).A)
+    fast = np.sort(poles.real)[:9]
+    # Published: notes 4, found with another program.
+    np.testing.assert_allclose(fast, [-2000, -810, -480, -140, -88, -31, -13, -3.6, -2.3], rtol=0.03)
+    assert np.sum(np.abs(poles) < 1e-9) == 2  # the integrals of the two shut flares
+    assert np.max(poles.real[np.abs(poles) >= 1e-9]) == pytest.approx(-5e-4, abs=1e-4)
+
+
+def test_compressor_with_a_map_of_ones_own():
+    flow = np.linspace(0.6, 1.2, 13)
+    curves = {n: (n * flow, n**2 * (1.2 - 0.8 * (flow - 0.6) ** 1.7)) for n in (0.9, 1.0, 1.1)}
+    eta = {n: (n * flow, 0.8 - 0.3 * (flow - 0.9) ** 2) for n in (0.9, 1.0, 1.1)}
+    own = TabulatedMap.from_curves(curves, eta, speed=1.0, flow=1.0, head_at=1.0)
+    set_ = SET_B.changed(C2=replace(SET_B.C2, map=own))
+    run = simulate(production_plant(set_), 300.0, every=10.0, method="stiff")
+    for signal in READINGS:
+        np.testing.assert_allclose(run.log[signal], run.log[signal][0], rtol=1e-6)
+    kick = simulate(kicked(production_plant(set_)), 300.0, every=1.0, method="stiff")
+    assert kick.ok and np.ptp(kick.log["p_out2"]) > 0.1e5
+
+
+def test_units_are_checked_by_the_wiring():
+    blocks = list(production_plant("B").blocks)
+    i = next(i for i, block in enumerate(blocks) if block.name == "m_G1")
+    del blocks[i]
+    wrong = [
+        b if b.name != "C2_inlet" else b.relabelled(b.name, ["F_G1", *b.input_labels[1:]], ["p_in2"]) for b in blocks
+    ]
+    with pytest.raises(WiringError, match=r"'F_G1' has mismatched units"):
+        wire(wrong)
+
+
+def test_misuse_is_explained():
+    with pytest.raises(WiringError, match=r"no valve 'VPC1' can stick; did you mean 'VPCS1'"):
+        production_plant(sticky=("VPC1",))
+    with pytest.raises(WiringError, match=r"no stiction is called 'hihg'; did you mean 'high'"):
+        production_plant(F_s="hihg")
+    with pytest.raises(WiringError, match=r"no parameter set 'C'"):
+        production_plant("C")
+    with pytest.raises(WiringError, match=r"case = 3"):
+        production_plant(case=3)
+    with pytest.raises(WiringError, match=r"no stem is called 'fulll'"):
+        production_plant(stem="fulll")
+    with pytest.raises(WiringError, match=r"valve 'VPCS1' is sticky, but F_s has no value for it"):
+        production_plant(F_s={"VLCS1": "high"})
+    with pytest.raises(BlockError, match=r"block 'S1' has no state 'N_met_gas'"):
+        production_plant().starting_at({"S1.N_met_gas": 1.0})
+    assert production_plant(SET_B.changed(D=7e5)).name == "production_plant"

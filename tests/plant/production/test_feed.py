@@ -1,0 +1,40 @@
+"""The crude: cases 1 and 2, slugs, a trip."""
+
+import numpy as np
+import pytest
+
+from plant import simulate
+from plant.production import feed, production_plant
+
+
+def value(blocks, t):
+    return [float(block.output(t, [], [])[0]) for block in blocks]
+
+
+def test_sine_is_case_2():
+    assert value(feed.sine(), 0.0) == [8000.0, 0.25]
+    assert value(feed.sine(), 125.0)[1] == pytest.approx(0.35)  # published: table 5.2
+    assert value(feed.sine(), 375.0)[1] == pytest.approx(0.15)
+    assert value(feed.sine(), 500.0)[1] == pytest.approx(0.25)
+
+
+def test_slugs_are_opposite_and_start_without_a_jump():
+    blocks = feed.slugs(period=100.0)
+    assert value(blocks, 0.0) == [8000.0, 0.37]
+    F, Z = value(blocks, 40.0)
+    assert pytest.approx(8400.0) == F and pytest.approx(0.32) == Z  # top of the rise
+    t = np.linspace(0.0, 100.0, 1001)
+    assert np.mean([value(blocks, s)[0] for s in t[:-1]]) == pytest.approx(8000.0, abs=1.0)
+
+
+def test_trip():
+    blocks = feed.trip()
+    assert value(blocks, 0.0)[0] == 8000.0
+    assert value(blocks, 15.0)[0] == pytest.approx(2400.0)
+    assert value(blocks, 99.0)[0] == pytest.approx(2400.0)
+
+
+def test_slugs_shake_the_plant():
+    run = simulate(production_plant("B", feed=feed.slugs(period=200.0)), 600.0, every=1.0, method="stiff")
+    assert run.ok
+    assert np.ptp(run.log["p_1"]) > 0.3e5 and np.ptp(run.log["V_1"]) > 0.3

@@ -1,0 +1,98 @@
+"""`start.py` without installing anything: what it would do, and what it must never clear."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def start(monkeypatch, tmp_path):
+    """The script with its environment in a temporary folder, and everything it would run written down."""
+    monkeypatch.setenv("STICKSLIP_VENV", str(tmp_path / "venv"))
+    spec = importlib.util.spec_from_file_location("start", ROOT / "start.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    script.ran = []
+
+    def create(home, with_pip, clear):
+        script.ran.append(("create", clear))
+        script.BIN.mkdir(parents=True, exist_ok=True)
+        (script.BIN / "python").write_text("")
+        (script.BIN / "python").chmod(0o755)
+
+    def run(words, **options):
+        script.ran.append(tuple(words[1:]))
+        return subprocess.CompletedProcess(words, 0)
+
+    monkeypatch.setattr(script.venv, "create", create)
+    monkeypatch.setattr(script.subprocess, "run", run)
+    monkeypatch.setattr(sys, "argv", ["start.py", "check", "loop.csv"])
+    return script
+
+
+def test_sets_up_once_and_passes_the_command_on(start):
+    assert start.main() == 0
+    assert start.ran[0] == ("create", True)
+    assert start.ran[1][-1] == str(ROOT) and "-e" in start.ran[1]
+    assert start.ran[2] == ("-m", "stickslip", "check", "loop.csv")
+    assert start.main() == 0
+    assert start.ran[3:] == [("-m", "stickslip", "check", "loop.csv")]
+
+
+def test_no_argument_is_the_demonstration(start, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["start.py"])
+    assert start.main() == 0
+    assert start.ran[-1] == ("-m", "stickslip", "demo")
+
+
+def test_tests_need_more_and_serve_the_commands_too(start, monkeypatch):
+    start.main()
+    monkeypatch.setattr(sys, "argv", ["start.py", "test"])
+    assert start.main() == 0
+    assert start.ran[3] == ("create", False)  # kept, and more installed into it
+    assert start.ran[4][-1] == f"{ROOT}[test]"
+    assert len(start.ran) == 5 + len(start.TEST_STEPS)
+    monkeypatch.setattr(sys, "argv", ["start.py", "demo"])
+    before = len(start.ran)
+    start.main()
+    assert start.ran[before:] == [("-m", "stickslip", "demo")]
+
+
+def test_a_folder_of_the_users_is_never_cleared(start, tmp_path, capsys):
+    start.HOME.mkdir()
+    (start.HOME / "thesis.tex").write_text("years of work")
+    assert start.main() == 2
+    assert "was not made by this script" in capsys.readouterr().err
+    assert start.ran == [] and (start.HOME / "thesis.tex").exists()
+
+
+def test_an_interrupted_set_up_is_done_again(start, monkeypatch):
+    def fail(words, **options):
+        raise subprocess.CalledProcessError(1, words)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(start.subprocess, "run", fail)
+        assert start.main() == 2
+    assert start.main() == 0
+    assert start.ran[-1] == ("-m", "stickslip", "check", "loop.csv")
+
+
+def test_an_environment_whose_python_is_gone_is_made_again(start):
+    start.main()
+    (start.BIN / "python").unlink()
+    start.main()
+    assert [step for step in start.ran if step[0] == "create"] == [("create", True), ("create", True)]
+
+
+def test_no_venv_module_says_what_to_install(start, monkeypatch, capsys):
+    def fail(*_, **__):
+        raise subprocess.CalledProcessError(1, "ensurepip")
+
+    monkeypatch.setattr(start.venv, "create", fail)
+    assert start.main() == 2
+    assert "python3-venv" in capsys.readouterr().err
