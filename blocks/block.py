@@ -124,8 +124,11 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         """Raise ``BlockError`` unless the parameters make sense together."""
 
     def smooth(self) -> "Block":
-        """Return the continuous block that python-control sees in a diagram (its own continuous limit)."""
-        return self
+        """Return the continuous block that python-control sees in a diagram (its own continuous limit).
+
+        A sampled block that names no better twin is seen holding its start output.
+        """
+        return Held(self) if self.sampled else self
 
     def seen_states(self) -> tuple[str, ...]:
         """Return the names of the states that python-control sees."""
@@ -263,3 +266,20 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
     def _output(self, t: float, x: Floats, u: Floats, params: Mapping[str, float]) -> Floats:
         self._update_params(params)
         return self._out(t, x, u)
+
+
+class Held(Block):
+    """What python-control sees of a sampled block without a continuous twin: its start output, standing still."""
+
+    def __init__(self, block: Block) -> None:
+        self.ports_in, self.ports_out = block.ports_in, block.ports_out
+        super().__init__(
+            name=block.name,
+            params={},
+            start_output=block.y0,
+            inputs=list(block.input_labels),
+            outputs=list(block.output_labels),
+        )
+
+    def _out(self, t: float, x: Floats, u: Floats) -> Floats:
+        return self.y0

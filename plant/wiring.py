@@ -110,7 +110,9 @@ def flow_order(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) -
             raise WiringError(_describe_loop(blocks, driven, {b: waits[b] - done for b in waits if b not in done}))
         order += ready
         done.update(ready)
-    return order
+    # A sampled block whose output does not follow its input publishes first, but takes its sample last of all at
+    # an instant, when everything it may read has been brought up to date.
+    return sorted(order, key=lambda b: blocks[b].sampled and not feeds_now(blocks[b]))
 
 
 def _describe_loop(

@@ -166,3 +166,27 @@ def test_progress_changes_nothing_but_the_last_digits():
     assert seen == pytest.approx(np.arange(1.0, 101.0))
     for signal in plain.log.names:
         np.testing.assert_allclose(watched.log[signal], plain.log[signal], atol=1e-5)
+
+
+def _delay(t, x, d, u, p, y):
+    y[0] = d[0]
+    d[0] = u[0]
+
+
+class UnitDelay(Block):
+    """y(k) = u(k - 1)."""
+
+    ports_in = (Port("in"),)
+    ports_out = (Port("late"),)
+    kernels = Kernels(step=_delay, feeds=False)
+    period_param = "dt"
+
+    def __init__(self, dt, **labels):
+        super().__init__(name="delay", params={"dt": dt}, memory={"last": 0.0}, **labels)
+
+
+def test_a_unit_delay_reads_what_is_current_at_its_instant():
+    """A sampled block without feedthrough takes its sample after its drivers, wherever it stands in the list."""
+    run = simulate(wire([Constant("in", 1.0), UnitDelay(dt=1.0, inputs="count"), Counter(1.0)]), 4.0, every=1.0)
+    np.testing.assert_array_equal(run.log["count"], [1, 2, 3, 4, 5])
+    np.testing.assert_array_equal(run.log["late"], [0, 1, 2, 3, 4])  # analytic: exactly one sample late
