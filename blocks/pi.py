@@ -36,6 +36,7 @@ from blocks.sources import finite
 
 BAND = 1e-12  # half width of the switching band around a limit, relative
 NEAR = 1e-9  # an event this close to its limit (relative) was located there; farther away, an input has jumped
+RATE_BAND = 1e-4  # a ride goes on until the error grows faster than this share of e / T_i: rates near 0 are noisy
 ACTIONS = {"reverse": 1.0, "direct": -1.0}
 ANTI_WINDUP = ("none", "conditional", "back_calculation")
 
@@ -100,7 +101,7 @@ def _conditional_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
         else:  # riding: drawn inwards, or the error grows again
             rate = p[5] * (u[2] - u[3])
             g[0] = -s * (rate + e / p[1])
-            g[1] = s * rate
+            g[1] = s * rate - RATE_BAND * abs(e) / p[1]
 
 
 def _conditional_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:

@@ -10,7 +10,8 @@ x    position [fraction of travel]                   v    speed [travel/s]
 k    spring, and actuator force per unit of OP [N per travel]     M    moving mass [kg, one travel = 1 m]
 F_v  viscous friction [N s per travel]               F_c, F_s  Coulomb and static friction [N], F_s >= F_c
 low, high  end stops [fraction of travel]; -inf and inf lift them
-v_stop     a braking stem slower than this sticks [travel/s]; 0 is the equation as it stands
+v_stop     a braking stem slower than this sticks [travel/s]; 0 is the equation as it stands.  Where OP is held between
+           scans, an overdamped stem only ever approaches rest, and with 0 rounding decides when it sticks: give 1e-4
 
 What the MV-OP figure of the block shows (all in fractions of OP):
     J = (F_s - F_c)/k        jump when it breaks away

@@ -35,7 +35,8 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         name: str = "diagram",
     ) -> None:  # fmt: skip
         self.blocks = tuple(blocks)
-        self.open_inputs = tuple(inputs)
+        self.open_inputs = (inputs,) if isinstance(inputs, str) else tuple(inputs)
+        outputs = [outputs] if isinstance(outputs, str) else outputs
         self.driven = drivers(self.blocks, self.open_inputs)
         self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
         check_readers(self.blocks, self.driven, self.open_inputs, () if outputs is None else self.chosen_outputs)
