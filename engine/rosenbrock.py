@@ -61,6 +61,8 @@ _DENSE = np.array(
 def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
     """Try one step from ``W[O_Y0]``; the rates there stand at ``W[O_K]``; return the error norm.
 
+    The norm is the root mean square over the states, as in LSODA and CVODE.
+
     Stages are kept behind the first slot of ``W[O_K]``, which still holds the rates at the start.
     """
     n = I[N_STATES]
@@ -88,7 +90,7 @@ def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
     for i in range(n):
         W[y1 + i] = W[x + i] + W[last + i]
         scale = W[ATOL] + W[RTOL] * max(abs(W[y0 + i]), abs(W[y1 + i]))
-        worst = max(worst, abs(W[last + i]) / scale)
+        worst += (W[last + i] / scale) ** 2
     if not finite(W, y1, n):
         return np.inf
     for i in range(n):
@@ -96,7 +98,7 @@ def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
     rates(I, W, t + h)
     if not finite(W, f, n) or not finite(W, I[O_S], I[N_CHECKED]):
         return np.inf
-    return worst
+    return np.sqrt(worst / n)
 
 
 @njit(cache=True, error_model="numpy")

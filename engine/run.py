@@ -73,7 +73,7 @@ def run(
     With ``on_progress`` the run comes back to Python every hundredth of its span, so that it can be watched
     and interrupted (what is simulated so far is then kept).
     """
-    log = np.full((len(component.columns), len(times)), np.nan)
+    log = np.empty((len(component.columns), len(times)))
     buffer = np.empty((_EVENT_BUFFER + 2 * int(I[at.MAX_CHAIN] + I[at.N_EVENTS]), 4))
     events: list[Floats] = []
     hosts = _Hosts(component, blocks, W) if component.hosted else None
@@ -103,6 +103,7 @@ def run(
                 on_progress(stop)
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
+    log[:, int(I[at.ROW]) :] = np.nan
     return Outcome(log, np.concatenate(events), status, float(W[at.T]), int(I[at.ROW]), I, W)
 
 
