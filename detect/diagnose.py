@@ -58,11 +58,14 @@ class Diagnosis:
             "methods": [method.to_dict() for method in self.methods],
         }
 
-    def plot(self) -> Figure:
-        """Trend of SP, PV and OP, the PV-OP curve, and the evidence of the first method that has any."""
+    def plot(self, words: bool = True) -> Figure:
+        """Trend of SP, PV and OP, the PV-OP curve, and the evidence of the first method that has any.
+
+        ``words=False`` leaves verdict and reason to the text around the picture.
+        """
         from detect.plots import plot_diagnosis
 
-        return plot_diagnosis(self)
+        return plot_diagnosis(self, words)
 
 
 def diagnose(record: LoopRecord, methods: Sequence[ModuleType] | None = None) -> Diagnosis:

@@ -106,8 +106,8 @@ def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
     axes.set_title("R = A1 / A2 of each half cycle\ndashed: threshold, band: 90 %", fontsize=8)
 
 
-def plot_diagnosis(answer: Diagnosis) -> Figure:
-    """Trend, PV-OP curve and the first evidence there is, on one figure."""
+def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
+    """Trend, PV-OP curve and the first evidence there is, on one figure; ``words`` writes verdict and reason on it."""
     from matplotlib.figure import Figure
 
     shown = next((v for v in answer.methods if len(v.evidence)), None)
@@ -115,8 +115,9 @@ def plot_diagnosis(answer: Diagnosis) -> Figure:
     rows = 2 if shown else 1
     parts: list[SubFigure] = list(np.ravel(figure.subfigures(rows, 1)))  # type: ignore[arg-type]
     trend = parts[0]
-    title = f"{answer.loop or 'loop'}: {answer.verdict.replace('_', ' ')}"
-    figure.suptitle(title, x=0.01, ha="left", fontsize=12, weight="bold")
+    if words:
+        title = f"{answer.loop or 'loop'}: {answer.verdict.replace('_', ' ')}"
+        figure.suptitle(title, x=0.01, ha="left", fontsize=12, weight="bold")
     grid = trend.add_gridspec(2, 2, width_ratios=(2.2, 1))
     top = trend.add_subplot(grid[0, 0])
     below = trend.add_subplot(grid[1, 0], sharex=top)
@@ -138,7 +139,8 @@ def plot_diagnosis(answer: Diagnosis) -> Figure:
     curve.set_xlabel(f"OP [{units.get(record.op_name, '-')}]")
     curve.set_ylabel(f"PV [{units.get(record.pv_name, '-')}]")
     curve.set_title("PV against OP", fontsize=8)
-    top.set_title("\n".join(textwrap.wrap(answer.reason, 118)), fontsize=8, loc="left")
+    if words:
+        top.set_title("\n".join(textwrap.wrap(answer.reason, 118)), fontsize=8, loc="left")
     if shown is not None:
         draw_evidence(shown, parts[1])
     return figure

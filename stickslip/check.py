@@ -100,5 +100,5 @@ def _report(diagnosis: "Diagnosis") -> str:
 
     section = Section(diagnosis.loop, WORDS[diagnosis.verdict], diagnosis.verdict, diagnosis.reason)
     section.notes.extend(diagnosis.assumptions)
-    section.figures.append(figure_to_svg(diagnosis.plot()))
+    section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
     return page(f"{diagnosis.loop}: {WORDS[diagnosis.verdict].lower()}", "", [section])

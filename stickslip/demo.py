@@ -135,7 +135,7 @@ def _page(told: list[Told]) -> str:
         truth = f"{t.known}: {t.truth} ({t.score})"
         section = Section(t.title, word, t.diagnosis.verdict, t.diagnosis.reason, t.story, truth, t.lesson)
         section.notes.extend(t.diagnosis.assumptions)
-        section.figures.append(figure_to_svg(t.diagnosis.plot()))
+        section.figures.append(figure_to_svg(t.diagnosis.plot(words=False)))
         sections.append(section)
         table.append([t.title, t.truth, word.lower(), t.score])
     return page("Is it the valve?", LEAD, sections, table, GUIDE)
