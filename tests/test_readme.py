@@ -19,5 +19,6 @@ def test_examples_run_and_print_what_the_text_says() -> None:
     assert printed[0] == "0.5154 22"  # snapshot, and stated in the text
     assert "`0.5154 22`" in README
     assert printed[2] == "(20, 601)"
-    assert printed[3] == "stiction 2.5"
+    assert printed[3] == "True"
+    assert printed[4] == "stiction 2.5"
     assert "`stiction 2.5`" in README
