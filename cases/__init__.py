@@ -1,8 +1,10 @@
 """Published experiments as named cases, with published, analytic and reproduced numbers side by side.
 
 >>> from cases import find, names
->>> names()
+>>> names()[:5]
 ('ideal_high', 'ideal_normal', 'ideal_half_gain', 'ideal_integrating', 'sine')
+>>> names()[5:]
+('plant_1_none', 'plant_1_normal', 'plant_1_high', 'plant_2_none', 'plant_2_normal', 'plant_2_high')
 >>> find("sine").duration
 600.0
 """
@@ -19,9 +21,9 @@ class CaseError(ValueError):
 
 
 def _all() -> dict[str, Case]:
-    from cases.ideal import CASES_BY_NAME
+    from cases import ideal, production
 
-    return dict(CASES_BY_NAME)
+    return {**ideal.CASES_BY_NAME, **production.CASES_BY_NAME}
 
 
 def names() -> tuple[str, ...]:

@@ -12,6 +12,7 @@ COMMANDS = {
     "demo": "five short stories with known truth, and two real loops, as one HTML page",
     "check": "read one loop from a file and say whether its valve sticks",
     "simulate": "run a named case and compare its numbers with the published ones",
+    "reproduce": "regenerate every table and picture of the thesis, published beside reproduced",
 }
 
 HELP = """Sticky control valves: simulate them, find them in routine data.

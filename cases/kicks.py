@@ -1,0 +1,149 @@
+"""The production plant from many starts: its limit cycles depend on where they begin, so one run proves little.
+
+Separator 1's three contents are multiplied by independent uniform factors, 0.97 to 1.03, from a fixed seed.  Every
+run gives the numbers of tables 5.4 (1000 to 2000 s), 6.1 and 6.2; over all of them stand median and 5 to 95 % band.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cases.oscillation import Band, band, oscillation, without_trend
+
+if TYPE_CHECKING:
+    from plant.diagram import Diagram
+
+Floats = NDArray[np.float64]
+
+KICKS, SEED, SIZE = 100, 2009, 0.03
+DURATION, EVERY, SETTLED = 2000.0, 0.1, 1000.0  # s; thesis section 5.1: steady after about 1000 s
+BAR, RPM = 1e5, 2.0 * math.pi / 60.0
+SIGNALS = ("V_1", "p_1", "p_out2", "w", "OP_VPCS1", "MV_VPCS1", "F_flare1", "F_flare2")
+TREND = 100.0  # s, width of the average that is taken off the speed: the slow part follows the level
+
+
+@dataclass(frozen=True)
+class Study:
+    """What many starts gave: name of a number -> one value per run; ``failed`` runs are left out of it."""
+
+    numbers: Mapping[str, Floats]
+    kicks: int
+    failed: int
+
+    def band(self, name: str) -> Band:
+        """Return median and band of a number."""
+        return band(self.numbers[name].tolist()) if name in self.numbers else band([])
+
+    def share(self, name: str, accepted: Callable[[float], bool]) -> float:
+        """Return the share of the runs whose number is accepted."""
+        values = self.numbers[name]
+        return sum(accepted(float(v)) for v in values) / len(values) if len(values) else math.nan
+
+
+def start_kicks(diagram: "Diagram", count: int = KICKS, seed: int = SEED, size: float = SIZE) -> dict[str, Floats]:
+    """Return start values of separator 1 [mol], each (count,): its contents times independent uniform factors.
+
+    >>> from plant.production import production_plant
+    >>> starts = start_kicks(production_plant(), 3)
+    >>> [key for key in starts], starts["S1.N_oil"].shape
+    (['S1.N_oil', 'S1.N_metL', 'S1.N_metG'], (3,))
+    """
+    contents = diagram["S1"].x0
+    factors = np.random.default_rng(seed).uniform(1.0 - size, 1.0 + size, (count, 3))
+    return {f"S1.{name}": contents[i] * factors[:, i] for i, name in enumerate(("N_oil", "N_metL", "N_metG"))}
+
+
+def case_1_numbers(t: Floats, log: Mapping[str, Floats]) -> dict[str, float]:
+    """Return period [s] and amplitude of the rows of table 5.4 and the indices of table 6.1, after 1000 s."""
+    late = t >= SETTLED - 1e-6
+    t = t[late]
+    speed = log["w"][late] / RPM
+    found: dict[str, float] = {}
+    for name, y in (
+        ("level", log["V_1"][late]), ("pressure", log["p_1"][late] / BAR), ("outlet", log["p_out2"][late] / BAR),
+        ("speed", speed), ("fast speed", without_trend(t, speed, TREND)),
+    ):  # fmt: skip
+        cycle = oscillation(t, y)
+        found |= {f"{name} T": cycle.period, f"{name} A": cycle.amplitude}
+    found["stem travel"] = float(np.ptp(log["MV_VPCS1"][late]))
+    return found | indices(t, log["V_1"][late], log["p_1"][late])
+
+
+def case_2_numbers(t: Floats, log: Mapping[str, Floats]) -> dict[str, float]:
+    """Return the indices of table 6.2, over the whole run, and what VPCS1 and the pressure do under the sine."""
+    shut = log["OP_VPCS1"] <= 1e-9
+    p = (log["p_1"] - 30e5) / BAR
+    moves = np.sign(np.diff(log["MV_VPCS1"]))
+    moving = np.flatnonzero(moves)
+    turns = moving[1:][np.diff(moves[moving]) != 0]
+    return {
+        "shut": float(shut.mean()),
+        "p lowest": float(p.min()),
+        "p highest": float(p.max()),
+        "p highest late": float(p[t >= SETTLED].max()),
+        "flare": float(max(log["F_flare1"].max(), log["F_flare2"].max())),
+        "turns open": float(np.sum(~shut[turns + 1])),
+        "turns shut": float(np.sum(shut[turns + 1] & shut[turns])),
+        "outlet swing": float(np.ptp(log["p_out2"])) / BAR,
+        "speed swing": float(np.ptp(log["w"])) / RPM,
+        "level highest": float(log["V_1"].max()) - 40.95,
+    } | indices(t, log["V_1"], log["p_1"])
+
+
+def indices(t: Floats, V_1: Floats, p_1: Floats) -> dict[str, float]:
+    """Return mean and standard deviation of R by Algorithm 1 as printed, for level and pressure."""
+    from detect.algorithm1 import ratios
+
+    found: dict[str, float] = {}
+    for name, e in (("level", 40.95 - V_1), ("pressure", 30e5 - p_1)):
+        result = ratios(t, e)
+        found |= {f"{name} R": result.mean, f"{name} std": result.std, f"{name} count": float(len(result.R))}
+    return found
+
+
+def study(
+    plant: Any, F_s: str, case: int = 1, *, kicks: int = KICKS, seed: int = SEED,
+    progress: bool | Callable[[int, int], None] = False,
+) -> Study:  # fmt: skip
+    """Run the plant (a set's name or a ``Production``) from many starts and return its numbers.
+
+    >>> found = study("A", "normal", kicks=2)
+    >>> found.failed, 0.25 < found.band("level A").median < 0.35
+    (0, True)
+    """
+    from plant.ensemble import ensemble
+    from plant.production import production_plant
+
+    diagram = production_plant(plant, F_s=F_s, case=case)
+    result = ensemble(
+        diagram, DURATION, start=start_kicks(diagram, kicks, seed), every=EVERY, signals=SIGNALS, method="stiff",
+        keep_logs=False, summary=case_1_numbers if case == 1 else case_2_numbers, progress=progress,
+    )  # fmt: skip
+    numbers = {name: values[result.ok] for name, values in result.summary.items()}
+    return Study(numbers, kicks, int(np.sum(~result.ok)))
+
+
+class Studies:
+    """The studies of one plant, each run when first asked for: ``studies("high", 1)``.
+
+    ``told`` is called as (F_s, case, done, kicks) while they run.
+    """
+
+    def __init__(
+        self, plant: Any, kicks: int = KICKS, seed: int = SEED,
+        told: Callable[[str, int, int, int], None] | None = None,
+    ) -> None:  # fmt: skip
+        self.plant, self.kicks, self.seed, self.told = plant, kicks, seed, told
+        self._found: dict[tuple[str, int], Study] = {}
+
+    def __call__(self, F_s: str, case: int) -> Study:
+        """Return the study of a size of stiction in a case."""
+        if (F_s, case) not in self._found:
+            told = self.told
+            progress = False if told is None else lambda done, total: told(F_s, case, done, total)
+            self._found[F_s, case] = study(self.plant, F_s, case, kicks=self.kicks, seed=self.seed, progress=progress)
+        return self._found[F_s, case]

@@ -1,0 +1,99 @@
+"""The thesis's plant as six cases: constant feed (1) and sinusoidal methane fraction (2), three sizes of stiction.
+
+Two parameter sets were fitted before, each for one of the two cases: B for constant feed, A for the sine.  Set C here
+serves both.  It reads both pressure gains as printed times one thousand (5e-7 and 3e-7 /Pa: table 5.1 then is in kmol
+or kPa), which leaves one free number, the drop D over VPCS1; ``cases.choice`` shows how D was chosen and what hangs
+on it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from cases.case import Case, Number
+
+if TYPE_CHECKING:
+    from plant.diagram import Diagram
+    from plant.production import Production
+
+D_C = 4.1e5  # Pa, the one number fitted: drop over VPCS1
+K_P_C = 5e-7  # 1/Pa, printed 5E-10
+STICTION = ("none", "normal", "high")
+
+
+def set_C() -> "Production":
+    """Return the set that serves both cases.
+
+    >>> set_C().D, set_C().S1.K_p_pressure
+    (410000.0, 5e-07)
+    """
+    from plant.production import SET_B
+
+    return replace(SET_B, name="C", D=D_C, S1=replace(SET_B.S1, K_p_pressure=K_P_C))
+
+
+def diagram(F_s: str, case: int) -> "Diagram":
+    """Return the plant of a case: at rest in both, but kicked where constant feed meets stiction.
+
+    At rest nothing moves, whatever the stiction; case 1 with stiction therefore starts from the kick of
+    ``plant.production.kicked``.  Case 2 starts at rest for the mean feed Z_I = 0.25, where a ramp from 0.37 and a
+    long hold would lead: a step to 0.25 would throw C2 into surge.
+
+    >>> diagram("high", 2).name
+    'plant_2_high'
+    """
+    from plant.production import kicked, production_plant
+
+    plant = production_plant(set_C(), F_s=F_s, case=case, name=f"plant_{case}_{F_s}")
+    return kicked(plant) if case == 1 and F_s != "none" else plant
+
+
+def _build(F_s: str, case: int) -> Callable[[], "Diagram"]:
+    return lambda: diagram(F_s, case)
+
+
+def _numbers(F_s: str, case: int) -> Callable[[], Sequence[Number]]:
+    def numbers() -> Sequence[Number]:
+        from cases.kicks import Studies
+        from cases.tables import table_5_4, table_6_1, table_6_2, table_case_2
+
+        studies = Studies(set_C())
+        builders = (table_5_4, table_6_1) if case == 1 else (table_6_2, table_case_2)
+        rows = [row for builder in builders for row in builder(studies, (F_s,))]
+        return [
+            Number(row.row, row.unit, row.published, None, row.reproduced, None, f"table {row.table}", row.told())
+            for row in rows
+        ]
+
+    return numbers
+
+
+_ABOUT = {
+    1: "Constant feed, 8000 mol/s with methane fraction 0.37 (table 5.2, case 1); VLCS1 and VPCS1 stick.",
+    2: "Methane fraction 0.25 + 0.1 sin(2 pi t/500 s) (table 5.2, case 2); VLCS1 and VPCS1 stick.",
+}
+_START = {"none": "Starts at rest, and stays there.", "normal": "Starts kicked.", "high": "Starts kicked."}
+
+CASES = tuple(
+    Case(
+        f"plant_{case}_{F_s}", f"Production plant, {'constant feed' if case == 1 else 'sine'}, {F_s} stiction",
+        f"{_ABOUT[case]} {_START[F_s] if case == 1 else 'Starts at rest for the mean feed.'}",
+        _build(F_s, case), 2000.0, 0.1, _numbers(F_s, case),
+    )
+    for case in (1, 2) for F_s in STICTION
+)  # fmt: skip
+CASES_BY_NAME = {case.name: case for case in CASES}
+
+
+def rest_amplitudes(plant: "Production") -> tuple[float, float, float, float]:
+    """Return half of peak to peak of level [m3], pressure, outlet pressure [bar] and speed [rpm] from rest, 2000 s."""
+    import numpy as np
+
+    from cases.kicks import BAR, DURATION, RPM
+    from plant import simulate
+    from plant.production import production_plant
+
+    log = simulate(production_plant(plant, F_s="none"), DURATION, every=1.0, method="stiff").log
+    scales = {"V_1": 1.0, "p_1": BAR, "p_out2": BAR, "w": RPM}
+    level, pressure, outlet, speed = (0.5 * float(np.ptp(log[s])) / unit for s, unit in scales.items())
+    return level, pressure, outlet, speed

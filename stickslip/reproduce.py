@@ -1,0 +1,220 @@
+"""``stickslip reproduce``: every table and picture of the thesis again, published beside reproduced."""
+
+import html
+import math
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stickslip.console import Speaker, json_option, user_errors
+from stickslip.targets import check_targets, write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from cases.choice import Point
+    from cases.tables import Row
+
+FOLDER = "stickslip-reproduce"
+QUICK = 24  # starts
+TITLES = {
+    "5.4": "Table 5.4: periods and amplitudes, constant feed",
+    "6.1": "Table 6.1: index R, constant feed",
+    "6.2": "Table 6.2: index R, sinusoidal methane fraction",
+    "case 2": "What VPCS1 does under the sine (figures 5.4 and B.2)",
+    "ideal": "Ideal loops (figures 6.1, B.3 and chapter 7)",
+    "choice": "How the drop over VPCS1 was chosen",
+}
+FIGURES = {
+    "5.4": ("5.1", "5.2", "5.3", "B.1"), "6.2": ("5.4",), "case 2": ("5.5", "5.6", "B.2"),
+    "ideal": ("6.1", "B.3", "7.1", "7.2", "7.3", "B.4"), "choice": ("choice",),
+}  # fmt: skip
+COLUMNS = ("row", "published", "reproduced", "5 to 95 %", "deviation", "verdict")
+LEAD = (
+    "The plant of the thesis, rebuilt from its equations with set C of parameters, and the ideal loops. Plant numbers "
+    "are medians over many starts, separator 1's contents moved by up to 3 %, with the 5 to 95 % band in brackets: "
+    "this plant has several limit cycles, and the start decides which one it finds."
+)
+GUIDE = (
+    "Met: the median lies inside the stated tolerance of the published value. Rows without tolerance are shown for "
+    "comparison. The plant's unknowns were fitted to table 5.4 in part (set C: one number, the drop over VPCS1), so "
+    "agreement there is a fit and no prediction."
+)
+
+Told = Callable[[str], None]
+
+
+@click.command("reproduce")
+@click.option(
+    "--out", type=click.Path(path_type=Path), default=Path("stickslip-reproduce"), help="Folder for the page."
+)
+@click.option(
+    "--quick", is_flag=True, help=f"{QUICK} starts instead of 100 and set C only: seconds instead of minutes."
+)
+@click.option("--scan", is_flag=True, help="Also scan the drop over VPCS1 and the gain of PCS11 (some minutes more).")
+@json_option
+@user_errors
+def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
+    """Regenerate the tables 5.4, 6.1, 6.2, the ideal loops and the figures, and write one HTML page.
+
+    \b
+    Examples:
+      stickslip reproduce
+      stickslip reproduce --quick --out pages --json -
+
+    \b
+    Exit codes: 0 done (whether met or not), 2 the page cannot be written.
+    """
+    check_targets({"--json": json_file})
+    _check_folder(out)
+    say = Speaker(json_file)
+    with _progress() as told:
+        found = _rows(quick, told)
+        points = _scan(told) if scan else []
+        if points:
+            from cases import choice
+
+            found += choice.rows(points)
+        page = _page(found, points, told).encode()
+    for table in dict.fromkeys(row.table for row in found):
+        say(title(table), bold=True)
+        say.table(list(COLUMNS), [_cells(row) for row in found if row.table == table])
+    judged = [row for row in found if row.within is not None]
+    missed = [row for row in judged if not row.within]
+    say(f"{len(judged) - len(missed)} of {len(judged)} rows with a tolerance are met")
+    for row in missed:
+        say.paragraph(f"{row.table}, {row.row}: {row.note}", "  not met: ")
+    out.mkdir(parents=True, exist_ok=True)
+    target = out / "index.html"
+    write_whole(target, page)
+    say(f"open {target} in a browser: all tables with notes, and the pictures")
+    say.document(
+        {
+            "schema": "stickslip.reproduce/1",
+            "page": str(target),
+            "quick": quick,
+            "rows": [row.as_dict() for row in found],
+        }
+    )
+
+
+def _check_folder(out: Path) -> None:
+    """Refuse a folder that cannot be made, before the work."""
+    nearest = next(path for path in (out, *out.absolute().parents) if path.exists())
+    if not nearest.is_dir():
+        raise ValueError(f"--out {out}: '{nearest}' is a file; name a folder")
+
+
+@contextmanager
+def _progress() -> Iterator[Told]:
+    """Show on a terminal what is being done, and for how long."""
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    console = Console(file=sys.stderr)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("starting", total=None)
+        yield lambda words: bar.update(task, description=words)
+
+
+def _rows(quick: bool, told: Told) -> list["Row"]:
+    """Return all rows: set C, and for comparison what is judged with the sets A and B."""
+    from cases import tables
+    from cases.kicks import KICKS, Studies
+    from cases.production import set_C
+
+    def studies(plant: object, name: str, kicks: int) -> Studies:
+        def doing(F_s: str, case: int, done: int, total: int) -> None:
+            told(f"set {name}, case {case}, {F_s} stiction: {done} of {total} starts")
+
+        return Studies(plant, kicks, told=doing)
+
+    main = studies(set_C(), "C", QUICK if quick else KICKS)
+    builders = (tables.table_5_4, tables.table_6_1, tables.table_6_2, tables.table_case_2)
+    found = [row for builder in builders for row in builder(main)]
+    told("ideal loops")
+    found += tables.table_ideal()
+    for name in () if quick else ("A", "B"):
+        other = studies(name, name, KICKS // 2)
+        for builder in builders:
+            rows = [row for row in builder(other) if row.within is not None]
+            found += [replace(row, table=f"{row.table}, set {name}") for row in rows]
+    return found
+
+
+def _scan(told: Told) -> list["Point"]:
+    from cases.choice import scan
+
+    return scan(told=lambda done, total: told(f"scan: {done} of {total} settings"))
+
+
+def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
+    """Return what draws each picture, by its number in the thesis."""
+    from cases import choice, curves, ideas
+
+    return {
+        "5.1": lambda: curves.key_variables(1), "5.2": lambda: curves.mv_op(1), "5.3": lambda: curves.pv_op(1),
+        "5.4": lambda: curves.key_variables(2), "5.5": lambda: curves.mv_op(2), "5.6": lambda: curves.pv_op(2),
+        "6.1": ideas.figure_6_1, "7.1": ideas.figure_7_1, "7.2": ideas.figure_7_2, "7.3": ideas.figure_7_3,
+        "B.1": lambda: curves.valve_trends(1), "B.2": lambda: curves.valve_trends(2),
+        "B.3": ideas.figure_B_3, "B.4": ideas.figure_B_4,
+        "choice": lambda: choice.figure(points),
+    }  # fmt: skip
+
+
+def _page(found: Sequence["Row"], points: Sequence["Point"], told: Told) -> str:
+    from stickslip.page import Section, figure_to_svg, page
+
+    drawing = _figures(points)
+    sections = []
+    summary = [["table", "rows", "with a tolerance", "met"]]
+    for table in dict.fromkeys(row.table for row in found):
+        rows = [row for row in found if row.table == table]
+        judged = [row for row in rows if row.within is not None]
+        met = sum(bool(row.within) for row in judged)
+        kind = "no_stiction" if met == len(judged) else "inconclusive"
+        badge = f"{met} of {len(judged)} met" if judged else "for comparison"
+        section = Section(title(table), badge, kind, "")
+        section.figures.append(_html_table(rows))
+        for number in FIGURES.get(table, ()):
+            told(f"figure {number}")
+            section.figures.append(figure_to_svg(drawing[number]()))
+        sections.append(section)
+        summary.append([title(table), str(len(rows)), str(len(judged)), str(met)])
+    return page("The thesis again", LEAD, sections, summary, GUIDE)
+
+
+def title(table: str) -> str:
+    """Return the heading of a table."""
+    own, _, other = table.partition(", ")
+    return TITLES[own] + (f", {other}" if other else "")
+
+
+def _html_table(rows: Sequence["Row"]) -> str:
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in (*COLUMNS, "tolerance and note"))
+    body = ""
+    for row in rows:
+        told = "; ".join(part for part in (row.tolerance, row.note) if part)
+        body += "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in (*_cells(row), told)) + "</tr>"
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cells(row: "Row") -> list[str]:
+    unit = f" [{row.unit}]" if row.unit != "-" else ""
+    deviation = "" if row.deviation is None else f"{100.0 * row.deviation:+.0f} %"
+    verdict = {True: "met", False: "NOT met", None: ""}[row.within]
+    return [row.row + unit, show(row.published), show(row.reproduced), f"{show(row.low)} to {show(row.high)}",
+            deviation, verdict]  # fmt: skip
+
+
+def show(value: float | None) -> str:
+    """Return a number in three digits, '-' where there is none."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    return "0" if abs(value) < 1e-9 else f"{value:.3g}" if abs(value) < 1000.0 else f"{value:.0f}"
