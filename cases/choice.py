@@ -2,7 +2,7 @@
 
 K_p first.  Between two reversals PCS11 must carry OP through S = (F_s + F_c)/k, which period T and amplitude A fix
 whatever the plant is: S = K_p (2 A + |e| T/(2 T_i)), |e| the mean of the error, about half of A.  The printed rows
-give 4 to 5e-7 /Pa (``gain_from``); the printed 5E-10 times a thousand is 5e-7, and PCS21's 3E-10 is used times a
+give 4.3 and 4.8e-7 /Pa (``gain_from``); the printed 5E-10 times a thousand is 5e-7, and PCS21's 3E-10 is used times a
 thousand as well.  Then D alone is left: ``scan`` shows every start, and how they part into groups.
 """
 
@@ -30,7 +30,7 @@ def gain_from(F_s: float, period: float, amplitude: float, T_i: float = 8.0, sha
     ``share`` is the mean of the error over its amplitude: 0.5 for a triangle, 0.64 for a sine.
 
     >>> round(gain_from(1750.0, 101.0, 0.26e5) * 1e7, 1), round(gain_from(2250.0, 37.0, 0.44e5) * 1e7, 1)
-    (4.2, 4.8)
+    (4.3, 4.8)
     """
     return (F_s + F_C) / K_STEM / (2.0 * amplitude + share * amplitude * 0.5 * period / T_i)
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 D_C = 4.1e5  # Pa, the one number fitted: drop over VPCS1
 K_P_C = 5e-7  # 1/Pa, printed 5E-10
+KICKS_OF_A_CASE = 50  # starts behind the numbers of one case
 STICTION = ("none", "normal", "high")
 
 
@@ -57,7 +58,7 @@ def _numbers(F_s: str, case: int) -> Callable[[], Sequence[Number]]:
         from cases.kicks import Studies
         from cases.tables import table_5_4, table_6_1, table_6_2, table_case_2
 
-        studies = Studies(set_C())
+        studies = Studies(set_C(), KICKS_OF_A_CASE)
         builders = (table_5_4, table_6_1) if case == 1 else (table_6_2, table_case_2)
         rows = [row for builder in builders for row in builder(studies, (F_s,))]
         return [
