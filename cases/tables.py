@@ -17,9 +17,9 @@ STICTION_N = {"none": 1250.0, "normal": 1750.0, "high": 2250.0}  # F_s [N], tabl
 F_C, K_STEM = 1250.0, 52500.0  # N, N per travel, table A.1
 
 PERIOD_RATIO = (
-    "from starts alike the two periods of the pressure differ by the ratio of S/J, 6.0 normal to 3.5 high, so at most "
-    "by 1.7; the printed 101 and 37 s differ by 2.7 and need a normal cycle far off centre and a high one on it, "
-    "which the printed R of 14.63 +- 17.13 suggests. No set tried brings the medians of both within 10 %"
+    "one-jump cycles that lie alike have periods as S/J, 6.0 normal and 3.5 high, a ratio of 1.7; the printed 101 and "
+    "37 s, 2.7 apart, need a normal cycle far off centre beside a centred high one, as the printed R of "
+    "14.63 +- 17.13 suggests. Single starts do that; no set tried brings both medians within 10 %"
 )
 LEVEL_PERIOD = (
     "PI with an integrator gives about 4 S/(K_p g J), g = 0.98 m3/s: 245 s normal and 143 s high when symmetric; the "

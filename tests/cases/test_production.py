@@ -1,0 +1,128 @@
+"""The plant's cases: from rest, kicked, under the sine; few starts, so bands are wide."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cases import find, names
+from cases.choice import gain_from, scan
+from cases.kicks import SIZE, Studies, start_kicks, study
+from cases.production import K_P_C, rest_amplitudes, set_C
+from plant import simulate
+from plant.production import production_plant
+
+J = {"normal": 500.0 / 52500.0, "high": 1000.0 / 52500.0}  # analytic: (F_s - F_c)/k
+S = {"normal": 3000.0 / 52500.0, "high": 3500.0 / 52500.0}  # analytic: (F_s + F_c)/k
+
+
+@pytest.fixture(scope="module")
+def studies():
+    return Studies(set_C(), kicks=6)
+
+
+def test_six_cases_are_registered():
+    expected = {f"plant_{case}_{size}" for case in (1, 2) for size in ("none", "normal", "high")}
+    assert expected <= set(names())
+    assert find("plant_2_high").duration == 2000.0 and find("plant_2_high").every == 0.1  # published: section 5.1
+
+
+@pytest.mark.parametrize("size", ["none", "normal", "high"])
+def test_at_rest_nothing_moves_whatever_the_stiction(size):
+    log = simulate(production_plant(set_C(), F_s=size), 2000.0, every=10.0, method="stiff").log
+    for signal in ("p_1", "V_1", "p_out2", "w", "MV_VPCS1", "MV_VLCS1"):
+        assert np.ptp(log[signal]) <= 1e-6 * abs(log[signal][0]), signal
+
+
+def test_no_stiction_from_rest_has_no_oscillation():
+    assert max(rest_amplitudes(set_C())) < 1e-3  # published: table 5.4, amplitude 0
+
+
+def test_set_c_changes_two_numbers_of_set_b():
+    from plant.production import SET_B
+
+    C = set_C()
+    assert replace(C, name="B", D=SET_B.D, S1=SET_B.S1) == SET_B
+    assert replace(C.S1, K_p_pressure=SET_B.S1.K_p_pressure) == SET_B.S1
+    assert (C.S1.K_p_pressure, C.S2.K_p_pressure) == pytest.approx(
+        (1000 * 5e-10, 1000 * 3e-10)
+    )  # published: table 5.1, misprinted
+
+
+def test_kicks_are_independent_bounded_and_repeatable():
+    plant = production_plant(set_C())
+    starts = start_kicks(plant, 400, seed=3)
+    factors = np.array(list(starts.values())) / np.array(plant["S1"].x0)[:, None]
+    assert list(starts) == ["S1.N_oil", "S1.N_metL", "S1.N_metG"]
+    assert np.abs(factors - 1.0).max() <= SIZE
+    assert factors.std(axis=1) == pytest.approx(SIZE / np.sqrt(3.0), rel=0.1)  # analytic: uniform
+    assert np.abs(np.corrcoef(factors) - np.eye(3)).max() < 0.2
+    again = start_kicks(plant, 400, seed=3)
+    assert all(np.array_equal(again[key], starts[key]) for key in starts)
+    assert not np.array_equal(start_kicks(plant, 400, seed=4)["S1.N_oil"], starts["S1.N_oil"])
+
+
+@pytest.mark.parametrize("size", ["normal", "high"])
+def test_constant_feed(studies, size):
+    found = studies(size, 1)
+    assert found.failed == 0
+    assert found.band("level A").median == pytest.approx(0.30, rel=0.15)  # published: table 5.4
+    assert found.band("level A").median == pytest.approx(S[size] / 2.0 / 0.1, rel=0.06)  # analytic: S/(2 K_p)
+    jumps = found.numbers["stem travel"] / J[size]
+    assert np.abs(jumps - np.round(jumps)).max() < 0.02  # analytic: the stem stands on whole jumps
+    assert set(np.round(jumps)) <= {0.0, 1.0, 2.0} and jumps.max() > 0.5
+
+
+def test_a_jump_a_half_cycle_carries_the_controller_through_the_stick_band():
+    run = find("plant_1_normal").run(method="stiff")
+    late = run.log.t >= 1000.0
+    assert np.ptp(run.log["MV_VPCS1"][late]) == pytest.approx(J["normal"], rel=0.02)
+    assert np.ptp(run.log["OP_VPCS1"][late]) == pytest.approx(S["normal"], rel=0.02)
+    assert 0.5 * np.ptp(run.log["p_1"][late]) / 1e5 == pytest.approx(0.26, rel=0.25)  # published: table 5.4
+
+
+def test_the_sine(studies):
+    """Published, in words: OP at zero about 40 % of the time, ripples with high stiction only, no flare."""
+    found = {size: studies(size, 2) for size in ("none", "normal", "high")}
+    for size, one in found.items():
+        assert one.failed == 0 and one.band("flare").high == 0.0 and one.band("turns shut").high == 0.0
+        assert 0.20 < one.band("shut").median < 0.45, size
+        assert one.band("p lowest").median < -1.5
+    assert found["none"].band("turns open").high < 10 and found["normal"].band("turns open").high < 10
+    assert found["high"].band("turns open").low > 15
+    R = [found[size].band("pressure R").median for size in ("none", "normal", "high")]
+    assert R[0] < R[1] < R[2]  # published: ordering of table 6.2
+
+
+def test_set_a_holds_the_valve_at_zero_as_long_as_published():
+    assert 0.30 <= study("A", "high", 2, kicks=2).band("shut").median <= 0.45  # published: about 40 %
+
+
+def test_gain_needed_for_the_published_cycle():
+    """Oracle: a triangle of error through a PI, integrated numerically, carries OP through S in half a period."""
+    T, A, K_p, T_i = 40.0, 0.3e5, gain_from(2250.0, 40.0, 0.3e5), 8.0
+    t = np.linspace(0.0, 0.5 * T, 20001)
+    rising = -A + 2.0 * A * t / t[-1]
+    push = np.trapezoid(np.abs(rising), t) / T_i  # the error has one sign while it matters
+    assert K_p * (2.0 * A + push) == pytest.approx(S["high"], rel=1e-3)
+    for F_s, period, amplitude in ((1750.0, 101.0, 0.26e5), (2250.0, 37.0, 0.44e5)):  # published: table 5.4
+        assert gain_from(F_s, period, amplitude) == pytest.approx(K_P_C, rel=0.2)
+
+
+def test_scan_covers_both_ways_and_skips_what_cannot_rest():
+    done = []
+    points = scan(kicks=1, drops=(4.1e5, 29.0e5), gains=(5e-7, 8.8e-7), told=lambda i, n: done.append((i, n)))
+    assert [(p.D, p.K_p, p.size) for p in points] == [
+        (4.1e5, 5e-7, "normal"), (4.1e5, 5e-7, "high"), (4.1e5, 8.8e-7, "normal"), (4.1e5, 8.8e-7, "high"),
+    ]  # fmt: skip
+    assert done == [(1, 3), (2, 3), (3, 3)]
+
+
+def test_numbers_of_a_case(monkeypatch):
+    import cases.production
+
+    monkeypatch.setattr(cases.production, "KICKS_OF_A_CASE", 2)
+    found = {n.quantity: n for n in find("plant_1_none").numbers()}
+    assert found["pressure amplitude, none"].published == 0.0
+    assert found["pressure amplitude, none"].reproduced == pytest.approx(0.0, abs=1e-6)
+    assert "kicked" in found["level amplitude, none, kicked"].note

@@ -1,0 +1,76 @@
+"""`stickslip reproduce`: the document, the page, and folders that cannot be."""
+
+import json
+
+import pytest
+
+from stickslip import reproduce
+from stickslip.cli import COMMANDS
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    from click.testing import CliRunner
+
+    from stickslip.cli import cli
+
+    folder = tmp_path_factory.mktemp("reproduce") / "pages"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reproduce, "QUICK", 2)
+        arguments = ["reproduce", "--quick", "--out", str(folder), "--json", "-"]
+        result = CliRunner().invoke(cli, arguments, catch_exceptions=False)
+    return result, folder / "index.html"
+
+
+def test_document(done):
+    result, page = done
+    assert result.exit_code == 0
+    answer = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
+    assert answer["schema"] == "stickslip.reproduce/1" and answer["quick"] is True and answer["page"] == str(page)
+    for row in answer["rows"]:
+        assert list(row)[:3] == ["table", "row", "unit"]
+        assert {"published", "reproduced", "low", "high", "within", "tolerance", "note"} < set(row)
+        assert row["within"] in (True, False, None)
+        if row["within"] is False:
+            assert row["note"], row["row"]  # what is missed is explained
+    tables = {row["table"] for row in answer["rows"]}
+    assert tables == {"5.4", "6.1", "6.2", "case 2", "ideal"}
+    rows = {row["row"]: row for row in answer["rows"]}
+    assert rows["pressure amplitude, high"]["published"] == 0.44  # published: table 5.4
+    assert rows["level amplitude, none"]["within"] is True  # published: no oscillation
+    assert len({(row["table"], row["row"]) for row in answer["rows"]}) == len(answer["rows"])
+
+
+def test_page_has_tables_and_pictures_and_needs_no_network(done):
+    _, page = done
+    text = page.read_text()
+    for number in ("5.1", "5.2", "5.3", "5.4", "5.5", "5.6", "6.1", "7.1", "7.2", "7.3", "B.1", "B.2", "B.3", "B.4"):
+        assert text.count(f"Figure {number}:") == 1
+    assert "Table 5.4: periods and amplitudes" in text and "NOT met" in text
+    assert "<script" not in text and "src=" not in text
+
+
+def test_what_is_missed_is_said(done):
+    result, _ = done
+    answer = json.loads(result.stdout)
+    missed = [row for row in answer["rows"] if row["within"] is False]
+    assert missed and result.stderr.count("not met:") == len(missed)
+
+
+def test_folder_that_is_a_file_is_refused_before_the_work(call, tmp_path, monkeypatch):
+    monkeypatch.setattr(reproduce, "_rows", lambda *_: pytest.fail("worked before it looked"))
+    file = tmp_path / "file"
+    file.write_text("")
+    result = call("reproduce", "--out", file)
+    assert result.exit_code == 2 and "name a folder" in result.stderr
+
+
+def test_it_is_listed(call):
+    assert "reproduce" in COMMANDS and "reproduce" in call("--help").stdout
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(None, "-"), (float("nan"), "-"), (1e-12, "0"), (0.3004, "0.3"), (1234.5, "1234")]
+)
+def test_numbers_are_short(value, text):
+    assert reproduce.show(value) == text
