@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 D_C = 4.1e5  # Pa, the one number fitted: drop over VPCS1
 K_P_C = 5e-7  # 1/Pa, printed 5E-10
-KICKS_OF_A_CASE = 50  # starts behind the numbers of one case
+KICKS_OF_A_CASE = 100  # starts behind the numbers of one case, as many as `stickslip reproduce` takes
 STICTION = ("none", "normal", "high")
 
 

@@ -85,7 +85,7 @@ def between(
     table: str, name: str, unit: str, published: float | None, found: Band, low: float, high: float, note: str = ""
 ) -> Row:
     """Return a row whose median must lie in ``low`` .. ``high``."""
-    said = f"median {low:g} to {high:g}" if math.isfinite(low + high) else _open(low, high)
+    said = f"median {low:.3g} to {high:.3g}" if math.isfinite(low + high) else _open(low, high)
     within = bool(low <= found.median <= high)
     return Row(table, name, unit, published, found.median, found.low, found.high, within, said, note)
 

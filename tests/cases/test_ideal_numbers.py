@@ -14,14 +14,14 @@ from cases.exact import (
     exact_run,
     symmetric_start,
 )
-from cases.ideal import GAIN_READING
+from cases.ideal import CASES_BY_NAME, GAIN_READING
 
 STICKY = ("ideal_high", "ideal_normal", "ideal_half_gain")
 
 
 @pytest.fixture(scope="module")
 def numbers():
-    return {name: {n.quantity: n for n in find(name).numbers()} for name in names()}
+    return {name: {n.quantity: n for n in find(name).numbers()} for name in CASES_BY_NAME}
 
 
 def test_names_are_the_promised_ones():
