@@ -7,17 +7,10 @@ import numpy as np
 from numba import njit
 
 from engine.call import pointer_to
+from engine.crossing import first_crossing
 from engine.delay import next_break, open_record
 from engine.dense import interpolate
-from engine.events import (
-    begin_instant,
-    fire_positive,
-    first_crossing,
-    next_stop,
-    sample,
-    settle,
-    stop_at,
-)
+from engine.events import begin_instant, fire_positive, next_stop, settle, stop_at
 from engine.explicit import STIFF_RATIO, explicit_dense, explicit_step
 from engine.high_order import HIGH_STIFF_RATIO, high_order_dense, high_order_step
 from engine.jacobian import jacobian
@@ -25,7 +18,7 @@ from engine.layout import (
     ATOL,
     CAPACITY,
     CHAIN,
-    CLOSE,
+    CLOSER,
     D_NODES,
     D_SIZE,
     D_V,
@@ -84,13 +77,17 @@ from engine.layout import (
 )
 from engine.rosenbrock import rosenbrock_dense, rosenbrock_step
 from engine.rows import write_row, write_rows_inside
+from engine.sampling import sample
 from engine.sweep import clock, evaluate_events, finite, rates, resolution, signals
 
 OK, EVENTS_FULL, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 STIFF_STEPS = 12  # steps in a row at the stability limit before the stiff method takes over
 SMOOTH = 9
 APART = 1e-6  # transitions that follow each other faster than this [s] count as one chain
-NEAR = 0.9  # a stiff step goes this share of the way to an event; a short one then locates it
+MOST_CLOSER = 3  # a stiff step is shortened so many times to end just behind an event, where its states are best:
+COARSE = 1e-3  # an event is first located to this share of the step,
+BEHIND = 1.003  # the next try ends a little behind it,
+END = 0.99  # and is taken if the event lies behind this share of it
 
 
 @njit(cache=True, error_model="numpy")
@@ -176,7 +173,7 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
     I, W = pointer_to(ints), pointer_to(floats)
     n = I[N_STATES]
     y0, y1, k, f, x = I[O_Y0], I[O_Y1], I[O_K], I[O_F], I[O_X]
-    rejected_before = False
+    rejected_before = have_jacobian = False
     while True:
         # --- the present instant ----------------------------------------------------------------------
         if I[FRESH]:
@@ -236,7 +233,6 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
             I[K1_VALID] = 1
         if W[STEP] <= 0.0:
             W[STEP] = first_step(I, W) if n > 0 else np.inf
-        have_jacobian = False
         # --- one accepted step -------------------------------------------------------------------------
         while True:
             left = W[T_STOP] - t
@@ -256,7 +252,7 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
                     jacobian(I, W, t, h)
                     have_jacobian = True
                 error = rosenbrock_step(I, W, t, h)
-                ratio, limit, power = 0.0, 1.0, 0.25
+                ratio, limit, power = 0.0, 1.0, 0.2
             if error <= 1.0:
                 break
             rejected_before = True
@@ -291,18 +287,20 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
                 I[DENSE_TERMS] = 8
             else:
                 rosenbrock_dense(I, W)
-                I[DENSE_TERMS] = 4
+                I[DENSE_TERMS] = 5
             dense = True
         if I[N_EVENTS] > 0:
-            crossing = first_crossing(I, W, t, h)
-        if I[METHOD] == 1 and crossing <= 1.0 and I[CLOSE] == 0 and crossing * h > 1e-6:
-            W[STEP] = NEAR * crossing * h  # its dense output is of low order: come closer and look again
-            I[CLOSE] = 2
-            I[REJECTED] += 1
-            continue
-        if I[CLOSE] > 0:
-            I[CLOSE] -= 1
-            W[STEP] = min(W[STEP], 0.25 * h) if I[CLOSE] == 1 else W[STEP]
+            coarse = I[METHOD] == 1 and I[CLOSER] < MOST_CLOSER
+            crossing = first_crossing(I, W, t, h, COARSE if coarse else 0.0)
+            if coarse and crossing < END and crossing * h > 1e-6:
+                W[STEP] = BEHIND * crossing * h
+                I[CLOSER] += 1
+                I[REJECTED] += 1
+                continue
+            if coarse and crossing <= 1.0:
+                crossing = first_crossing(I, W, t, h, 0.0)
+            I[CLOSER] = 0
+        have_jacobian = False
         if crossing <= 1.0:
             h_used = crossing * h
             t_new = t + h_used

@@ -35,9 +35,9 @@ def address(kernel: Kernel | None) -> int:
         source = Path(kernel.__code__.co_filename)
         try:
             with fresh(Path(FunctionCache(kernel).cache_path), source.parent):
-                _compiled[kernel] = cfunc(SIGNATURE, cache=True, error_model="numpy")(kernel)
+                _compiled[kernel] = cfunc(SIGNATURE, cache=True, error_model="numpy", forceinline=True)(kernel)
         except (RuntimeError, OSError):  # defined at a prompt, or nowhere to keep the cache
-            _compiled[kernel] = cfunc(SIGNATURE, error_model="numpy")(kernel)
+            _compiled[kernel] = cfunc(SIGNATURE, error_model="numpy", forceinline=True)(kernel)
     return int(_compiled[kernel].address)
 
 

@@ -1,96 +1,65 @@
-"""Linear systems of a stiff step: LU with partial pivoting that skips zeros, and solves with the packed factors.
+"""Linear systems of a stiff step: ``diagonal - J`` factorised and solved along a plan made with the diagram.
 
-Process models couple each state to few others, so most of the matrix and of its factors is zero.
+Process models couple each state to few others; ``engine.elimination`` orders them so that hardly any entry is added.
+Rows are not exchanged: with a shorter step the diagonal dominates, and a step spoilt by a poor factorisation is
+rejected for its error like any other.
 """
 
 from numba import njit
 
-from engine.layout import N_STATES, O_JAC, O_LU, O_PIVOT
+from engine.layout import L_BACKWARD, L_DIAGONAL, L_FACTOR, L_FORWARD, L_PLACE, N_FACTORS, N_JAC, N_STATES, O_JAC, O_LU
 
 
 @njit(cache=True, error_model="numpy")
 def factorise(I, W, diagonal):  # type: ignore[no-untyped-def]
-    """LU-factorise ``diagonal - J`` and pack the factors; return whether the matrix is regular."""
-    n = I[N_STATES]
-    jac, lu, pivot = I[O_JAC], I[O_LU], I[O_PIVOT]
-    columns = pivot + n  # scratch: nonzero columns of the pivot row
-    for i in range(n * n):
-        W[lu + i] = -W[jac + i]
+    """Factorise ``diagonal - J``; return whether that went well.  The factors hold inverse diagonals."""
+    n, lu, jac = I[N_STATES], I[O_LU], I[O_JAC]
+    for k in range(I[N_FACTORS]):
+        W[lu + k] = 0.0
+    places, diagonals = I[L_PLACE], I[L_DIAGONAL]
+    for k in range(I[N_JAC]):
+        W[lu + I[places + k]] = -W[jac + k]
     for i in range(n):
-        W[lu + i * n + i] += diagonal
-    for col in range(n):
-        best = col
-        for i in range(col + 1, n):
-            if abs(W[lu + i * n + col]) > abs(W[lu + best * n + col]):
-                best = i
-        W[pivot + col] = best
-        if W[lu + best * n + col] == 0.0:
+        W[lu + I[diagonals + i]] += diagonal
+    at = I[L_FACTOR]
+    for _ in range(n):
+        lefts = I[at]
+        at += 1
+        for _ in range(lefts):
+            place, count = lu + I[at], I[at + 2]
+            share = W[place] * W[lu + I[at + 1]]
+            W[place] = share
+            at += 3
+            for _ in range(count):
+                W[lu + I[at]] -= share * W[lu + I[at + 1]]
+                at += 2
+        pivot = W[lu + I[at]]
+        if not abs(pivot) > 0.0:
             return False
-        if best != col:
-            for j in range(n):
-                keep = W[lu + col * n + j]
-                W[lu + col * n + j] = W[lu + best * n + j]
-                W[lu + best * n + j] = keep
-        count = 0
-        for j in range(col + 1, n):
-            if W[lu + col * n + j] != 0.0:
-                W[columns + count] = j
-                count += 1
-        inverse = 1.0 / W[lu + col * n + col]
-        for i in range(col + 1, n):
-            if W[lu + i * n + col] != 0.0:
-                factor = W[lu + i * n + col] * inverse
-                W[lu + i * n + col] = factor
-                for m in range(count):
-                    j = int(W[columns + m])
-                    W[lu + i * n + j] -= factor * W[lu + col * n + j]
-    _pack(I, W)
+        W[lu + I[at]] = 1.0 / pivot
+        at += 1
     return True
 
 
 @njit(cache=True, error_model="numpy")
-def _pack(I, W):  # type: ignore[no-untyped-def]
-    """Write, row after row, how many entries L and U have left and right of the diagonal, and (column, value) each."""
-    n = I[N_STATES]
-    lu, at = I[O_LU], I[O_PIVOT] + n
-    for i in range(n):
-        for side in range(2):
-            head = at
-            at += 1
-            first, stop = (0, i) if side == 0 else (i + 1, n)
-            for j in range(first, stop):
-                value = W[lu + i * n + j]
-                if value != 0.0:
-                    W[at] = j
-                    W[at + 1] = value
-                    at += 2
-            W[head] = at  # where the next list begins
-
-
-@njit(cache=True, error_model="numpy")
 def solve(I, W, b):  # type: ignore[no-untyped-def]
-    """Solve in place with the packed factors for the right-hand side at ``W[b]``."""
-    n = I[N_STATES]
-    lu, pivot = I[O_LU], I[O_PIVOT]
-    for i in range(n):
-        swap = int(W[pivot + i])
-        if swap != i:
-            keep = W[b + i]
-            W[b + i] = W[b + swap]
-            W[b + swap] = keep
-    at = pivot + n
-    upper = pivot + n * (2 * n + 3)  # scratch: where the U list of each row begins
-    for i in range(n):
-        end = int(W[at])
+    """Solve in place for the right-hand side at ``W[b]``."""
+    n, lu = I[N_STATES], I[O_LU]
+    at = I[L_FORWARD]
+    for _ in range(n):
+        i, place, count = I[at], lu + I[at + 1], I[at + 2]
+        at += 3
         total = W[b + i]
-        for m in range(at + 1, end, 2):
-            total -= W[m + 1] * W[b + int(W[m])]
+        for m in range(count):
+            total -= W[place + m] * W[b + I[at + m]]
         W[b + i] = total
-        W[upper + i] = end
-        at = int(W[end])
-    for i in range(n - 1, -1, -1):
-        start = int(W[upper + i])
+        at += count
+    at = I[L_BACKWARD]
+    for _ in range(n):
+        i, place, count = I[at], lu + I[at + 1], I[at + 2]
+        at += 3
         total = W[b + i]
-        for m in range(start + 1, int(W[start]), 2):
-            total -= W[m + 1] * W[b + int(W[m])]
-        W[b + i] = total / W[lu + i * n + i]
+        for m in range(count):
+            total -= W[place + 1 + m] * W[b + I[at + m]]
+        W[b + i] = total * W[place]
+        at += count

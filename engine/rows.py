@@ -24,6 +24,7 @@ from engine.layout import (
     O_S,
     O_X,
     ROW,
+    STILL,
     WIRES,
     D,
     H,
@@ -76,7 +77,7 @@ def _chunk_signals(I, W, row, times, first, count):  # type: ignore[no-untyped-d
     kind, where, d, p, y, u = I[row + KIND], I[row + A_OUT], I[row + D], I[row + P], I[row + Y], I[row + U]
     wires, gathered = I[row + WIRES], I[row + GATHER]
     direct = gathered == 0 and I[row + NU] == 1
-    if kind == CONTINUOUS:
+    if kind == CONTINUOUS and not I[row + STILL]:
         for r in range(count):
             base = cs + r * ns
             for i in range(gathered):

@@ -6,43 +6,30 @@ All functions work on the two arrays of ``engine.layout``; the states they see a
 import numpy as np
 from numba import njit
 
-from engine.call import call, pointer_to
+from engine.call import call
 from engine.delay import delayed
 from engine.layout import (
-    A_DER,
-    A_OUT,
-    A_ZC,
-    CONTINUOUS,
-    DEAD_TIME,
-    FEEDS,
     GATHER,
     HAS_RATES,
-    KIND,
-    N_BLOCKS,
     N_SIGNALS,
     N_STATES,
-    NG,
     NU,
-    NX,
     O_F,
-    O_G,
     O_RATE,
     O_S,
     O_TMP,
     O_X,
+    P_EVENT_SIGNALS,
+    P_EVENTS,
+    P_MOVING,
+    P_RATES,
+    P_SIGNALS,
     RATES,
     RHS,
     T_LEFT,
     WIRES,
-    D,
-    G,
-    H,
-    P,
-    R,
     T,
     U,
-    X,
-    Y,
 )
 
 
@@ -57,46 +44,43 @@ def gather(I, W, row):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def signals(I, W, t):  # type: ignore[no-untyped-def]
-    """Compute every signal at time ``t`` from the states at ``W[O_X]``."""
+def play(I, W, t, program):  # type: ignore[no-untyped-def]
+    """Carry out the calls of a program (``engine.layout``) at time ``t``; ``program`` is its place in the header."""
     if t > W[T_LEFT]:
         t = W[T_LEFT]
-    x, s = I[O_X], I[O_S]
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
-        kind = I[row + KIND]
-        if kind == CONTINUOUS:
-            if I[row + FEEDS]:
-                u = I[row + U]
-                wires = I[row + WIRES]
-                for i in range(I[row + GATHER]):
-                    W[u + i] = W[s + I[wires + i]]
-            call(I[row + A_OUT], t, W, x + I[row + X], I[row + D], I[row + U], I[row + P], s + I[row + Y])
-        elif kind == DEAD_TIME:
-            W[s + I[row + Y]] = delayed(I, W, row, t)
+    at = I[program]
+    for _ in range(I[program + 1]):
+        where, x, d, u, p, out, count = I[at], I[at + 1], I[at + 2], I[at + 3], I[at + 4], I[at + 5], I[at + 6]
+        at += 7
+        for i in range(count):
+            W[u + i] = W[I[at + i]]
+        at += count
+        if where != 0:
+            call(where, t, W, x, d, u, p, out)
+        else:
+            W[out] = delayed(I, W, x, t)
+
+
+@njit(cache=True, error_model="numpy")
+def signals(I, W, t):  # type: ignore[no-untyped-def]
+    """Compute every signal at time ``t`` from the states at ``W[O_X]``."""
+    play(I, W, t, P_SIGNALS)
 
 
 @njit(cache=True, error_model="numpy")
 def rates(I, W, t):  # type: ignore[no-untyped-def]
-    """Compute every signal and every state rate at time ``t`` from the states at ``W[O_X]``."""
-    signals(I, W, t)
-    if t > W[T_LEFT]:
-        t = W[T_LEFT]
+    """Compute every state rate at time ``t`` from the states at ``W[O_X]``, and the signals needed for them."""
     I[RHS] += 1
-    x, f, s = I[O_X], I[O_F], I[O_S]
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
-        if I[row + NX] > 0:
-            u = I[row + U]
-            wires = I[row + WIRES]
-            for i in range(I[row + GATHER]):
-                W[u + i] = W[s + I[wires + i]]
-            call(I[row + A_DER], t, W, x + I[row + X], I[row + D], u, I[row + P], f + I[row + X])
+    play(I, W, t, P_MOVING)
+    play(I, W, t, P_RATES)
 
 
 @njit(cache=True, error_model="numpy")
 def signal_rates(I, W, t, scale):  # type: ignore[no-untyped-def]
-    """Estimate d(signal)/dt along the flow by one shifted sweep; needs ``W[O_F]`` and the signals at ``t``."""
+    """Estimate d(signal)/dt along the flow by one shifted sweep; needs ``W[O_F]`` and the signals at ``t``.
+
+    Only signals that event functions need are looked at.
+    """
     n, ns = I[N_STATES], I[N_SIGNALS]
     x, f, s, r, tmp = I[O_X], I[O_F], I[O_S], I[O_RATE], I[O_TMP]
     shift = 1e-6 * max(scale, 1e-3 * (1.0 + 1e-6 * abs(t)))
@@ -108,7 +92,7 @@ def signal_rates(I, W, t, scale):  # type: ignore[no-untyped-def]
         W[x + i] += shift * W[f + i]
     for i in range(ns):
         W[r + i] = W[s + i]
-    signals(I, W, t + shift)
+    play(I, W, t + shift, P_EVENT_SIGNALS)
     for i in range(ns):
         now = W[s + i]
         W[s + i] = W[r + i]
@@ -129,35 +113,14 @@ def gather_with_rates(I, W, row):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def event_functions(I, W, t):  # type: ignore[no-untyped-def]
-    """Evaluate all event functions at ``t``; signals (and rates, where asked for) must be current."""
-    if t > W[T_LEFT]:
-        t = W[T_LEFT]
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
-        if I[row + NG] > 0:
-            gather_with_rates(I, W, row)
-            call(
-                I[row + A_ZC],
-                t,
-                W,
-                I[O_X] + I[row + X],
-                I[row + D],
-                I[row + U],
-                I[row + P],
-                I[O_G] + I[row + G],
-            )
-
-
-@njit(cache=True, error_model="numpy")
 def evaluate_events(I, W, t, scale):  # type: ignore[no-untyped-def]
     """Bring signals, rates (where asked for) and event functions up to date at ``t``."""
     if I[HAS_RATES]:
         rates(I, W, t)
         signal_rates(I, W, t, scale)
     else:
-        signals(I, W, t)
-    event_functions(I, W, t)
+        play(I, W, t, P_EVENT_SIGNALS)
+    play(I, W, t, P_EVENTS)
 
 
 @njit(cache=True, error_model="numpy")
@@ -179,9 +142,3 @@ def resolution(t):  # type: ignore[no-untyped-def]
 def clock(W):  # type: ignore[no-untyped-def]
     """Return the smallest time difference that the present time can resolve [s]."""
     return resolution(W[T])
-
-
-@njit(cache=True, error_model="numpy")
-def refresh(ints, floats, t):  # type: ignore[no-untyped-def]
-    """Compute every signal at ``t``, called from Python with the arrays themselves."""
-    signals(pointer_to(ints), pointer_to(floats), t)

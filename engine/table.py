@@ -1,49 +1,16 @@
 """From a list of blocks to the two arrays of ``engine.layout``."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from engine import layout as at
-from engine.call import Kernel, address
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-
-@dataclass(frozen=True)
-class FlatBlock:
-    """One block as the engine sees it: kernels, sizes, start values, and which signals it reads.
-
-    ``wires`` and ``first_signal`` are indices into the signals of the whole diagram.  ``host`` runs a hosted
-    block in Python: ``init(p) -> state`` and ``step(t, state, u, p) -> (state, y)``.
-    """
-
-    name: str
-    kind: int
-    p: Floats
-    x0: Floats
-    d0: Floats
-    y0: Floats
-    wires: tuple[int, ...]
-    first_signal: int
-    out: Kernel | None = None
-    der: Kernel | None = None
-    zc: Kernel | None = None
-    jump: Kernel | None = None
-    step: Kernel | None = None
-    next_time: Kernel | None = None
-    n_events: int = 0
-    rates: bool = False
-    feeds: bool = True
-    logged: bool = False
-    period_at: int = -1  # where the sampling period stands in p
-    offset_at: int = -1  # where the first sampling instant stands in p
-    capacity: int = 0  # of the delay ring
-    host: Any = None
+from engine.call import address
+from engine.elimination import eliminate
+from engine.flat import FlatBlock, Floats, Ints
+from engine.program import Programs
+from engine.structure import analyse
 
 
 @dataclass(frozen=True)
@@ -65,24 +32,6 @@ class Component:
     hosted: tuple[int, ...] = field(default=())
 
 
-def _reach(rows: Sequence[FlatBlock]) -> list[tuple[list[int], list[int]]]:
-    """Return for each block whose outputs and whose rates its states reach without passing another state."""
-    driver = {block.first_signal + j: i for i, block in enumerate(rows) for j in range(len(block.y0))}
-    found: list[tuple[list[int], list[int]]] = []
-    for number, block in enumerate(rows):
-        if not len(block.x0):
-            found.append(([], []))
-            continue
-        outs = [number]
-        for i, other in enumerate(rows):  # in flow order, so one pass is enough
-            follows = i != number and other.kind == at.CONTINUOUS and other.feeds
-            if follows and any(driver[w] in outs for w in other.wires):
-                outs.append(i)
-        ders = [i for i, b in enumerate(rows) if len(b.x0) and (i == number or any(driver[w] in outs for w in b.wires))]
-        found.append((outs, ders))
-    return found
-
-
 def build(
     blocks: Sequence[FlatBlock], members: Sequence[int], columns: Sequence[int], capacity: int = 2048
 ) -> Component:
@@ -97,6 +46,8 @@ def build(
     ns = len(local)
     nd = sum(len(b.d0) for b in rows)
     size = at.HF
+    shape = analyse(rows)
+    order = eliminate(n, shape.entries)
 
     def stretch(length: int) -> int:
         nonlocal size
@@ -106,10 +57,10 @@ def build(
 
     header = np.zeros(at.H, dtype=np.int64)
     header[at.N_BLOCKS], header[at.N_STATES] = len(rows), n
-    header[at.N_SIGNALS], header[at.N_EVENTS], header[at.N_D] = ns, ng, nd
+    header[at.N_SIGNALS], header[at.N_EVENTS] = ns, ng
     lengths = {
         at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: 8 * n, at.O_TMP: n,
-        at.O_JAC: n * n, at.O_LU: n * n, at.O_PIVOT: n * (2 * n + 4) + 2, at.O_DFDT: n,
+        at.O_JAC: len(shape.entries), at.O_LU: order.size, at.O_DFDT: n,
         at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
         at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: at.RESTARTS, at.O_CX: at.CHUNK * n,
         at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in rows] or [0]),
@@ -134,6 +85,7 @@ def build(
         row[at.NU], row[at.NY], row[at.NX] = len(block.wires), len(block.y0), len(block.x0)
         row[at.ND], row[at.NG] = len(block.d0), block.n_events
         row[at.RATES], row[at.FEEDS], row[at.LOGGED] = block.rates, block.feeds, block.logged
+        row[at.STILL] = shape.still[number]
         direct = len(block.wires) == 1 and not block.rates
         row[at.U] = header[at.O_S] + local[block.wires[0]] if direct else stretch(2 * len(block.wires))
         row[at.GATHER] = 0 if direct else len(block.wires)
@@ -159,10 +111,44 @@ def build(
             (int(row[at.NEXT_TIME]), np.array([np.inf, np.inf])),
         ]
         x_next, d_next, g_next = x_next + len(block.x0), d_next + len(block.d0), g_next + block.n_events
-    for number, (outs, ders) in enumerate(_reach(rows)):
-        for lists, start, length in ((outs, at.J_OUT, at.N_J_OUT), (ders, at.J_DER, at.N_J_DER)):
-            table[number, start], table[number, length] = wires_start + len(wires), len(lists)
-            wires += [at.H + other * at.R for other in lists]
+
+    def keep(numbers: Iterable[int]) -> int:
+        """Append integers behind the wires; return where they begin."""
+        start = wires_start + len(wires)
+        wires.extend(numbers)
+        return start
+
+    programs = Programs(rows, header, table, [[local[w] for w in block.wires] for block in rows])
+
+    def program(kernel: int, numbers: Iterable[int]) -> tuple[int, int]:
+        """Append a program; return where it begins and how many calls it holds."""
+        calls = programs.calls(kernel, numbers)
+        return keep(place for call in calls for place in call), len(calls)
+
+    for number, (outs, ders) in enumerate(shape.follows):
+        row = table[number]
+        row[at.J_OUT : at.J_OUT + 2] = program(at.A_OUT, outs)
+        row[at.J_DER : at.J_DER + 2] = program(at.A_DER, ders)
+        changed = [int(table[o, at.Y]) + j for o in outs for j in range(int(table[o, at.NY]))]
+        row[at.J_BACK : at.J_BACK + 2] = keep(changed), len(changed)
+        states_there = [int(table[o, at.X]) + j for o in ders for j in range(int(table[o, at.NX]))]
+        row[at.J_ROWS : at.J_ROWS + 2] = keep(states_there), len(states_there)
+    everything = [i for i, block in enumerate(rows) if block.kind in (at.CONTINUOUS, at.DEAD_TIME)]
+    with_states = [i for i, block in enumerate(rows) if len(block.x0)]
+    with_events = [i for i, block in enumerate(rows) if block.n_events]
+    for place, kernel, numbers in (
+        (at.P_SIGNALS, at.A_OUT, everything),
+        (at.P_MOVING, at.A_OUT, shape.for_rates),
+        (at.P_EVENT_SIGNALS, at.A_OUT, shape.for_events),
+        (at.P_RATES, at.A_DER, with_states),
+        (at.P_EVENTS, at.A_ZC, with_events),
+    ):
+        header[place : place + 2] = program(kernel, numbers)
+    header[at.TIMED] = shape.timed
+    header[at.L_PLACE], header[at.N_JAC] = keep(order.places), len(order.places)
+    header[at.L_DIAGONAL], header[at.N_FACTORS] = keep(order.diagonals), order.size
+    header[at.L_FACTOR], header[at.L_FORWARD] = keep(order.factor), keep(order.forward)
+    header[at.L_BACKWARD] = keep(order.backward)
     header[at.L_WIRES] = wires_start + len(wires)
     header[at.N_LOG] = len(columns)
     header[at.HAS_RATES] = any(b.rates and b.n_events for b in rows)

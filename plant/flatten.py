@@ -12,7 +12,8 @@ import numpy as np
 
 from blocks.block import Block
 from engine import layout as at
-from engine.table import Component, FlatBlock, Floats, Ints, build
+from engine.flat import FlatBlock, Floats, Ints
+from engine.table import Component, build
 
 if TYPE_CHECKING:
     from plant.diagram import Diagram

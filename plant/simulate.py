@@ -194,6 +194,7 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
     status = Status.OK
     blamed = ""
     for component, outcome in zip(laid.components, outcomes, strict=True):
+        outcome.log.flags.writeable = False  # so that the log need not copy it
         for column, row in zip(component.columns, outcome.log, strict=True):
             columns[column] = row
         for t, b, before, after in outcome.events.tolist():

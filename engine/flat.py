@@ -1,0 +1,44 @@
+"""One block as the engine sees it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from engine.call import Kernel
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class FlatBlock:
+    """One block as the engine sees it: kernels, sizes, start values, and which signals it reads.
+
+    ``wires`` and ``first_signal`` are indices into the signals of the whole diagram.  ``host`` runs a hosted
+    block in Python: ``init(p) -> state`` and ``step(t, state, u, p) -> (state, y)``.
+    """
+
+    name: str
+    kind: int
+    p: Floats
+    x0: Floats
+    d0: Floats
+    y0: Floats
+    wires: tuple[int, ...]
+    first_signal: int
+    out: Kernel | None = None
+    der: Kernel | None = None
+    zc: Kernel | None = None
+    jump: Kernel | None = None
+    step: Kernel | None = None
+    next_time: Kernel | None = None
+    n_events: int = 0
+    rates: bool = False
+    feeds: bool = True
+    logged: bool = False
+    period_at: int = -1  # where the sampling period stands in p
+    offset_at: int = -1  # where the first sampling instant stands in p
+    capacity: int = 0  # of the delay ring
+    host: Any = None

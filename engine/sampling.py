@@ -1,0 +1,97 @@
+"""Sampled blocks: when each is due, and what happens at a sampling instant."""
+
+import numpy as np
+from numba import njit
+
+from engine.call import call
+from engine.layout import (
+    A_STEP,
+    COUNT,
+    EVENTS_SEEN,
+    FEEDS,
+    KIND,
+    N_BLOCKS,
+    ND,
+    O_S,
+    O_SCRATCH,
+    O_X,
+    OFFSET,
+    PERIOD,
+    SAMPLED,
+    SEEN,
+    D,
+    H,
+    P,
+    R,
+    T,
+    U,
+    X,
+    Y,
+)
+from engine.sweep import clock, gather, signals
+
+
+@njit(cache=True, error_model="numpy")
+def sample(I, W):  # type: ignore[no-untyped-def]
+    """Run the sampled blocks that are due now: those without feedthrough publish first, then all in flow order."""
+    publish(I, W)
+    for b in range(I[N_BLOCKS]):
+        take(I, W, H + b * R)
+
+
+@njit(cache=True, error_model="numpy")
+def publish(I, W):  # type: ignore[no-untyped-def]
+    """Let the sampled blocks that are due and need no input for it write their outputs, memories untouched."""
+    signals(I, W, W[T])
+    now = W[T] + clock(W)
+    for b in range(I[N_BLOCKS]):
+        row = H + b * R
+        if I[row + KIND] == SAMPLED and not I[row + FEEDS] and due(I, W, row) <= now:
+            for i in range(I[row + ND]):
+                W[I[O_SCRATCH] + i] = W[I[row + D] + i]
+            run_step(I, W, row)
+            for i in range(I[row + ND]):
+                W[I[row + D] + i] = W[I[O_SCRATCH] + i]
+
+
+@njit(cache=True, error_model="numpy")
+def take(I, W, row):  # type: ignore[no-untyped-def]
+    """Take the sample of one block if it is due."""
+    if I[row + KIND] == SAMPLED and due(I, W, row) <= W[T] + clock(W):
+        signals(I, W, W[T])
+        run_step(I, W, row)
+        I[row + COUNT] += 1
+
+
+@njit(cache=True, error_model="numpy")
+def due(I, W, row):  # type: ignore[no-untyped-def]
+    """Return the next sampling instant of a block, counted, so that rounding cannot drift."""
+    return W[I[row + OFFSET]] + I[row + COUNT] * W[I[row + PERIOD]]
+
+
+@njit(cache=True, error_model="numpy")
+def run_step(I, W, row):  # type: ignore[no-untyped-def]
+    """Take one sample of one block: new memory, new held outputs."""
+    gather(I, W, row)
+    call(
+        I[row + A_STEP],
+        W[T],
+        W,
+        I[O_X] + I[row + X],
+        I[row + D],
+        I[row + U],
+        I[row + P],
+        I[O_S] + I[row + Y],
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def begin_run(I, W):  # type: ignore[no-untyped-def]
+    """Count the samples that lie before the start, or at it if the run continues one that has taken them."""
+    for b in range(I[N_BLOCKS]):
+        row = H + b * R
+        if I[row + KIND] == SAMPLED:
+            I[row + COUNT] = max(0, int(np.ceil((W[T] - W[I[row + OFFSET]]) / W[I[row + PERIOD]] - 1e-9)))
+            if due(I, W, row) <= W[SEEN] + clock(W):
+                I[row + COUNT] += 1
+    I[EVENTS_SEEN] = -2

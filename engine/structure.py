@@ -1,0 +1,132 @@
+"""What the wiring of a component says before any number is known.
+
+Which blocks follow which state at once, which stand still between two instants, which must be evaluated for the
+state rates or for the event functions only, and where the Jacobian can be other than zero.  All of it is worked out
+once per diagram, in plain Python.
+"""
+
+import dis
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from types import FunctionType
+
+from engine import layout as at
+from engine.call import Kernel
+from engine.flat import FlatBlock
+
+Pair = tuple[int, int]  # (row, column) of the Jacobian
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Numbers of blocks (in signal-flow order) and of states.
+
+    ``follows[b]``: the blocks whose outputs and those whose rates follow the states of block ``b`` at once.
+    ``still[b]``: the outputs of block ``b`` change at instants only.  ``for_rates``, ``for_events``: the moving blocks
+    needed there.  ``timed``: the rates depend on time directly.  ``entries``: (row, column) of the Jacobian, in the
+    order in which it is filled.
+    """
+
+    follows: tuple[tuple[list[int], list[int]], ...]
+    still: tuple[bool, ...]
+    for_rates: tuple[int, ...]
+    for_events: tuple[int, ...]
+    timed: bool
+    entries: tuple[Pair, ...]
+
+
+def analyse(rows: Sequence[FlatBlock]) -> Structure:
+    """Return the structure of a component of these blocks, in signal-flow order."""
+    driver = {block.first_signal + j: i for i, block in enumerate(rows) for j in range(len(block.y0))}
+    follows = tuple(_follows(rows, driver, number) for number in range(len(rows)))
+    still = _still(rows, driver)
+    has_events = [number for number, block in enumerate(rows) if block.n_events]
+    has_states = [number for number, block in enumerate(rows) if len(block.x0)]
+    first, total = [], 0
+    for block in rows:
+        first.append(total)
+        total += len(block.x0)
+    entries = []
+    for number in has_states:
+        for column in range(first[number], first[number] + len(rows[number].x0)):
+            for other in follows[number][1]:
+                entries += [(row, column) for row in range(first[other], first[other] + len(rows[other].x0))]
+    return Structure(
+        follows=follows,
+        still=still,
+        for_rates=_needed(rows, driver, still, has_states + has_events),
+        for_events=_needed(rows, driver, still, has_events),
+        timed=any(_timed(block) for block in rows),
+        entries=tuple(entries),
+    )
+
+
+def _follows(rows: Sequence[FlatBlock], driver: dict[int, int], number: int) -> tuple[list[int], list[int]]:
+    if not len(rows[number].x0):
+        return [], []
+    outs = [number]
+    for i, other in enumerate(rows):  # in flow order, so one pass is enough
+        if i != number and _passes_on(other) and any(driver[w] in outs for w in other.wires):
+            outs.append(i)
+    ders = [i for i, b in enumerate(rows) if len(b.x0) and (i == number or any(driver[w] in outs for w in b.wires))]
+    return outs, ders
+
+
+def _passes_on(block: FlatBlock) -> bool:
+    """Return whether the outputs follow the inputs at the same instant."""
+    return block.kind == at.CONTINUOUS and block.feeds
+
+
+def _still(rows: Sequence[FlatBlock], driver: dict[int, int]) -> tuple[bool, ...]:
+    """Return for each block whether its outputs stay as they are between two instants."""
+    still: list[bool] = []
+    for block in rows:
+        if block.kind in (at.SAMPLED, at.HOSTED):
+            still.append(True)
+        elif block.kind == at.DEAD_TIME or len(block.x0) or block.n_events or _reads_time(block.out):
+            still.append(False)
+        else:
+            still.append(all(driver[w] < len(still) and still[driver[w]] for w in block.wires) if block.feeds else True)
+    return tuple(still)
+
+
+def _needed(
+    rows: Sequence[FlatBlock], driver: dict[int, int], still: Sequence[bool], readers: Sequence[int]
+) -> tuple[int, ...]:
+    """Return the moving blocks whose outputs reach the readers at the same instant, in flow order."""
+    wanted = {w for number in readers for w in rows[number].wires}
+    found = []
+    for number in range(len(rows) - 1, -1, -1):
+        block = rows[number]
+        if not still[number] and any(block.first_signal + j in wanted for j in range(len(block.y0))):
+            found.append(number)
+            if _passes_on(block):
+                wanted.update(block.wires)
+    return tuple(reversed(found))
+
+
+def _timed(block: FlatBlock) -> bool:
+    if block.kind == at.DEAD_TIME:
+        return True
+    return block.kind == at.CONTINUOUS and (_reads_time(block.out) or _reads_time(block.der))
+
+
+@cache
+def _reads_time(kernel: Kernel | None) -> bool:
+    """Return whether a kernel looks at its first argument, the time, or hands it to a function that does."""
+    if kernel is None:
+        return False
+    code, known = kernel.__code__, kernel.__globals__
+    name = code.co_varnames[0]
+    called: object = None  # the function whose arguments follow
+    for step in dis.get_instructions(code):
+        names = step.argval if isinstance(step.argval, tuple) else (step.argval,)
+        if step.opname == "LOAD_GLOBAL":
+            called = known.get(step.argval)
+        elif step.opname.startswith("LOAD"):
+            handed_on = names[0] == name and isinstance(called, FunctionType) and not _reads_time(called)
+            if name in names[1 if handed_on else 0 :]:
+                return True
+            called = None
+    return False
