@@ -7,22 +7,27 @@ valves       StickSlip QuasiStaticStem (physical)   KanoValve ChoudhuryValve HeV
 processes    FirstOrder SecondOrder Integrator DeadTime
 sensors      Sensor SampledSensor
 arithmetic   Sum Gain Limit
+plant        Separator Scrubber ControlValveFlow GasValveFlow CheckValve FlowResistance Plenum Compressor
+             (CubicMap, TabulatedMap) AntiSurge Shaft GasTurbine Flare
 """
 
 from blocks.anti_surge import AntiSurge
 from blocks.arithmetic import Gain, Limit, Sum
 from blocks.block import Block, Host, Kernels
 from blocks.characteristic import Characteristic
+from blocks.check_valve import CheckValve
 from blocks.chen_valve import ChenValve
 from blocks.choudhury_valve import ChoudhuryValve
 from blocks.compressor import Compressor
-from blocks.compressor_map import CubicMap, TabulatedMap
+from blocks.compressor_map import CubicMap
 from blocks.control_valve_flow import ControlValveFlow
 from blocks.dead_time import DeadTime
 from blocks.deadband import Deadband
 from blocks.first_order import FirstOrder
 from blocks.flare import Flare
 from blocks.flow_resistance import FlowResistance
+from blocks.gas_turbine import GasTurbine
+from blocks.gas_valve_flow import GasValveFlow
 from blocks.he_valve import HeValve
 from blocks.ideal_valve import IdealValve
 from blocks.integrator import Integrator
@@ -43,6 +48,7 @@ from blocks.shaft import Shaft
 from blocks.sources import Constant, Ramp, Step
 from blocks.stenman_valve import StenmanValve
 from blocks.stick_slip import StickSlip
+from blocks.tabulated_map import TabulatedMap
 
 __all__ = [
     "PI",
@@ -50,6 +56,7 @@ __all__ = [
     "Block",
     "BlockError",
     "Characteristic",
+    "CheckValve",
     "ChenValve",
     "ChoudhuryValve",
     "Compressor",
@@ -62,6 +69,8 @@ __all__ = [
     "Flare",
     "FlowResistance",
     "Gain",
+    "GasTurbine",
+    "GasValveFlow",
     "HeValve",
     "Host",
     "IdealValve",

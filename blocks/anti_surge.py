@@ -14,6 +14,7 @@ Source: thesis section 3.5.1 (a PI controller whose gain grows towards the surge
 the gain and the margin 1.18 are engineering choices.  The thesis's extra action on fast gradients is left out.
 Conditional integration, as in the level and pressure loops, would leave the integral where it was when the valve
 shut: the valve then hovers at its limit with every ripple of the flow, far from surge.  Hence back-calculation.
+Valid for a corrected flow that is measured at once; not for: a flow element with noise or lag in front.
 See also: compressor (ports q and q_s), pi.
 """
 

@@ -11,8 +11,9 @@ R     rangeability [-], > 0        leak  flow that passes the shut valve [fracti
 Equal percentage means that equal steps of the stem change the flow by equal percentages: d flow/dx = ln(R) flow.
 The classical law does so exactly, but passes 1/R when shut; the first form is shifted to shut tight, equal
 percentage only approximately, linear for R = 1 and quick opening for R < 1, so that one number R spans all.
-Textbook laws (IEC 60534-2-4 terms).  Valid for the inherent characteristic; the installed one follows from the
-pressure drop of the plant around it.  A static block: MV acts on the flow at once.
+Valid for the inherent characteristic; the installed one follows from the pressure drop of the plant around it.
+A static block: MV acts on the flow at once.
+Source: textbook laws, in the terms of IEC 60534-2-4.
 See also: stick_slip and its siblings (OP to MV), first_order (flow to PV).
 """
 

@@ -13,9 +13,10 @@ m_d, p_ref, w_d, h_d  flow [kg/s], suction pressure [Pa], speed [rad/s] and head
 map       psi and lam, see compressor_map: a cubic by default, or tabulated curves
 
 cpT = c_01^2/(gamma - 1), kappa = (gamma - 1)/gamma.  gamma = c_01^2 W/(R T_c) = 1.3067 for methane at 302.95 K,
-consistent with c_01.  The thesis prints eq. 3.10 with the bracket around p_in - p_out; Psi is a pressure ratio.
-It stands between two plena; with the outlet throttled it surges (Greitzer).  Valid for n > 0.05 (held below).
-Not for: heating of recycled gas, start-up from rest.
+consistent with c_01.  It stands between two plena; with the outlet throttled it surges (Greitzer).
+Valid for n > 0.05 (held below); not for: heating of recycled gas, start-up from rest.
+Source: thesis eq. 3.10, printed with the bracket around p_in - p_out, but Psi is a pressure ratio; map, torque and
+scales are not printed, see compressor_map and the production plant's parameters.
 See also: plenum, shaft, anti_surge, compressor_map.
 """
 
@@ -24,17 +25,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
-from blocks.compressor_map import (
-    CompressorMap,
-    CubicMap,
-    TabulatedMap,
-    cubic,
-    edge,
-    pressure_ratio,
-    tabulated,
-    tabulated_work,
-)
+from blocks.compressor_map import CompressorMap, CubicMap, cubic, pressure_ratio
 from blocks.ports import Port, require
+from blocks.tabulated_map import TabulatedMap, edge, tabulated, tabulated_work
 
 SLOWEST = 0.05  # relative speed below which the map is held
 VACUUM = 1.0  # Pa, keeps q finite where python-control first evaluates a diagram with all signals at zero

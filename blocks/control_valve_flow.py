@@ -9,9 +9,12 @@ p_lam  drop below which the flow becomes laminar [Pa]; the root is |d|^(1/2) sgn
 
 root() is smooth at d = 0, where the bare square root has an infinite slope; at 1 bar it differs by 2.5e-7 of the
 flow.  With ``check_valve`` nothing flows backwards; opening and shutting are located and logged.
-The thesis prints eq. 4.2 with the condition on the pressures reversed.  It uses the incompressible law for gas too.
+A recycle valve is this with unit="kg/s", from discharge to suction of its compressor.
+Source: thesis eqs. 4.1 and 4.2 (printed with the condition on the pressures reversed), sizes in table A.2.  The
+thesis uses the incompressible law for gas too; docs/measured.md says how far that is from IEC 60534.
 Valid for any sign of the drop; not for: choked flow, flashing, a characteristic (put a Characteristic before MV).
-See also: flow_resistance, stick_slip and its siblings (OP to MV).
+See also: gas_valve_flow (gas that expands and chokes), sizing (Kv and Cv), check_valve, flow_resistance, stick_slip
+and its siblings (OP to MV).
 """
 
 import math
@@ -19,7 +22,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
-from blocks.ports import Port, require
+from blocks.ports import BlockError, Port, require
+from blocks.sizing import C_v_from_Kv
 
 OPEN, SHUT = 0.0, 1.0
 
@@ -97,6 +101,25 @@ class ControlValveFlow(Block):
             units={"F": unit},
             **labels,
         )
+
+    @classmethod
+    def from_Kv(cls, Kv: float, density: float, molar_mass: float | None = None, **options: Any) -> "ControlValveFlow":
+        """Return the valve of a data sheet: ``Kv`` [m3/h], for a fluid of ``density`` [kg/m3] before the valve.
+
+        With ``molar_mass`` [kg/mol] the flow is in mol/s, without it in kg/s.  Of a Cv take ``sizing.Kv_from_Cv``.
+        Raises ``BlockError`` unless all are positive, or if ``unit`` says otherwise.
+
+        >>> water = ControlValveFlow.from_Kv(36.0, 999.1)
+        >>> round(float(water.output(0.0, [], [2e5, 1e5, 1.0])[0]), 3), water.units["F"]  # 36 m3/h are 9.991 kg/s
+        (9.991, 'kg/s')
+        """
+        unit = "kg/s" if molar_mass is None else "mol/s"
+        if options.setdefault("unit", unit) != unit:
+            raise BlockError(
+                f"{options.get('name', 'body')}: unit = {options['unit']!r}, but this size is in {unit}; "
+                "give molar_mass for mol/s, leave it out for kg/s"
+            )
+        return cls(C_v_from_Kv(Kv, density, molar_mass), **options)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:

@@ -6,8 +6,9 @@
 in   SP  pressure limit [Pa]    PV  pressure [Pa]         out  OP  flow to the flare [mol/s]
 K_p  gain [mol/s/Pa]            T_i  integral time [s]
 
-A PI controller that acts directly on the flow: no valve, no upper limit, as the thesis assumes.
-Not for: a flare header with its own pressure.  See also: pi, separator (port F_flare).
+A PI controller that acts directly on the flow: no valve, no upper limit.
+Valid for a relief that is always large enough; not for: a flare header with its own pressure.
+Source: thesis section 3.5.4 and table 5.1.  See also: pi, separator (port F_flare).
 """
 
 import math

@@ -5,7 +5,9 @@
 in   p_up, p_down  pressures [Pa]      out  m  flow [kg/s, or the unit given]
 K    flow per root of pressure drop [unit/sqrt(Pa)]        p_lam  drop below which the flow becomes laminar [Pa]
 
-Algebraic: the inertia of the gas in the pipe is left out.  See also: control_valve_flow, compressor (with inertia).
+Algebraic: the inertia of the gas in the pipe is left out.  Valid for both directions; not for: choked flow.
+Source: thesis eq. 4.2 with the valve fixed; the pipes from C3 to C2 and from C2 to C1 [E].
+See also: control_valve_flow, check_valve (one way only), compressor (a duct with inertia).
 """
 
 import math

@@ -9,7 +9,9 @@ All are ``mean`` before ``start`` [s]; triangle and slug begin there in the midd
 do not jump.  ``amplitude`` is half the peak-to-peak value, ``mean`` the average over a period (of a square wave
 only if duty = 0.5).  Jumps and kinks are announced to the engine; on a sine its step is at most period / 24.
 
-Slug flow: liquid collects slowly in a riser and is blown out fast, hence slow rise and fast fall.
+Slug flow: liquid collects slowly in a riser and is blown out fast, hence slow rise and fast fall.  The share of 80 %
+is an engineering choice; the thesis speaks of periods of about ten minutes and takes a sine of 500 s for its slugs.
+Valid for any finite numbers.  Source: thesis sections 1.3 and 5.1.3; textbook signals.
 See also: sources, recorded, noise.
 """
 

@@ -5,8 +5,9 @@
 in   the mass flows named [kg/s]       out  p  pressure [Pa]
 V    volume [m3]       c_01  speed of sound [m/s]
 
-Isentropic filling of an ideal gas.  The thesis prints eq. 3.9 with the right-hand side of 3.8; the outlet plenum
-loses what leaves it: m_c - m_rv - m_out.  Not for: pressures near vacuum, heat.
+Isentropic filling of an ideal gas.  Valid for a constant speed of sound; not for: pressures near vacuum, heat.
+Source: thesis eqs. 3.8 and 3.9.  The thesis prints eq. 3.9 with the right-hand side of 3.8; the outlet plenum loses
+what leaves it: m_c - m_rv - m_out.
 See also: compressor, flow_resistance, separator.
 """
 

@@ -1,11 +1,15 @@
 """Gas cooler and scrubber between separator and compressor: ideal, only their pressure loss is felt.
 
-    p_out = p - dp                                                            (thesis section 3.3, plant notes 1.4)
+    p_out = p - dp
 
 in   p  pressure before the cooler [Pa]    out  p_out  pressure behind the scrubber [Pa]      dp  loss [Pa], >= 0
 
-The gas leaves dry and at the compressor's temperature; what condenses is neglected, as in the thesis.
-The loss is constant.  One that grows with the flow belongs into the flow coefficient of the valve behind it.
+Cooler and scrubber are one block, for the thesis lets them act without dynamics and leaves one extra pressure drop.
+The cooler's fall of temperature is a constant, too: the separator computes with T_sep (308.15 K), plena and compressor
+behind the cooler with the speed of sound c_01 at T_c (302.95 K), so no signal carries it.  What condenses is neglected.
+Valid for a constant loss; one that grows with the flow belongs into the flow coefficient of the valve behind it.
+Not for: the cooler's duty, cooling water, liquid carried over.
+Source: thesis section 3.3; the size of the loss is an engineering choice [E].  See also: separator, plenum.
 """
 
 import math

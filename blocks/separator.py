@@ -16,9 +16,10 @@ V_sep volume [m3]   C_4 boil-off [mol/s/Pa]   p_metV vapour pressure of methane 
 W_oil, W_met molar masses [kg/mol]   rho_oil, rho_met densities [kg/m3]
 
 All methane of the feed arrives dissolved.  F_sep may be negative (gas dissolves again) and keeps its sign.  A second
-separator behind it is fed with F_in = F_L and Z_I = z of the first.  The printed W are in g/mol, which would make
-volumes a thousand times too large; R = 8.31 and the numbers are those of table A.1.
+separator behind it is fed with F_in = F_L and Z_I = z of the first.
 Valid while there is both liquid and gas; not for: heat, water, a separator that runs full (p grows beyond bounds).
+Source: thesis eqs. 3.1 to 3.5 and table A.1.  The printed W are in g/mol, which would make volumes a thousand times
+too large; V_sep of separator 1 and C_4 are not printed.  See also: scrubber, flare, control_valve_flow.
 """
 
 import math

@@ -1,12 +1,14 @@
 """A shaft: a drive turns one or more loads.
 
-    J dw/dt = tau_d - sum of tau_i                                            (thesis eq. 3.11, there I_tot)
+    J dw/dt = tau_d - sum of tau_i
 
 in   tau_d  torque of the drive [N m]      the load torques named [N m]       out  w  speed [rad/s]
 J    moment of inertia of everything that turns [kg m2]
 
-A stiff shaft.  The drive (gas turbine) is whatever gives tau_d: a speed controller's output, a constant.
-Not for: torsion, friction of bearings, a shaft at rest (loads that divide by w).  See also: compressor.
+A stiff shaft.  The drive is whatever gives tau_d: a gas turbine, or at once what a speed controller asks, a constant.
+Valid for a shaft that turns; not for: torsion, friction of bearings, a shaft at rest (loads that divide by w).
+Source: thesis eq. 3.11, there I_tot; the thesis prints no number, J = 20 is calibrated [C].
+See also: gas_turbine, compressor.
 """
 
 import math

@@ -5,7 +5,9 @@
     ramp       y = before + slope (clip(t, start, end) - start)
 
 out  the signal named first, in the unit given.  The instants of steps and kinks are announced to the engine, so
-that no integration step crosses them.  Valid for any finite numbers.  See also: periodic, recorded, noise.
+that no integration step crosses them.  Valid for any finite numbers.
+They are also what a plant ends at, its boundary conditions: a pressure beyond its last valve, a feed, a set point.
+Source: textbook signals.  See also: periodic, recorded, noise.
 """
 
 import math

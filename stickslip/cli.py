@@ -13,7 +13,10 @@ COMMANDS = {
     "check": "read one loop from a file and say whether its valve sticks",
     "simulate": "run a named case and compare its numbers with the published ones",
     "reproduce": "regenerate every table and picture of the thesis, published beside reproduced",
+    "study": "sweep parameters in parallel and draw how oscillation spreads from valve to shaft",
+    "blocks": "list all blocks with ports and units, or show the page of one",
 }
+MODULES = {"blocks": "catalogue"}  # where a command's file is not named after it
 
 HELP = """Sticky control valves: simulate them, find them in routine data.
 
@@ -44,7 +47,7 @@ class Lazy(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
             return None
-        command: click.Command = importlib.import_module(f"stickslip.{name}").command
+        command: click.Command = importlib.import_module(f"stickslip.{MODULES.get(name, name)}").command
         return command
 
     def resolve_command(

@@ -25,6 +25,7 @@ def production_plant(
     feed: Sequence[Block] | None = None,
     stem: str = "quasi_static",
     anti_surge: bool = True,
+    turbine: str = "direct",
     F_in: float | None = None,
     Z_I: float | None = None,
     name: str = "production_plant",
@@ -33,8 +34,9 @@ def production_plant(
 
     Parameters: ``set`` "A", "B" or a ``Production``; ``sticky`` the valves that stick; ``F_s`` their static friction
     [N], or "none", "normal", "high"; ``case`` 1 constant feed, 2 sinusoidal methane fraction about 0.25; ``feed``
-    other blocks that give F_in and Z_I; ``stem`` "quasi_static" or "full" (with mass); ``F_in`` [mol/s] and ``Z_I``
-    where the plant rests at first (default: the design feed, 0.25 in case 2).
+    other blocks that give F_in and Z_I; ``stem`` "quasi_static" or "full" (with mass); ``turbine`` "direct" (torque at
+    once, as in the thesis) or "lag" (a GasTurbine); ``F_in`` [mol/s] and ``Z_I`` where the plant rests at first
+    (default: the design feed, 0.25 in case 2).
 
     Raises ``InfeasibleFeed`` with the numbers if the plant cannot rest there, ``WiringError`` for unknown names.
 
@@ -53,12 +55,14 @@ def production_plant(
     rest = steady_state(plant, F_0, Z_0)
     if feed is None:
         feed = feeds.constant(F_0, Z_0) if case == 1 else feeds.sine(F_0, Z_0)
-    return wire([*feed, *plant_blocks(plant, rest, parts.friction(plant, sticky, F_s), stem, anti_surge)], name=name)
+    blocks = plant_blocks(plant, rest, parts.friction(plant, sticky, F_s), stem, anti_surge, turbine)
+    return wire([*feed, *blocks], name=name)
 
 
 def plant_blocks(
-    plant: Production, rest: Rest, F_s: Mapping[str, float], stem: str = "quasi_static", anti_surge: bool = True
-) -> list[Block]:
+    plant: Production, rest: Rest, F_s: Mapping[str, float], stem: str = "quasi_static", anti_surge: bool = True,
+    turbine: str = "direct",
+) -> list[Block]:  # fmt: skip
     """Return all blocks of the plant but its feed."""
     return [
         *parts.boundaries(plant),
@@ -66,7 +70,7 @@ def plant_blocks(
         *parts.separator(plant, rest, 2, F_s, stem),
         *parts.compressor(plant, rest, 3, F_s, stem, anti_surge=anti_surge),
         *parts.compressor(plant, rest, 2, F_s, stem, anti_surge=anti_surge),
-        *parts.shaft(plant, rest),
+        *parts.shaft(plant, rest, turbine=turbine),
     ]
 
 
@@ -105,14 +109,14 @@ def compressor_2(set: str | Production = "B", *, anti_surge: bool = True) -> Dia
     return wire([*around, *blocks], inputs=["m_G1"], name="compressor_2")
 
 
-def turbine_and_shaft(set: str | Production = "B") -> Diagram:
+def turbine_and_shaft(set: str | Production = "B", *, turbine: str = "direct") -> Diagram:
     """Return the shaft alone with its speed control; inputs open: ``OP_VPCS2``, ``tau_2``, ``tau_3`` [N m].
 
     >>> turbine_and_shaft().open_inputs
     ('OP_VPCS2', 'tau_2', 'tau_3')
     """
     plant = _set(set)
-    blocks = parts.shaft(plant, steady_state(plant))
+    blocks = parts.shaft(plant, steady_state(plant), turbine=turbine)
     return wire(blocks, inputs=["OP_VPCS2", "tau_2", "tau_3"], name="shaft")
 
 

@@ -74,6 +74,15 @@ class Stem:
     F_c: float = 1250.0  # [T] N
 
 
+@dataclass(frozen=True)
+class Turbine:
+    """The gas turbine, where it is more than the torque that SC001 asks (see blocks.gas_turbine)."""
+
+    T: float = 0.2  # [E] s, lag
+    tau_max: float = 25e3  # [E] N m
+    P_max: float = 22e6  # [E] W; the plant takes 13 to 16 MW
+
+
 STICTION: Mapping[str, float] = {"none": 1250.0, "normal": 1750.0, "high": 2250.0}  # [T] F_s [N], table 5.3
 
 
@@ -140,6 +149,7 @@ class Production:
         )
     )
     stem: Stem = field(default_factory=Stem)
+    turbine: Turbine = field(default_factory=Turbine)
     F_in: float = 8000.0  # [E] mol/s, feed of the design point
     Z_I: float = 0.37  # [T] methane fraction of the feed
     dp_scrubber: float = 0.1e5  # [E] Pa

@@ -2,7 +2,7 @@
 
     separator      S1 or S2 with level, pressure and safety controller, its two valves, cooler and scrubber
     compressor     C2 or C3 with plena, recycle valve and anti-surge controller
-    shaft          the shaft, the cascaded speed control that turns it
+    shaft          the shaft, the cascaded speed control and the turbine that turn it
     boundaries     the world outside: C1, C4, the atmosphere
 
 Signals carry the thesis's tags: ``OP_VPCS1`` what controller PCS11 wants of valve VPCS1, ``MV_VPCS1`` where its stem
@@ -22,6 +22,7 @@ from blocks.compressor import Compressor
 from blocks.control_valve_flow import ControlValveFlow
 from blocks.flare import Flare
 from blocks.flow_resistance import FlowResistance
+from blocks.gas_turbine import GasTurbine
 from blocks.ideal_valve import IdealValve
 from blocks.pi import PI
 from blocks.plenum import Plenum
@@ -33,11 +34,12 @@ from blocks.shaft import Shaft
 from blocks.sources import Constant
 from blocks.stick_slip import StickSlip
 from plant.production.parameters import STICTION, Production
-from plant.production.steady_state import Rest
+from plant.production.steady_state import InfeasibleFeed, Rest
 from plant.wiring import WiringError
 
 VALVES = ("VLCS1", "VPCS1", "VLCS2", "VPCS2", "VRVC2", "VRVC3")
 STEMS = ("quasi_static", "full")
+TURBINES = ("direct", "lag")
 Friction = Mapping[str, float]
 
 
@@ -181,11 +183,28 @@ def compressor(
     ]  # fmt: skip
 
 
-def shaft(plant: Production, rest: Rest, loads: Sequence[str] = ("tau_2", "tau_3")) -> list[Block]:
+def shaft(
+    plant: Production, rest: Rest, loads: Sequence[str] = ("tau_2", "tau_3"), turbine: str = "direct"
+) -> list[Block]:
     """Return the shaft with its cascaded speed control: SC002 sets the speed from OP_VPCS2, SC001 the torque.
 
-    Needs ``OP_VPCS2`` and the load torques; gives ``w``, ``w_SP``, ``tau_d``.  The turbine cannot brake.
+    ``turbine``: "direct", the torque is what SC001 asks, as in the thesis; "lag", a GasTurbine stands between
+    (signal ``tau_SP``), with SC001 limited to its rating.  Neither can brake.
+    Needs ``OP_VPCS2`` and the load torques; gives ``w``, ``w_SP``, ``tau_d``.
+    Raises ``WiringError`` for another turbine, ``InfeasibleFeed`` if its rating is below the loads at rest.
     """
+    if turbine not in TURBINES:
+        raise WiringError(f"no turbine is called '{turbine}'; {nearest(turbine, TURBINES)}")
+    asked, highest, drive = "tau_d", math.inf, []
+    if turbine == "lag":
+        data = plant.turbine
+        asked, highest = "tau_SP", min(data.tau_max, data.P_max / rest.w)
+        if rest.tau_d > highest:
+            raise InfeasibleFeed(
+                f"the loads at rest take {rest.tau_d:.5g} N m at {rest.w:.5g} rad/s ({rest.power / 1e6:.4g} MW), but "
+                f"the turbine gives at most {highest:.5g} N m there; lower the feed or raise its tau_max or P_max"
+            )
+        drive = [GasTurbine(data.T, data.tau_max, data.P_max, start=rest.tau_d, inputs=["tau_SP", "w"])]
     return [
         Constant("SP_VPCS2", plant.OP_VPCS2),
         PI(
@@ -193,10 +212,11 @@ def shaft(plant: Production, rest: Rest, loads: Sequence[str] = ("tau_2", "tau_3
             start_op=rest.w, name="SC002", inputs=["SP_VPCS2", "OP_VPCS2"], outputs="w_SP", units={"OP": "rad/s"},
         ),
         PI(
-            plant.K_p_speed, plant.T_i_speed, low=0.0, high=math.inf, anti_windup="conditional",
-            start_op=rest.tau_d, name="SC001", inputs=["w_SP", "w"], outputs="tau_d",
+            plant.K_p_speed, plant.T_i_speed, low=0.0, high=highest, anti_windup="conditional",
+            start_op=rest.tau_d, name="SC001", inputs=["w_SP", "w"], outputs=asked,
             units={"SP": "rad/s", "PV": "rad/s", "OP": "N m"},
         ),
+        *drive,
         Shaft(plant.J, start=rest.w, loads=loads, outputs="w"),
     ]  # fmt: skip
 

@@ -5,11 +5,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from blocks.compressor import Compressor
-from blocks.compressor_map import TabulatedMap
 from blocks.flow_resistance import FlowResistance
 from blocks.plenum import Plenum
 from blocks.ports import BlockError
 from blocks.sources import Constant
+from blocks.tabulated_map import TabulatedMap
 from plant import drive, simulate, wire
 
 W_D = 994.838

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from blocks.block import Block, Kernels
-from blocks.compressor_map import TabulatedMap
 from blocks.ports import BlockError, Port
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.sources import Constant, Step
+from blocks.tabulated_map import TabulatedMap
 from plant import WiringError, simulate, wire
 from plant.production import SET_B, kicked, production_plant
 from plant.production.build import compressor_2, separator_1, turbine_and_shaft

@@ -1,0 +1,236 @@
+"""``stickslip blocks``: every block with its ports, parameters and source, and the page of one of them."""
+
+import inspect
+import math
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stickslip.console import Speaker, json_option, user_errors
+
+if TYPE_CHECKING:
+    from blocks.block import Block
+
+TEXTBOOK = "textbook"
+STEM = "thesis eqs. 4.4 and 4.5"
+SLUGS = "thesis sections 1.3 and 5.1.3"
+
+# group -> block -> source in short; the block's page has it in full
+BLOCKS: Mapping[str, Mapping[str, str]] = {
+    "Signals and boundary conditions": {
+        "Constant": TEXTBOOK, "Step": TEXTBOOK, "Ramp": TEXTBOOK, "Sine": SLUGS, "Square": TEXTBOOK,
+        "Triangle": TEXTBOOK, "Slug": SLUGS, "Staircase": TEXTBOOK, "Recorded": TEXTBOOK, "Noise": "L'Ecuyer 1999",
+    },
+    "Controllers": {
+        "PI": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
+        "AntiSurge": "thesis section 3.5.1, table 5.1", "Flare": "thesis section 3.5.4, table 5.1",
+    },
+    "Valve stems: OP to MV": {
+        "StickSlip": STEM, "QuasiStaticStem": STEM, "KanoValve": "Kano 2004", "ChoudhuryValve": "Choudhury 2005",
+        "HeValve": "He 2007", "ChenValve": "Chen 2008", "StenmanValve": "Stenman 2003",
+        "Deadband": TEXTBOOK, "IdealValve": TEXTBOOK,
+    },
+    "Valve bodies and pipes: MV to flow": {
+        "ControlValveFlow": "thesis eqs. 4.1 and 4.2, table A.2", "GasValveFlow": "IEC 60534-2-1:2011",
+        "Characteristic": "IEC 60534-2-4", "CheckValve": TEXTBOOK, "FlowResistance": "thesis eq. 4.2",
+    },
+    "Plant": {
+        "Separator": "thesis eqs. 3.1 to 3.5, table A.1", "Scrubber": "thesis section 3.3",
+        "Plenum": "thesis eqs. 3.8 and 3.9", "Compressor": "thesis eq. 3.10", "Shaft": "thesis eq. 3.11",
+        "GasTurbine": "Rowen 1983; thesis section 3.5.2",
+    },
+    "Processes of test loops": {
+        "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
+    },
+    "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
+    "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Limit": TEXTBOOK},
+}  # fmt: skip
+
+# what a block cannot be built without, where 1 will not do; the values serve to show its ports
+NEEDED: Mapping[str, Mapping[str, Any]] = {
+    **{name: {"signal": "out"} for name in ("Constant", "Ramp", "Sine", "Square", "Triangle", "Slug")},
+    "Step": {"signal": "out"},
+    "Staircase": {"signal": "out", "levels": [0.0, 1.0], "dwell": 1.0},
+    "Recorded": {"signal": "out", "t": [0.0, 1.0], "values": [0.0, 1.0]},
+    "Noise": {"signal": "out"},
+    "HeValve": {"f_s": 0.04, "f_d": 0.02},
+    "Sum": {"signal": "out", "weights": {"in_1": 1.0, "in_2": 1.0}},
+    "Gain": {"signal": "out", "source": "in"},
+    "Limit": {"signal": "out", "source": "in", "low": 0.0},
+}
+
+HEAD = """# The blocks
+
+One line a block; `stickslip blocks NAME` shows its page: equation, parameters with units, limits, an example.
+Ports without a unit take any. Source `textbook`: no single source. This page is written by
+`stickslip blocks --markdown > docs/blocks.md`.
+"""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One block: what it does, its ports and parameters, its source in short, what its class and its page say."""
+
+    name: str
+    group: str
+    what: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    parameters: Mapping[str, float | None]  # name -> default, None where it must be given
+    states: tuple[str, ...]
+    modes: tuple[str, ...]
+    source: str
+    signature: str
+    about: str
+    page: str
+    example: str
+    file: str
+
+
+@lru_cache(maxsize=1)
+def entries() -> tuple[Entry, ...]:
+    """Return all blocks, in the order of the groups.
+
+    >>> [entry.outputs for entry in entries() if entry.name == "Shaft"]
+    [('w [rad/s]',)]
+    """
+    return tuple(_entry(group, name, short) for group, names in BLOCKS.items() for name, short in names.items())
+
+
+def find(name: str) -> Entry:
+    """Return one block by its name or that of its file; raise ``BlockError`` with the nearest one if there is none.
+
+    >>> find("stick_slip").name, find("gasturbine").name
+    ('StickSlip', 'GasTurbine')
+    """
+    from blocks.ports import BlockError, nearest
+
+    wanted = name.lower().removesuffix(".py")
+    for entry in entries():
+        if wanted in (entry.name.lower(), entry.file.removeprefix("blocks/").removesuffix(".py")):
+            return entry
+    raise BlockError(f"there is no block '{name}'; {nearest(name, [entry.name for entry in entries()])}")
+
+
+def markdown() -> str:
+    """Return the page of all blocks, a table per group."""
+    lines = [HEAD]
+    for group in BLOCKS:
+        lines += [f"## {group}\n", "| block | what | in | out | parameters | source |", "|---|---|---|---|---|---|"]
+        for entry in entries():
+            if entry.group == group:
+                cells = (
+                    f"[{entry.name}](../{entry.file})", entry.what, ", ".join(entry.inputs), ", ".join(entry.outputs),
+                    ", ".join(entry.parameters), entry.source,
+                )  # fmt: skip
+                lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+@click.command("blocks")
+@click.argument("name", required=False)
+@click.option("--markdown", "as_markdown", is_flag=True, help="Print the table of all blocks as Markdown.")
+@json_option
+@user_errors
+def command(name: str | None, as_markdown: bool, json_file: str | None) -> None:
+    """List all blocks with their ports, or show the page of the block NAME.
+
+    \b
+    Examples:
+      stickslip blocks
+      stickslip blocks GasTurbine
+      stickslip blocks --markdown > docs/blocks.md
+
+    \b
+    Exit codes: 0 done, 2 there is no such block.
+    """
+    say = Speaker(json_file)
+    if as_markdown:
+        say(markdown(), nl=False)
+    elif name is None:
+        for group in BLOCKS:
+            say(group, bold=True)
+            found = [entry for entry in entries() if entry.group == group]
+            rows = [[e.name, e.what, ", ".join(e.inputs), ", ".join(e.outputs)] for e in found]
+            say.table(["block", "what", "in", "out"], rows)
+        say("stickslip blocks NAME shows one of them: equation, parameters, limits, an example")
+    else:
+        _show(find(name), say)
+    shown = entries() if name is None else (find(name),)
+    say.document({"blocks": [dict(vars(entry), parameters=_finite(entry.parameters)) for entry in shown]})
+
+
+def _show(entry: Entry, say: Speaker) -> None:
+    say(f"{entry.name} ({entry.file})", bold=True)
+    say()
+    say(entry.page)
+    say()
+    parameters = ", ".join(k if value is None else f"{k} = {value:.6g}" for k, value in entry.parameters.items())
+    facts = {
+        "in": ", ".join(entry.inputs), "out": ", ".join(entry.outputs), "parameters": parameters,
+        "states": ", ".join(entry.states), "modes": ", ".join(entry.modes),
+    }  # fmt: skip
+    for key, fact in facts.items():
+        if fact:
+            say(f"{key:<12}{fact}")
+    say()
+    say(entry.signature)
+    say(entry.about)
+    if entry.example:
+        say()
+        say(entry.example)
+
+
+def _entry(group: str, name: str, short: str) -> Entry:
+    import blocks
+
+    made: type[Block] = getattr(blocks, name)
+    signature = inspect.signature(made)
+    missing = _missing(signature)
+    block = made(**dict.fromkeys(missing, 1.0) | dict(NEEDED.get(name, {})))
+    doc = inspect.getdoc(made) or ""
+    page = inspect.getdoc(sys.modules[made.__module__]) or ""
+    listed = [getattr(blocks, other).__module__ for names in BLOCKS.values() for other in names]
+    alone = listed.count(made.__module__) == 1
+    return Entry(
+        name=name, group=group, what=_sentence(page if alone else doc), source=short, about=_sentence(doc), page=page,
+        inputs=_ports(block, block.ports_in), outputs=_ports(block, block.ports_out),
+        parameters={
+            key: None if key in missing else float(block.p[i]) for i, key in enumerate(block.param_names)
+        },
+        states=block.state_names, modes=tuple(block.modes), signature=_call(name, signature),
+        example="\n".join(re.findall(r"^(?:>>>|\.\.\.).*(?:\n(?!>>>|\.\.\.).+)*", doc, re.MULTILINE)),
+        file=f"{made.__module__.replace('.', '/')}.py",
+    )  # fmt: skip
+
+
+def _missing(signature: inspect.Signature) -> list[str]:
+    """Return the arguments without a default."""
+    kinds = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    return [key for key, p in signature.parameters.items() if p.default is p.empty and p.kind in kinds]
+
+
+def _call(name: str, signature: inspect.Signature) -> str:
+    bare = [p.replace(annotation=inspect.Parameter.empty) for p in signature.parameters.values()]
+    return f"{name}{signature.replace(parameters=bare, return_annotation=inspect.Signature.empty)}"
+
+
+def _sentence(doc: str) -> str:
+    """Return the first line without its full stop, in plain words."""
+    return doc.partition("\n")[0].removesuffix(".").replace("``", "")
+
+
+def _ports(block: "Block", ports: tuple[Any, ...]) -> tuple[str, ...]:
+    units = block.units
+    return tuple(f"{port.name} [{units[port.name]}]" if units[port.name] else port.name for port in ports)
+
+
+def _finite(values: Mapping[str, float | None]) -> dict[str, float | str | None]:
+    """Return numbers that JSON can carry: infinite ones as words."""
+    return {key: value if value is None or math.isfinite(value) else str(value) for key, value in values.items()}
