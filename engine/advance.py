@@ -193,10 +193,11 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
             copy(W, x, y0, n)
             I[FRESH] = 0
             I[K1_VALID] = 0
-            if I[EVENTS] != I[EVENTS_SEEN]:  # another mode: other steps, and stiff or not must be found out afresh
-                I[METHOD] = 1 if I[METHOD_WISH] == 2 else I[EXPLICIT]
-                I[STIFF_COUNT] = 0
+            if I[EVENTS] != I[EVENTS_SEEN]:  # another mode: other steps, and stiff if it was so before
                 slot = mode_slot(I, W)
+                stiff = I[METHOD_WISH] == 2 or W[I[O_RESTART] + RESTARTS + slot] > 0.0
+                I[METHOD] = 1 if stiff else I[EXPLICIT]
+                I[STIFF_COUNT] = 0
                 W[STEP] = W[I[O_RESTART] + slot]
                 I[LEARN] = slot + 1
                 I[EVENTS_SEEN] = I[EVENTS]
@@ -345,5 +346,6 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
                 I[STIFF_COUNT] = I[STIFF_COUNT] + 1 if ratio > limit else max(0, I[STIFF_COUNT] - 2)
                 if I[STIFF_COUNT] >= STIFF_STEPS:
                     I[METHOD] = 1
+                    W[I[O_RESTART] + RESTARTS + mode_slot(I, W)] = 1.0
         if I[STEPS] >= I[MAX_STEPS]:
             return TOO_MANY_STEPS

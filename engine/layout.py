@@ -36,7 +36,7 @@ O_TMP = 23  # n scratch floats
 O_D = 24  # modes and memories of all blocks
 O_CONT = 25  # dense output: up to 8 coefficients per state
 O_SCRATCH = 26  # memories saved while a sampled block publishes before it reads
-O_RESTART = 27  # first steps that worked after earlier events, by mode
+O_RESTART = 27  # by mode: first steps that worked after earlier events, then 1 where the mode was stiff
 O_CX = 28  # states of a chunk of log rows
 O_CS = 29  # their signals
 # --- stretches of I -------------------------------------------------------------------------------------

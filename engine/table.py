@@ -62,7 +62,7 @@ def build(
         at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: 8 * n, at.O_TMP: n,
         at.O_JAC: len(shape.entries), at.O_LU: order.size, at.O_DFDT: n,
         at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
-        at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: at.RESTARTS, at.O_CX: at.CHUNK * n,
+        at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: 2 * at.RESTARTS, at.O_CX: at.CHUNK * n,
         at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in rows] or [0]),
     }  # fmt: skip
     for slot, length in lengths.items():
