@@ -3,8 +3,10 @@
 >>> from cases import find, names
 >>> names()[:5]
 ('ideal_high', 'ideal_normal', 'ideal_half_gain', 'ideal_integrating', 'sine')
->>> names()[5:]
+>>> names()[5:11]
 ('plant_1_none', 'plant_1_normal', 'plant_1_high', 'plant_2_none', 'plant_2_normal', 'plant_2_high')
+>>> names()[11:15]
+('cascade_flow', 'split_range', 'own_map', 'plant_own_map')
 >>> find("sine").duration
 600.0
 """
@@ -21,9 +23,9 @@ class CaseError(ValueError):
 
 
 def _all() -> dict[str, Case]:
-    from cases import ideal, production
+    from cases import ideal, production, topologies
 
-    return {**ideal.CASES_BY_NAME, **production.CASES_BY_NAME}
+    return {**ideal.CASES_BY_NAME, **production.CASES_BY_NAME, **topologies.CASES_BY_NAME}
 
 
 def names() -> tuple[str, ...]:

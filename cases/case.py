@@ -36,6 +36,7 @@ class Case:
     """A named case: what it shows, how to build and run it, and how to compute its numbers.
 
     ``numbers`` takes no argument because some numbers need other starts or parameters than the plain run.
+    ``signals`` are those its picture shows (default: all, if they fit).
     """
 
     name: str
@@ -45,6 +46,7 @@ class Case:
     duration: float
     every: float
     numbers: Callable[[], Sequence[Number]]
+    signals: tuple[str, ...] = ()
 
     def run(self, **changes: Any) -> "Run":
         """Simulate the case; keywords go to ``plant.simulate`` (e.g. ``params={"valve.F_s": 1750.0}``)."""

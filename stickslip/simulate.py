@@ -21,7 +21,8 @@ MOST_ROWS = 10_000_000  # some 500 MB of log
 
 
 @click.command("simulate")
-@click.argument("case")
+@click.argument("case", required=False)
+@click.option("--list", "listed", is_flag=True, help="List all cases and stop.")
 @click.option("--out", type=click.Path(path_type=Path), help="Write the log (.csv or .parquet).")
 @click.option("--plot", "picture", type=click.Path(path_type=Path), help="Draw the trends (.png, .svg or .pdf).")
 @click.option("--diagram", type=click.Path(path_type=Path), help="Draw the block diagram (.png, .svg or .pdf).")
@@ -32,14 +33,16 @@ MOST_ROWS = 10_000_000  # some 500 MB of log
 @json_option
 @user_errors
 def command(
-    case: str, out: Path | None, picture: Path | None, diagram: Path | None, settings: tuple[str, ...],
-    duration: float | None, every: float | None, numbers: bool, json_file: str | None,
+    case: str | None, listed: bool, out: Path | None, picture: Path | None, diagram: Path | None,
+    settings: tuple[str, ...], duration: float | None, every: float | None, numbers: bool, json_file: str | None,
 ) -> None:  # fmt: skip
-    """Run the CASE: ideal_high, ideal_normal, ideal_half_gain, ideal_integrating or sine.
+    """Run a named CASE; 'stickslip simulate --list' shows them all.
 
     \b
     Examples:
+      stickslip simulate --list
       stickslip simulate ideal_high --numbers
+      stickslip simulate cascade_flow --plot trends.png --diagram blocks.png
       stickslip simulate ideal_high --set valve.F_s=1750 --out log.csv --plot trend.png
 
     \b
@@ -47,18 +50,23 @@ def command(
     """
     from cases import find
 
+    say = Speaker(json_file)
+    if listed:
+        _list(say)
+        return
+    if case is None:
+        raise ValueError("name a CASE; 'stickslip simulate --list' shows them all")
     chosen = find(case)
     check_targets(
         {"--out": out, "--plot": picture, "--diagram": diagram, "--json": json_file},
         {"--out": LOGS, "--plot": PICTURES, "--diagram": PICTURES},
     )
-    params = _parameters(settings)
+    params = parameters(settings)
     span, step = _times(chosen, duration, every)
     from plant import simulate
 
     built = chosen.build()
     run = simulate(built, span, every=step, params=params or None)
-    say = Speaker(json_file)
     say(f"{chosen.name}: {chosen.title}", bold=True)
     say(chosen.about)
     cost = run.statistics
@@ -67,10 +75,10 @@ def command(
         _write(run.log, out)
         say(f"log: {out}")
     if picture is not None:
-        _draw(run.plot(), picture)
+        draw_figure(run.plot(chosen.signals or None), picture)
         say(f"trends: {picture}")
     if diagram is not None:
-        _draw(built.plot(), diagram)
+        draw_figure(built.plot(), diagram)
         say(f"diagram: {diagram}")
     found = [number.as_dict() for number in chosen.numbers()] if numbers else []
     if found:
@@ -98,6 +106,20 @@ def command(
         raise SystemExit(2)
 
 
+def _list(say: Speaker) -> None:
+    """Show all cases."""
+    from cases import find, names
+
+    cases = [find(name) for name in names()]
+    say.table(["case", "what it is"], [[case.name, case.title] for case in cases])
+    say.document(
+        {
+            "schema": "stickslip.cases/1",
+            "cases": [{"name": case.name, "title": case.title, "about": case.about} for case in cases],
+        }
+    )
+
+
 def _times(case: "Case", duration: float | None, every: float | None) -> tuple[float, float]:
     """Return duration and log interval [s]; refuse what would fill the memory before the run."""
     span = case.duration if duration is None else duration
@@ -110,7 +132,7 @@ def _times(case: "Case", duration: float | None, every: float | None) -> tuple[f
     return span, step
 
 
-def _parameters(settings: tuple[str, ...]) -> dict[str, float]:
+def parameters(settings: tuple[str, ...]) -> dict[str, float]:
     values = {}
     for setting in settings:
         name, _, value = setting.partition("=")
@@ -129,7 +151,7 @@ def _write(log: "Log", path: Path) -> None:
         raise ValueError(f"{path} cannot be written ({fault.strerror or fault}); choose another place") from None
 
 
-def _draw(figure: "Figure", path: Path) -> None:
+def draw_figure(figure: "Figure", path: Path) -> None:
     picture = io.BytesIO()
     figure.savefig(picture, format=path.suffix[1:].lower(), dpi=150, bbox_inches="tight")
     write_whole(path, picture.getvalue())

@@ -63,3 +63,25 @@ def test_a_run_that_stops_early_is_not_done(call, monkeypatch, tmp_path):
     answer = json.loads(target.read_text(), parse_constant=lambda word: pytest.fail(word))
     assert answer["status"] != "ok" and answer["hint"]
     assert answer["final"]["PV"] is None
+
+
+def test_list_names_every_case(call):
+    from cases import names
+
+    result = call("simulate", "--list", "--json", "-")
+    answer = json.loads(result.stdout)
+    assert result.exit_code == 0 and answer["schema"] == "stickslip.cases/1"
+    assert tuple(case["name"] for case in answer["cases"]) == names()
+    assert all(name in result.stderr for name in names())
+
+
+def test_help_and_the_empty_request_say_how_to_list(call):
+    assert "simulate --list" in call("simulate", "--help").stdout
+    empty = call("simulate")
+    assert empty.exit_code == 2 and "stickslip simulate --list" in empty.stderr
+
+
+def test_new_topologies_run_by_name(call, tmp_path):
+    picture = tmp_path / "trends.png"
+    assert call("simulate", "split_range", "--numbers", "--plot", picture).exit_code == 0
+    assert picture.read_bytes()[:4] == b"\x89PNG"
