@@ -112,8 +112,8 @@ class TabulatedMap:
     """A map from curves; make one with ``read`` (CSV files) or ``from_curves`` (arrays).
 
     ``speeds`` relative, increasing (k,); ``q_s``, ``q_c`` corrected flow at surge and choke (k,); ``heads`` and
-    ``works`` psi and lam at equal distances between surge and choke (k, N); ``valley`` psi_0/psi(q_s) [-]; ``point`` is speed, flow and head
-    where q = n = psi = 1, in units of the curves: what w_d, m_d and h_d of a compressor are made of.
+    ``works`` psi and lam at equal distances between surge and choke (k, N); ``valley`` psi_0/psi(q_s) [-]; ``point``
+    speed, flow and head where q = n = psi = 1, in units of the curves: what w_d, m_d and h_d of a compressor come from.
 
     >>> head = {9000.0: ([10.0, 14.0, 18.0], [81.0, 72.0, 50.0]), 10000.0: ([11.0, 15.0, 20.0], [100.0, 90.0, 60.0])}
     >>> shape = TabulatedMap.from_curves(head, 0.78, speed=10000.0, flow=15.0)

@@ -12,6 +12,7 @@ COMMANDS = {
     "demo": "five short stories with known truth, and two real loops, as one HTML page",
     "check": "read one loop from a file and say whether its valve sticks",
     "simulate": "run a named case and compare its numbers with the published ones",
+    "linearise": "find where a case rests; its poles, loops and relative gains",
     "reproduce": "regenerate every table and picture of the thesis, published beside reproduced",
     "study": "sweep parameters in parallel and draw how oscillation spreads from valve to shaft",
     "blocks": "list all blocks with ports and units, or show the page of one",
