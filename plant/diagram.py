@@ -38,8 +38,9 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         self.open_inputs = (inputs,) if isinstance(inputs, str) else tuple(inputs)
         outputs = [outputs] if isinstance(outputs, str) else outputs
         self.driven = drivers(self.blocks, self.open_inputs)
+        self.declared_outputs = None if outputs is None else tuple(outputs)
         self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
-        check_readers(self.blocks, self.driven, self.open_inputs, () if outputs is None else self.chosen_outputs)
+        check_readers(self.blocks, self.driven, self.open_inputs, self.declared_outputs or ())
         self.signal_units = check_units(self.blocks, self.driven)
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
@@ -145,7 +146,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
             )
         new = block.relabelled(name, list(old.input_labels), list(old.output_labels))
         changed = [*self.blocks[:b], new, *self.blocks[b + 1 :]]
-        return Diagram(changed, self.open_inputs, self._declared_outputs(), self.name)
+        return Diagram(changed, self.open_inputs, self.declared_outputs, self.name)
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""
@@ -171,7 +172,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
             block.relabelled(block.name, [inputs.get(s, s) for s in block.input_labels], list(block.output_labels))
             for block in self.blocks
         ]
-        return Diagram(blocks, [inputs.get(s, s) for s in self.open_inputs], self._declared_outputs(), name)
+        return Diagram(blocks, [inputs.get(s, s) for s in self.open_inputs], self.declared_outputs, name)
 
     def leaves(self) -> list[Block]:
         """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
@@ -184,9 +185,6 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
             )
             for block in self.blocks
         ]
-
-    def _declared_outputs(self) -> tuple[str, ...] | None:
-        return None if self.chosen_outputs == self.signals else self.chosen_outputs
 
     def _changed(self, values: Mapping[str, float], change: str) -> list[Block]:
         grouped: dict[int, dict[str, float]] = {}
@@ -208,7 +206,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         seen = [block.smooth() for block in blocks]
         same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
         if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
-            return type(self)(blocks, self.open_inputs, self._declared_outputs(), self.name)
+            return type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
         other = copy.copy(self)
         other.blocks = tuple(blocks)
         other.syslist = seen

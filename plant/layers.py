@@ -89,7 +89,7 @@ def _graph(diagram: Diagram) -> tuple[list[Node], list[Arrow]]:
     nodes = [Node("block", block.name.rpartition("/")[2], b, tuple(block.name.split("/")[:-1]))
              for b, block in enumerate(blocks)]  # fmt: skip
     read = {signal for block in blocks for signal in block.input_labels}
-    declared = diagram._declared_outputs()
+    declared = diagram.declared_outputs
     shown = [s for s in diagram.signals if s not in read] if declared is None else declared
     arrows: list[Arrow] = []
     driven = dict(diagram.driven)

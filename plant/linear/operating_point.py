@@ -130,7 +130,7 @@ def still(diagram: Diagram, t: float) -> Diagram:
             label = block.output_labels[0]
             seen = Constant(label, float(seen._out(t, np.zeros(0), np.zeros(0))[0]), name=block.name)
         blocks.append(seen)
-    return Diagram(blocks, (), diagram.chosen_outputs, diagram.name)
+    return Diagram(blocks, (), diagram.declared_outputs, diagram.name)
 
 
 def _settled(diagram: Diagram, duration: float, t: float) -> Diagram | None:

@@ -127,3 +127,8 @@ def test_diagram_of_sources_only_and_of_nothing_that_moves():
 def test_zero_dead_time_is_no_state_for_python_control():
     late = loop(theta=1.0)
     assert late.with_params({"process.theta": 0.0}).nstates == loop().nstates < late.nstates
+
+
+def test_a_changed_copy_keeps_the_outputs_declared_even_where_they_are_all_signals():
+    loop = wire([Sine("e", amplitude=1.0, period=5.0)], outputs=["e"])
+    assert loop.replace("e", Sine("e", amplitude=2.0, period=5.0)).signals == ("e",)
