@@ -22,6 +22,7 @@ TEST_STEPS = [
     ["ruff", "format", "--check", "."],
     ["mypy"],
     ["python", "-m", "benchmarks.simulate", "--quick"],
+    ["python", "-m", "benchmarks.plant", "--quick"],
     ["python", "-m", "pytest", "-n", "auto", "-q"],
 ]
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.oscillation import Band, band, oscillation, without_trend
+from plant.oscillation import Band, band, oscillation, without_trend
 
 if TYPE_CHECKING:
     from plant.diagram import Diagram

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from cases.kicks import Studies, Study
-from cases.oscillation import Band, band
+from plant.oscillation import Band, band
 
 STICTION = ("none", "normal", "high")
 STICTION_N = {"none": 1250.0, "normal": 1750.0, "high": 2250.0}  # F_s [N], table 5.3

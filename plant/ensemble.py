@@ -86,7 +86,7 @@ def ensemble(
     if workers is not None and workers < 1:
         raise ValueError(f"workers = {workers!r}, but at least one thread is needed; leave it out to use all cores")
     crew = _Crew(cast, wanted, grid, duration, settings, keep_logs, summary)
-    _work(crew, len(cast), workers or _cores(), progress)
+    _work(crew, len(cast), workers or cores(), progress)
     return crew.result()
 
 
@@ -97,7 +97,7 @@ def _wanted(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str, ...]:
     return tuple(diagram.signals if signals is None else dict.fromkeys(signals))
 
 
-def _cores() -> int:
+def cores() -> int:
     """Return how many cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.console import Speaker, json_option, user_errors
-from stickslip.simulate import PICTURES, draw_figure, parameters
-from stickslip.targets import check_targets
+from stickslip.simulate import PICTURES, parameters
+from stickslip.targets import check_targets, write_figure
 
 if TYPE_CHECKING:
     from plant.linear import Linear, Loop, Rga
@@ -66,10 +66,10 @@ def command(
             [PV, *(f"{value:.3f}" for value in row)] for PV, row in zip(gains.PVs, gains.values.real, strict=True)
         ])  # fmt: skip
     if bode is not None and shown:
-        draw_figure(linear.bode(names), bode)
+        write_figure(linear.bode(names), bode)
         say(f"Bode plots: {bode}")
     if poles is not None:
-        draw_figure(linear.plot(), poles)
+        write_figure(linear.plot(), poles)
         say(f"poles: {poles}")
     say.document(
         {

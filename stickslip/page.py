@@ -109,6 +109,17 @@ def _article(number: int, section: Section) -> str:
     )
 
 
+def table_to_html(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a table of plain text as HTML.
+
+    >>> table_to_html(["row"], [["a < b"]])
+    '<table><thead><tr><th>row</th></tr></thead><tbody><tr><td>a &lt; b</td></tr></tbody></table>'
+    """
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+    body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
 def figure_to_svg(figure: "Figure") -> str:
     """Return a figure as SVG text fit for inlining: no prolog, and ids that clash with no other picture."""
     import matplotlib

@@ -1,6 +1,5 @@
 """``stickslip reproduce``: every table and picture of the thesis again, published beside reproduced."""
 
-import html
 import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -197,12 +196,12 @@ def title(table: str) -> str:
 
 
 def _html_table(rows: Sequence["Row"]) -> str:
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in (*COLUMNS, "tolerance and note"))
-    body = ""
-    for row in rows:
-        told = "; ".join(part for part in (row.tolerance, row.note) if part)
-        body += "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in (*_cells(row), told)) + "</tr>"
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    from stickslip.page import table_to_html
+
+    told = ("; ".join(part for part in (row.tolerance, row.note) if part) for row in rows)
+    return table_to_html(
+        (*COLUMNS, "tolerance and note"), [(*_cells(row), note) for row, note in zip(rows, told, strict=True)]
+    )
 
 
 def _cells(row: "Row") -> list[str]:

@@ -1,6 +1,5 @@
 """``stickslip simulate``: run a named case, save what it gives, show published beside reproduced."""
 
-import io
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,11 +7,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.console import Speaker, complain, json_option, user_errors
-from stickslip.targets import check_targets, write_whole
+from stickslip.targets import check_targets, write_figure
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cases import Case
     from records import Log
 
@@ -75,10 +72,10 @@ def command(
         _write(run.log, out)
         say(f"log: {out}")
     if picture is not None:
-        draw_figure(run.plot(chosen.signals or None), picture)
+        write_figure(run.plot(chosen.signals or None), picture)
         say(f"trends: {picture}")
     if diagram is not None:
-        draw_figure(built.plot(), diagram)
+        write_figure(built.plot(), diagram)
         say(f"diagram: {diagram}")
     found = [number.as_dict() for number in chosen.numbers()] if numbers else []
     if found:
@@ -149,12 +146,6 @@ def _write(log: "Log", path: Path) -> None:
         log.to_parquet(real) if path.suffix.lower() == ".parquet" else log.to_csv(real)
     except OSError as fault:
         raise ValueError(f"{path} cannot be written ({fault.strerror or fault}); choose another place") from None
-
-
-def draw_figure(figure: "Figure", path: Path) -> None:
-    picture = io.BytesIO()
-    figure.savefig(picture, format=path.suffix[1:].lower(), dpi=150, bbox_inches="tight")
-    write_whole(path, picture.getvalue())
 
 
 def _finite(values: dict[str, Any]) -> dict[str, Any]:

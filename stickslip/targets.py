@@ -1,9 +1,14 @@
 """Where results go: refused before the work begins, written whole or not at all."""
 
+import io
 import os
 import secrets
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def check_targets(
@@ -68,3 +73,10 @@ def write_whole(path: Path, content: bytes) -> None:
             temporary.unlink(missing_ok=True)
     except OSError as fault:
         raise ValueError(f"{path} cannot be written ({fault.strerror}); choose another place") from None
+
+
+def write_figure(figure: "Figure", path: Path) -> None:
+    """Write a picture in the format that the ending of ``path`` says; raises ``ValueError`` as ``write_whole`` does."""
+    picture = io.BytesIO()
+    figure.savefig(picture, format=path.suffix[1:].lower(), dpi=150, bbox_inches="tight")
+    write_whole(path, picture.getvalue())

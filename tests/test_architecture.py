@@ -19,7 +19,11 @@ MAY_IMPORT = {
     "benchmarks": {"blocks", "cases", "detect", "engine", "online", "plant", "records", "stickslip"},
 }
 HEAVY = {"control", "numba", "llvmlite"}
-MAY_IMPORT_HEAVY = {"control": {"blocks", "plant", "benchmarks"}, "numba": {"engine", "benchmarks"}, "llvmlite": {"engine"}}
+MAY_IMPORT_HEAVY = {
+    "control": {"blocks", "plant", "benchmarks"},
+    "numba": {"engine", "benchmarks"},
+    "llvmlite": {"engine"},
+}
 FILES = [(package, path) for package in MAY_IMPORT for path in sorted((ROOT / package).rglob("*.py"))]
 
 

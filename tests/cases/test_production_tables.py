@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from cases import curves, ideas
 from cases.kicks import Study, case_1_numbers
-from cases.oscillation import Band, band, oscillation, without_trend
 from cases.tables import Row, between, relative, table_5_4, table_6_1, table_6_2, table_case_2, table_ideal
+from plant.oscillation import Band, band, oscillation, without_trend
 
 T = np.arange(0.0, 1000.05, 0.1)
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+Floats = NDArray[np.float64]
+
 HYSTERESIS = 0.3  # of the amplitude: ripple smaller than this is not counted as a cycle of its own
 
 
@@ -34,17 +36,36 @@ def oscillation(t: ArrayLike, y: ArrayLike, hysteresis: float = HYSTERESIS) -> O
         raise ValueError(f"t has shape {times.shape}, y {values.shape}; give two arrays of equal length, not empty")
     if not 0.0 <= hysteresis < 1.0:
         raise ValueError(f"hysteresis = {hysteresis!r}, but it is a share of the amplitude, 0 <= h < 1")
-    top, bottom = float(values.max()), float(values.min())
+    period, amplitude = oscillations(times, values[None], hysteresis)
+    return Oscillation(float(period[0]), float(amplitude[0]))
+
+
+def oscillations(t: Floats, Y: Floats, hysteresis: float = HYSTERESIS) -> tuple[Floats, Floats]:
+    """Return periods [s] and amplitudes of many signals at once, each as ``oscillation`` measures it.
+
+    Shapes: ``t`` (n,), ``Y`` (signals, n); both results (signals,).
+
+    >>> t = np.arange(0.0, 100.0, 0.5)
+    >>> period, amplitude = oscillations(t, np.array([np.sin(t), 3.0 * np.sin(0.5 * t)]))
+    >>> period.round(1).tolist(), amplitude.round(2).tolist()
+    ([6.3, 12.6], [1.0, 3.0])
+    """
+    top, bottom = Y.max(axis=1), Y.min(axis=1)
     amplitude = 0.5 * (top - bottom)
-    y_0 = values - 0.5 * (top + bottom)
-    side = np.where(y_0 > hysteresis * amplitude, 1, np.where(y_0 < -hysteresis * amplitude, -1, 0))
-    decided = np.flatnonzero(side)
-    upward = decided[1:][np.diff(side[decided]) > 0]
-    period = float(np.diff(times[upward]).mean()) if len(upward) > 1 else math.nan
-    return Oscillation(period, amplitude)
+    Y_0 = Y - (0.5 * (top + bottom))[:, None]
+    edge = (hysteresis * amplitude)[:, None]
+    high, decided = Y_0 > 0.0, np.abs(Y_0) > edge
+    period = np.full(len(Y), math.nan)
+    for i in range(len(Y)):
+        at = np.flatnonzero(decided[i])
+        side = high[i, at]
+        upward = at[1:][side[1:] & ~side[:-1]]
+        if len(upward) > 1:
+            period[i] = np.diff(t[upward]).mean()
+    return period, np.asarray(amplitude)
 
 
-def without_trend(t: ArrayLike, y: ArrayLike, width: float) -> NDArray[np.float64]:
+def without_trend(t: ArrayLike, y: ArrayLike, width: float) -> Floats:
     """Return y less its centred moving average of ``width`` [s]; the window shrinks towards the ends.
 
     >>> without_trend([0.0, 1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 4.0], 2.0).tolist()
