@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.kicks import BAR, RPM, Floats
+from records.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,9 +38,7 @@ def panels(rows: int, columns: int, title: str, height: float = 2.4) -> tuple["F
     axes = figure.subplots(rows, columns, squeeze=False)
     figure.suptitle(title, fontsize=12, x=0.01, ha="left", fontweight="bold")
     for ax in axes.flat:
-        ax.grid(True, color="#e3e7ec", linewidth=0.6)
-        ax.spines[["top", "right"]].set_visible(False)
-        ax.tick_params(labelsize=8.5)
+        tidy(ax)
     return figure, list(axes.flat)
 
 

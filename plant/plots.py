@@ -13,6 +13,7 @@ from plant.diagram import Diagram
 from plant.simulate import Run
 from records import Log
 from records.plots import COLOURS, time_unit
+from records.style import SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +27,7 @@ PANELS = 8  # most panels when nobody says which signals to show
 TOGETHER = 4  # most signals on one axis that share no more than a unit
 ALIKE = 5.0  # how far the ranges of two signals may differ to share an axis for their unit alone
 CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000")
-STUCK, EVENT, FAILED, SOFT, GRID = "#f3d9b8", "#8a5a2b", "#b00020", "#5b6875", "#e3e6ea"
+STUCK, EVENT, FAILED = "#f3d9b8", "#8a5a2b", "#b00020"
 POINTS = 1500  # as fine as the widest figure can show a band
 SOME = 12  # members drawn as lines
 LEAVES_UNSAID = 2000  # events beyond which single ticks say nothing
@@ -282,12 +283,6 @@ def _wrapped(text: str, width: int = 130) -> str:
 
 
 def _tidy(ax: Any) -> None:
-    ax.grid(True, color=GRID, linewidth=0.5)
-    ax.set_axisbelow(True)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
-    for side in ("left", "bottom"):
-        ax.spines[side].set_color("#808080")
-    ax.tick_params(color="#808080", labelsize=8.5)
+    tidy(ax)
     ax.margins(y=0.1)
     ax.ticklabel_format(useOffset=False, axis="y")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from records.errors import LogError
+from records.style import tidy
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,7 +23,6 @@ __all__ = ["COLOURS", "plot_log", "plot_loop", "time_unit"]
 # Told apart in print and by colour-blind eyes: dark line for what is measured, warm for what commands.
 COLOURS = {"SP": "#7f7f7f", "PV": "#1f4e79", "OP": "#c55a11", "MV": "#2e7d32", "bad": "#b00020"}
 _CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000")
-_GRID_COLOUR, _GRID_WIDTH = "#d9d9d9", 0.5
 _LINE = 0.9
 _MANY = 20_000  # points above which a line is drawn as pixels inside the vector file
 
@@ -185,13 +185,7 @@ def _phase(panel: Axes, loop: LoopRecord, name: str, part: str) -> None:
 
 
 def _tidy(panel: Axes) -> None:
-    panel.grid(True, color=_GRID_COLOUR, linewidth=_GRID_WIDTH)
-    panel.set_axisbelow(True)
-    for side in ("top", "right"):
-        panel.spines[side].set_visible(False)
-    for side in ("left", "bottom"):
-        panel.spines[side].set_color("#808080")
-    panel.tick_params(color="#808080", labelsize=9)
+    tidy(panel)
     panel.margins(y=0.08)
     panel.ticklabel_format(useOffset=False)
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.topologies.own_map import own_map
+from records.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,9 +56,6 @@ def map_plane(run: "Run") -> "Figure":
     ax.axvline(0.0, color="#c8cdd3", linewidth=0.8, zorder=0.5)
     ax.set_xlabel("inlet flow [m3/h]")
     ax.set_ylabel("head [kJ/kg]")
-    ax.grid(True, color="#e3e6ea", linewidth=0.5)
-    ax.set_axisbelow(True)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
+    tidy(ax)
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5)
     return figure

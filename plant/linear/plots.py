@@ -1,19 +1,20 @@
 """Pictures of a linearised diagram: poles over time constants, Bode plots of loops, relative gains."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plant.linear.loop import Loop
 from plant.linear.poles import Pole
 from plant.linear.rga import Rga
+from records.style import GRID, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000", "#b00020", "#5b6875")
-STABLE, UNSTABLE, HELD, SOFT, GRID = "#1f4e79", "#b00020", "#8896a5", "#5b6875", "#e3e6ea"
+STABLE, UNSTABLE, HELD = "#1f4e79", "#b00020", "#8896a5"
 LEAST_GAIN, MOST_GAIN = 1e-3, 1e3  # of a Bode plot: what lies beyond says nothing about the loop
 
 
@@ -50,7 +51,7 @@ def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
     ax.set_ylim(len(poles) - 0.4, -0.6)
     ax.set_yticks([])
     ax.set_xlabel("time constant 1/|p| [s]")
-    _tidy(ax)
+    tidy(ax)
     ax.spines["left"].set_visible(False)
     _head(figure, f"{title}: poles" if title else "poles")
     return figure
@@ -88,7 +89,7 @@ def plot_loops(loops: Sequence[Loop]) -> "Figure":
     phase.yaxis.set_major_locator(MultipleLocator(90.0))
     phase.set_ylim(min(-200.0, *phase.get_ylim()), max(-60.0, phase.get_ylim()[1]))
     for ax in (gain, phase):
-        _tidy(ax)
+        tidy(ax)
     gain.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=8.0)
     _head(figure, "open loops" if len(loops) > 1 else f"loop of {loops[0].controller}: {loops[0].OP} to {loops[0].PV}")
     return figure
@@ -127,13 +128,3 @@ def _told(loop: Loop) -> str:
 
 def _head(figure: "Figure", text: str) -> None:
     figure.suptitle(text, x=0.01, ha="left", fontsize=11, weight="bold")
-
-
-def _tidy(ax: Any) -> None:
-    ax.grid(True, which="major", color=GRID, linewidth=0.6)
-    ax.set_axisbelow(True)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
-    for side in ("left", "bottom"):
-        ax.spines[side].set_color("#808080")
-    ax.tick_params(color="#808080", labelsize=8.5, which="both")

@@ -7,7 +7,8 @@ import numpy as np
 from plant.study.axes import Axis
 from plant.study.groups import groups
 from plant.study.result import StudyResult
-from plant.study.spread import DECADES, head, plain_numbers, tidy
+from plant.study.spread import DECADES, head, plain_numbers
+from records.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,8 @@ from plant.study.axes import Axis
 from plant.study.groups import Group, groups
 from plant.study.growth import chosen, numbers
 from plant.study.result import StudyResult
-from plant.study.spread import head, plain_numbers, tidy
+from plant.study.spread import head, plain_numbers
+from records.style import tidy
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

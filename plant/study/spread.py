@@ -6,12 +6,12 @@ import numpy as np
 
 from plant.study.groups import Group, bands, groups
 from plant.study.result import StudyResult
+from records.style import INK, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SOFT, GRID, INK = "#5b6875", "#e3e6ea", "#1d2733"
 DECADES = 5.0  # below the largest amplitude an oscillation is rounding
 BANDS = 3  # lines that all have a band; of more, only the first and the last
 LINES = 7  # more are told apart by a colour bar
@@ -85,17 +85,6 @@ def head(figure: "Figure", result: StudyResult, told: str) -> None:
         f"{result.request['subject']}: {runs}, {since:g} to {until:g} s; {told}",
         x=0.01, ha="left", fontsize=10.5, weight="bold", color=INK,
     )  # fmt: skip
-
-
-def tidy(ax: "Axes") -> None:
-    """Leave a panel only the lines it needs."""
-    ax.grid(True, which="major", color=GRID, linewidth=0.6)
-    ax.set_axisbelow(True)
-    for side in ("top", "right"):
-        ax.spines[side].set_visible(False)
-    for side in ("left", "bottom"):
-        ax.spines[side].set_color("#808080")
-    ax.tick_params(color="#808080", labelsize=8.5, which="both")
 
 
 def legend(figure: "Figure", axes: Any, name: str, lines: list[Group], colours: list[Any]) -> None:
