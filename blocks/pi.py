@@ -31,6 +31,7 @@ import numpy as np
 
 from blocks.arithmetic import check_limits
 from blocks.block import Block, Floats, Kernels
+from blocks.limited_pi import limit_events, limit_transition, limited_output, tracking_rate
 from blocks.ports import BlockError, Labels, Port, nearest, require
 from blocks.sources import finite
 
@@ -40,41 +41,7 @@ RATE_BAND = 1e-4  # a ride goes on until the error grows faster than this share 
 ACTIONS = {"reverse": 1.0, "direct": -1.0}
 ANTI_WINDUP = ("none", "conditional", "back_calculation")
 
-# p = K_p, T_i, low, high, T_t, action
-
-
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    if d[0] == 3.0:
-        y[0] = p[3]
-    elif d[0] == -3.0:
-        y[0] = p[2]
-    else:
-        y[0] = min(max(p[0] * p[5] * (u[0] - u[1]) + x[0], p[2]), p[3])
-
-
-def _plain_der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    drive = p[0] * p[5] * (u[0] - u[1])
-    dx[0] = drive / p[1]
-    if d[0] != 0.0:
-        limit = p[3] if d[0] > 0.0 else p[2]
-        dx[0] += (limit - drive - x[0]) / (p[4] if p[4] > 0.0 else p[1])
-
-
-def _plain_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    v = p[0] * p[5] * (u[0] - u[1]) + x[0]
-    if d[0] == 0.0:
-        g[0] = v - p[3]
-        g[1] = p[2] - v
-    else:
-        g[0] = p[3] - v if d[0] > 0.0 else v - p[2]
-        g[1] = -1.0
-
-
-def _plain_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    if d[0] != 0.0:
-        d[0] = 0.0
-    else:
-        d[0] = 1.0 if k[0] == 0.0 else -1.0
+# p = K_p, T_i, low, high, T_t, action (as limited_pi)
 
 
 def _conditional_der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
@@ -133,9 +100,9 @@ def _conditional_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
             d[0] = 3.0 * s if near and s * e > 0.0 and s * (rate + e / p[1]) > 0.0 else 0.0
 
 
-_PLAIN = Kernels(out=_out, der=_plain_der, zc=_plain_zc, jump=_plain_jump, n_events=2)
+_PLAIN = Kernels(out=limited_output, der=tracking_rate, zc=limit_events, jump=limit_transition, n_events=2)
 _CONDITIONAL = Kernels(
-    out=_out, der=_conditional_der, zc=_conditional_zc, jump=_conditional_jump, n_events=2, rates=True
+    out=limited_output, der=_conditional_der, zc=_conditional_zc, jump=_conditional_jump, n_events=2, rates=True
 )
 
 
@@ -260,5 +227,5 @@ class PI(Block):
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
         y = np.zeros(1)
-        _out(t, x, self._seen_mode(x, u), u, self._p_now, y)
+        limited_output(t, x, self._seen_mode(x, u), u, self._p_now, y)
         return y

@@ -17,7 +17,9 @@ W_oil, W_met molar masses [kg/mol]   rho_oil, rho_met densities [kg/m3]
 
 All methane of the feed arrives dissolved.  F_sep may be negative (gas dissolves again) and keeps its sign.  A second
 separator behind it is fed with F_in = F_L and Z_I = z of the first.
-Valid while there is both liquid and gas; not for: heat, water, a separator that runs full (p grows beyond bounds).
+Valid while there is both liquid and gas; not for: heat, water.  Where the vessel is full of liquid or has run dry
+the equations end (p or z is 0/0, or negative beyond): all outputs and rates are NaN there, so a run stops at that
+instant with a status, and ``trouble`` of the block at its end says what happened.
 Source: thesis eqs. 3.1 to 3.5 and table A.1.  The printed W are in g/mol, which would make volumes a thousand times
 too large; V_sep of separator 1 and C_4 are not printed.  See also: scrubber, flare, control_valve_flow.
 """
@@ -30,6 +32,16 @@ from blocks.block import Block, Kernels
 from blocks.ports import Port, require
 
 # p = V_sep, C_4, p_metV, T_sep, R, W_oil, rho_oil, W_met, rho_met;  x = N_oil, N_metL, N_metG
+
+
+NEARLY = 0.01  # of V_sep: a run that ended this close to full or dry ended because of it;
+NOTHING = 1e-6  # so did one that ended with so little of one content, as a share of the others
+
+
+def two_phases(x: Any, p: Any) -> bool:
+    """Tell whether the contents are possible: some liquid, no negative moles, room for the gas."""
+    possible: bool = x[0] >= 0.0 and x[1] >= 0.0 and x[2] >= 0.0 and x[0] + x[1] > 0.0 and p[0] > liquid_volume(x, p)
+    return possible
 
 
 def liquid_volume(x: Any, p: Any) -> float:
@@ -51,6 +63,10 @@ def boil_off(x: Any, p: Any) -> float:
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    if not two_phases(x, p):
+        for i in range(4):
+            y[i] = math.nan
+        return
     y[0] = gas_pressure(x, p)
     y[1] = liquid_volume(x, p)
     y[2] = x[1] / (x[0] + x[1])
@@ -58,6 +74,10 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
+    if not two_phases(x, p):
+        for i in range(3):
+            dx[i] = math.nan
+        return
     z = x[1] / (x[0] + x[1])
     F_sep = boil_off(x, p)
     dx[0] = (1.0 - u[1]) * u[0] - (1.0 - z) * u[2]
@@ -125,3 +145,23 @@ class Separator(Block):
         for key, value in params.items():
             rule = 0.0 < float(value) < math.inf
             require(rule, name, key, value, "it must be positive and finite", "give SI units, molar masses in kg/mol")
+
+    def trouble(self) -> str:
+        """Return why the equations end at the contents the block starts with, with the numbers; "" if they do not.
+
+        >>> Separator().trouble()
+        ''
+        >>> Separator().starting_at(N_oil=6.12e5, N_metG=1.0).trouble()
+        'separator is full: 81.4 of 81.9 m3 are liquid'
+        """
+        liquid, vessel = float(liquid_volume(self.x0, self.p)), float(self.p[0])
+        told = f"{liquid:.4g} of {vessel:.4g} m3 are liquid"
+        if liquid > (1.0 - NEARLY) * vessel:
+            return f"{self.name} is full: {told}"
+        if liquid < NEARLY * vessel:
+            return f"{self.name} has run dry: {told}"
+        for name, what in (("N_oil", "oil"), ("N_metL", "dissolved methane"), ("N_metG", "gas")):
+            moles = float(self.x0[self.state_names.index(name)])
+            if moles < NOTHING * float(self.x0.max()):
+                return f"{self.name} has no {what} left: {name} = {moles:.3g} mol"
+        return ""

@@ -145,7 +145,7 @@ def _converged(found: Mapping[str, Any], drop: float, diameters: tuple[float, fl
     """Refuse what the library returns with a warning only: sizes up to 1e45 where the fittings take the whole drop."""
     if "warning" in found:
         raise BlockError(
-            f"sizing: diameters = {diameters!r}, but at a drop of {drop:g} Pa no valve passes the flow through such "
+            f"sizing: diameters = {diameters!r}, but no valve passes the flow at a drop of {drop:g} Pa with such "
             "fittings: they alone take more; give a larger valve and pipe, or a larger drop"
         )
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.kicks import Study, study
-from cases.production import D_C, K_P_C, set_C
 from cases.tables import F_C, K_STEM, STICTION_N, Row, relative
 
 if TYPE_CHECKING:
@@ -50,12 +49,12 @@ def scan(
     told: Callable[[int, int], None] | None = None,
 ) -> list[Point]:  # fmt: skip
     """Return the pressure cycles along D at set C's gain, and along the gain at set C's D; skips what cannot rest."""
-    from plant.production import InfeasibleFeed
+    from plant.production import SET_C, InfeasibleFeed
 
-    settings = dict.fromkeys([(D, K_P_C) for D in drops] + [(D_C, K_p) for K_p in gains])
+    settings = dict.fromkeys([(D, SET_C.S1.K_p_pressure) for D in drops] + [(SET_C.D, K_p) for K_p in gains])
     points: list[Point] = []
     for done, (D, K_p) in enumerate(settings):
-        plant = replace(set_C(), D=D, S1=replace(set_C().S1, K_p_pressure=K_p))
+        plant = replace(SET_C, D=D, S1=replace(SET_C.S1, K_p_pressure=K_p))
         try:
             points += [Point(D, K_p, size, study(plant, size, kicks=kicks)) for size in ("normal", "high")]
         except InfeasibleFeed:
@@ -87,10 +86,12 @@ def rows(points: Sequence[Point]) -> list[Row]:
 def figure(points: Sequence[Point]) -> "Figure":
     """Return amplitude and period of the pressure for every start, along D and along K_p."""
     from cases.curves import COLOURS, label, panels
+    from plant.production import SET_C
 
+    D_C, K_p_C = SET_C.D, SET_C.S1.K_p_pressure
     picture, axes = panels(2, 2, "Every start of the scan: pressure of separator 1 (dashed: published)", 3.0)
     ways: tuple[tuple[list[Point], Callable[[Point], float], str, str], ...] = (
-        ([p for p in points if p.K_p == K_P_C], lambda p: p.D / 1e5, "drop over VPCS1 [bar]", f"K_p = {K_P_C:g} /Pa"),
+        ([p for p in points if p.K_p == K_p_C], lambda p: p.D / 1e5, "drop over VPCS1 [bar]", f"K_p = {K_p_C:g} /Pa"),
         ([p for p in points if p.D == D_C], lambda p: p.K_p * 1e7, "gain of PCS11 [1e-7 /Pa]", f"D = {D_C / 1e5} bar"),
     )
     for column, (chosen, place, name, fixed) in enumerate(ways):

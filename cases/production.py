@@ -1,13 +1,10 @@
 """The thesis's plant as six cases: constant feed (1) and sinusoidal methane fraction (2), three sizes of stiction.
 
-Two parameter sets were fitted before, each for one of the two cases: B for constant feed, A for the sine.  Set C here
-serves both.  It reads both pressure gains as printed times one thousand (5e-7 and 3e-7 /Pa: table 5.1 then is in kmol
-or kPa), which leaves one free number, the drop D over VPCS1; ``cases.choice`` shows how D was chosen and what hangs
-on it.
+Two parameter sets were fitted each for one of the two cases: B for constant feed, A for the sine.  Set C serves both
+and stands behind the cases; ``plant.production.parameters`` says what it is, ``cases.choice`` how it was chosen.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from cases.case import Case, Number
@@ -16,21 +13,8 @@ if TYPE_CHECKING:
     from plant.diagram import Diagram
     from plant.production import Production
 
-D_C = 4.1e5  # Pa, the one number fitted: drop over VPCS1
-K_P_C = 5e-7  # 1/Pa, printed 5E-10
 KICKS_OF_A_CASE = 100  # starts behind the numbers of one case, as many as `stickslip reproduce` takes
 STICTION = ("none", "normal", "high")
-
-
-def set_C() -> "Production":
-    """Return the set that serves both cases.
-
-    >>> set_C().D, set_C().S1.K_p_pressure
-    (410000.0, 5e-07)
-    """
-    from plant.production import SET_B
-
-    return replace(SET_B, name="C", D=D_C, S1=replace(SET_B.S1, K_p_pressure=K_P_C))
 
 
 def diagram(F_s: str, case: int) -> "Diagram":
@@ -45,7 +29,7 @@ def diagram(F_s: str, case: int) -> "Diagram":
     """
     from plant.production import kicked, production_plant
 
-    plant = production_plant(set_C(), F_s=F_s, case=case, name=f"plant_{case}_{F_s}")
+    plant = production_plant("C", F_s=F_s, case=case, name=f"plant_{case}_{F_s}")
     return kicked(plant) if case == 1 and F_s != "none" else plant
 
 
@@ -58,7 +42,7 @@ def _numbers(F_s: str, case: int) -> Callable[[], Sequence[Number]]:
         from cases.kicks import Studies
         from cases.tables import table_5_4, table_6_1, table_6_2, table_case_2
 
-        studies = Studies(set_C(), KICKS_OF_A_CASE)
+        studies = Studies("C", KICKS_OF_A_CASE)
         builders = (table_5_4, table_6_1) if case == 1 else (table_6_2, table_case_2)
         rows = [row for builder in builders for row in builder(studies, (F_s,))]
         return [

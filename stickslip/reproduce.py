@@ -126,7 +126,6 @@ def _rows(quick: bool, told: Told) -> list["Row"]:
     """Return all rows: set C, and for comparison what is judged with the sets A and B."""
     from cases import tables
     from cases.kicks import KICKS, Studies
-    from cases.production import set_C
 
     def studies(plant: object, name: str, kicks: int) -> Studies:
         def doing(F_s: str, case: int, done: int, total: int) -> None:
@@ -134,7 +133,7 @@ def _rows(quick: bool, told: Told) -> list["Row"]:
 
         return Studies(plant, kicks, told=doing)
 
-    main = studies(set_C(), "C", QUICK if quick else KICKS)
+    main = studies("C", "C", QUICK if quick else KICKS)
     builders = (tables.table_5_4, tables.table_6_1, tables.table_6_2, tables.table_case_2)
     found = [row for builder in builders for row in builder(main)]
     told("ideal loops")

@@ -1,17 +1,18 @@
 """The offshore production plant of the thesis: two separators, two compressors on one shaft, sticky valves.
 
 production_plant   the whole plant, wired by names, at rest       parts        what it is made of, to use alone
-SETS               the two parameter sets A and B                 steady_state where it rests for a given feed
+SETS               the parameter sets A, B and C                   steady_state where it rests for a given feed
 """
 
 from plant.production.build import kicked, production_plant
-from plant.production.parameters import SET_A, SET_B, SETS, Production
+from plant.production.parameters import SET_A, SET_B, SET_C, SETS, Production
 from plant.production.steady_state import InfeasibleFeed, Rest, steady_state
 
 __all__ = [
     "SETS",
     "SET_A",
     "SET_B",
+    "SET_C",
     "InfeasibleFeed",
     "Production",
     "Rest",

@@ -24,7 +24,7 @@ def production_plant(
     *,
     feed: Sequence[Block] | None = None,
     stem: str = "quasi_static",
-    anti_surge: bool = True,
+    anti_surge: bool | str = True,
     turbine: str = "direct",
     F_in: float | None = None,
     Z_I: float | None = None,
@@ -32,11 +32,12 @@ def production_plant(
 ) -> Diagram:
     """Return the plant at rest; it stays there until a kick, a slug or another set point moves it.
 
-    Parameters: ``set`` "A", "B" or a ``Production``; ``sticky`` the valves that stick; ``F_s`` their static friction
-    [N], or "none", "normal", "high"; ``case`` 1 constant feed, 2 sinusoidal methane fraction about 0.25; ``feed``
-    other blocks that give F_in and Z_I; ``stem`` "quasi_static" or "full" (with mass); ``turbine`` "direct" (torque at
-    once, as in the thesis) or "lag" (a GasTurbine); ``F_in`` [mol/s] and ``Z_I`` where the plant rests at first
-    (default: the design feed, 0.25 in case 2).
+    Parameters: ``set`` "A", "B", "C" or a ``Production``; ``sticky`` the valves that stick; ``F_s`` their static
+    friction [N], or "none", "normal", "high"; ``case`` 1 constant feed, 2 sinusoidal methane fraction about 0.25;
+    ``feed`` other blocks that give F_in and Z_I; ``stem`` "quasi_static" or "full" (with mass); ``turbine`` "direct"
+    (torque at once, as in the thesis) or "lag" (a GasTurbine); ``anti_surge`` True, False (recycle valves stay as they
+    are) or "gradient" (opens faster when the flow falls fast: sets A and C then stand a feed trip); ``F_in`` [mol/s]
+    and ``Z_I`` where the plant rests at first (default: the design feed, 0.25 in case 2).
 
     Raises ``InfeasibleFeed`` with the numbers if the plant cannot rest there, ``WiringError`` for unknown names.
 
@@ -60,8 +61,8 @@ def production_plant(
 
 
 def plant_blocks(
-    plant: Production, rest: Rest, F_s: Mapping[str, float], stem: str = "quasi_static", anti_surge: bool = True,
-    turbine: str = "direct",
+    plant: Production, rest: Rest, F_s: Mapping[str, float], stem: str = "quasi_static",
+    anti_surge: bool | str = True, turbine: str = "direct",
 ) -> list[Block]:  # fmt: skip
     """Return all blocks of the plant but its feed."""
     return [
@@ -90,7 +91,7 @@ def separator_1(set: str | Production = "B", F_s: float | str | Mapping[str, flo
     return wire([*crude, *around, *parts.separator(plant, rest, 1, sticky)], name="separator_1")
 
 
-def compressor_2(set: str | Production = "B", *, anti_surge: bool = True) -> Diagram:
+def compressor_2(set: str | Production = "B", *, anti_surge: bool | str = True) -> Diagram:
     """Return compressor 2 alone with anti-surge control, at constant speed; inputs open: ``m_G1`` [kg/s].
 
     >>> compressor_2().open_inputs

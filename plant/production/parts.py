@@ -138,14 +138,18 @@ def separator(plant: Production, rest: Rest, number: int, F_s: Friction, kind: s
 
 
 def compressor(
-    plant: Production, rest: Rest, number: int, F_s: Friction, kind: str = "quasi_static", *, anti_surge: bool = True
-) -> list[Block]:
+    plant: Production, rest: Rest, number: int, F_s: Friction, kind: str = "quasi_static", *,
+    anti_surge: bool | str = True,
+) -> list[Block]:  # fmt: skip
     """Return compressor 2 or 3 with plena, discharge pipe, recycle valve and anti-surge controller.
 
     Needs ``w`` and what feeds it: ``m_G1`` and ``m_link`` (2) or ``m_G2`` and ``m_C4`` (3); and the pressure it
     discharges to, ``p_C1`` (2) or ``p_in2`` (3).  Gives ``p_in2``, ``p_out2``, ``m_2``, ``tau_2``, ``q_2``, ``m_out2``
-    (of C3: ``m_link``).  Without anti-surge control the recycle valve stays as it is at rest.
+    (of C3: ``m_link``).  Without anti-surge control the recycle valve stays as it is at rest; ``anti_surge="gradient"``
+    adds gradient action.
     """
+    if isinstance(anti_surge, str) and anti_surge != "gradient":
+        raise WiringError(f"anti_surge = {anti_surge!r}, but it is True, False or 'gradient'")
     i, second = number, number == 2
     data, at = (plant.C2, rest.C2) if second else (plant.C3, rest.C3)
     fluids = plant.fluids
@@ -156,7 +160,9 @@ def compressor(
     controller: Block = Constant(f"OP_{recycle}", at.recycle, name=f"ASC{i}")
     if anti_surge:
         controller = AntiSurge(
-            data.K_p, data.T_i, margin=plant.margin, boost=plant.boost, start=at.recycle,
+            data.K_p, data.T_i, margin=plant.margin, boost=plant.boost, start=at.recycle, start_flow=at.q,
+            gradient=plant.gradient if anti_surge == "gradient" else 0.0,
+            limit=plant.gradient_limit, T_f=plant.T_gradient,
             name=f"ASC{i}", inputs=[f"q_{i}", f"q_s{i}"], outputs=f"OP_{recycle}",
         )  # fmt: skip
     return [

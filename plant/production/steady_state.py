@@ -130,6 +130,7 @@ def steady_state(plant: Production, F_in: float | None = None, Z_I: float | None
 
 @lru_cache(maxsize=256)
 def _solved(plant: Production, F_in: float, Z_I: float) -> Rest:
+    _check_set_points(plant)
     design = designed(plant)
     S1, S2, p_in3 = _separators(plant, F_in, Z_I)
     if p_in3 <= 0.2 * plant.S2.p_SP:
@@ -195,9 +196,19 @@ def designed(plant: Production) -> Design:
     p_out3, p_out2 = p_in2 + plant.dp_link, plant.p_C1 + plant.dp_out
     c, gamma = plant.fluids.c_01, plant.fluids.gamma
     heads = []
-    for data, m, p_in, p_out in ((plant.C2, m_2, p_in2, p_out2), (plant.C3, m_3, p_in3, p_out3)):
+    for name, data, m, p_in, p_out in (
+        ("C2", plant.C2, m_2, p_in2, p_out2), ("C3", plant.C3, m_3, p_in3, p_out3),
+    ):  # fmt: skip
         q = m * data.p_ref / (p_in * data.m_d)
-        heads.append(head_for(p_out / p_in, c, gamma) / data.map.psi(q, 1.0))
+        psi = data.map.psi(q, 1.0)
+        if not psi > 0.0 or not p_out > p_in > 0.0:
+            raise InfeasibleFeed(
+                f"at the design feed F_in = {plant.F_in:g} mol/s, Z_I = {plant.Z_I:g} {name} would have to lift "
+                f"{m:.4g} kg/s from {p_in / 1e5:.4g} to {p_out / 1e5:.4g} bar, at a corrected flow of {q:.3g} where "
+                f"its map gives a head of {psi:.3g}; lower the feed, or change m_d or the drop D = "
+                f"{plant.D / 1e5:g} bar"
+            )
+        heads.append(head_for(p_out / p_in, c, gamma) / psi)
     K_link = m_3 / root(plant.dp_link, plant.p_lam)
     return Design(heads[0], heads[1], K_link, m_2 / root(plant.dp_out, plant.p_lam))
 
@@ -239,6 +250,36 @@ def _root(f: Callable[[float], float], low: float, high: float) -> float | None:
         if values[i] <= 0.0 < values[i + 1]:
             return float(brentq(f, grid[i], grid[i + 1], xtol=1e-15, rtol=8.9e-16))
     return None
+
+
+def _check_set_points(plant: Production) -> None:
+    """Refuse set points and gas data that contradict each other."""
+    S1, S2, gamma = plant.S1, plant.S2, plant.fluids.gamma
+    bar = 1e5
+    for i, data, below, what in ((1, S1, S2.p_SP, "p_SP of S2"), (2, S2, plant.fluids.p_atm, "the atmosphere")):
+        if not data.p_SP < data.p_safe:
+            raise InfeasibleFeed(
+                f"S{i}: p_SP = {data.p_SP / bar:.4g} bar lies above p_safe = {data.p_safe / bar:.4g} bar, so gas would "
+                "go to the flare for ever; lower p_SP or raise p_safe"
+            )
+        if not data.p_SP > below:
+            raise InfeasibleFeed(
+                f"S{i}: p_SP = {data.p_SP / bar:.4g} bar does not lie above {what}, {below / bar:.4g} bar, so no oil "
+                "would flow; raise it"
+            )
+        if not 0.0 < data.V_SP < data.V_sep:
+            raise InfeasibleFeed(
+                f"S{i}: the level set point V_SP = {data.V_SP:.4g} m3 does not lie within the vessel of "
+                f"{data.V_sep:.4g} m3; change one of them"
+            )
+    if not 0.0 < plant.OP_VPCS2 <= 1.0:
+        raise InfeasibleFeed(
+            f"VPCS2 is to stand at OP_VPCS2 = {plant.OP_VPCS2:.4g}, but its travel ends at 0 and 1; give about 0.9"
+        )
+    if not gamma > 1.0:
+        raise InfeasibleFeed(
+            f"c_01, W_met, R and T_c give a heat capacity ratio of {gamma:.4g}, but it exceeds 1; methane has 1.3"
+        )
 
 
 def _check_valves(plant: Production, rest: Rest) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from blocks.anti_surge import AntiSurge
 from blocks.ports import BlockError
-from blocks.sources import Step
+from blocks.sources import Ramp, Step
 from plant import drive
 
 
@@ -41,11 +41,45 @@ def test_shut_valve_forgets():
     assert abs(run.final["anti_surge"].x0[0]) < 1e-8  # analytic: exp(-20) of 0.05
 
 
+def test_gradient_action_grows_with_the_rate_of_fall_inside_the_margin_only():
+    """A ramp: after the smoothing has settled, (f - q)/T_f is the slope, and the gain has its share of it."""
+    asc = AntiSurge(0.22, 1e9, gradient=300.0, limit=0.01, T_f=0.2, start_flow=0.9)
+    q = Ramp("q", -0.05, start=0.0, end=8.0, before=0.9)
+    run = drive(asc, 12.0, every=0.01, rtol=1e-9, q=q, q_s=0.5)
+    t, OP = run.log.t, run.log["OP"]
+    e = 1.18 * 0.5 - run.log["q"]
+    assert np.all(OP[e <= 0.0] == 0.0)  # far from surge it sleeps, however fast the flow falls
+    falling = (e > 0.0) & (t < 8.0)
+    E = (1.0 + 10.0 * e + 300.0 * (0.05 - 0.01)) * e  # analytic
+    np.testing.assert_allclose(OP[falling], 0.22 * E[falling], rtol=1e-5, atol=1e-8)
+    still = t > 11.0  # 15 times T_f later the gain is the plain one again
+    np.testing.assert_allclose(OP[still], 0.22 * (1.0 + 10.0 * e[still]) * e[still], rtol=1e-5)
+
+
+def test_gradient_action_does_not_close_a_valve_when_the_flow_rises():
+    plain, steep = AntiSurge(0.5, 3.0), AntiSurge(0.5, 3.0, gradient=300.0, start_flow=0.5)
+    q = Ramp("q", 0.05, start=0.0, end=5.0, before=0.5)
+    runs = [drive(block, 10.0, every=0.1, rtol=1e-9, q=q, q_s=0.56) for block in (plain, steep)]
+    np.testing.assert_allclose(runs[1].log["OP"], runs[0].log["OP"], atol=1e-8)
+
+
+def test_without_gradient_action_nothing_is_smoothed():
+    assert AntiSurge().state_names == ("z",) and "gradient" not in AntiSurge().param_names
+    assert AntiSurge(gradient=1.0).state_names == ("z", "f")
+    with pytest.raises(BlockError, match=r"no parameter 'gradient'"):
+        AntiSurge().with_params(gradient=1.0)
+
+
 def test_python_control_sees_the_same_equations():
     asc = AntiSurge(0.22, 3.0, start=0.05)
     assert asc.dynamics(0.0, [0.05], [0.9, 0.56])[0] == pytest.approx(-0.05 / 3.0, rel=1e-12)  # at the lower limit
     e = 1.18 * 0.56 - 0.6
     assert asc.dynamics(0.0, [0.05], [0.6, 0.56])[0] == pytest.approx(0.22 * (1 + 10 * e) * e / 3.0, rel=1e-12)
+    e, fall = 1.18 * 0.56 - 0.6, (0.7 - 0.6) / 2.0 - 0.005
+    steep = AntiSurge(0.22, 3.0, gradient=100.0, start=0.05, start_flow=0.7)
+    E = (1 + 10 * e + 100 * fall) * e
+    np.testing.assert_allclose(steep.dynamics(0.0, steep.x0, [0.6, 0.56]), [0.22 * E / 3.0, -0.05], rtol=1e-12)
+    assert steep.output(0.0, steep.x0, [0.6, 0.56])[0] == pytest.approx(0.05 + 0.22 * E, rel=1e-12)
 
 
 def test_misuse_is_explained():
@@ -53,3 +87,9 @@ def test_misuse_is_explained():
         AntiSurge(margin=0.9)
     with pytest.raises(BlockError, match=r"boost = -1.0"):
         AntiSurge(boost=-1.0)
+    with pytest.raises(BlockError, match=r"gradient = -1.0, but the gain must not fall with a falling flow"):
+        AntiSurge(gradient=-1.0)
+    with pytest.raises(BlockError, match=r"limit = -0.1"):
+        AntiSurge(gradient=1.0, limit=-0.1)
+    with pytest.raises(BlockError, match=r"T_f = 0.0, but a time of smoothing is positive"):
+        AntiSurge(gradient=1.0, T_f=0.0)

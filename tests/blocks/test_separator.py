@@ -68,3 +68,32 @@ def test_misuse_is_explained():
         Separator(N_metG=0.0)
     with pytest.raises(BlockError, match=r"C_4 = -1.0"):
         Separator(C_4=-1.0)
+
+
+@pytest.mark.parametrize(
+    ("contents", "says"),
+    [
+        ({"N_oil": 7e5}, "separator is full: 92.89 of 81.9 m3 are liquid"),
+        ({"N_oil": 0.0, "N_metL": 0.0}, "separator has run dry: 0 of 81.9 m3 are liquid"),
+        ({"N_metL": -1.0}, "separator has no dissolved methane left: N_metL = -1 mol"),
+        ({"N_metG": -1.0}, "separator has no gas left: N_metG = -1 mol"),
+    ],
+)
+def test_beyond_its_contents_it_gives_no_values_and_says_why(contents, says):
+    S = Separator().starting_at(**contents)
+    assert np.isnan(S.output(0.0, S.x0, np.zeros(5))).all() and np.isnan(S.dynamics(0.0, S.x0, np.zeros(5))).all()
+    assert S.trouble() == says and Separator().trouble() == ""
+
+
+@pytest.mark.parametrize("method", ["auto", "stiff", "explicit"])
+def test_a_full_vessel_ends_the_run_when_it_is_full(method):
+    """Fed without an outlet for oil; the flare keeps the pressure, so all the room goes to liquid."""
+    flows = REST | {"F_L": 0.0, "Z_I": 30.0 / 261.0, "F_G": 0.0}
+    run = drive(Separator(N_metG=1.0), 100.0, every=0.05, method=method, **flows)
+    assert not run.ok and run.final["separator"].trouble().startswith("separator is full: 81.9 of 81.9 m3")
+    reached = np.isfinite(run.log["p"])
+    V = run.log["V"][reached]
+    # analytic: oil and dissolved methane both only come in
+    inflow = 8000.0 * ((1.0 - 30.0 / 261.0) * 0.086 / 659.0 + 30.0 / 261.0 * 0.016 / 422.0)
+    assert run.log.t[reached][-1] == pytest.approx((81.9 - V[0]) / inflow, rel=0.02)
+    assert V.max() < 81.9 and run.log["p"][reached].min() > 0.0

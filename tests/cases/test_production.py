@@ -8,9 +8,9 @@ import pytest
 from cases import find, names
 from cases.choice import gain_from, scan
 from cases.kicks import SIZE, Studies, start_kicks, study
-from cases.production import K_P_C, rest_amplitudes, set_C
+from cases.production import rest_amplitudes
 from plant import simulate
-from plant.production import production_plant
+from plant.production import SET_B, SET_C, production_plant
 
 J = {"normal": 500.0 / 52500.0, "high": 1000.0 / 52500.0}  # analytic: (F_s - F_c)/k
 S = {"normal": 3000.0 / 52500.0, "high": 3500.0 / 52500.0}  # analytic: (F_s + F_c)/k
@@ -18,7 +18,7 @@ S = {"normal": 3000.0 / 52500.0, "high": 3500.0 / 52500.0}  # analytic: (F_s + F
 
 @pytest.fixture(scope="module")
 def studies():
-    return Studies(set_C(), kicks=6)
+    return Studies("C", kicks=6)
 
 
 def test_six_cases_are_registered():
@@ -29,28 +29,24 @@ def test_six_cases_are_registered():
 
 @pytest.mark.parametrize("size", ["none", "normal", "high"])
 def test_at_rest_nothing_moves_whatever_the_stiction(size):
-    log = simulate(production_plant(set_C(), F_s=size), 2000.0, every=10.0, method="stiff").log
+    log = simulate(production_plant("C", F_s=size), 2000.0, every=10.0, method="stiff").log
     for signal in ("p_1", "V_1", "p_out2", "w", "MV_VPCS1", "MV_VLCS1"):
         assert np.ptp(log[signal]) <= 1e-6 * abs(log[signal][0]), signal
 
 
 def test_no_stiction_from_rest_has_no_oscillation():
-    assert max(rest_amplitudes(set_C())) < 1e-3  # published: table 5.4, amplitude 0
+    assert max(rest_amplitudes(SET_C)) < 1e-3  # published: table 5.4, amplitude 0
 
 
 def test_set_c_changes_two_numbers_of_set_b():
-    from plant.production import SET_B
-
-    C = set_C()
-    assert replace(C, name="B", D=SET_B.D, S1=SET_B.S1) == SET_B
-    assert replace(C.S1, K_p_pressure=SET_B.S1.K_p_pressure) == SET_B.S1
-    assert (C.S1.K_p_pressure, C.S2.K_p_pressure) == pytest.approx(
-        (1000 * 5e-10, 1000 * 3e-10)
-    )  # published: table 5.1, misprinted
+    assert replace(SET_C, name="B", D=SET_B.D, S1=SET_B.S1) == SET_B
+    assert replace(SET_C.S1, K_p_pressure=SET_B.S1.K_p_pressure) == SET_B.S1
+    gains = (SET_C.S1.K_p_pressure, SET_C.S2.K_p_pressure)
+    assert gains == pytest.approx((1000 * 5e-10, 1000 * 3e-10))  # published: table 5.1, misprinted
 
 
 def test_kicks_are_independent_bounded_and_repeatable():
-    plant = production_plant(set_C())
+    plant = production_plant("C")
     starts = start_kicks(plant, 400, seed=3)
     factors = np.array(list(starts.values())) / np.array(plant["S1"].x0)[:, None]
     assert list(starts) == ["S1.N_oil", "S1.N_metL", "S1.N_metG"]
@@ -106,7 +102,7 @@ def test_gain_needed_for_the_published_cycle():
     push = np.trapezoid(np.abs(rising), t) / T_i  # the error has one sign while it matters
     assert K_p * (2.0 * A + push) == pytest.approx(S["high"], rel=1e-3)
     for F_s, period, amplitude in ((1750.0, 101.0, 0.26e5), (2250.0, 37.0, 0.44e5)):  # published: table 5.4
-        assert gain_from(F_s, period, amplitude) == pytest.approx(K_P_C, rel=0.2)
+        assert gain_from(F_s, period, amplitude) == pytest.approx(SET_C.S1.K_p_pressure, rel=0.2)
 
 
 def test_scan_covers_both_ways_and_skips_what_cannot_rest():

@@ -143,7 +143,7 @@ def test_oscillating_pair_has_damping():
 # --- the plant ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("name", ["A", "B"])
 def test_jacobian_of_an_independent_model(name):
     """Central differences of the plant written again in plain numpy give the same A."""
     plant = production_plant(name, F_s="high")
@@ -166,7 +166,7 @@ def test_jacobian_of_an_independent_model(name):
 FAST = {"A": (-2000.0, -810.0, -480.0, -140.0, -88.0, -31.0, -13.0, -3.6, -2.3), "B": (-4000.0, -1460.0, -396.0)}
 
 
-@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("name", ["A", "B"])
 def test_poles_of_the_notes(name):
     plant = SET_B.changed(K_p_speed=80000.0) if name == "B" else name
     linear = linearise(production_plant(plant, F_s="high"))

@@ -34,7 +34,7 @@ def numbers(rest):
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("name", OF_SET)
 def test_numbers_of_the_notes(name):
     found = numbers(steady_state(SETS[name]))
     for key, (value, tolerance) in {**COMMON, **OF_SET[name]}.items():
@@ -49,7 +49,7 @@ def test_contents_of_the_notes():
 
 
 @pytest.mark.parametrize("name", SETS)
-def test_pipes_are_the_same_in_both_sets(name):
+def test_pipes_are_the_same_in_all_sets(name):
     design = designed(SETS[name])
     assert design.K_link == pytest.approx(0.060688, abs=6e-7)  # published: notes 1.6
     assert design.K_out == pytest.approx(0.087372, abs=1.5e-6)
