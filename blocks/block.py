@@ -123,6 +123,10 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless the parameters make sense together."""
 
+    def trouble(self) -> str:
+        """Return why the block's equations end at its start values, with the numbers; "" if they do not."""
+        return ""
+
     def smooth(self) -> "Block":
         """Return the continuous block that python-control sees in a diagram (its own continuous limit).
 

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
-from blocks.control_valve_flow import OPEN, SHUT, root
+from blocks.control_valve_flow import BAND, OPEN, SHUT, root
 from blocks.ports import Port, require
 
 # p = K, p_crack, p_lam
@@ -29,7 +29,7 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
     beyond = u[0] - u[1] - p[1]
-    g[0] = -beyond if d[0] == 0.0 else beyond
+    g[0] = (-beyond if d[0] == 0.0 else beyond) - BAND * (abs(u[0]) + abs(u[1]))
 
 
 def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:

@@ -26,6 +26,7 @@ from blocks.ports import BlockError, Port, require
 from blocks.sizing import C_v_from_Kv
 
 OPEN, SHUT = 0.0, 1.0
+BAND = 1e-8  # of the pressures: a drop that rounding makes and unmakes must not count as opening and shutting
 
 
 def root(drop: float, p_lam: float) -> float:
@@ -57,7 +58,8 @@ def _check_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 def _check_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    g[0] = u[1] - u[0] if d[0] == 0.0 else u[0] - u[1]
+    drop = u[0] - u[1]
+    g[0] = (-drop if d[0] == 0.0 else drop) - BAND * (abs(u[0]) + abs(u[1]))
 
 
 def _check_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:

@@ -23,7 +23,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
-from blocks.control_valve_flow import root
+from blocks.control_valve_flow import BAND, root
 from blocks.ports import BlockError, Port, require
 from blocks.sizing import PER_KV, C_v_from_Kv, R
 
@@ -58,13 +58,13 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    drop = u[0] - u[1]
+    drop, band = u[0] - u[1], BAND * (abs(u[0]) + abs(u[1]))
     over = max(drop, 0.0 if p[8] > 0.0 else -drop) - choking(max(u[0], u[1]), p)
     if d[0] == 0.0:  # flowing: chokes, or shuts
         g[0] = over
-        g[1] = -drop if p[8] > 0.0 else -1.0
+        g[1] = -drop - band if p[8] > 0.0 else -1.0
     else:  # choked or shut: flows again
-        g[0] = -over if d[0] == 1.0 else drop
+        g[0] = (-over if d[0] == 1.0 else drop) - band
         g[1] = -1.0
 
 

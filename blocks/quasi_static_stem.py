@@ -30,6 +30,7 @@ from blocks.ports import Port, require
 
 STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 ROUNDING = 1e-12  # of travel
+NOISE = 1e-9  # of travel: so little beyond the band is the integration's error, if OP is on its way back
 
 
 def sliding_at(OP: float, direction: float, S: float, J: float, low: float, high: float) -> float:
@@ -52,8 +53,9 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
     if d[0] == STUCK:
         pull = u[0] - d[1]
         free = d[1] < p[3] if pull > 0.0 else d[1] > p[2]  # not through a stop
-        if free:
-            g[0] = abs(pull) - 0.5 * (p[0] + p[1]) - ROUNDING
+        over = abs(pull) - 0.5 * (p[0] + p[1]) - ROUNDING
+        if free and (p[1] > 0.0 or over > NOISE or pull * u[1] > 0.0):  # without a jump it would stick again at once
+            g[0] = over
     elif d[0] != IDEAL:
         g[0] = -d[0] * u[1]
         stem = u[0] - d[0] * 0.5 * (p[0] - p[1])

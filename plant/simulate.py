@@ -223,14 +223,18 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
         origin=f"simulated: {diagram.name}",
     )
     counters = [o.I for o in outcomes]
+    ends = tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
+    troubles = [] if status is Status.OK else [b.trouble() for b in _final(diagram, ends).blocks]
+    if any(troubles):
+        blamed = f"{'; '.join(filter(None, troubles))}, {blamed.partition(' in ')[0]}"
     return Run(
         log=log,
         events=tuple(events),
         status=status,
-        hint=f"{HINTS[status]} ({blamed})" if blamed else HINTS[status],
+        hint=blamed if any(troubles) else f"{HINTS[status]} ({blamed})" if blamed else HINTS[status],
         statistics=statistics(counters),
         diagram=diagram,
-        ends=tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True)),
+        ends=ends,
     )
 
 

@@ -175,7 +175,8 @@ def _solved(diagram: Diagram, t: float, tolerance: float) -> Slopes | None:
             if x is None or not np.all(np.isfinite(x)):
                 return None
             here = slopes(here.diagram.at_state(x), t)
-    except (ValueError, ArithmeticError, np.linalg.LinAlgError):  # a guess outside what the equations allow
+    except (ValueError, ArithmeticError, RuntimeError, np.linalg.LinAlgError):
+        # A guess outside what the equations allow; where they give NaN, python-control suspects an algebraic loop.
         return None
     return here if residual(here) <= tolerance else None
 

@@ -94,7 +94,7 @@ def test_check_valve_shuts_and_opens_and_chokes():
         body, 12.0, every=0.5, p_up=Ramp("p_up", 2e5, before=1e5), p_down=Step("p_down", 1e5, 9e5, at=8.0), MV=1
     )
     assert [event.after for event in run.events] == ["shut", "flowing", "choked"]
-    assert [event.t for event in run.events] == pytest.approx([0.0, 4.0, 8.0], abs=1e-9)  # analytic
+    assert [event.t for event in run.events] == pytest.approx([0.0, 4.0, 8.0], abs=1e-6)  # analytic, but for the band
     assert np.all(run.log["F"][run.log.t < 4.0] == 0.0) and run.log["F"][-1] > 0.0
 
 
