@@ -1,7 +1,7 @@
 """The thesis's plant as six cases: constant feed (1) and sinusoidal methane fraction (2), three sizes of stiction.
 
-Two parameter sets were fitted each for one of the two cases: B for constant feed, A for the sine.  Set C serves both
-and stands behind the cases; ``plant.production.parameters`` says what it is, ``cases.choice`` how it was chosen.
+Parameter set B was fitted for constant feed, A for the sine; C and E serve both, and E, the nearest to the print,
+stands behind the cases.  ``plant.production.parameters`` says what they are, ``cases.choice`` how E was chosen.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from plant.diagram import Diagram
     from plant.production import Production
 
+SET = "E"  # the parameter set behind the cases
 KICKS_OF_A_CASE = 100  # starts behind the numbers of one case, as many as `stickslip reproduce` takes
 STICTION = ("none", "normal", "high")
 
@@ -29,7 +30,7 @@ def diagram(F_s: str, case: int) -> "Diagram":
     """
     from plant.production import kicked, production_plant
 
-    plant = production_plant("C", F_s=F_s, case=case, name=f"plant_{case}_{F_s}")
+    plant = production_plant(SET, F_s=F_s, case=case, name=f"plant_{case}_{F_s}")
     return kicked(plant) if case == 1 and F_s != "none" else plant
 
 
@@ -42,7 +43,7 @@ def _numbers(F_s: str, case: int) -> Callable[[], Sequence[Number]]:
         from cases.kicks import Studies
         from cases.tables import table_5_4, table_6_1, table_6_2, table_case_2
 
-        studies = Studies("C", KICKS_OF_A_CASE)
+        studies = Studies(SET, KICKS_OF_A_CASE)
         builders = (table_5_4, table_6_1) if case == 1 else (table_6_2, table_case_2)
         rows = [row for builder in builders for row in builder(studies, (F_s,))]
         return [
@@ -54,7 +55,7 @@ def _numbers(F_s: str, case: int) -> Callable[[], Sequence[Number]]:
 
 
 _ABOUT = {
-    1: "Constant feed, 8000 mol/s with methane fraction 0.37 (table 5.2, case 1); VLCS1 and VPCS1 stick.",
+    1: "Constant feed, 7600 mol/s with methane fraction 0.37 (table 5.2, case 1); VLCS1 and VPCS1 stick.",
     2: "Methane fraction 0.25 + 0.1 sin(2 pi t/500 s) (table 5.2, case 2); VLCS1 and VPCS1 stick.",
 }
 _START = {"none": "Starts at rest, and stays there.", "normal": "Starts kicked.", "high": "Starts kicked."}

@@ -150,7 +150,7 @@ def subject_of(case: "Case") -> "Subject":
         diagram = case.build()
         return like_the_plant(diagram) or as_subject(diagram)
     _, number, F_s = case.name.split("_")
-    return production_subject("C", F_s, int(number), name=case.name)
+    return production_subject(production.SET, F_s, int(number), name=case.name)
 
 
 def _axes(option: str, given: Sequence[str]) -> dict[str, object]:

@@ -1,11 +1,11 @@
 """The offshore production plant of the thesis: two separators, two compressors on one shaft, sticky valves.
 
 production_plant   the whole plant, wired by names, at rest       parts        what it is made of, to use alone
-SETS               the parameter sets A, B and C                   steady_state where it rests for a given feed
+SETS               the parameter sets A, B, C and E                steady_state where it rests for a given feed
 """
 
 from plant.production.build import kicked, production_plant
-from plant.production.parameters import SET_A, SET_B, SET_C, SETS, Production
+from plant.production.parameters import SET_A, SET_B, SET_C, SET_E, SETS, Production
 from plant.production.steady_state import InfeasibleFeed, Rest, steady_state
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "SET_A",
     "SET_B",
     "SET_C",
+    "SET_E",
     "InfeasibleFeed",
     "Production",
     "Rest",

@@ -32,7 +32,7 @@ def production_plant(
 ) -> Diagram:
     """Return the plant at rest; it stays there until a kick, a slug or another set point moves it.
 
-    Parameters: ``set`` "A", "B", "C" or a ``Production``; ``sticky`` the valves that stick; ``F_s`` their static
+    Parameters: ``set`` "A", "B", "C", "E" or a ``Production``; ``sticky`` the valves that stick; ``F_s`` their static
     friction [N], or "none", "normal", "high"; ``case`` 1 constant feed, 2 sinusoidal methane fraction about 0.25;
     ``feed`` other blocks that give F_in and Z_I; ``stem`` "quasi_static" or "full" (with mass); ``turbine`` "direct"
     (torque at once, as in the thesis) or "lag" (a GasTurbine); ``anti_surge`` True, False (recycle valves stay as they

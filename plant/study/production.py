@@ -3,7 +3,7 @@
 F_in, Z_I        where the plant rests [mol/s, -], its hardware unchanged; design.F_in and design.Z_I rebuild it
 F_s, VPCS1.F_s   static friction [N] of all sticky valves, or of one: a number, or none, normal, high
 sticky           the valves that stick, e.g. VPCS1 or VLCS1+VPCS1
-stem, turbine    quasi_static or full; direct or lag               anti_surge   on or off
+stem, turbine    quasi_static or full; direct or lag               anti_surge   on, off, gradient
 slug.*           flow [mol/s], gas [-], period [s] of severe slugging about F_in and Z_I instead of the case's feed
 sine.*           amplitude [-], period [s] of the methane fraction, as in case 2
 D, J, S1.K_p_pressure, C2.margin ...   every number of ``Production``; the plant is sized and brought to rest again
@@ -29,9 +29,10 @@ CHAIN: Mapping[str, tuple[str, ...]] = {
     "shaft": ("tau_d", "w"),
 }
 STICKY = ("VLCS1", "VPCS1")
+ANTI_SURGE: Mapping[str, bool | str] = {"on": True, "off": False, "gradient": "gradient"}
 CONTENTS = ("S1.N_oil", "S1.N_metL", "S1.N_metG")  # of separator 1: what a start kick moves
 WORDS: Mapping[str, tuple[str, ...]] = {
-    "stem": ("quasi_static", "full"), "turbine": ("direct", "lag"), "anti_surge": ("on", "off"),
+    "stem": ("quasi_static", "full"), "turbine": ("direct", "lag"), "anti_surge": ("on", "off", "gradient"),
 }  # fmt: skip
 SLUG = {"slug.flow": 400.0, "slug.gas": 0.05, "slug.period": 500.0}
 SINE = {"sine.amplitude": 0.1, "sine.period": 500.0}
@@ -109,7 +110,7 @@ def _plant(base: Production, F_s: float | str, case: int, name: str, values: Map
     elif sine:
         feed = feeds.sine(F_0, Z_0, **sine)
     return production_plant(
-        plant, sticky, friction, case, feed=feed, stem=word["stem"], anti_surge=word["anti_surge"] == "on",
+        plant, sticky, friction, case, feed=feed, stem=word["stem"], anti_surge=ANTI_SURGE[word["anti_surge"]],
         turbine=word["turbine"], F_in=F_0, Z_I=Z_0, name=name,
     )  # fmt: skip
 

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from blocks import CubicMap
 from cases import find, names
 from cases.choice import gain_from, scan
 from cases.kicks import SIZE, Studies, start_kicks, study
 from cases.production import rest_amplitudes
 from plant import simulate
-from plant.production import SET_B, SET_C, production_plant
+from plant.production import SET_B, SET_C, SET_E, kicked, production_plant
 
 J = {"normal": 500.0 / 52500.0, "high": 1000.0 / 52500.0}  # analytic: (F_s - F_c)/k
 S = {"normal": 3000.0 / 52500.0, "high": 3500.0 / 52500.0}  # analytic: (F_s + F_c)/k
@@ -18,7 +19,7 @@ S = {"normal": 3000.0 / 52500.0, "high": 3500.0 / 52500.0}  # analytic: (F_s + F
 
 @pytest.fixture(scope="module")
 def studies():
-    return Studies("C", kicks=6)
+    return Studies("E", kicks=6)
 
 
 def test_six_cases_are_registered():
@@ -29,13 +30,13 @@ def test_six_cases_are_registered():
 
 @pytest.mark.parametrize("size", ["none", "normal", "high"])
 def test_at_rest_nothing_moves_whatever_the_stiction(size):
-    log = simulate(production_plant("C", F_s=size), 2000.0, every=10.0, method="stiff").log
+    log = simulate(production_plant("E", F_s=size), 2000.0, every=10.0, method="stiff").log
     for signal in ("p_1", "V_1", "p_out2", "w", "MV_VPCS1", "MV_VLCS1"):
         assert np.ptp(log[signal]) <= 1e-6 * abs(log[signal][0]), signal
 
 
 def test_no_stiction_from_rest_has_no_oscillation():
-    assert max(rest_amplitudes(SET_C)) < 1e-3  # published: table 5.4, amplitude 0
+    assert max(rest_amplitudes(SET_E)) < 1e-3  # published: table 5.4, amplitude 0
 
 
 def test_set_c_changes_two_numbers_of_set_b():
@@ -45,8 +46,16 @@ def test_set_c_changes_two_numbers_of_set_b():
     assert gains == pytest.approx((1000 * 5e-10, 1000 * 3e-10))  # published: table 5.1, misprinted
 
 
+def test_set_e_changes_six_numbers_of_set_b():
+    map_E = CubicMap(W_q=0.25)
+    assert replace(
+        SET_B, name="E", D=4.1e5, F_in=7600.0, dp_out=3.25e5, margin=1.10,
+        S1=replace(SET_B.S1, K_p_pressure=7e-7), C2=replace(SET_B.C2, map=map_E), C3=replace(SET_B.C3, map=map_E),
+    ) == SET_E  # fmt: skip
+
+
 def test_kicks_are_independent_bounded_and_repeatable():
-    plant = production_plant("C")
+    plant = production_plant("E")
     starts = start_kicks(plant, 400, seed=3)
     factors = np.array(list(starts.values())) / np.array(plant["S1"].x0)[:, None]
     assert list(starts) == ["S1.N_oil", "S1.N_metL", "S1.N_metG"]
@@ -70,7 +79,7 @@ def test_constant_feed(studies, size):
 
 
 def test_a_jump_a_half_cycle_carries_the_controller_through_the_stick_band():
-    run = find("plant_1_normal").run(method="stiff")
+    run = simulate(kicked(production_plant("C", F_s="normal")), 2000.0, every=0.1, method="stiff")  # one jump
     late = run.log.t >= 1000.0
     assert np.ptp(run.log["MV_VPCS1"][late]) == pytest.approx(J["normal"], rel=0.02)
     assert np.ptp(run.log["OP_VPCS1"][late]) == pytest.approx(S["normal"], rel=0.02)
@@ -82,9 +91,9 @@ def test_the_sine(studies):
     found = {size: studies(size, 2) for size in ("none", "normal", "high")}
     for size, one in found.items():
         assert one.failed == 0 and one.band("flare").high == 0.0 and one.band("turns shut").high == 0.0
-        assert 0.20 < one.band("shut").median < 0.45, size
+        assert 0.30 <= one.band("shut").median <= 0.45, size
         assert one.band("p lowest").median < -1.5
-    assert found["none"].band("turns open").high < 10 and found["normal"].band("turns open").high < 10
+    assert max(found[size].band("turns open").median for size in ("none", "normal")) < 10
     assert found["high"].band("turns open").low > 15
     R = [found[size].band("pressure R").median for size in ("none", "normal", "high")]
     assert R[0] < R[1] < R[2]  # published: ordering of table 6.2
@@ -107,9 +116,9 @@ def test_gain_needed_for_the_published_cycle():
 
 def test_scan_covers_both_ways_and_skips_what_cannot_rest():
     done = []
-    points = scan(kicks=1, drops=(4.1e5, 29.0e5), gains=(5e-7, 8.8e-7), told=lambda i, n: done.append((i, n)))
+    points = scan(kicks=1, drops=(4.1e5, 29.0e5), gains=(7e-7, 8.8e-7), told=lambda i, n: done.append((i, n)))
     assert [(p.D, p.K_p, p.size) for p in points] == [
-        (4.1e5, 5e-7, "normal"), (4.1e5, 5e-7, "high"), (4.1e5, 8.8e-7, "normal"), (4.1e5, 8.8e-7, "high"),
+        (4.1e5, 7e-7, "normal"), (4.1e5, 7e-7, "high"), (4.1e5, 8.8e-7, "normal"), (4.1e5, 8.8e-7, "high"),
     ]  # fmt: skip
     assert done == [(1, 3), (2, 3), (3, 3)]
 

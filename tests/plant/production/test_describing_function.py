@@ -73,7 +73,7 @@ def stepped(rest, dt=0.05, duration=12_000.0):
     return period_and_amplitude(dt * np.arange(len(late)), late)
 
 
-@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("name", ["A", "B", "C"])  # with the design feed of the notes
 def test_deadband_alone_cycles_the_level(name):
     rest = steady_state(SETS[name])
     T_balance, A_balance = predicted(rest)
