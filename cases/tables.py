@@ -19,7 +19,7 @@ F_C, K_STEM = 1250.0, 52500.0  # N, N per travel, table A.1
 PERIOD_RATIO = (
     "one-jump cycles that lie alike have periods as S/J, 6.0 normal and 3.5 high, a ratio of 1.7; the printed 101 and "
     "37 s, 2.7 apart, need a normal cycle far off centre beside a centred high one, as the printed R of "
-    "14.63 +- 17.13 suggests. Single starts do that; of some 2500 settings none brings both medians within 10 %"
+    "14.63 +- 17.13 suggests. Single starts do that; of 2000 settings none brings both medians within 10 %"
 )
 LEVEL_PERIOD = (
     "PI with an integrator gives about 4 S/(K_p g J), g = 0.98 m3/s: 245 s normal and 143 s high when symmetric; the "
