@@ -83,7 +83,7 @@ def signal_rates(I, W, t, scale):  # type: ignore[no-untyped-def]
     """
     n, ns = I[N_STATES], I[N_SIGNALS]
     x, f, s, r, tmp = I[O_X], I[O_F], I[O_S], I[O_RATE], I[O_TMP]
-    shift = 1e-6 * max(scale, 1e-3 * (1.0 + 1e-6 * abs(t)))
+    shift = 1e-6 * max(scale, 0.1 * (1.0 + 1e-8 * abs(t)))  # shorter, rounding would decide the sign of small rates
     if t + shift > W[T_LEFT]:
         shift = -shift
     shift = (t + shift) - t
