@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from plant.production import Production
 
 SET = "E"  # the parameter set behind the cases
+KICK = (1.019, 1.010)  # gas and liquid of separator 1 at the start of the kicked cases
 KICKS_OF_A_CASE = 100  # starts behind the numbers of one case, as many as `stickslip reproduce` takes
 STICTION = ("none", "normal", "high")
 
@@ -21,17 +22,24 @@ STICTION = ("none", "normal", "high")
 def diagram(F_s: str, case: int) -> "Diagram":
     """Return the plant of a case: at rest in both, but kicked where constant feed meets stiction.
 
-    At rest nothing moves, whatever the stiction; case 1 with stiction therefore starts from the kick of
-    ``plant.production.kicked``.  Case 2 starts at rest for the mean feed Z_I = 0.25, where a ramp from 0.37 and a
+    At rest nothing moves, whatever the stiction; case 1 with stiction therefore starts kicked
+    (``started``).  Case 2 starts at rest for the mean feed Z_I = 0.25, where a ramp from 0.37 and a
     long hold would lead: a step to 0.25 would throw C2 into surge.
 
     >>> diagram("high", 2).name
     'plant_2_high'
     """
-    from plant.production import kicked, production_plant
+    from plant.production import production_plant
 
     plant = production_plant(SET, F_s=F_s, case=case, name=f"plant_{case}_{F_s}")
-    return kicked(plant) if case == 1 and F_s != "none" else plant
+    return started(plant) if case == 1 and F_s != "none" else plant
+
+
+def started(plant: "Diagram") -> "Diagram":
+    """Return the plant kicked as the cases are: from there set E finds the cycles that are nearest to the print."""
+    from plant.production import kicked
+
+    return kicked(plant, *KICK)
 
 
 def _build(F_s: str, case: int) -> Callable[[], "Diagram"]:

@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -150,7 +151,8 @@ def subject_of(case: "Case") -> "Subject":
         diagram = case.build()
         return like_the_plant(diagram) or as_subject(diagram)
     _, number, F_s = case.name.split("_")
-    return production_subject(production.SET, F_s, int(number), name=case.name)
+    subject = production_subject(production.SET, F_s, int(number), name=case.name)
+    return subject if number == "2" or F_s == "none" else replace(subject, start=production.started)
 
 
 def _axes(option: str, given: Sequence[str]) -> dict[str, object]:
