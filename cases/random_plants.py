@@ -200,7 +200,7 @@ def run(asked: RandomPlant, plant: "Diagram", duration: float = DURATION, every:
         highest={s: float(result.log[s][reached].max(initial=-np.inf)) for s in BOUNDS},
         steps=result.statistics.steps, events=result.statistics.events,
     )  # fmt: skip
-    return replace(found, reason=_doubt(found, result) if result.ok else _vessels(result) or result.hint)
+    return replace(found, reason=_doubt(found, result) if result.ok else result.hint)
 
 
 def _doubt(found: Outcome, result: "Run") -> str:
@@ -211,10 +211,3 @@ def _doubt(found: Outcome, result: "Run") -> str:
         return f"balances off by {found.balance:.2g}, energy by {found.energy:.2g}"
     beyond = [s for s, (low, high) in BOUNDS.items() if found.lowest[s] < low or found.highest[s] > high]
     return ", ".join(f"{s} from {found.lowest[s]:.4g} to {found.highest[s]:.4g}" for s in beyond)
-
-
-def _vessels(result: "Run") -> str:
-    """Return what happened to the separators at the end of a run."""
-    from blocks.separator import Separator
-
-    return "; ".join(b.trouble() for b in result.final.blocks if isinstance(b, Separator) and b.trouble())

@@ -19,6 +19,7 @@ from engine.layout import (
     CAPACITY,
     CHAIN,
     CLOSER,
+    CROWDED,
     D_NODES,
     D_SIZE,
     D_V,
@@ -201,6 +202,9 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
                 W[STEP] = W[I[O_RESTART] + slot]
                 I[LEARN] = slot + 1
                 I[EVENTS_SEEN] = I[EVENTS]
+                if I[CROWDED]:
+                    W[STEP] = min(W[STEP], APART)
+                    I[LEARN] = 0
             if not finite(W, I[O_S], I[N_CHECKED]):
                 return NOT_FINITE
         arrived = W[T] >= t_end - clock(W)
@@ -317,6 +321,8 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
             write_rows_inside(I, W, times, log, t, h, t_new - resolution(t_new))
         if h_used > APART:
             I[CHAIN] = 0
+        # over a long stiff step the states leave an instant with other slopes than the rates that events are told
+        I[CROWDED] = I[METHOD] == 1 and crossing <= 1.0 and h_used <= APART
         if crossing <= 1.0:
             interpolate(I, W, crossing)
             W[T] = t_new

@@ -79,7 +79,8 @@ PENDING_LEVEL = 68  # smoothness level of the discontinuity being handled (0 = j
 STOP_LEVEL = 69  # smoothness level of what happens at T_STOP (0 = jump)
 DENSE_TERMS = 70  # coefficients of the dense output in use
 LEARN = 71  # 1 + slot of O_RESTART that the next accepted step fills in
-H = 72
+CROWDED = 72  # 1: a stiff step ended at an event less than ``advance.APART`` after the one before
+H = 73
 
 CHUNK = 32  # log rows evaluated together
 RESTARTS = 16

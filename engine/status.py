@@ -15,6 +15,7 @@ class Status(IntEnum):
     CHATTERING = 5
     TOO_MANY_STEPS = 6
     INTERRUPTED = 7
+    MODEL_ENDED = 8
 
 
 HINTS: dict[Status, str] = {
@@ -34,6 +35,7 @@ HINTS: dict[Status, str] = {
         "check its event functions, or add hysteresis"
     ),
     Status.TOO_MANY_STEPS: "the step budget is spent; raise max_steps, loosen rtol, or shorten the run",
+    Status.MODEL_ENDED: "a block's equations hold no further",
     Status.INTERRUPTED: "interrupted; what was simulated so far is kept",
 }
 

@@ -224,14 +224,15 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
     )
     counters = [o.I for o in outcomes]
     ends = tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
+    hint = f"{HINTS[status]} ({blamed})" if blamed else HINTS[status]
     troubles = [] if status is Status.OK else [b.trouble() for b in _final(diagram, ends).blocks]
     if any(troubles):
-        blamed = f"{'; '.join(filter(None, troubles))}, {blamed.partition(' in ')[0]}"
+        status, hint = Status.MODEL_ENDED, f"{'; '.join(filter(None, troubles))}, {blamed.partition(' in ')[0]}"
     return Run(
         log=log,
         events=tuple(events),
         status=status,
-        hint=blamed if any(troubles) else f"{HINTS[status]} ({blamed})" if blamed else HINTS[status],
+        hint=hint,
         statistics=statistics(counters),
         diagram=diagram,
         ends=ends,
