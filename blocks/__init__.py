@@ -1,7 +1,7 @@
 """Blocks: one python-control nonlinear I/O system per file, made of pure kernels.
 
 sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise
-controllers  PI SampledPI
+controllers  PI PID SampledPI
 valves       StickSlip QuasiStaticStem (physical)   KanoValve ChoudhuryValve HeValve ChenValve StenmanValve
              (two-parameter, sampled)   Deadband IdealValve Characteristic
 processes    FirstOrder SecondOrder Integrator DeadTime
@@ -35,6 +35,7 @@ from blocks.kano_valve import KanoValve
 from blocks.noise import Noise
 from blocks.periodic import Sine, Slug, Square, Triangle
 from blocks.pi import PI
+from blocks.pid import PID
 from blocks.plenum import Plenum
 from blocks.ports import BlockError, Labels, Port
 from blocks.quasi_static_stem import QuasiStaticStem
@@ -52,6 +53,7 @@ from blocks.tabulated_map import TabulatedMap
 
 __all__ = [
     "PI",
+    "PID",
     "AntiSurge",
     "Block",
     "BlockError",

@@ -27,7 +27,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "Triangle": TEXTBOOK, "Slug": SLUGS, "Staircase": TEXTBOOK, "Recorded": TEXTBOOK, "Noise": "L'Ecuyer 1999",
     },
     "Controllers": {
-        "PI": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
+        "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
         "AntiSurge": "thesis section 3.5.1, table 5.1", "Flare": "thesis section 3.5.4, table 5.1",
     },
     "Valve stems: OP to MV": {
