@@ -5,7 +5,9 @@ from numba import njit
 
 from engine.dense import interpolate
 from engine.layout import (
+    CLOSER,
     HAS_RATES,
+    METHOD,
     N_EVENTS,
     N_SIGNALS,
     N_STATES,
@@ -18,10 +20,16 @@ from engine.layout import (
     O_Y1,
     P_EVENT_SIGNALS,
     P_EVENTS,
+    REJECTED,
+    STEP,
 )
 from engine.sweep import clock, evaluate_events, play, signal_rates
 
 GLANCE = 1.0 / 64.0  # share of a step over which a glance takes rates
+MOST_CLOSER = 3  # a stiff step is shortened so many times to end just behind an event, where its states are best:
+COARSE = 1e-3  # an event is first located to this share of the step,
+BEHIND = 1.003  # the next try ends a little behind it,
+END = 0.99  # and is taken if the event lies behind this share of it
 
 
 @njit(cache=True, error_model="numpy")
@@ -143,3 +151,19 @@ def first_crossing(I, W, t, h, finest):  # type: ignore[no-untyped-def]
             left, low = s, value
             top *= 0.5
     return right
+
+
+@njit(cache=True, error_model="numpy")
+def crossing_ahead(I, W, t, h):  # type: ignore[no-untyped-def]
+    """Return the fraction at which the first event fires, 2 if none does, -1 if a stiff step is to be tried shorter."""
+    coarse = I[METHOD] == 1 and I[CLOSER] < MOST_CLOSER
+    crossing = first_crossing(I, W, t, h, COARSE if coarse else 0.0)
+    if coarse and crossing < END and crossing * h > 1e-6:
+        W[STEP] = BEHIND * crossing * h
+        I[CLOSER] += 1
+        I[REJECTED] += 1
+        return -1.0
+    if coarse and crossing <= 1.0:
+        crossing = first_crossing(I, W, t, h, 0.0)
+    I[CLOSER] = 0
+    return crossing

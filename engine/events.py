@@ -25,12 +25,14 @@ from engine.layout import (
     MAX_CHAIN,
     MAX_STEP,
     N_BLOCKS,
+    N_EVENTS,
     N_SIGNALS,
     ND,
     NEXT_TIME,
     NG,
     NU,
     O_G,
+    O_G0,
     O_S,
     O_S0,
     O_X,
@@ -95,6 +97,15 @@ def fire_positive(I, W, EV):  # type: ignore[no-untyped-def]
                 fired = True
                 break
     return fired
+
+
+@njit(cache=True, error_model="numpy")
+def fire_waiting(I, W, EV):  # type: ignore[no-untyped-def]
+    """Fire what had not been positive at the left of the interval; the rest belongs to ``settle``."""
+    for i in range(I[N_EVENTS]):
+        if W[I[O_G0] + i] > 0.0:
+            W[I[O_G] + i] = -1.0
+    fire_positive(I, W, EV)
 
 
 @njit(cache=True, error_model="numpy")

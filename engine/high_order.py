@@ -20,8 +20,9 @@ from engine.dop853 import (
     E_WEIGHT,
     C,
 )
+from engine.floats import finite
 from engine.layout import ATOL, N_CHECKED, N_STATES, O_CONT, O_F, O_K, O_S, O_X, O_Y0, O_Y1, RTOL
-from engine.sweep import finite, rates
+from engine.sweep import rates
 
 HIGH_STIFF_RATIO = 6.1  # h |df/dy| beyond this is the stability limit of the method at work
 

@@ -72,7 +72,7 @@ EVENTS_SEEN = 61  # events before the present stretch; -1 before the first insta
 FRESH = 62  # 1: a discontinuity at the present time has not been handled yet; 2: its samples have been taken
 HOLD = 63  # 1: return on arrival at t_end before anything happens there (a hosted block is due)
 STIFF_COUNT = 64
-K1_VALID = 65
+K1_VALID = 65  # 1: rates and event functions at the start of the step are known
 CHAIN = 66  # transitions since time last moved
 CLOSER = 67  # how often the present stiff step was shortened to end just behind an event
 PENDING_LEVEL = 68  # smoothness level of the discontinuity being handled (0 = jump)
@@ -80,7 +80,8 @@ STOP_LEVEL = 69  # smoothness level of what happens at T_STOP (0 = jump)
 DENSE_TERMS = 70  # coefficients of the dense output in use
 LEARN = 71  # 1 + slot of O_RESTART that the next accepted step fills in
 CROWDED = 72  # 1: a stiff step ended at an event less than ``advance.APART`` after the one before
-H = 73
+JAC_VALID = 73  # 1: so is the Jacobian
+H = 74
 
 CHUNK = 32  # log rows evaluated together
 RESTARTS = 16

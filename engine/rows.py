@@ -5,6 +5,7 @@ from numba import njit
 from engine.call import call
 from engine.delay import delayed
 from engine.dense import interpolate
+from engine.floats import copy
 from engine.layout import (
     A_OUT,
     CHUNK,
@@ -23,6 +24,7 @@ from engine.layout import (
     O_CX,
     O_S,
     O_X,
+    O_Y0,
     ROW,
     STILL,
     WIRES,
@@ -30,18 +32,27 @@ from engine.layout import (
     H,
     P,
     R,
+    T,
     U,
     X,
     Y,
 )
+from engine.sweep import clock, signals
 
 
 @njit(cache=True, error_model="numpy")
-def write_row(I, W, log, row):  # type: ignore[no-untyped-def]
-    """Write the present signals into one row of the log."""
+def write_rows_now(I, W, times, log):  # type: ignore[no-untyped-def]
+    """Write the log rows that are due at the present."""
+    present = W[T] + clock(W)
+    if I[ROW] >= times.shape[0] or times[I[ROW]] > present:
+        return
+    copy(W, I[O_Y0], I[O_X], I[N_STATES])
+    signals(I, W, W[T])
     wires = I[L_WIRES]
-    for i in range(I[N_LOG]):
-        log[i, row] = W[I[O_S] + I[wires + i]]
+    while I[ROW] < times.shape[0] and times[I[ROW]] <= present:
+        for i in range(I[N_LOG]):
+            log[i, I[ROW]] = W[I[O_S] + I[wires + i]]
+        I[ROW] += 1
 
 
 @njit(cache=True, error_model="numpy")

@@ -124,15 +124,6 @@ def evaluate_events(I, W, t, scale):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def finite(W, start, n):  # type: ignore[no-untyped-def]
-    """Return whether ``n`` floats from ``start`` are all finite."""
-    total = 0.0
-    for i in range(n):
-        total += W[start + i] * 0.0
-    return total == 0.0 and not np.isnan(total)
-
-
-@njit(cache=True, error_model="numpy")
 def resolution(t):  # type: ignore[no-untyped-def]
     """Return the smallest time difference that counts at ``t`` [s]."""
     return 4.0 * np.spacing(max(1.0, abs(t)))

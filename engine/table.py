@@ -36,148 +36,173 @@ def build(
     blocks: Sequence[FlatBlock], members: Sequence[int], columns: Sequence[int], capacity: int = 2048
 ) -> Component:
     """Lay out the given blocks (indices in signal-flow order) as one component that logs ``columns``."""
-    rows = [blocks[b] for b in members]
-    local: dict[int, int] = {}  # diagram signal -> component signal
-    for block in sorted(rows, key=lambda block: block.kind == at.HOSTED):
-        for j in range(len(block.y0)):
-            local[block.first_signal + j] = len(local)
-    n = sum(len(b.x0) for b in rows)
-    ng = sum(b.n_events for b in rows)
-    ns = len(local)
-    nd = sum(len(b.d0) for b in rows)
-    size = at.HF
-    shape = analyse(rows)
-    order = eliminate(n, shape.entries)
+    table = _Table([blocks[b] for b in members])
+    for number, b in enumerate(members):
+        table.place(number, b, capacity)
+    table.write_programs()
+    table.write_facts()
+    return Component(
+        I=table.integers([table.local[c] for c in columns]),
+        W=table.floats(),
+        blocks=tuple(members),
+        params={b: int(table.rows[i, at.P]) for i, b in enumerate(members)},
+        states={b: int(table.header[at.O_Y0] + table.rows[i, at.X]) for i, b in enumerate(members)},
+        memory={b: int(table.rows[i, at.D]) for i, b in enumerate(members)},
+        signals={signal: int(table.header[at.O_S]) + place for signal, place in table.local.items()},
+        columns=tuple(columns),
+        hosted=tuple(b for b in members if blocks[b].kind == at.HOSTED),
+    )
 
-    def stretch(length: int) -> int:
-        nonlocal size
-        start = size
-        size += length
+
+class _Table:
+    """The two arrays in the making: integer header, one row of integers per block, and what comes behind them."""
+
+    def __init__(self, blocks: Sequence[FlatBlock]) -> None:
+        self.blocks = blocks
+        self.local: dict[int, int] = {}  # diagram signal -> component signal, those of hosted blocks last
+        for block in sorted(blocks, key=lambda block: block.kind == at.HOSTED):
+            for j in range(len(block.y0)):
+                self.local[block.first_signal + j] = len(self.local)
+        self.shape = analyse(blocks)
+        self.order = eliminate(sum(len(b.x0) for b in blocks), self.shape.entries)
+        self.header = np.zeros(at.H, dtype=np.int64)
+        self.rows = np.zeros((len(blocks), at.R), dtype=np.int64)
+        self.behind: list[int] = []  # integers behind header and rows
+        self.size = at.HF  # floats so far
+        self.values: list[tuple[int, Floats]] = []  # what they start with
+        self._write_stretches()
+        self._next_x, self._next_d, self._next_g = 0, int(self.header[at.O_D]), 0
+
+    def _write_stretches(self) -> None:
+        """Write how much there is of everything, and where its floats stand."""
+        n = sum(len(b.x0) for b in self.blocks)
+        ng = sum(b.n_events for b in self.blocks)
+        ns, nd = len(self.local), sum(len(b.d0) for b in self.blocks)
+        self.header[at.N_BLOCKS], self.header[at.N_STATES] = len(self.blocks), n
+        self.header[at.N_SIGNALS], self.header[at.N_EVENTS] = ns, ng
+        lengths = {
+            at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: 8 * n, at.O_TMP: n,
+            at.O_JAC: len(self.shape.entries), at.O_LU: self.order.size, at.O_DFDT: n,
+            at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
+            at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: 2 * at.RESTARTS, at.O_CX: at.CHUNK * n,
+            at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in self.blocks] or [0]),
+        }  # fmt: skip
+        for slot, length in lengths.items():
+            self.header[slot] = self.stretch(length)
+
+    def stretch(self, length: int) -> int:
+        """Reserve floats; return where they begin."""
+        start = self.size
+        self.size += length
         return start
 
-    header = np.zeros(at.H, dtype=np.int64)
-    header[at.N_BLOCKS], header[at.N_STATES] = len(rows), n
-    header[at.N_SIGNALS], header[at.N_EVENTS] = ns, ng
-    lengths = {
-        at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: 8 * n, at.O_TMP: n,
-        at.O_JAC: len(shape.entries), at.O_LU: order.size, at.O_DFDT: n,
-        at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
-        at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: 2 * at.RESTARTS, at.O_CX: at.CHUNK * n,
-        at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in rows] or [0]),
-    }  # fmt: skip
-    for slot, length in lengths.items():
-        header[slot] = stretch(length)
+    def keep(self, numbers: Iterable[int]) -> int:
+        """Append integers; return where they begin."""
+        start = at.H + self.rows.size + len(self.behind)
+        self.behind.extend(numbers)
+        return start
 
-    table = np.zeros((len(rows), at.R), dtype=np.int64)
-    wires: list[int] = []
-    wires_start = at.H + table.size
-    params: dict[int, int] = {}
-    states: dict[int, int] = {}
-    memory: dict[int, int] = {}
-    x_next, d_next, g_next = 0, int(header[at.O_D]), 0
-    values: list[tuple[int, Floats]] = []
-    for number, (b, block) in enumerate(zip(members, rows, strict=True)):
-        row = table[number]
-        row[at.KIND], row[at.GLOBAL] = block.kind, b
+    def wires(self, block: FlatBlock) -> list[int]:
+        """Return the component signals that a block reads."""
+        return [self.local[w] for w in block.wires]
+
+    def place(self, number: int, index: int, capacity: int) -> None:
+        """Write the row of one block, ``index`` in the diagram, and reserve its parameters and memories."""
+        block, row, header = self.blocks[number], self.rows[number], self.header
+        row[at.KIND], row[at.GLOBAL] = block.kind, index
         row[at.A_OUT], row[at.A_DER] = address(block.out), address(block.der)
         row[at.A_ZC], row[at.A_JUMP] = address(block.zc), address(block.jump)
         row[at.A_STEP], row[at.A_NEXT] = address(block.step), address(block.next_time)
         row[at.NU], row[at.NY], row[at.NX] = len(block.wires), len(block.y0), len(block.x0)
         row[at.ND], row[at.NG] = len(block.d0), block.n_events
         row[at.RATES], row[at.FEEDS], row[at.LOGGED] = block.rates, block.feeds, block.logged
-        row[at.STILL] = shape.still[number]
-        direct = len(block.wires) == 1 and not block.rates
-        row[at.U] = header[at.O_S] + local[block.wires[0]] if direct else stretch(2 * len(block.wires))
-        row[at.GATHER] = 0 if direct else len(block.wires)
-        row[at.P] = params[b] = stretch(len(block.p))
-        row[at.D], row[at.X], row[at.G] = d_next, x_next, g_next
-        row[at.Y] = local[block.first_signal] if len(block.y0) else 0
-        row[at.WIRES] = wires_start + len(wires)
-        row[at.NEXT_TIME] = stretch(2)
-        zero = stretch(1)
-        row[at.PERIOD] = params[b] + block.period_at if block.period_at >= 0 else zero
-        row[at.OFFSET] = params[b] + block.offset_at if block.offset_at >= 0 else zero
+        row[at.STILL] = self.shape.still[number]
+        wires = self.wires(block)
+        direct = len(wires) == 1 and not block.rates
+        row[at.U] = header[at.O_S] + wires[0] if direct else self.stretch(2 * len(wires))
+        row[at.GATHER] = 0 if direct else len(wires)
+        row[at.P] = self.stretch(len(block.p))
+        row[at.D], row[at.X], row[at.G] = self._next_d, self._next_x, self._next_g
+        row[at.Y] = self.local[block.first_signal] if len(block.y0) else 0
+        row[at.WIRES] = self.keep(wires)
+        row[at.NEXT_TIME] = self.stretch(2)
+        zero = self.stretch(1)
+        row[at.PERIOD] = row[at.P] + block.period_at if block.period_at >= 0 else zero
+        row[at.OFFSET] = row[at.P] + block.offset_at if block.offset_at >= 0 else zero
         if block.kind == at.DEAD_TIME:
-            row[at.SHARP] = _meets_dead_time(rows, block.first_signal)
+            row[at.SHARP] = _meets_dead_time(self.blocks, block.first_signal)
             row[at.CAPACITY] = max(block.capacity, capacity)
-            row[at.DELAY] = stretch(int(row[at.CAPACITY]) * at.D_SIZE)
-        wires += [local[w] for w in block.wires]
-        states[b], memory[b] = int(header[at.O_Y0]) + x_next, d_next
-        values += [
-            (params[b], block.p),
-            (states[b], block.x0),
-            (d_next, block.d0),
-            (int(header[at.O_S]) + int(row[at.Y]), block.y0),
+            row[at.DELAY] = self.stretch(int(row[at.CAPACITY]) * at.D_SIZE)
+        self.values += [
+            (int(row[at.P]), block.p),
+            (int(header[at.O_Y0] + row[at.X]), block.x0),
+            (int(row[at.D]), block.d0),
+            (int(header[at.O_S] + row[at.Y]), block.y0),
             (int(row[at.NEXT_TIME]), np.array([np.inf, np.inf])),
         ]
-        x_next, d_next, g_next = x_next + len(block.x0), d_next + len(block.d0), g_next + block.n_events
+        self._next_x += len(block.x0)
+        self._next_d += len(block.d0)
+        self._next_g += block.n_events
 
-    def keep(numbers: Iterable[int]) -> int:
-        """Append integers behind the wires; return where they begin."""
-        start = wires_start + len(wires)
-        wires.extend(numbers)
-        return start
+    def write_programs(self) -> None:
+        """Write what is evaluated in which order: for a sweep, for rates, for events, for a column of the Jacobian."""
+        blocks, rows = self.blocks, self.rows
+        programs = Programs(blocks, self.header, rows, [self.wires(block) for block in blocks])
 
-    programs = Programs(rows, header, table, [[local[w] for w in block.wires] for block in rows])
+        def program(kernel: int, numbers: Iterable[int]) -> tuple[int, int]:
+            """Append a program; return where it begins and how many calls it holds."""
+            calls = programs.calls(kernel, numbers)
+            return self.keep(place for call in calls for place in call), len(calls)
 
-    def program(kernel: int, numbers: Iterable[int]) -> tuple[int, int]:
-        """Append a program; return where it begins and how many calls it holds."""
-        calls = programs.calls(kernel, numbers)
-        return keep(place for call in calls for place in call), len(calls)
+        for row, (outs, ders) in zip(rows, self.shape.follows, strict=True):
+            row[at.J_OUT : at.J_OUT + 2] = program(at.A_OUT, outs)
+            row[at.J_DER : at.J_DER + 2] = program(at.A_DER, ders)
+            changed = [int(rows[o, at.Y]) + j for o in outs for j in range(int(rows[o, at.NY]))]
+            row[at.J_BACK : at.J_BACK + 2] = self.keep(changed), len(changed)
+            states_there = [int(rows[o, at.X]) + j for o in ders for j in range(int(rows[o, at.NX]))]
+            row[at.J_ROWS : at.J_ROWS + 2] = self.keep(states_there), len(states_there)
+        for place, kernel, numbers in (
+            (at.P_SIGNALS, at.A_OUT, [i for i, b in enumerate(blocks) if b.kind in (at.CONTINUOUS, at.DEAD_TIME)]),
+            (at.P_MOVING, at.A_OUT, self.shape.for_rates),
+            (at.P_EVENT_SIGNALS, at.A_OUT, self.shape.for_events),
+            (at.P_RATES, at.A_DER, [i for i, b in enumerate(blocks) if len(b.x0)]),
+            (at.P_EVENTS, at.A_ZC, [i for i, b in enumerate(blocks) if b.n_events]),
+        ):
+            self.header[place : place + 2] = program(kernel, numbers)
+        self.header[at.L_PLACE], self.header[at.N_JAC] = self.keep(self.order.places), len(self.order.places)
+        self.header[at.L_DIAGONAL], self.header[at.N_FACTORS] = self.keep(self.order.diagonals), self.order.size
+        self.header[at.L_FACTOR], self.header[at.L_FORWARD] = (
+            self.keep(self.order.factor),
+            self.keep(self.order.forward),
+        )
+        self.header[at.L_BACKWARD] = self.keep(self.order.backward)
 
-    for number, (outs, ders) in enumerate(shape.follows):
-        row = table[number]
-        row[at.J_OUT : at.J_OUT + 2] = program(at.A_OUT, outs)
-        row[at.J_DER : at.J_DER + 2] = program(at.A_DER, ders)
-        changed = [int(table[o, at.Y]) + j for o in outs for j in range(int(table[o, at.NY]))]
-        row[at.J_BACK : at.J_BACK + 2] = keep(changed), len(changed)
-        states_there = [int(table[o, at.X]) + j for o in ders for j in range(int(table[o, at.NX]))]
-        row[at.J_ROWS : at.J_ROWS + 2] = keep(states_there), len(states_there)
-    everything = [i for i, block in enumerate(rows) if block.kind in (at.CONTINUOUS, at.DEAD_TIME)]
-    with_states = [i for i, block in enumerate(rows) if len(block.x0)]
-    with_events = [i for i, block in enumerate(rows) if block.n_events]
-    for place, kernel, numbers in (
-        (at.P_SIGNALS, at.A_OUT, everything),
-        (at.P_MOVING, at.A_OUT, shape.for_rates),
-        (at.P_EVENT_SIGNALS, at.A_OUT, shape.for_events),
-        (at.P_RATES, at.A_DER, with_states),
-        (at.P_EVENTS, at.A_ZC, with_events),
-    ):
-        header[place : place + 2] = program(kernel, numbers)
-    header[at.TIMED] = shape.timed
-    header[at.L_PLACE], header[at.N_JAC] = keep(order.places), len(order.places)
-    header[at.L_DIAGONAL], header[at.N_FACTORS] = keep(order.diagonals), order.size
-    header[at.L_FACTOR], header[at.L_FORWARD] = keep(order.factor), keep(order.forward)
-    header[at.L_BACKWARD] = keep(order.backward)
-    header[at.L_WIRES] = wires_start + len(wires)
-    header[at.N_LOG] = len(columns)
-    header[at.HAS_RATES] = any(b.rates and b.n_events for b in rows)
-    header[at.HAS_DELAYS] = any(b.kind == at.DEAD_TIME for b in rows)
-    header[at.N_SAMPLED] = sum(b.kind == at.SAMPLED for b in rows)
-    header[at.N_CHECKED] = ns - sum(len(b.y0) for b in rows if b.kind == at.HOSTED)
-    sampled = any(b.kind in (at.SAMPLED, at.HOSTED) for b in rows)
-    header[at.EXPLICIT] = 0 if sampled else 2  # long steps do not pay between close sampling instants
-    header[at.FRESH], header[at.EVENTS_SEEN] = 1, -1
-    header[at.MAX_CHAIN] = 20 + 10 * ng
-    W = np.zeros(size)
-    for start, value in values:
-        W[start : start + len(value)] = value
-    W[at.T_LEFT] = W[at.MAX_STEP] = W[at.T_STOP] = np.inf
-    W[at.SEEN] = -np.inf
-    I = np.concatenate([header, table.ravel(), np.array(wires + [local[c] for c in columns], dtype=np.int64)]).astype(
-        np.int64
-    )
-    return Component(
-        I=I,
-        W=W,
-        blocks=tuple(members),
-        params=params,
-        states=states,
-        memory=memory,
-        signals={g: int(header[at.O_S]) + l for g, l in local.items()},
-        columns=tuple(columns),
-        hosted=tuple(b for b in members if blocks[b].kind == at.HOSTED),
-    )
+    def write_facts(self) -> None:
+        """Write what kind of component it is, and that its run has not begun."""
+        header, blocks = self.header, self.blocks
+        header[at.TIMED] = self.shape.timed
+        header[at.HAS_RATES] = any(b.rates and b.n_events for b in blocks)
+        header[at.HAS_DELAYS] = any(b.kind == at.DEAD_TIME for b in blocks)
+        header[at.N_SAMPLED] = sum(b.kind == at.SAMPLED for b in blocks)
+        header[at.N_CHECKED] = len(self.local) - sum(len(b.y0) for b in blocks if b.kind == at.HOSTED)
+        sampled = any(b.kind in (at.SAMPLED, at.HOSTED) for b in blocks)
+        header[at.EXPLICIT] = 0 if sampled else 2  # long steps do not pay between close sampling instants
+        header[at.FRESH], header[at.EVENTS_SEEN] = 1, -1
+        header[at.MAX_CHAIN] = 20 + 10 * header[at.N_EVENTS]
+
+    def integers(self, logged: Sequence[int]) -> Ints:
+        """Return ``I``, with the signals to log at its end."""
+        self.header[at.L_WIRES], self.header[at.N_LOG] = self.keep(logged), len(logged)
+        return np.concatenate([self.header, self.rows.ravel(), np.array(self.behind, dtype=np.int64)])
+
+    def floats(self) -> Floats:
+        """Return ``W`` at the start of a run."""
+        W = np.zeros(self.size)
+        for start, value in self.values:
+            W[start : start + len(value)] = value
+        W[at.T_LEFT] = W[at.MAX_STEP] = W[at.T_STOP] = np.inf
+        W[at.SEEN] = -np.inf
+        return W
 
 
 def _meets_dead_time(rows: Sequence[FlatBlock], signal: int) -> bool:
