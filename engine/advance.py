@@ -38,6 +38,7 @@ from engine.layout import (
     O_X,
     O_Y0,
     O_Y1,
+    PAUSE_AT,
     PENDING_LEVEL,
     ROW,
     STEP,
@@ -54,7 +55,7 @@ from engine.sampling import sample
 from engine.step import prepare_dense, step
 from engine.sweep import clock, evaluate_events, rates, resolution, signals
 
-OK, EVENTS_FULL, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
+OK, PAUSED, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 SMOOTH = 9
 
 
@@ -62,7 +63,7 @@ SMOOTH = 9
 def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
     """Integrate to ``t_end``; write rows of ``log`` at ``times``; rows at ``t_end`` itself only if ``last``.
 
-    Resumable: call again with a later ``t_end`` (or after emptying the event buffer ``EV``).
+    Resumable: call again with a later ``t_end``, or, when it has paused, after emptying the event buffer ``EV``.
     """
     I, W = pointer_to(ints), pointer_to(floats)
     n = I[N_STATES]
@@ -80,8 +81,9 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
         if arrived:
             copy(W, I[O_Y0], I[O_X], n)
             return OK
-        if I[EV_COUNT] >= EV.shape[0] - I[MAX_CHAIN] - 2 * I[N_EVENTS] - 8:  # what one instant may write
-            return EVENTS_FULL
+        room = EV.shape[0] - I[MAX_CHAIN] - 2 * I[N_EVENTS] - 8  # what one instant may write
+        if I[EV_COUNT] >= room or I[STEPS] >= I[PAUSE_AT]:
+            return PAUSED
         next_stop(I, W, t_end)
         if I[HAS_DELAYS]:
             limit_by_delays(I, W)

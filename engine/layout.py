@@ -81,7 +81,8 @@ DENSE_TERMS = 70  # coefficients of the dense output in use
 LEARN = 71  # 1 + slot of O_RESTART that the next accepted step fills in
 CROWDED = 72  # 1: a stiff step ended at an event less than ``advance.APART`` after the one before
 JAC_VALID = 73  # 1: so is the Jacobian
-H = 74
+PAUSE_AT = 74  # return after so many steps, so that the host can look up
+H = 75
 
 CHUNK = 32  # log rows evaluated together
 RESTARTS = 16

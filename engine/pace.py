@@ -58,7 +58,6 @@ def restart(I, W):  # type: ignore[no-untyped-def]
     slot = mode_slot(I, W)
     stiff = I[METHOD_WISH] == 2 or W[I[O_RESTART] + RESTARTS + slot] > 0.0
     I[METHOD] = 1 if stiff else I[EXPLICIT]
-    I[STIFF_COUNT] = 0
     W[STEP] = W[I[O_RESTART] + slot]
     I[LEARN] = slot + 1
     I[EVENTS_SEEN] = I[EVENTS]
@@ -125,9 +124,13 @@ def after_step(I, W, h, left, error, power, refused):  # type: ignore[no-untyped
 
 @njit(cache=True, error_model="numpy")
 def watch_stiffness(I, W, limited):  # type: ignore[no-untyped-def]
-    """Count explicit steps that stability limits, if the method is free; after many in a row take the stiff one."""
+    """Count explicit steps that stability limits, if the method is free; after many take the stiff one in these modes.
+
+    The count goes on over events: modes that change every few steps would otherwise hide that they are stiff.
+    """
     if I[METHOD] != 1 and I[METHOD_WISH] == 0:
-        I[STIFF_COUNT] = I[STIFF_COUNT] + 1 if limited else max(0, I[STIFF_COUNT] - 2)
+        I[STIFF_COUNT] = I[STIFF_COUNT] + 1 if limited else max(0, I[STIFF_COUNT] - 1)
         if I[STIFF_COUNT] >= STIFF_STEPS:
             I[METHOD] = 1
+            I[STIFF_COUNT] = 0
             W[I[O_RESTART] + RESTARTS + mode_slot(I, W)] = 1.0

@@ -15,6 +15,7 @@ from engine.table import Component
 
 METHODS = {"auto": 0, "explicit": 1, "stiff": 2}
 _EVENT_BUFFER = 1024
+_PAUSE = 5000  # steps after which the run comes back to Python
 
 
 @dataclass(frozen=True)
@@ -65,37 +66,28 @@ def run(
 ) -> Outcome:
     """Advance a prepared component to ``t_end`` and return its log at ``times``, its events and its status.
 
-    With ``on_progress`` the run comes back to Python every hundredth of its span, so that it can be watched
-    and interrupted (what is simulated so far is then kept).
+    Every few thousand steps the run comes back to Python, tells ``on_progress`` the time reached, and can be
+    interrupted, by Ctrl-C or by a ``KeyboardInterrupt`` from ``on_progress``; what is simulated so far is then kept.
     """
     log = np.empty((len(component.columns), len(times)))
     buffer = np.empty((_EVENT_BUFFER + 2 * int(I[at.MAX_CHAIN] + I[at.N_EVENTS]), 4))
     events: list[Floats] = []
     hosts = Hosts(component, blocks, W) if component.hosted else None
-    t0 = float(W[at.T])
-    stops = [t_end] if on_progress is None else list(np.linspace(t0, t_end, 101)[1:])
-    status = Status.OK
     try:
-        for stop in stops:
-            while status is Status.OK:
-                target = min(stop, hosts.next_due(W)) if hosts else stop
-                hosted = hosts is not None and target == hosts.next_due(W)
-                I[at.HOLD] = hosted
-                last = target >= t_end and not hosted
-                code = Status(advance(I, W, buffer, times, log, target, last))
-                events.append(buffer[: I[at.EV_COUNT]].copy())
-                I[at.EV_COUNT] = 0
-                if code is Status.EVENTS_FULL:
-                    continue
-                status = code
-                if hosts is not None and hosted and status is Status.OK:
-                    hosts.sample(I, W)
-                    continue
+        while True:
+            target = min(t_end, hosts.next_due(W)) if hosts else t_end
+            hosted = hosts is not None and target == hosts.next_due(W)
+            I[at.HOLD] = hosted
+            I[at.PAUSE_AT] = I[at.STEPS] + _PAUSE
+            status = Status(advance(I, W, buffer, times, log, target, not hosted))
+            events.append(buffer[: I[at.EV_COUNT]].copy())
+            I[at.EV_COUNT] = 0
+            if on_progress is not None and (status is Status.PAUSED or (status is Status.OK and target >= t_end)):
+                on_progress(float(W[at.T]))
+            if hosts is not None and hosted and status is Status.OK:
+                hosts.sample(I, W)
+            elif status is not Status.PAUSED:
                 break
-            if status is not Status.OK:
-                break
-            if on_progress is not None:
-                on_progress(stop)
     except KeyboardInterrupt:
         status = Status.INTERRUPTED
     log[:, int(I[at.ROW]) :] = np.nan

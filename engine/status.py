@@ -8,7 +8,7 @@ class Status(IntEnum):
     """Outcome of a run."""
 
     OK = 0
-    EVENTS_FULL = 1  # internal: the host empties the event buffer and resumes
+    PAUSED = 1  # internal: the host empties the event buffer, looks up and resumes
     DELAY_FULL = 2  # internal: the host starts again with a longer delay line
     STEP_TOO_SMALL = 3
     NOT_FINITE = 4
@@ -20,7 +20,7 @@ class Status(IntEnum):
 
 HINTS: dict[Status, str] = {
     Status.OK: "",
-    Status.EVENTS_FULL: "the event buffer is full; the run can be resumed",
+    Status.PAUSED: "paused; the run can be resumed",
     Status.DELAY_FULL: "the delay line is full; start again with a longer one",
     Status.STEP_TOO_SMALL: (
         "the step size fell below what the clock can resolve: the model is singular here, or far stiffer than "

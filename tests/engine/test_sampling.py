@@ -8,6 +8,7 @@ import pytest
 from blocks import Constant, FirstOrder, IdealValve, QuasiStaticStem, Recorded, SampledPI, Sine, Step, StickSlip
 from blocks.block import Block, Kernels
 from blocks.ports import Port
+from engine.status import Status
 from plant import simulate, wire
 
 
@@ -158,14 +159,25 @@ def test_two_pieces_equal_one(kind, cut):
     assert len(first.events) + len(second.events) == len(whole.events)
 
 
-def test_progress_changes_nothing_but_the_last_digits():
+def test_progress_is_told_and_changes_nothing():
     loop = wire(LOOPS["dead time"]())
     seen = []
-    plain = simulate(loop, 100.0, every=1.0)
-    watched = simulate(loop, 100.0, every=1.0, on_progress=seen.append)
-    assert seen == pytest.approx(np.arange(1.0, 101.0))
+    plain = simulate(loop, 3e5, every=100.0)
+    watched = simulate(loop, 3e5, every=100.0, on_progress=seen.append)
+    assert plain.statistics.steps > 20_000 and len(seen) > 4
+    assert seen == sorted(seen) and seen[-1] == 3e5
     for signal in plain.log.names:
-        np.testing.assert_allclose(watched.log[signal], plain.log[signal], atol=1e-5)
+        np.testing.assert_array_equal(watched.log[signal], plain.log[signal])
+
+
+def test_a_run_can_be_interrupted_and_keeps_what_it_has():
+    def stop(t):
+        raise KeyboardInterrupt
+
+    run = simulate(wire(LOOPS["dead time"]()), 3e5, every=100.0, on_progress=stop)
+    assert run.status is Status.INTERRUPTED and "interrupted" in run.hint
+    reached = np.isfinite(run.log["PV"])
+    assert 1 < reached.sum() < len(reached) and not reached[-1]
 
 
 def _delay(t, x, d, u, p, y):

@@ -72,6 +72,11 @@ def test_states_off_the_slow_path_do_not_chatter():
     assert len([event for event in result.events if event.t > 467.0]) < 500
 
 
+def test_a_flap_that_shuts_every_few_steps_does_not_hide_that_the_plant_is_stiff():
+    result = simulate(production_plant("E", F_in=1.0), 2000.0, every=10.0, method="auto")
+    assert result.ok and result.statistics.steps < 1000  # explicit steps to the end would be 770 000
+
+
 @pytest.mark.parametrize("method", ["stiff", "auto"])
 def test_twice_the_feed_fills_the_separator(method):
     t, troubles = ended(production_plant("B", feed=swing(2.0)), 1000.0, method)
