@@ -31,11 +31,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.limited_pi import limit_events, limit_transition, limited_output
-from blocks.pi import PI
+from blocks.block import Floats, Kernels
+from blocks.limited_pi import LimitedController, limited_output, output_events
+from blocks.limits import limit_transition
+from blocks.pi import check_tuning
 from blocks.ports import Port, require
 
 # p = K_p, T_i, low, high, T_t, action (as limited_pi), margin, boost, and with gradient action: gradient, limit, T_f
@@ -75,7 +74,7 @@ def _surge_der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 
 
 def _surge_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    limit_events(t, x, d, (_weighted(u, p), 0.0), p, g)
+    output_events(t, x, d, (_weighted(u, p), 0.0), p, g)
 
 
 def _steep_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -88,14 +87,14 @@ def _steep_der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 
 
 def _steep_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    limit_events(t, x, d, (_steep(x, u, p), 0.0), p, g)
+    output_events(t, x, d, (_steep(x, u, p), 0.0), p, g)
 
 
 _SURGE = Kernels(out=_surge_out, der=_surge_der, zc=_surge_zc, jump=limit_transition, n_events=2)
 _STEEP = Kernels(out=_steep_out, der=_steep_der, zc=_steep_zc, jump=limit_transition, n_events=2)
 
 
-class AntiSurge(Block):
+class AntiSurge(LimitedController):
     """Anti-surge controller; ``K_p`` and ``T_i`` of thesis table 5.1: 0.22 and 3 s (C2), 0.53 and 12 s (C3).
 
     ``start``: the integral part at the start, which is the opening if q is then at its set point.  ``gradient`` [s], 0
@@ -112,7 +111,6 @@ class AntiSurge(Block):
 
     ports_in = (Port("q"), Port("q_s"))
     ports_out = (Port("OP"),)
-    modes = {"free": 0.0, "at high limit": 1.0, "at low limit": -1.0}
 
     def __init__(
         self,
@@ -149,7 +147,7 @@ class AntiSurge(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless the tuning makes sense, margin >= 1, boost, gradient, limit >= 0, T_f > 0."""
-        PI.check(params, name)
+        check_tuning(params, name)
         margin = float(params["margin"])
         require(margin >= 1.0, name, "margin", margin, "the set point lies on the safe side of surge", "give 1.1 or so")
         for key, rule in (
@@ -162,22 +160,7 @@ class AntiSurge(Block):
         T_f = float(params.get("T_f", 1.0))
         require(0.0 < T_f < math.inf, name, "T_f", T_f, "a time of smoothing is positive", "2 s is usual")
 
-    def _E(self, x: Floats, u: Floats) -> float:
-        return _steep(x, u, self._p_now) if self.kernels is _STEEP else _weighted(u, self._p_now)
-
-    def _seen(self, x: Floats, u: Floats) -> Floats:
-        """Return the memory with the mode that the present values call for (python-control knows no events)."""
-        v = self._p_now[0] * self._E(x, u) + x[0]
-        return np.array([1.0 if v > self._p_now[3] else -1.0 if v < self._p_now[2] else 0.0])
-
-    def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
-        rates = np.zeros(len(self.x0))
-        if self.kernels.der is not None:
-            self.kernels.der(t, x, self._seen(x, u), u, self._p_now, rates)
-        return rates
-
-    def _out(self, t: float, x: Floats, u: Floats) -> Floats:
-        y = np.zeros(1)
-        if self.kernels.out is not None:
-            self.kernels.out(t, x, self._seen(x, u), u, self._p_now, y)
-        return y
+    def unlimited(self, x: Floats, u: Floats) -> float:
+        """Return v = K_p E + z."""
+        E = _steep(x, u, self._p_now) if self.kernels is _STEEP else _weighted(u, self._p_now)
+        return float(self._p_now[0] * E + x[0])

@@ -13,8 +13,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
+from blocks.limits import FREE, MODES, limit_events, limit_transition
 from blocks.ports import Port, require
-from blocks.sources import finite
+from blocks.rules import check_limits, finite
 
 
 def _sum_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -33,19 +34,7 @@ def _limit_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 def _limit_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    if d[0] == 0.0:
-        g[0] = u[0] - p[1]
-        g[1] = p[0] - u[0]
-    else:
-        g[0] = p[1] - u[0] if d[0] > 0.0 else u[0] - p[0]
-        g[1] = -1.0
-
-
-def _limit_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    if d[0] != 0.0:
-        d[0] = 0.0
-    else:
-        d[0] = 1.0 if k[0] == 0.0 else -1.0
+    limit_events(u[0], p[0], p[1], d, g)
 
 
 class Sum(Block):
@@ -75,6 +64,7 @@ class Sum(Block):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless offset and weights are finite and ``n`` is as built."""
         n, given = len(params) - 2, float(params["n"])
         require(given == n, name, "n", given, f"the sum has {n} inputs", "make another Sum")
         finite(params, name, *params)
@@ -105,6 +95,7 @@ class Gain(Block):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless factor and offset are finite."""
         finite(params, name, "factor", "offset")
 
 
@@ -118,8 +109,8 @@ class Limit(Block):
 
     ports_in = (Port("in"),)
     ports_out = (Port("out"),)
-    kernels = Kernels(out=_limit_out, zc=_limit_zc, jump=_limit_jump, n_events=2)
-    modes = {"free": 0.0, "at high limit": 1.0, "at low limit": -1.0}
+    kernels = Kernels(out=_limit_out, zc=_limit_zc, jump=limit_transition, n_events=2)
+    modes = MODES
 
     def __init__(
         self,
@@ -134,7 +125,7 @@ class Limit(Block):
         super().__init__(
             name=name or signal,
             params={"low": low, "high": high},
-            memory={"mode": 0.0},
+            memory={"mode": FREE},
             inputs=source,
             outputs=signal,
             units={"in": unit, "out": unit},
@@ -142,10 +133,5 @@ class Limit(Block):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless low < high."""
         check_limits(params, name)
-
-
-def check_limits(params: Mapping[str, float], name: str) -> None:
-    """Raise ``BlockError`` unless ``low`` < ``high`` (either may be infinite)."""
-    low, high = float(params["low"]), float(params["high"])
-    require(low < high, name, "low", low, f"it must be below high = {high!r}", "exchange or correct the limits")

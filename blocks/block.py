@@ -12,6 +12,7 @@ Nothing is kept inside a block, so a call never changes it.
 """
 
 import copy
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
@@ -20,7 +21,7 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.ports import BlockError, Labels, Port, labelled, nearest
+from blocks.ports import BlockError, Labels, Port, labelled, nearest, number, require
 
 Floats = NDArray[np.float64]
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
@@ -92,10 +93,8 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         self.param_names = tuple(params)
         self.state_names = tuple(states)
         self.memory_names = tuple(memory)
-        named = np.array([float(v) for v in params.values()], dtype=float)
+        named = np.array([number(name, key, value) for key, value in params.items()], dtype=float)
         self.p: Floats = np.concatenate([named, np.asarray(table, dtype=float).ravel()])
-        self.x0: Floats = np.array(list(states.values()), dtype=float)
-        self.d0: Floats = np.array(list(memory.values()), dtype=float)
         self.y0: Floats = (
             np.zeros(len(self.ports_out)) if start_output is None else np.array(start_output, dtype=float).ravel()
         )
@@ -106,6 +105,11 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             self.units[key] = unit
         self.spans: dict[str, tuple[float, float]] = dict(spans or {})
         self.check(dict(zip(self.param_names, named.tolist(), strict=True)), name)
+        for key, value in (*states.items(), *memory.items()):
+            rule = math.isfinite(number(name, key, value))
+            require(rule, name, key, value, "it must start at a finite number", "give one as start")
+        self.x0: Floats = np.array(list(states.values()), dtype=float)
+        self.d0: Floats = np.array(list(memory.values()), dtype=float)
         self._p_now = self.p
         super().__init__(
             self._update,
@@ -144,6 +148,13 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             return np.zeros(0)
         return self.d0 if self.sampled else self.x0
 
+    def seen_memory(self, x: Floats, u: Floats) -> Floats:
+        """Return the modes and memories that python-control sees while the states are ``x`` and the inputs ``u``.
+
+        Python-control knows no events: unless a block says otherwise it stays as it starts.
+        """
+        return self.d0
+
     # --- facts --------------------------------------------------------------------------------------------
     @property
     def sampled(self) -> bool:
@@ -168,7 +179,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         """
         p = self.p.copy()
         for key, value in changes.items():
-            p[self.param_index(key)] = float(value)
+            p[self.param_index(key)] = number(self.name, key, value)
         other = self._copy()
         other.p = other._p_now = p
         other.params = dict(zip(self.param_names, (float(v) for v in p), strict=False))
@@ -178,7 +189,10 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         return other
 
     def in_mode(self, mode: str) -> Self:
-        """Return a copy that starts (and, for python-control, stays) in the named mode."""
+        """Return a copy that starts (and, for python-control, stays) in the named mode.
+
+        Raises ``BlockError`` with the nearest mode if there is none of that name.
+        """
         if mode not in self.modes:
             raise BlockError(f"block '{self.name}' has no mode '{mode}'; {nearest(mode, list(self.modes))}")
         other = self._copy()
@@ -187,14 +201,20 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         return other
 
     def starting_at(self, **values: float) -> Self:
-        """Return a copy with other start values of states or memories."""
+        """Return a copy with other start values of states or memories.
+
+        Raises ``BlockError`` for an unknown name, a value that is no number, or a mode that is none of ``modes``.
+        """
+        if self.modes and "mode" in values and values["mode"] not in self.modes.values():
+            modes = ", ".join(f"{value:g} ({name})" for name, value in self.modes.items())
+            raise BlockError(f"{self.name}: mode = {values['mode']!r}, but the modes are {modes}; give one of them")
         other = self._copy()
         other.x0, other.d0 = self.x0.copy(), self.d0.copy()
         for key, value in values.items():
             if key in self.state_names:
-                other.x0[self.state_names.index(key)] = value
+                other.x0[self.state_names.index(key)] = number(self.name, key, value)
             elif key in self.memory_names:
-                other.d0[self.memory_names.index(key)] = value
+                other.d0[self.memory_names.index(key)] = number(self.name, key, value)
             else:
                 known = [*self.state_names, *self.memory_names]
                 raise BlockError(f"block '{self.name}' has no state '{key}'; {nearest(key, known)}")
@@ -244,7 +264,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             return after
         rates = np.zeros(len(self.x0))
         if self.kernels.der is not None:
-            self.kernels.der(t, x, self.d0, u, self._p_now, rates)
+            self.kernels.der(t, x, self.seen_memory(x, u), u, self._p_now, rates)
         return rates
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
@@ -252,7 +272,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             return self._sample(t, np.array(x, dtype=float), u)
         y = np.zeros(len(self.ports_out))
         if self.kernels.out is not None:
-            self.kernels.out(t, x, self.d0, u, self._p_now, y)
+            self.kernels.out(t, x, self.seen_memory(x, u), u, self._p_now, y)
         return y
 
     def _sample(self, t: float, memory: Floats, u: Floats) -> Floats:

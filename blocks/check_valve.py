@@ -19,6 +19,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.control_valve_flow import BAND, OPEN, SHUT, root
 from blocks.ports import Port, require
+from blocks.rules import not_negative
 
 # p = K, p_crack, p_lam
 
@@ -69,6 +70,5 @@ class CheckValve(Block):
         """Raise ``BlockError`` unless K > 0, p_crack >= 0 and p_lam >= 0."""
         K = float(params["K"])
         require(0.0 < K < math.inf, name, "K", K, "an open check valve passes some flow", "give flow/sqrt(drop)")
-        for key in ("p_crack", "p_lam"):
-            value = float(params[key])
-            require(0.0 <= value < math.inf, name, key, value, "a pressure drop is not negative", "give Pa, or 0")
+        drop = "a pressure drop is not negative"
+        not_negative(params, name, "p_crack", "p_lam", rule=drop, remedy="give Pa, or 0")

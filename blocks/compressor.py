@@ -20,13 +20,13 @@ scales are not printed, see compressor_map and the production plant's parameters
 See also: plenum, shaft, anti_surge, compressor_map.
 """
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.compressor_map import CompressorMap, CubicMap, cubic, pressure_ratio
 from blocks.ports import Port, require
+from blocks.rules import positive
 from blocks.tabulated_map import TabulatedMap, edge, tabulated, tabulated_work
 
 SLOWEST = 0.05  # relative speed below which the map is held
@@ -137,14 +137,18 @@ class Compressor(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless all scales are positive and gamma > 1."""
-        for key, value in params.items():
-            rule = 0.0 < float(value) < math.inf
-            require(rule, name, key, value, "it must be positive and finite", "give SI units")
+        positive(params, name, *params)
         gamma = float(params["gamma"])
         require(gamma > 1.0, name, "gamma", gamma, "a heat capacity ratio exceeds 1", "1.3 is usual for methane")
+        for key in ("eta", "valley"):
+            share = float(params.get(key, 1.0))
+            require(share <= 1.0, name, key, share, "it is a fraction", "divide percent by 100")
 
     def with_params(self, **changes: float) -> "Compressor":
-        """Return a copy with other parameter values; the size of a tabulated map belongs to its table."""
+        """Return a copy with other parameter values; the size of a tabulated map belongs to its table.
+
+        Raises ``BlockError`` for another size, an unknown name, or a value that breaks the rules.
+        """
         for key in ("speeds", "points"):
             rule = key not in changes
             require(rule, self.name, key, changes.get(key), "the table has that size", "make another compressor")

@@ -17,7 +17,7 @@ from typing import Any
 
 from blocks.block import Block
 from blocks.ports import Port, require
-from blocks.quasi_static_stem import STUCK, QuasiStaticStem
+from blocks.quasi_static_stem import STUCK, QuasiStaticStem, started_between
 
 
 class Deadband(Block):
@@ -43,7 +43,7 @@ class Deadband(Block):
         name: str = "valve",
         **labels: Any,
     ) -> None:
-        require(low <= start <= high, name, "start", start, f"the stops are at {low} and {high}", "start between them")
+        started_between(low, high, start, name)
         super().__init__(
             name=name,
             params={"width": width, "J": 0.0, "low": low, "high": high},

@@ -14,12 +14,13 @@ torque is what SC001 asks (section 3.5.2).
 See also: shaft, pi.
 """
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Block, Kernels
+from blocks.limits import FREE, HIGH, LOW, limit_events, limit_transition
 from blocks.ports import Port, require
+from blocks.rules import positive
 
 STILL = 1e-3  # rad/s, keeps the power limit finite at standstill
 
@@ -41,17 +42,7 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 
 
 def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    over = u[0] - _highest(u[1], p)
-    if d[0] == 0.0:
-        g[0] = over
-        g[1] = -u[0]
-    else:
-        g[0] = -over if d[0] > 0.0 else u[0]
-        g[1] = -1.0
-
-
-def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    d[0] = (1.0 if k[0] == 0.0 else -1.0) if d[0] == 0.0 else 0.0
+    limit_events(u[0], 0.0, _highest(u[1], p), d, g)
 
 
 class GasTurbine(Block):
@@ -67,8 +58,8 @@ class GasTurbine(Block):
 
     ports_in = (Port("tau_SP", "N m"), Port("w", "rad/s"))
     ports_out = (Port("tau_d", "N m"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
-    modes = {"free": 0.0, "at its rating": 1.0, "idle": -1.0}
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=limit_transition, n_events=2, feeds=False)
+    modes = {"free": FREE, "at its rating": HIGH, "idle": LOW}
 
     def __init__(
         self,
@@ -86,13 +77,11 @@ class GasTurbine(Block):
             name=name,
             params={"T": T, "tau_max": tau_max, "P_max": P_max},
             states={"tau": start},
-            memory={"mode": 0.0},
+            memory={"mode": FREE},
             **labels,
         )
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless T, tau_max and P_max are positive."""
-        for key in ("T", "tau_max", "P_max"):
-            value = float(params[key])
-            require(0.0 < value < math.inf, name, key, value, "it must be positive and finite", "give SI units")
+        positive(params, name, "T", "tau_max", "P_max")

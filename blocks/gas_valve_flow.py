@@ -25,6 +25,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.control_valve_flow import BAND, root
 from blocks.ports import BlockError, Port, require
+from blocks.rules import positive
 from blocks.sizing import PER_KV, C_v_from_Kv, R
 
 VACUUM = 1.0  # Pa, keeps Y finite where python-control first evaluates a diagram with all signals at zero
@@ -118,17 +119,19 @@ class GasValveFlow(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless all parameters are positive and x_T < 1 < gamma."""
-        for key in ("Kv", "W", "T", "Z", "gamma", "x_T", "p_lam"):
-            value = float(params[key])
-            require(0.0 < value < math.inf, name, key, value, "it must be positive and finite", "give SI units")
-        x_T, gamma = float(params["x_T"]), float(params["gamma"])
+        positive(params, name, "Kv", "W", "T", "Z", "gamma", "x_T", "p_lam")
+        x_T, gamma, W = float(params["x_T"]), float(params["gamma"]), float(params["W"])
+        require(W < 1.0, name, "W", W, "it is in kg/mol", "divide g/mol by 1000")
         require(
             x_T < 1.0, name, "x_T", x_T, "the drop at choking is a share of the pressure", "0.7 suits a globe valve"
         )
         require(gamma > 1.0, name, "gamma", gamma, "a heat capacity ratio exceeds 1", "1.3 suits methane")
 
     def with_params(self, **changes: float) -> "GasValveFlow":
-        """Return a copy with other parameters; unit and check valve belong to the wiring."""
+        """Return a copy with other parameters; unit and check valve belong to the wiring.
+
+        Raises ``BlockError`` for those two, an unknown name, or a value that breaks the rules.
+        """
         for key in ("molar", "check"):
             rule = key not in changes
             require(rule, self.name, key, changes.get(key), "unit and flap are wired", "make another GasValveFlow")
@@ -147,7 +150,8 @@ class GasValveFlow(Block):
         name = str(options.get("name", "body"))
         require(0.0 < F < math.inf, name, "F", F, "a duty is a positive flow", "give mol/s or kg/s")
         require(0.0 < MV < math.inf, name, "MV", MV, "a valve is sized open", "give the opening at that flow")
-        require(p_down < p_up, name, "p_down", p_down, f"it must lie below p_up = {p_up!r}", "swap them")
+        rule = f"it must lie between 0 and p_up = {p_up!r}"
+        require(0.0 <= p_down < p_up < math.inf, name, "p_down", p_down, rule, "give absolute pressures in Pa")
         one = cls(1.0, **options)
         return one.with_params(Kv=F / gas_flow(p_up, p_down, MV, one.p))
 

@@ -20,6 +20,7 @@ from typing import Any
 from blocks.block import Kernels
 from blocks.dead_time import Delayed, check_dead_time
 from blocks.ports import Port, require
+from blocks.rules import finite
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -67,9 +68,7 @@ class Integrator(Delayed):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless K and u_0 are finite, T > 0 and theta >= 0."""
-        for key in ("K", "u_0"):
-            value = float(params[key])
-            require(math.isfinite(value), name, key, value, "it must be a finite number", "give a number")
+        finite(params, name, "K", "u_0")
         T = float(params["T"])
         require(0.0 < T < math.inf, name, "T", T, "an integration time is positive", "give T in seconds")
         check_dead_time(params, name)

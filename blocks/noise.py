@@ -21,7 +21,8 @@ import numpy as np
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
-from blocks.sources import Constant, finite
+from blocks.rules import finite
+from blocks.sources import Constant
 
 M1 = 4294967087.0
 M2 = 4294944443.0
@@ -131,6 +132,7 @@ class Noise(Seeded):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless mean, dt, sd and correlation_time describe a noise."""
         finite(params, name, "mean")
         check_noise(params, name)
 

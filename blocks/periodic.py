@@ -19,9 +19,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.sources import finite
+from blocks.block import Kernels
+from blocks.ports import require
+from blocks.rules import finite
+from blocks.sources import Source
 
 TWO_PI = 2.0 * math.pi
 
@@ -90,14 +91,13 @@ def _check(params: Mapping[str, float], name: str, share: str = "") -> None:
         require(0.0 < value < 1.0, name, share, value, "it is a share of the period", "give a number between 0 and 1")
 
 
-class Sine(Block):
+class Sine(Source):
     """A sine: ``mean`` + ``amplitude`` sin(2 pi (t - start)/period + phase), ``period`` [s], ``phase`` [rad].
 
     >>> float(Sine("SP", amplitude=2.0, period=4.0, mean=1.0).output(1.0, [], [])[0])
     3.0
     """
 
-    ports_out = (Port("out"),)
     kernels = Kernels(out=_sine_out, next_time=_sine_next, feeds=False)
 
     def __init__(
@@ -112,20 +112,17 @@ class Sine(Block):
         unit: str = "",
         name: str = "",
     ) -> None:
-        super().__init__(
-            name=name or signal,
-            params={"mean": mean, "amplitude": amplitude, "period": period, "phase": phase, "start": start},
-            outputs=signal,
-            units={"out": unit},
-        )
+        params = {"mean": mean, "amplitude": amplitude, "period": period, "phase": phase, "start": start}
+        super().__init__(signal, params, unit=unit, name=name)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless all are finite and period > 0."""
         _check(params, name)
         finite(params, name, "phase")
 
 
-class Square(Block):
+class Square(Source):
     """A square wave: high during the share ``duty`` of each ``period`` [s], low during the rest.
 
     >>> wave = Square("SP", amplitude=0.1, period=10.0, mean=0.5)
@@ -133,7 +130,6 @@ class Square(Block):
     [0.5, 0.6, 0.4, 0.6]
     """
 
-    ports_out = (Port("out"),)
     kernels = Kernels(out=_square_out, next_time=_square_next, feeds=False)
 
     def __init__(
@@ -148,19 +144,16 @@ class Square(Block):
         unit: str = "",
         name: str = "",
     ) -> None:
-        super().__init__(
-            name=name or signal,
-            params={"mean": mean, "amplitude": amplitude, "period": period, "start": start, "duty": duty},
-            outputs=signal,
-            units={"out": unit},
-        )
+        params = {"mean": mean, "amplitude": amplitude, "period": period, "start": start, "duty": duty}
+        super().__init__(signal, params, unit=unit, name=name)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless all are finite, period > 0 and 0 < duty < 1."""
         _check(params, name, "duty")
 
 
-class Triangle(Block):
+class Triangle(Source):
     """Straight lines up and down, rising during the share ``rise`` of each ``period`` [s].
 
     >>> wave = Triangle("OP", amplitude=0.2, period=8.0, mean=0.5)
@@ -168,7 +161,6 @@ class Triangle(Block):
     [0.5, 0.6, 0.7, 0.5, 0.3]
     """
 
-    ports_out = (Port("out"),)
     kernels = Kernels(out=_triangle_out, next_time=_triangle_next, feeds=False)
 
     def __init__(
@@ -183,15 +175,12 @@ class Triangle(Block):
         unit: str = "",
         name: str = "",
     ) -> None:
-        super().__init__(
-            name=name or signal,
-            params={"mean": mean, "amplitude": amplitude, "period": period, "start": start, "rise": rise},
-            outputs=signal,
-            units={"out": unit},
-        )
+        params = {"mean": mean, "amplitude": amplitude, "period": period, "start": start, "rise": rise}
+        super().__init__(signal, params, unit=unit, name=name)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless all are finite, period > 0 and 0 < rise < 1."""
         _check(params, name, "rise")
 
 

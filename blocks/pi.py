@@ -27,13 +27,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
-from blocks.arithmetic import check_limits
-from blocks.block import Block, Floats, Kernels
-from blocks.limited_pi import limit_events, limit_transition, limited_output, tracking_rate
+from blocks.block import Floats, Kernels
+from blocks.limited_pi import LimitedController, limited_output, output_events, tracking_rate
+from blocks.limits import MODES, limit_transition
 from blocks.ports import BlockError, Labels, Port, nearest, require
-from blocks.sources import finite
+from blocks.rules import check_limits, finite
 
 BAND = 1e-12  # half width of the switching band around a limit, relative
 NEAR = 1e-9  # an event this close to its limit (relative) was located there; farther away, an input has jumped
@@ -100,7 +98,7 @@ def _conditional_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
             d[0] = 3.0 * s if near and s * e > 0.0 and s * (rate + e / p[1]) > 0.0 else 0.0
 
 
-_PLAIN = Kernels(out=limited_output, der=tracking_rate, zc=limit_events, jump=limit_transition, n_events=2)
+_PLAIN = Kernels(out=limited_output, der=tracking_rate, zc=output_events, jump=limit_transition, n_events=2)
 _CONDITIONAL = Kernels(
     out=limited_output, der=_conditional_der, zc=_conditional_zc, jump=_conditional_jump, n_events=2, rates=True
 )
@@ -109,7 +107,10 @@ _CONDITIONAL = Kernels(
 def tuned(
     K_p: float, T_i: float, low: float, high: float, T_t: float, action: str, anti_windup: str, name: str
 ) -> dict[str, float]:
-    """Return the parameters of a PI controller by name, with ``action`` as +1 or -1 and no tracking as T_t = inf."""
+    """Return the parameters of a PI controller by name, with ``action`` as +1 or -1 and no tracking as T_t = inf.
+
+    Raises ``BlockError`` for an ``action`` or ``anti_windup`` that is not known.
+    """
     if action not in ACTIONS:
         raise BlockError(f"{name}: action = {action!r}; {nearest(str(action), list(ACTIONS))}")
     if anti_windup not in ANTI_WINDUP:
@@ -130,7 +131,10 @@ def check_tuning(params: Mapping[str, float], name: str) -> None:
 
 
 def start_integral(params: Mapping[str, float], start_op: float | None, start_error: float, name: str) -> float:
-    """Return the integral part with which OP starts at ``start_op`` when SP - PV is ``start_error`` (None: 0)."""
+    """Return the integral part with which OP starts at ``start_op`` when SP - PV is ``start_error`` (None: 0).
+
+    Raises ``BlockError`` unless ``start_op`` lies within the limits.
+    """
     if start_op is None:
         return 0.0
     low, high = params["low"], params["high"]
@@ -145,7 +149,7 @@ def op_span(params: Mapping[str, float], spans: Mapping[str, tuple[float, float]
     return ({"OP": limits} if all(map(math.isfinite, limits)) else {}) | dict(spans or {})
 
 
-class PI(Block):
+class PI(LimitedController):
     """PI controller, ideal form, continuous: OP = K_p (e + 1/T_i int e dt), limited to ``low`` ... ``high``.
 
     ``action``: "reverse" or "direct".  ``anti_windup``: "back_calculation" (tracking time ``T_t`` [s], 0 for T_i),
@@ -164,9 +168,7 @@ class PI(Block):
     ports_in = (Port("SP"), Port("PV"))
     ports_out = (Port("OP"),)
     modes = {
-        "free": 0.0,
-        "at high limit": 1.0,
-        "at low limit": -1.0,
+        **MODES,
         "leaving high limit": 2.0,
         "leaving low limit": -2.0,
         "riding high limit": 3.0,
@@ -208,24 +210,15 @@ class PI(Block):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless gain, times and limits make sense."""
         check_tuning(params, name)
 
-    def _seen_mode(self, x: Floats, u: Floats) -> Floats:
-        """Return the memory with the mode that the present values call for."""
-        K_p, _, low, high, _, action = self._p_now
-        e = action * (u[0] - u[1])
-        v = K_p * e + x[0]
-        side = 1.0 if v > high else -1.0 if v < low else 0.0
-        leaving = self.anti_windup == "conditional" and side * e <= 0.0
-        return np.array([2.0 * side if leaving else side])
+    def unlimited(self, x: Floats, u: Floats) -> float:
+        """Return v = K_p e + z."""
+        return float(self._p_now[0] * (self._p_now[5] * (u[0] - u[1])) + x[0])
 
-    def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
-        rates = np.zeros(1)
-        if self.kernels.der is not None:
-            self.kernels.der(t, x, self._seen_mode(x, u), u, self._p_now, rates)
-        return rates
-
-    def _out(self, t: float, x: Floats, u: Floats) -> Floats:
-        y = np.zeros(1)
-        limited_output(t, x, self._seen_mode(x, u), u, self._p_now, y)
-        return y
+    def seen_memory(self, x: Floats, u: Floats) -> Floats:
+        """Return the mode, shape (1,): where v lies, and whether the error draws it back (conditional integration)."""
+        side = super().seen_memory(x, u)
+        leaving = self.anti_windup == "conditional" and side[0] * self._p_now[5] * (u[0] - u[1]) <= 0.0
+        return 2.0 * side if leaving else side

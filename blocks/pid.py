@@ -24,12 +24,12 @@ See also: pi (no derivative, three kinds of anti-windup), sampled_pi.
 import math
 from typing import Any
 
-import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.limited_pi import limit_events, limit_transition, limited_output
+from blocks.block import Floats, Kernels
+from blocks.limited_pi import LimitedController, limited_output, output_events
+from blocks.limits import limit_transition
 from blocks.pi import check_tuning, op_span, start_integral, tuned
-from blocks.ports import Port, require
+from blocks.ports import Port
+from blocks.rules import not_negative, positive
 
 # p = K_p, T_i, low, high, T_t, action (as limited_pi), T_d, N, b, c;  x = z, f
 
@@ -54,10 +54,10 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 
 
 def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    limit_events(t, x, d, (_weighted(x, u, p), 0.0), p, g)
+    output_events(t, x, d, (_weighted(x, u, p), 0.0), p, g)
 
 
-class PID(Block):
+class PID(LimitedController):
     """PID controller, ideal form, with a filter on the derivative and weights on the set point.
 
     ``action``: "reverse" or "direct".  Bumpless start: OP starts at ``start_op`` if SP and PV start at ``start_SP`` and
@@ -78,7 +78,6 @@ class PID(Block):
     ports_in = (Port("SP"), Port("PV"))
     ports_out = (Port("OP"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=limit_transition, n_events=2)
-    modes = {"free": 0.0, "at high limit": 1.0, "at low limit": -1.0}
 
     def __init__(
         self,
@@ -116,25 +115,10 @@ class PID(Block):
     def check(params: Any, name: str) -> None:
         """Raise ``BlockError`` unless the tuning makes sense."""
         check_tuning(params, name)
-        for key, remedy in (("T_d", "give seconds, or take PI for none"), ("N", "8 to 20 is usual")):
-            value = float(params[key])
-            require(0.0 < value < math.inf, name, key, value, "it must be positive and finite", remedy)
-        for key in ("b", "c"):
-            value = float(params[key])
-            require(0.0 <= value < math.inf, name, key, value, "a weight must not be negative", "give 0 to 1")
+        positive(params, name, "T_d", remedy="give seconds, or take PI for none")
+        positive(params, name, "N", remedy="8 to 20 is usual")
+        not_negative(params, name, "b", "c", rule="a weight must not be negative", remedy="give 0 to 1")
 
-    def _seen(self, x: Floats, u: Floats) -> Floats:
-        """Return the memory with the mode that the present values call for."""
-        K_p, _, low, high, _, action = self._p_now[:6]
-        v = K_p * action * _weighted(x, u, self._p_now) + x[0]
-        return np.array([1.0 if v > high else -1.0 if v < low else 0.0])
-
-    def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
-        rates = np.zeros(2)
-        _der(t, x, self._seen(x, u), u, self._p_now, rates)
-        return rates
-
-    def _out(self, t: float, x: Floats, u: Floats) -> Floats:
-        y = np.zeros(1)
-        _out(t, x, self._seen(x, u), u, self._p_now, y)
-        return y
+    def unlimited(self, x: Floats, u: Floats) -> float:
+        """Return v = K_p w + z."""
+        return float(self._p_now[0] * self._p_now[5] * _weighted(x, u, self._p_now) + x[0])

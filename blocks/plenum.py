@@ -17,6 +17,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
+from blocks.rules import positive
 
 # p = V, c_01, inflows, outflows (numbers of ports)
 
@@ -60,6 +61,7 @@ class Plenum(Block):
         name: str = "plenum",
         **labels: Any,
     ) -> None:
+        inflows, outflows = ((one,) if isinstance(one, str) else tuple(one) for one in (inflows, outflows))
         flows = (*inflows, *outflows)
         require(bool(flows), name, "inflows", inflows, "a plenum needs at least one flow", "name one")
         require(0.0 < start < math.inf, name, "start", start, "a pressure is positive", "give Pa")
@@ -74,12 +76,13 @@ class Plenum(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless V and c_01 are positive."""
-        for key in ("V", "c_01"):
-            value = float(params[key])
-            require(0.0 < value < math.inf, name, key, value, "it must be positive and finite", "give SI units")
+        positive(params, name, "V", "c_01")
 
     def with_params(self, **changes: float) -> "Plenum":
-        """Return a copy with other values of V and c_01; the number of flows belongs to the wiring."""
+        """Return a copy with other values of V and c_01; the number of flows belongs to the wiring.
+
+        Raises ``BlockError`` for another number of flows, an unknown name, or a value that breaks the rules.
+        """
         for key in ("inflows", "outflows"):
             require(key not in changes, self.name, key, changes.get(key), "the flows are wired", "make another Plenum")
         return super().with_params(**changes)

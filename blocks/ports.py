@@ -19,13 +19,14 @@ class BlockError(ValueError):
     """A block was asked for something it cannot be: the message gives the value, the rule and the remedy."""
 
 
-def nearest(wrong: str, names: Sequence[str]) -> str:
+def nearest(wrong: object, names: Sequence[str]) -> str:
     """Return a hint that names the most similar known name, and all of them when they are few.
 
     >>> nearest("F_S", ["F_s", "F_c"])
     "did you mean 'F_s'? known: F_s, F_c"
     """
-    close = [n for n in names if n.lower() == wrong.lower()] or difflib.get_close_matches(wrong, names, 1, cutoff=0.4)
+    asked = str(wrong)  # also what is no name at all, such as None, gets the list
+    close = [n for n in names if n.lower() == asked.lower()] or difflib.get_close_matches(asked, names, 1, cutoff=0.4)
     hint = f"did you mean '{close[0]}'? " if close else ""
     known = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
     return f"{hint}known: {known or 'none'}"
@@ -35,6 +36,7 @@ def labelled(block: str, side: str, ports: Sequence[Port], given: Labels) -> lis
     """Return the labels of all ports: their own names unless the caller gave others.
 
     ``given`` is one label (for a single port), one label per port in order, or a mapping from port to label.
+    Raises ``BlockError`` for a port that is not there, a label too many or too few, or one given twice.
     """
     labels = _labels(block, side, ports, given)
     for label in labels:
@@ -69,3 +71,19 @@ def require(rule: bool, block: str, name: str, value: object, text: str, remedy:
     """Raise a ``BlockError`` that states value, rule and remedy unless ``rule`` holds."""
     if not rule:
         raise BlockError(f"{block}: {name} = {value!r}, but {text}; {remedy}")
+
+
+def number(block: str, name: str, value: object) -> float:
+    """Return a value as a float; raise a ``BlockError`` if it is no single number.
+
+    >>> number("valve", "F_s", "big")
+    Traceback (most recent call last):
+    ...
+    blocks.ports.BlockError: valve: F_s = 'big', but it must be a single number; give one
+    """
+    try:
+        if not isinstance(value, str):
+            return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        pass
+    raise BlockError(f"{block}: {name} = {value!r}, but it must be a single number; give one")

@@ -26,7 +26,7 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 from blocks.block import Block, Kernels
-from blocks.ports import Port, require
+from blocks.ports import BlockError, Port, require
 
 STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 ROUNDING = 1e-12  # of travel
@@ -97,7 +97,7 @@ class QuasiStaticStem(Block):
         name: str = "valve",
         **labels: Any,
     ) -> None:
-        require(low <= start <= high, name, "start", start, f"the stops are at {low} and {high}", "start between them")
+        started_between(low, high, start, name)
         super().__init__(
             name=name,
             params={"S": S, "J": J, "low": low, "high": high},
@@ -121,8 +121,19 @@ class QuasiStaticStem(Block):
         S, J = float(params["S"]), float(params["J"])
         require(0.0 <= S < math.inf, name, "S", S, "a band is finite and not negative", "give 0 or more")
         require(0.0 <= J <= S, name, "J", J, f"0 <= J <= S = {S} is needed", "a jump is part of S; lower J or raise S")
-        low, high = float(params["low"]), float(params["high"])
-        require(low < high, name, "high", high, f"the upper stop lies above the lower one, {low}", "raise high")
+        check_stops(params, name)
+
+    def param_index(self, key: str) -> int:
+        """Return where a parameter stands in ``p``; a stem without mass has bands instead of forces.
+
+        Raises ``BlockError`` for F_s, F_c and k, naming the bands, and for an unknown name.
+        """
+        if key in ("F_s", "F_c", "k"):
+            raise BlockError(
+                f"block '{self.name}' has no parameter '{key}', for its stem has no mass; give the bands "
+                "S = (F_s + F_c)/k and J = (F_s - F_c)/k, or take a StickSlip"
+            )
+        return super().param_index(key)
 
     @property
     def S(self) -> float:
@@ -143,3 +154,14 @@ class QuasiStaticStem(Block):
     def f_c(self) -> float:
         """Coulomb friction band (S - J)/2 [fraction of OP]."""
         return (self.S - self.J) / 2.0
+
+
+def started_between(low: float, high: float, start: float, name: str) -> None:
+    """Raise ``BlockError`` unless a stem starts between its stops."""
+    require(low <= start <= high, name, "start", start, f"the stops are at {low} and {high}", "start between them")
+
+
+def check_stops(params: Mapping[str, float], name: str) -> None:
+    """Raise ``BlockError`` unless the stops are in order, low < high."""
+    low, high = float(params["low"]), float(params["high"])
+    require(low < high, name, "high", high, f"the upper stop lies above the lower one, {low}", "raise high")

@@ -16,8 +16,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port, nearest, require
+from blocks.block import Kernels
+from blocks.ports import BlockError, nearest, require
+from blocks.sources import Source
 
 HOLDS = {"previous": 0.0, "linear": 1.0}
 
@@ -52,7 +53,7 @@ def _recorded_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
     out[0] = p[2 + k] if k < int(p[0]) else math.inf
 
 
-class Recorded(Block):
+class Recorded(Source):
     """Recorded data: ``values`` at times ``t`` [s], joined by straight lines or held (``hold="previous"``).
 
     Raises ``BlockError`` unless t (n,) strictly increases and values (n,) are finite.
@@ -62,7 +63,6 @@ class Recorded(Block):
     [5.0, 5.5, 6.0, 5.0, 4.0]
     """
 
-    ports_out = (Port("out"),)
     kernels = Kernels(out=_recorded_out, next_time=_recorded_next, feeds=False)
 
     def __init__(
@@ -96,16 +96,14 @@ class Recorded(Block):
                 f"{name}: t[{back[0]}] = {times[back[0]]} is followed by {times[back[0] + 1]}, but times must "
                 f"strictly increase; sort them and drop repeated ones"
             )
-        super().__init__(
-            name=name,
-            params={"n": times.size, "linear": HOLDS[hold]},
-            table=np.concatenate([times, levels]),
-            outputs=signal,
-            units={"out": unit},
-        )
+        params = {"n": times.size, "linear": HOLDS[hold]}
+        super().__init__(signal, params, table=np.concatenate([times, levels]), unit=unit, name=name)
 
     def with_params(self, **changes: float) -> Self:
-        """Return a copy with ``linear`` (1 or 0) changed; the length of the table cannot change."""
+        """Return a copy with ``linear`` (1 or 0) changed; the length of the table cannot change.
+
+        Raises ``BlockError`` for another length or an unknown name.
+        """
         if "n" in changes:
             require(changes["n"] == self.p[0], self.name, "n", changes["n"], "it is the length of the table",
                     "make another Recorded")  # fmt: skip

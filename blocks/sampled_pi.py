@@ -21,8 +21,8 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.pi import PI, check_tuning, op_span, start_integral, tuned
-from blocks.ports import Labels, Port, require
-from blocks.sources import finite
+from blocks.ports import Labels, Port
+from blocks.rules import check_scan
 
 # p = K_p, T_i, low, high, T_t, action, dt, offset; d = z
 
@@ -97,6 +97,7 @@ class SampledPI(Block):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` as ``PI`` does, and unless dt > 0."""
         check_tuning(params, name)
         check_scan(params, name)
 
@@ -117,10 +118,3 @@ class SampledPI(Block):
             units=self.units,
             spans=self.spans,
         ).starting_at(z=float(self.d0[0]))
-
-
-def check_scan(params: Mapping[str, float], name: str) -> None:
-    """Raise ``BlockError`` unless ``dt`` and ``offset`` are a sampling period and a first sampling instant."""
-    finite(params, name, "dt", "offset")
-    dt = float(params["dt"])
-    require(dt > 0.0, name, "dt", dt, "it must be positive", "give the sampling period in seconds")

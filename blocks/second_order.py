@@ -67,7 +67,10 @@ class SecondOrder(Delayed):
 
     @classmethod
     def from_lags(cls, K: float, tau1: float, tau2: float, theta: float = 0.0, **keywords: Any) -> Self:
-        """Return the process K exp(-theta s)/((tau1 s + 1)(tau2 s + 1)); both time constants [s] positive."""
+        """Return the process K exp(-theta s)/((tau1 s + 1)(tau2 s + 1)); both time constants [s] positive.
+
+        Raises ``BlockError`` for a time constant that is not positive, and as ``SecondOrder`` does.
+        """
         name = str(keywords.get("name", "process"))
         for key, tau in (("tau1", tau1), ("tau2", tau2)):
             rule = "a time constant is positive"

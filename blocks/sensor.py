@@ -20,12 +20,11 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.arithmetic import check_limits
 from blocks.block import Block, Kernels
+from blocks.limits import FREE, MODES, limit_events, limit_transition
 from blocks.noise import Seed, Seeded, check_noise, coloured, seeded
 from blocks.ports import Labels, Port, require
-from blocks.sampled_pi import check_scan
-from blocks.sources import finite
+from blocks.rules import check_limits, check_scan, finite
 
 RESOLUTION = 2.0**52  # values of more steps than this are whole numbers of steps anyway
 
@@ -53,19 +52,7 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 
 def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
     value = x[0] if p[0] > 0.0 else _target(t, u, p)
-    if d[0] == 0.0:
-        g[0] = value - p[5]
-        g[1] = p[4] - value
-    else:
-        g[0] = p[5] - value if d[0] > 0.0 else value - p[4]
-        g[1] = -1.0
-
-
-def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    if d[0] != 0.0:
-        d[0] = 0.0
-    else:
-        d[0] = 1.0 if k[0] == 0.0 else -1.0
+    limit_events(value, p[4], p[5], d, g)
 
 
 # sampled: p = the same, then dt, offset, sd, correlation_time, step; d = generator and noise (7), x
@@ -107,7 +94,7 @@ class Sensor(Block):
 
     ports_in = (Port("PV"),)
     ports_out = (Port("PV_m"),)
-    modes = {"free": 0.0, "at high limit": 1.0, "at low limit": -1.0}
+    modes = MODES
 
     def __init__(
         self,
@@ -126,13 +113,14 @@ class Sensor(Block):
         spans: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
         self.kernels = Kernels(
-            out=_lagged_out if tau > 0.0 else _direct_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=not tau > 0.0
-        )
+            out=_lagged_out if tau > 0.0 else _direct_out, der=_der, zc=_zc, jump=limit_transition, n_events=2,
+            feeds=not tau > 0.0,
+        )  # fmt: skip
         super().__init__(
             name=name,
             params={"tau": tau, "factor": factor, "bias": bias, "drift": drift, "low": low, "high": high},
             states={"x": factor * start + bias},
-            memory={"mode": 0.0},
+            memory={"mode": FREE},
             inputs=inputs,
             outputs=outputs,
             units=units,
@@ -141,10 +129,14 @@ class Sensor(Block):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless tau >= 0, low < high and the rest is finite."""
         _check(params, name)
 
     def with_params(self, **changes: float) -> Self:
-        """Return a copy with other parameter values (``tau`` = 0 only if built with tau = 0)."""
+        """Return a copy with other parameter values (``tau`` = 0 only if built with tau = 0).
+
+        Raises ``BlockError`` for a tau <= 0 of a sensor built with a lag, and as ``Sensor`` does.
+        """
         if not self.kernels.feeds and "tau" in changes:
             tau = changes["tau"]
             require(tau > 0.0, self.name, "tau", tau, "this sensor was built with a lag", "build it with tau=0.0")
@@ -207,6 +199,7 @@ class SampledSensor(Seeded):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` as ``Sensor`` does, and unless dt > 0 and sd, correlation_time, step >= 0."""
         _check(params, name)
         check_scan(params, name)
         check_noise(params, name)

@@ -30,6 +30,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
+from blocks.rules import positive
 
 # p = V_sep, C_4, p_metV, T_sep, R, W_oil, rho_oil, W_met, rho_met;  x = N_oil, N_metL, N_metG
 
@@ -124,11 +125,11 @@ class Separator(Block):
         name: str = "separator",
         **labels: Any,
     ) -> None:
+        for key, moles in {"N_oil": N_oil, "N_metL": N_metL, "N_metG": N_metG}.items():
+            require(moles > 0.0, name, key, moles, "a separator holds both phases", "give moles")
         liquid = W_oil / rho_oil * N_oil + W_met / rho_met * N_metL if rho_oil and rho_met else math.inf
         rule = f"the contents, {liquid:.4g} m3 of liquid, must fit in with room for gas"
         require(liquid < V_sep, name, "V_sep", V_sep, rule, "give a larger V_sep or less liquid")
-        for key, moles in {"N_oil": N_oil, "N_metL": N_metL, "N_metG": N_metG}.items():
-            require(moles > 0.0, name, key, moles, "a separator holds both phases", "give moles")
         super().__init__(
             name=name,
             params={
@@ -142,9 +143,10 @@ class Separator(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless every parameter is positive and finite."""
-        for key, value in params.items():
-            rule = 0.0 < float(value) < math.inf
-            require(rule, name, key, value, "it must be positive and finite", "give SI units, molar masses in kg/mol")
+        positive(params, name, *params, remedy="give SI units, molar masses in kg/mol")
+        for key in ("W_oil", "W_met"):
+            mass = float(params[key])
+            require(mass < 1.0, name, key, mass, "it is in kg/mol", "divide g/mol by 1000")
 
     def trouble(self) -> str:
         """Return why the equations end at the contents the block starts with, with the numbers; "" if they do not.

@@ -49,6 +49,7 @@ class Shaft(Block):
     def __init__(
         self, J: float = 20.0, *, start: float, loads: Sequence[str] = ("tau",), name: str = "shaft", **labels: Any
     ) -> None:
+        loads = (loads,) if isinstance(loads, str) else tuple(loads)
         require(bool(loads), name, "loads", loads, "a shaft turns something", "name a load torque")
         require(0.0 < start < math.inf, name, "start", start, "the loads divide by the speed", "give rad/s")
         self.ports_in = (Port("tau_d", "N m"), *(Port(load, "N m") for load in loads))
@@ -61,7 +62,10 @@ class Shaft(Block):
         require(0.0 < J < math.inf, name, "J", J, "an inertia is positive", "give kg m2")
 
     def with_params(self, **changes: float) -> "Shaft":
-        """Return a copy with another J; the number of loads belongs to the wiring."""
+        """Return a copy with another J; the number of loads belongs to the wiring.
+
+        Raises ``BlockError`` for another number of loads, an unknown name, or a J that is not positive.
+        """
         rule = "loads" not in changes
         require(rule, self.name, "loads", changes.get("loads"), "the loads are wired", "make another Shaft")
         return super().with_params(**changes)

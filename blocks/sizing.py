@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from blocks.ports import BlockError, require
+from blocks.rules import positive
 
 WATER = 999.1  # kg/m3 at 15 degrees Celsius, to which the standard refers densities
 PER_KV = math.sqrt(WATER / 1e5) / 3600.0  # flow [kg/s] of Kv = 1 per root of density [kg/m3] times drop [Pa]
@@ -35,7 +36,8 @@ def C_v_from_Kv(Kv: float, density: float, molar_mass: float | None = None) -> f
     >>> round(3600.0 * C_v_from_Kv(1.0, 999.1) * 1e5**0.5 / 999.1, 9)  # 1 m3/h of water at 1 bar
     1.0
     """
-    _positive(Kv=Kv, density=density, **({} if molar_mass is None else {"molar_mass": molar_mass}))
+    _positive(Kv=Kv, density=density)
+    _molar(molar_mass)
     return Kv * PER_KV * math.sqrt(density) / (1.0 if molar_mass is None else molar_mass)
 
 
@@ -96,6 +98,11 @@ def size_liquid_valve(
     """
     _positive(m=m, density=density, p_vapour=p_vapour, p_critical=p_critical, F_L=F_L, viscosity=viscosity, F_d=F_d)
     _falling(p_up, p_down)
+    _shares(F_L=F_L)
+    rule = f"liquid stands before the valve, at p_up = {p_up:g} Pa"
+    require(p_vapour < p_up, "sizing", "p_vapour", p_vapour, rule, "raise p_up, or check the units")
+    rule = f"it lies below p_critical = {p_critical:g} Pa"
+    require(p_vapour < p_critical, "sizing", "p_vapour", p_vapour, rule, "check the units")
     found = _library().size_control_valve_l(
         rho=density, Psat=p_vapour, Pc=p_critical, mu=viscosity, P1=p_up, P2=p_down, Q=m / density, FL=F_L, Fd=F_d,
         full_output=True, **_fittings(diameters),
@@ -121,9 +128,11 @@ def size_gas_valve(
     >>> round(duty.Kv, -1), duty.choked, round(duty.Y, 3)
     (390.0, False, 0.867)
     """
-    _positive(m=m, molar_mass=molar_mass, T=T, Z=Z, x_T=x_T, F_L=F_L, viscosity=viscosity, F_d=F_d)
+    _positive(m=m, T=T, Z=Z, x_T=x_T, F_L=F_L, viscosity=viscosity, F_d=F_d)
     require(1.0 < gamma < math.inf, "sizing", "gamma", gamma, "a heat capacity ratio exceeds 1", "1.3 suits methane")
     _falling(p_up, p_down)
+    _shares(F_L=F_L, x_T=x_T)
+    _molar(molar_mass)
     normal = m / molar_mass * R * 273.15 / 101325.0  # m3/s at 0 degrees Celsius and 1 atm
     found = _library().size_control_valve_g(
         T=T, MW=1e3 * molar_mass, mu=viscosity, gamma=gamma, Z=Z, P1=p_up, P2=p_down, Q=normal, FL=F_L, Fd=F_d,
@@ -153,14 +162,27 @@ def _converged(found: Mapping[str, Any], drop: float, diameters: tuple[float, fl
 def _fittings(diameters: tuple[float, float, float] | None) -> dict[str, float]:
     if diameters is None:
         return {}
+    three = len(diameters) == 3
+    require(three, "sizing", "diameters", diameters, "they are pipe before, pipe behind, valve", "give three, in m")
     before, behind, valve = diameters
     _positive(before=before, behind=behind, valve=valve)
+    rule = "the standard's fittings narrow towards the valve"
+    require(valve <= min(before, behind), "sizing", "valve", valve, rule, "give the valve's diameter last")
     return {"D1": before, "D2": behind, "d": valve}
 
 
 def _positive(**values: float) -> None:
+    positive(values, "sizing", *values)
+
+
+def _shares(**values: float) -> None:
     for key, value in values.items():
-        require(0.0 < value < math.inf, "sizing", key, value, "it must be positive and finite", "give SI units")
+        require(value <= 1.0, "sizing", key, value, "it is a share", "0.9 (F_L) and 0.7 (x_T) suit a globe valve")
+
+
+def _molar(mass: float | None) -> None:
+    if mass is not None:
+        require(0.0 < mass < 1.0, "sizing", "molar_mass", mass, "it is positive, in kg/mol", "divide g/mol by 1000")
 
 
 def _falling(p_up: float, p_down: float) -> None:

@@ -16,13 +16,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
-
-
-def finite(params: Mapping[str, float], name: str, *keys: str) -> None:
-    """Raise ``BlockError`` unless the named parameters are finite numbers."""
-    for key in keys:
-        value = float(params[key])
-        require(math.isfinite(value), name, key, value, "it must be a finite number", f"give {key} a number")
+from blocks.rules import finite
 
 
 def _constant_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -48,52 +42,59 @@ def _ramp_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
         out[0] = p[3] if t < p[3] else math.inf
 
 
-class Constant(Block):
+class Source(Block):
+    """A block without inputs: it gives one signal, which bears its name unless ``name`` says otherwise.
+
+    Subclasses fill in the class data and call ``__init__`` with their parameters.
+    """
+
+    ports_out = (Port("out"),)
+
+    def __init__(self, signal: str, params: Mapping[str, float], *, unit: str, name: str, **data: Any) -> None:
+        super().__init__(name=name or signal, params=params, outputs=signal, units={"out": unit}, **data)
+
+
+class Constant(Source):
     """A signal that never changes: ``value``.
 
     >>> float(Constant("SP", 0.5).output(7.0, [], [])[0])
     0.5
     """
 
-    ports_out = (Port("out"),)
     kernels = Kernels(out=_constant_out, feeds=False)
 
     def __init__(self, signal: str, value: float, *, unit: str = "", name: str = "") -> None:
-        super().__init__(name=name or signal, params={"value": value}, outputs=signal, units={"out": unit})
+        super().__init__(signal, {"value": value}, unit=unit, name=name)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless the value is finite."""
         finite(params, name, "value")
 
 
-class Step(Block):
+class Step(Source):
     """A step: ``before`` until ``at`` [s], ``after`` from then on.
 
     >>> float(Step("SP", after=0.5).output(0.0, [], [])[0])
     0.5
     """
 
-    ports_out = (Port("out"),)
     kernels = Kernels(out=_step_out, next_time=_step_next, feeds=False)
 
     def __init__(
         self, signal: str, after: float = 1.0, before: float = 0.0, at: float = 0.0, unit: str = "", name: str = ""
     ) -> None:
-        super().__init__(
-            name=name or signal,
-            params={"before": before, "after": after, "at": at},
-            outputs=signal,
-            units={"out": unit},
-        )
+        super().__init__(signal, {"before": before, "after": after, "at": at}, unit=unit, name=name)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless both levels are finite and ``at`` is a time."""
         finite(params, name, "before", "after")
         at = float(params["at"])
         require(not math.isnan(at), name, "at", at, "it must be a time", "give at= in seconds")
 
 
-class Ramp(Block):
+class Ramp(Source):
     """A ramp: ``before`` until ``start`` [s], then ``slope`` [unit/s] until ``end`` [s] (default: for ever).
 
     >>> feed = Ramp("Z_I", slope=-0.12 / 720, before=0.37, end=720.0)
@@ -101,7 +102,6 @@ class Ramp(Block):
     [0.37, 0.31, 0.25, 0.25]
     """
 
-    ports_out = (Port("out"),)
     kernels = Kernels(out=_ramp_out, next_time=_ramp_next, feeds=False)
 
     def __init__(
@@ -115,15 +115,12 @@ class Ramp(Block):
         unit: str = "",
         name: str = "",
     ) -> None:
-        super().__init__(
-            name=name or signal,
-            params={"before": before, "slope": slope, "start": start, "end": end},
-            outputs=signal,
-            units={"out": unit},
-        )
+        params = {"before": before, "slope": slope, "start": start, "end": end}
+        super().__init__(signal, params, unit=unit, name=name)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless before, slope and start are finite and end >= start."""
         finite(params, name, "before", "slope", "start")
         start, end = float(params["start"]), float(params["end"])
         rule = f"a ramp cannot end before its start at {start} s"

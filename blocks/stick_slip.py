@@ -33,9 +33,9 @@ from typing import Any, Self
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
-from blocks.quasi_static_stem import QuasiStaticStem
+from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem, check_stops, started_between
+from blocks.rules import not_negative, positive
 
-STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 TIE = 1e-6  # with F_s = F_c a stem creeps to rest exactly at breakaway, where rounding would start it again and again
 
 
@@ -99,7 +99,7 @@ class StickSlip(Block):
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
-    modes = {"stuck": STUCK, "sliding up": UP, "sliding down": DOWN, "ideal": IDEAL}
+    modes = QuasiStaticStem.modes
 
     def __init__(
         self,
@@ -116,7 +116,7 @@ class StickSlip(Block):
         name: str = "valve",
         **labels: Any,
     ) -> None:
-        require(low <= start <= high, name, "start", start, f"the stops are at {low} and {high}", "start between them")
+        started_between(low, high, start, name)
         super().__init__(
             name=name,
             params={"k": k, "M": M, "F_v": F_v, "F_c": F_c, "F_s": F_s, "low": low, "high": high, "v_stop": v_stop},
@@ -144,6 +144,8 @@ class StickSlip(Block):
     def from_bands(cls, S: float, J: float, *, k: float = 52500.0, **keywords: Any) -> Self:
         """Return the stem whose MV-OP figure has the bands ``S`` and ``J`` [fraction of OP]: F_s, F_c = k (S +- J)/2.
 
+        Raises ``BlockError`` unless 0 <= J <= S.
+
         >>> StickSlip.from_bands(S=0.06, J=0.02).p[3:5].round(9).tolist()
         [1050.0, 2100.0]
         """
@@ -154,17 +156,12 @@ class StickSlip(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless k, M > 0, F_v, v_stop >= 0, F_s >= F_c >= 0 and low < high."""
-        for key in ("k", "M"):
-            value = float(params[key])
-            require(0.0 < value < math.inf, name, key, value, "it must be positive and finite", "give a positive one")
-        for key in ("F_v", "F_c", "v_stop"):
-            value = float(params[key])
-            require(0.0 <= value < math.inf, name, key, value, "it must be finite and not negative", "give 0 or more")
+        positive(params, name, "k", "M", remedy="give a positive one")
+        not_negative(params, name, "F_v", "F_c", "v_stop")
         F_s, F_c = float(params["F_s"]), float(params["F_c"])
         rule = f"static friction is at least the Coulomb friction, F_s >= F_c = {F_c}"
         require(F_c <= F_s < math.inf, name, "F_s", F_s, rule, "raise F_s or lower F_c")
-        low, high = float(params["low"]), float(params["high"])
-        require(low < high, name, "high", high, f"the upper stop lies above the lower one, {low}", "raise high")
+        check_stops(params, name)
 
     # --- what the MV-OP figure shows ------------------------------------------------------------------------
     def _value(self, key: str) -> float:

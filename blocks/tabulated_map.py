@@ -18,6 +18,7 @@ curves that rise and fall left of their first point.  See also: compressor_map, 
 """
 
 import csv
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -151,12 +152,16 @@ class TabulatedMap:
         efficiency holds.  The point is given by ``speed`` (default: the fastest curve), ``flow`` (inlet volume flow;
         default: halfway between surge and choke there) and ``head_at`` (default: the head there), in the units of the
         curves.  The first point of each head curve is taken as surge, the last as choke.
-        Raises ``BlockError`` for missing speeds, curves of less than two points, or flows that do not increase.
+        Raises ``BlockError`` for missing speeds, curves of less than two points, flows that do not increase, a head
+        that rises at choke, or an efficiency read at wholly other flows.
         """
         from scipy.interpolate import PchipInterpolator
 
         require(bool(head), "map", "head", head, "a map needs a curve", "give {speed: (flows, heads)}")
         heads = {one: _curve(*head[one], "head", one) for one in sorted(head)}
+        for one, (_, h) in heads.items():
+            rule = f"head falls towards choke, and goes on so beyond, but the curve at speed {one:g} ends rising"
+            require(bool(h[-1] < h[-2]), "map", "head", h.tolist(), rule, "check the columns: speed, flow, head")
         speed = max(heads) if speed is None else float(speed)
         if flow is None or head_at is None:
             require(speed in heads, "map", "speed", speed, f"there are curves at {', '.join(f'{s:g}' for s in heads)}",
@@ -192,7 +197,7 @@ class TabulatedMap:
         ``efficiency`` is a second file, or a number; the rest is as in ``from_curves``.
         Raises ``BlockError`` for rows that are not three numbers, ``OSError`` for files that cannot be opened.
         """
-        share = float(efficiency) if isinstance(efficiency, int | float) else read_curves(efficiency)
+        share = read_curves(efficiency) if isinstance(efficiency, str | Path) else float(efficiency)
         return cls.from_curves(read_curves(head), share, speed=speed, flow=flow, head_at=head_at, valley=valley)
 
     def psi(self, q: float, n: float = 1.0) -> float:
@@ -224,11 +229,12 @@ class TabulatedMap:
 
 
 def _curve(flow: ArrayLike, value: ArrayLike, what: str, speed: float) -> tuple[Floats, Floats]:
-    V, y = np.asarray(flow, dtype=float), np.asarray(value, dtype=float)
-    if len(V) < 2 or len(V) != len(y) or np.any(np.diff(V) <= 0.0) or not np.all(np.isfinite(y)) or np.any(y <= 0.0):
+    V, y = np.atleast_1d(np.asarray(flow, dtype=float)), np.atleast_1d(np.asarray(value, dtype=float))
+    finite = bool(np.all(np.isfinite(V)) and np.all(np.isfinite(y)))
+    if not finite or len(V) < 2 or len(V) != len(y) or np.any(np.diff(V) <= 0.0) or np.any(y <= 0.0):
         raise BlockError(
             f"map: the {what} curve at speed {speed} has {len(V)} flows and {len(y)} values, but at least two points "
-            "of increasing flow and positive value are needed; sort it, and drop repeated points"
+            "of increasing flow and positive value, all finite, are needed; sort it, and drop repeated points"
         )
     return V, y
 
@@ -251,6 +257,9 @@ def _efficiency(given: Curves | float, speed: float, flows: Floats) -> Floats:
     if speed not in given:
         raise BlockError(f"map: no efficiency curve at speed {speed}, but each head curve needs one; add it")
     V, eta = _curve(*given[speed], "efficiency", speed)
+    rule = f"the head curve at speed {speed:g} goes from {flows[0]:g} to {flows[-1]:g}"
+    require(bool(V[0] <= flows[-1] and flows[0] <= V[-1]), "map", "efficiency", (float(V[0]), float(V[-1])), rule,
+            "give flows in one unit")  # fmt: skip
     require(bool(eta.max() <= 1.0), "map", "efficiency", float(eta.max()), "it is a fraction", "divide percent by 100")
     return np.asarray(PchipInterpolator(V, eta)(np.clip(flows, V[0], V[-1])))
 
@@ -258,22 +267,33 @@ def _efficiency(given: Curves | float, speed: float, flows: Floats) -> Floats:
 def read_curves(path: Path | str) -> dict[float, tuple[Floats, Floats]]:
     """Return ``{speed: (flows, values)}`` from a CSV file, flows in increasing order; its first line may be a header.
 
-    Raises ``BlockError`` for a row that is not three numbers, or a file without any.
+    Raises ``BlockError`` for a row that is not three finite numbers, a point given twice with two values, a file
+    without a row or that is no text; ``OSError`` for one that cannot be opened.
     """
     found: dict[float, dict[float, float]] = {}
-    with open(path, newline="", encoding="utf-8-sig") as file:
-        for line, row in enumerate(csv.reader(file)):
-            if not row:
+    try:
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise BlockError(f"{path} is not UTF-8 text; save it as CSV, UTF-8") from None
+    for line, row in enumerate(csv.reader(lines)):
+        if not row:
+            continue
+        try:
+            speed, flow, value = (float(cell) for cell in row)
+        except ValueError:
+            if line == 0:
                 continue
-            try:
-                speed, flow, value = (float(cell) for cell in row)
-            except ValueError:
-                if line == 0:
-                    continue
-                raise BlockError(
-                    f"{path}, line {line + 1}: {row!r} is not speed, flow, value; give three numbers a row"
-                ) from None
-            found.setdefault(speed, {})[flow] = value
+            speed = flow = value = math.nan
+        if not (math.isfinite(speed) and math.isfinite(flow) and math.isfinite(value)):
+            raise BlockError(
+                f"{path}, line {line + 1}: {row!r} is not speed, flow, value; give three numbers a row, between commas"
+            )
+        before = found.setdefault(speed, {}).setdefault(flow, value)
+        if before != value:
+            raise BlockError(
+                f"{path}, line {line + 1}: at speed {speed:g} and flow {flow:g} stood {before:g}, now {value:g}; "
+                "keep one of them"
+            )
     if not found:
         raise BlockError(f"{path} has no row of three numbers; give speed, flow, value")
     return {

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.kicks import Study, study
-from cases.tables import F_C, K_STEM, STICTION_N, Row, relative
+from cases.tables import Row, jumps_a_half_cycle, relative
+from plant.production.parameters import Stem
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +38,7 @@ def gain_from(F_s: float, period: float, amplitude: float, T_i: float = 8.0, sha
     >>> round(gain_from(1750.0, 101.0, 0.26e5) * 1e7, 1), round(gain_from(2250.0, 37.0, 0.44e5) * 1e7, 1)
     (4.3, 4.8)
     """
-    return (F_s + F_C) / K_STEM / (2.0 * amplitude + share * amplitude * 0.5 * period / T_i)
+    return (F_s + Stem.F_c) / Stem.k / (2.0 * amplitude + share * amplitude * 0.5 * period / T_i)
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,7 @@ def rows(points: Sequence[Point]) -> list[Row]:
     table = []
     for point in points:
         where = f"D = {point.D / 1e5:.1f} bar, K_p = {point.K_p:.2g}/Pa, {point.size}"
-        jump = (STICTION_N[point.size] - F_C) / K_STEM
-        groups = [round(float(v) / jump) for v in point.found.numbers["stem travel"]]
+        groups = jumps_a_half_cycle(point.found, point.size)
         note = "starts by jumps a half cycle: " + ", ".join(f"{groups.count(n)} of {n}" for n in sorted(set(groups)))
         for quantity, name, unit, value in (
             ("period", "pressure T", "s", PUBLISHED[point.size][0]),

@@ -2,6 +2,7 @@
 
 Separator 1's three contents are multiplied by independent uniform factors, 0.97 to 1.03, from a fixed seed.  Every
 run gives the numbers of tables 5.4 (1000 to 2000 s), 6.1 and 6.2; over all of them stand median and 5 to 95 % band.
+One run says all only from rest without stiction: ``rest_amplitudes``.
 """
 
 import math
@@ -109,7 +110,9 @@ def study(
     plant: Any, F_s: str, case: int = 1, *, kicks: int = KICKS, seed: int = SEED,
     progress: bool | Callable[[int, int], None] = False,
 ) -> Study:  # fmt: skip
-    """Run the plant (a set's name or a ``Production``) from many starts and return its numbers.
+    """Run the plant (a set's name or a ``Production``) from many starts and return its numbers; Ctrl-C is passed on.
+
+    Raises ``KeyboardInterrupt`` if the runs were interrupted.
 
     >>> found = study("A", "normal", kicks=2)
     >>> found.failed, 0.25 < found.band("level A").median < 0.35
@@ -123,8 +126,24 @@ def study(
         diagram, DURATION, start=start_kicks(diagram, kicks, seed), every=EVERY, signals=SIGNALS, method="stiff",
         keep_logs=False, summary=case_1_numbers if case == 1 else case_2_numbers, progress=progress,
     )  # fmt: skip
+    if result.interrupted:
+        raise KeyboardInterrupt  # the ensemble keeps what is finished, but half the starts are another study
     numbers = {name: values[result.ok] for name, values in result.summary.items()}
     return Study(numbers, kicks, int(np.sum(~result.ok)))
+
+
+def rest_amplitudes(plant: Any) -> tuple[float, float, float, float]:
+    """Return half of peak to peak of level [m3], pressure, outlet pressure [bar] and speed [rpm] from rest, 2000 s.
+
+    No stiction; ``plant`` is a set's name or a ``Production``.
+    """
+    from plant import simulate
+    from plant.production import production_plant
+
+    log = simulate(production_plant(plant, F_s="none"), DURATION, every=1.0, method="stiff").log
+    scales = {"V_1": 1.0, "p_1": BAR, "p_out2": BAR, "w": RPM}
+    level, pressure, outlet, speed = (0.5 * float(np.ptp(log[s])) / unit for s, unit in scales.items())
+    return level, pressure, outlet, speed
 
 
 class Studies:

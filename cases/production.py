@@ -11,7 +11,6 @@ from cases.case import Case, Number
 
 if TYPE_CHECKING:
     from plant.diagram import Diagram
-    from plant.production import Production
 
 SET = "E"  # the parameter set behind the cases
 KICK = (1.019, 1.010)  # gas and liquid of separator 1 at the start of the kicked cases
@@ -77,17 +76,3 @@ CASES = tuple(
     for case in (1, 2) for F_s in STICTION
 )  # fmt: skip
 CASES_BY_NAME = {case.name: case for case in CASES}
-
-
-def rest_amplitudes(plant: "Production") -> tuple[float, float, float, float]:
-    """Return half of peak to peak of level [m3], pressure, outlet pressure [bar] and speed [rpm] from rest, 2000 s."""
-    import numpy as np
-
-    from cases.kicks import BAR, DURATION, RPM
-    from plant import simulate
-    from plant.production import production_plant
-
-    log = simulate(production_plant(plant, F_s="none"), DURATION, every=1.0, method="stiff").log
-    scales = {"V_1": 1.0, "p_1": BAR, "p_out2": BAR, "w": RPM}
-    level, pressure, outlet, speed = (0.5 * float(np.ptp(log[s])) / unit for s, unit in scales.items())
-    return level, pressure, outlet, speed

@@ -60,21 +60,26 @@ def _rows(log: "Log", columns: dict[str, tuple[str, float, float, int]]) -> list
     ]
 
 
-def sticky_flow() -> str:
-    """A flow valve with S = 6 % and J = 3 % of OP; PI-style wide export with digital states."""
+def _sticky_flow_log(seed: int) -> "Log":
+    """Return the flow loop whose valve has S = 6 % and J = 3 % of OP; ``seed`` of the sensor's noise."""
     from blocks import PI, FirstOrder, SampledSensor, Step, StickSlip
 
-    log = _loop(
+    return _loop(
         [
             Step("SP", 0.55),
             PI(K_p=0.6, T_i=8.0, start_op=0.42, inputs={"PV": "PV_m"}),
             StickSlip.from_bands(S=0.06, J=0.03, start=0.40),
             FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
-            SampledSensor(dt=1.0, sd=0.0008, seed=11),
+            SampledSensor(dt=1.0, sd=0.0008, seed=seed),
         ],
         2400.0,
         1.0,
     )
+
+
+def sticky_flow() -> str:
+    """A flow valve with S = 6 % and J = 3 % of OP; PI-style wide export with digital states."""
+    log = _sticky_flow_log(seed=11)
     columns = {
         "SP": ("FIC101.SP", 120.0, 0.0, 2), "PV_m": ("FIC101.PV", 120.0, 0.0, 3), "OP": ("FIC101.OP", 100.0, 0.0, 3),
     }  # fmt: skip
@@ -176,21 +181,9 @@ def sticky_level() -> str:
 
 def compressed_flow() -> str:
     """The sticky flow valve again, after a historian's swinging door: too little is left to judge."""
-    from blocks import PI, FirstOrder, SampledSensor, Step, StickSlip
     from records.dirt import swinging_door
 
-    log = _loop(
-        [
-            Step("SP", 0.55),
-            PI(K_p=0.6, T_i=8.0, start_op=0.42, inputs={"PV": "PV_m"}),
-            StickSlip.from_bands(S=0.06, J=0.03, start=0.40),
-            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
-            SampledSensor(dt=1.0, sd=0.0008, seed=12),
-        ],
-        2400.0,
-        1.0,
-    )
-    rebuilt = swinging_door(log, {"PV_m": 0.012, "OP": 0.01})
+    rebuilt = swinging_door(_sticky_flow_log(seed=12), {"PV_m": 0.012, "OP": 0.01})
     lines = ["t,FIC512.SP,FIC512.PV,FIC512.OP"]
     for t, sp, pv, op in zip(rebuilt.t, rebuilt["SP"], rebuilt["PV_m"], rebuilt["OP"], strict=True):
         lines.append(f"{t:.0f},{sp * 80:.2f},{pv * 80:.6f},{op * 100:.6f}")

@@ -9,12 +9,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from cases.kicks import Studies, Study
+from cases.kicks import Studies, Study, rest_amplitudes
 from plant.oscillation import Band, band
+from plant.production.parameters import STICTION, Stem
 
-STICTION = ("none", "normal", "high")
-STICTION_N = {"none": 1250.0, "normal": 1750.0, "high": 2250.0}  # F_s [N], table 5.3
-F_C, K_STEM = 1250.0, 52500.0  # N, N per travel, table A.1
+SIZES = tuple(STICTION)  # none, normal, high
 
 PERIOD_RATIO = (
     "one-jump cycles that lie alike have periods as S/J, 6.0 normal and 3.5 high, a ratio of 1.7; the printed 101 and "
@@ -107,7 +106,7 @@ _TABLE_5_4: tuple[tuple[str, str, str, tuple[float, float], float | None, str], 
 )
 
 
-def table_5_4(studies: Studies, sizes: Sequence[str] = STICTION) -> list[Row]:
+def table_5_4(studies: Studies, sizes: Sequence[str] = SIZES) -> list[Row]:
     """Return table 5.4: periods and amplitudes with constant feed, 1000 to 2000 s."""
     rows: list[Row] = []
     for size in sizes:
@@ -128,8 +127,7 @@ def table_5_4(studies: Studies, sizes: Sequence[str] = STICTION) -> list[Row]:
 
 def _by_jumps(found: Study, size: str) -> list[Row]:
     """Return period and amplitude of the pressure by how often the stem jumps a half cycle: 0, 1 or 2 times."""
-    J = (STICTION_N[size] - F_C) / K_STEM
-    jumps = [round(float(travel) / J) for travel in found.numbers["stem travel"]]
+    jumps = jumps_a_half_cycle(found, size)
     rows = []
     for count, words in ((1, "one jump"), (2, "two jumps")):
         chosen = [i for i, n in enumerate(jumps) if n == count]
@@ -148,14 +146,18 @@ def _by_jumps(found: Study, size: str) -> list[Row]:
     return rows
 
 
+def jumps_a_half_cycle(found: Study, size: str) -> list[int]:
+    """Return for each start how often the stem of VPCS1 jumps a half cycle: its travel over J = (F_s - F_c)/k."""
+    J = (STICTION[size] - Stem.F_c) / Stem.k
+    return [round(float(travel) / J) for travel in found.numbers["stem travel"]]
+
+
 def _failures(found: Study) -> str:
     return f"; {found.failed} of {found.kicks} runs failed and are left out" if found.failed else ""
 
 
 def _without_stiction(studies: Studies) -> list[Row]:
     """Return the no-stiction column: at rest nothing moves; once kicked the deadband alone keeps the level going."""
-    from cases.production import rest_amplitudes
-
     rows = []
     for (quantity, _, unit, _, _, _), amplitude in zip(_TABLE_5_4[1::2], rest_amplitudes(studies.plant), strict=True):
         found = Band(amplitude, amplitude, amplitude, 1)
@@ -198,7 +200,7 @@ def _ordering(table: str, studies: Studies, case: int, above: str, below: str, p
     return between(table, name, "-", published, found, 1.0, math.inf, "the ordering of the printed means")
 
 
-def table_6_1(studies: Studies, sizes: Sequence[str] = STICTION) -> list[Row]:
+def table_6_1(studies: Studies, sizes: Sequence[str] = SIZES) -> list[Row]:
     """Return table 6.1: mean R of Algorithm 1 with constant feed, 1000 to 2000 s; order of magnitude and ordering."""
     published = {
         ("level", "normal"): (0.94, 0.71), ("level", "high"): (1.74, 1.36),
@@ -212,7 +214,7 @@ def table_6_1(studies: Studies, sizes: Sequence[str] = STICTION) -> list[Row]:
     return rows
 
 
-def table_6_2(studies: Studies, sizes: Sequence[str] = STICTION) -> list[Row]:
+def table_6_2(studies: Studies, sizes: Sequence[str] = SIZES) -> list[Row]:
     """Return table 6.2: mean R of Algorithm 1 under the sine, the whole 2000 s; tested by ordering."""
     published = {
         ("level", "none"): (1.80, 0.63), ("level", "normal"): (1.63, 0.40), ("level", "high"): (0.89, 0.12),
@@ -225,7 +227,7 @@ def table_6_2(studies: Studies, sizes: Sequence[str] = STICTION) -> list[Row]:
     return rows
 
 
-def table_case_2(studies: Studies, sizes: Sequence[str] = STICTION) -> list[Row]:
+def table_case_2(studies: Studies, sizes: Sequence[str] = SIZES) -> list[Row]:
     """Return what the thesis says in words about the sine: figures 5.4 and B.2."""
     rows = []
     for size in sizes:

@@ -179,23 +179,7 @@ def _judge(half_cycles: tuple[HalfCycle, ...], seen: Cycles, p: Params) -> Verdi
     tail = "".join(f"; {note}" for note in seen.notes)
     found = f"period {seen.period:.4g} s, {len(used)} of {total} half cycles usable"
     if len(used) < p.half_cycles_min:
-        faults = [half.fault for half in half_cycles]
-        worst = max(set(faults) - {""}, key=faults.count, default="")
-        if worst == "flat" and faults.count("flat") >= p.half_cycles_min:
-            reason = (
-                f"The half cycles are flat-topped ({faults.count('flat')} of {total}; {found}): a square wave has "
-                f"no peak to divide it, so R is undefined. PV-OP methods can judge such a fast loop{tail}."
-            )
-            return Verdict(NAME, "inconclusive", None, p.R_stiction, reason, evidence=evidence)
-        if worst == "short" and faults.count("short") >= p.half_cycles_min:
-            reason = (
-                f"{faults.count('short')} of {total} half cycles have fewer than {SAMPLES_MIN} samples "
-                f"({found}, one sample each {seen.dt:.3g} s); log faster{tail}."
-            )
-            return Verdict.not_applicable(NAME, "undersampled", reason, p.R_stiction, evidence)
-        why = f", most often refused: {_FAULTS[worst]}" if worst else ""
-        reason = f"Too few half cycles: {found}, {p.half_cycles_min} are needed{why}{tail}."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.R_stiction, evidence)
+        return _too_few([half.fault for half in half_cycles], seen, p, found, tail, evidence)
     before = np.array([half.area_before for half in used])
     after = np.array([half.area_after for half in used])
     ratio = float(before.sum() / after.sum())
@@ -217,6 +201,28 @@ def _judge(half_cycles: tuple[HalfCycle, ...], seen: Cycles, p: Params) -> Verdi
     reason = f"R = {ratio:.2f} (90 % interval {low:.2f} to {high:.2f}): {why} ({found}{tail}).{asymmetric}"
     evidence |= {"low": low, "high": high}
     return Verdict(NAME, word, ratio, p.R_stiction, reason, interval=(low, high), evidence=evidence)
+
+
+def _too_few(
+    faults: list[str], seen: Cycles, p: Params, found: str, tail: str, evidence: dict[str, Values | float]
+) -> Verdict:
+    """The verdict on half cycles of which too few are usable, by the fault that most of them have."""
+    worst = max(set(faults) - {""}, key=faults.count, default="")
+    if worst == "flat" and faults.count("flat") >= p.half_cycles_min:
+        reason = (
+            f"The half cycles are flat-topped ({faults.count('flat')} of {len(faults)}; {found}): a square wave has "
+            f"no peak to divide it, so R is undefined. PV-OP methods can judge such a fast loop{tail}."
+        )
+        return Verdict(NAME, "inconclusive", None, p.R_stiction, reason, evidence=evidence)
+    if worst == "short" and faults.count("short") >= p.half_cycles_min:
+        reason = (
+            f"{faults.count('short')} of {len(faults)} half cycles have fewer than {SAMPLES_MIN} samples "
+            f"({found}, one sample each {seen.dt:.3g} s); log faster{tail}."
+        )
+        return Verdict.not_applicable(NAME, "undersampled", reason, p.R_stiction, evidence)
+    why = f", most often refused: {_FAULTS[worst]}" if worst else ""
+    reason = f"Too few half cycles: {found}, {p.half_cycles_min} are needed{why}{tail}."
+    return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.R_stiction, evidence)
 
 
 _FAULTS = {

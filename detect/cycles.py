@@ -114,30 +114,34 @@ def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
         notes.append("SP is not logged: the mean of PV stands for it")
     if record.process == "unknown" and not record.measurement:
         notes.append("the process is taken as self-regulating")
+    found, t, e, drifts = _cut_pieces(pieces, gate.period, p)
+    if drifts:
+        notes.append("a drifting baseline was taken off")
+    if len(pieces) > 1:
+        notes.append(f"gaps, bad samples or set-point moves cut the record into {len(pieces)} pieces")
+    return Cycles(found, gate.period, gate.regularity, dt, tuple(notes), t, e)
+
+
+def _cut_pieces(
+    pieces: list[tuple[Values, Values]], period: float, p: Params
+) -> tuple[tuple[HalfCycle, ...], Values, Values, bool]:
+    """The half cycles of all pieces that are long enough, their t and e with NaN between, whether a drift came off."""
     found: list[HalfCycle] = []
     shown_t: list[Values] = []
     shown_e: list[Values] = []
+    drifting = False
     hole = np.array([np.nan])
     for t, x in pieces:
-        if t[-1] - t[0] < 1.5 * gate.period or len(t) < 20:
+        if t[-1] - t[0] < 1.5 * period or len(t) < 20:
             continue
-        e, noise, drifts = prepare(t, x, gate.period, p)
-        if drifts and "a drifting baseline was taken off" not in notes:
-            notes.append("a drifting baseline was taken off")
-        found.extend(half_cycles_in(t, e, noise, gate.period))
+        e, noise, drifts = prepare(t, x, period, p)
+        drifting |= drifts
+        found.extend(half_cycles_in(t, e, noise, period))
         shown_t += [t, hole]
         shown_e += [e, hole]
-    if len(pieces) > 1:
-        notes.append(f"gaps, bad samples or set-point moves cut the record into {len(pieces)} pieces")
-    return Cycles(
-        tuple(found),
-        gate.period,
-        gate.regularity,
-        dt,
-        tuple(notes),
-        np.concatenate(shown_t) if shown_t else np.empty(0),
-        np.concatenate(shown_e) if shown_e else np.empty(0),
-    )
+    if not shown_t:
+        return (), np.empty(0), np.empty(0), False
+    return tuple(found), np.concatenate(shown_t), np.concatenate(shown_e), drifting
 
 
 def preconditions(record: LoopRecord) -> Refusal | None:

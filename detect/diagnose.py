@@ -63,7 +63,7 @@ class Diagnosis:
 
         ``words=False`` leaves verdict and reason to the text around the picture.
         """
-        from detect.plots import plot_diagnosis
+        from detect.picture import plot_diagnosis
 
         return plot_diagnosis(self, words)
 

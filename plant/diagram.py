@@ -5,6 +5,7 @@ and nested; every change returns a new diagram and leaves the old one as it was.
 """
 
 import copy
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
-from blocks.ports import nearest
+from blocks.ports import nearest, number
 from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
 if TYPE_CHECKING:
@@ -88,6 +89,16 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         raise WiringError(f"the diagram has no block '{name}'; {nearest(name, known)}")
 
     @property
+    def signal_spans(self) -> dict[str, tuple[float, float]]:
+        """Instrument spans of the signals that have one, low and high in the unit of the signal."""
+        return {
+            signal: block.spans[port.name]
+            for block in self.blocks
+            for port, signal in zip(block.ports_out, block.output_labels, strict=True)
+            if port.name in block.spans
+        }
+
+    @property
     def x0(self) -> NDArray[np.float64]:
         """Start state as python-control counts states, shape (nstates,)."""
         return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
@@ -104,13 +115,20 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         return self._with_blocks(self._changed(changes, "with_params"))
 
     def starting_at(self, values: Mapping[str, float]) -> Self:
-        """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``."""
+        """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``.
+
+        Raises ``WiringError`` for an unknown block or state, or a value that is not finite.
+        """
+        for key, value in values.items():
+            if not math.isfinite(number("start", key, value)):
+                raise WiringError(f"'{key}' is to start at {float(value):g}, but it must be finite; give a number")
         return self._with_blocks(self._changed(values, "starting_at"))
 
     def in_mode(self, modes: str | Mapping[str, str]) -> Self:
         """Return the diagram with blocks in a mode: one name for all that have it, or block -> mode.
 
         A stuck stem linearises to zero; ``ct.linearize(loop.in_mode("ideal"), ...)`` shows the loop behind it.
+        Raises ``WiringError`` for a mode that no block has, ``BlockError`` for one that the named block has not.
         """
         if isinstance(modes, str):
             having = {block.name: modes for block in self.blocks if modes in block.modes}
@@ -136,7 +154,15 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         return self.starting_at(plain)
 
     def replace(self, name: str, block: Block) -> "Diagram":
-        """Return the diagram with one block replaced; the new one takes over name and labels, port by port."""
+        """Return the diagram with one block replaced; the new one takes over name and labels, port by port.
+
+        Raises ``WiringError`` if there is no such block, or if the new one has other numbers of ports.
+        """
+        if not isinstance(block, Block):
+            raise WiringError(
+                f"'{name}' cannot be replaced by {type(block).__name__}: it is no block; take the old blocks out with "
+                "without(), and wire() a diagram in their place"
+            )
         b = self.block_index(name)
         old = self.blocks[b]
         if len(block.ports_in) != len(old.ports_in) or len(block.ports_out) != len(old.ports_out):
@@ -150,7 +176,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""
-        kept = [self[n] for n in names]
+        kept = [self[n] for n in ([names] if isinstance(names, str) else names)]
         driven = {s for block in kept for s in block.output_labels}
         inputs = dict.fromkeys(s for block in kept for s in block.input_labels if s not in driven)
         return Diagram(kept, list(inputs), None, name)
@@ -162,7 +188,10 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         return self.part([block.name for block in self.blocks if block.name not in names], self.name)
 
     def named(self, name: str, **inputs: str) -> "Diagram":
-        """Return the diagram under another name, its open inputs relabelled (``SP="SP1"``), for nesting."""
+        """Return the diagram under another name, its open inputs relabelled (``SP="SP1"``), for nesting.
+
+        Raises ``WiringError`` for an input that is not open.
+        """
         for key in inputs:
             if key not in self.open_inputs:
                 raise WiringError(

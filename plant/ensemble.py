@@ -5,10 +5,8 @@ without Python's lock, so plain threads keep all cores busy.  See also: ``member
 """
 
 import os
-import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from threading import Lock
 from typing import Any
@@ -25,10 +23,10 @@ from plant.diagram import Diagram
 from plant.flatten import DELAY_RECORDS, Plan, plan
 from plant.members import Floats, Members, Places, members
 from plant.portfolio import Ensemble
-from plant.simulate import check_settings, log_times, set_up
+from plant.progress import Progress, told
+from plant.simulate import check_settings, log_times, set_up, troubles
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
-Progress = bool | Callable[[int, int], None] | None
 
 COUNTERS = {
     "steps": at.STEPS, "rejected": at.REJECTED, "rhs": at.RHS, "jacobians": at.JACOBIANS, "events": at.EVENTS,
@@ -91,6 +89,7 @@ def ensemble(
 
 
 def _wanted(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str, ...]:
+    signals = (signals,) if isinstance(signals, str) else signals
     for signal in signals or ():
         if signal not in diagram.signals:
             raise ValueError(f"the diagram has no signal '{signal}'; {nearest(signal, list(diagram.signals))}")
@@ -153,6 +152,7 @@ class _Crew:
         self.counts = np.zeros((n, len(COUNTERS)), dtype=np.int64)
         self.events: list[Floats] = [np.empty((0, 4))] * n
         self.summaries: list[Mapping[str, float]] = [{}] * n
+        self.troubles = [""] * n
         shapes, self.shape_of = np.unique(cast.shapes(), axis=0, return_inverse=True)
         self.shape_of = self.shape_of.ravel()
         self.layouts = [_lay_out(cast, self._first(s), wanted, DELAY_RECORDS) for s in range(len(shapes))]
@@ -195,14 +195,24 @@ class _Crew:
         self.counts[i] = sum(o.I[list(COUNTERS.values())] for o in outcomes)
         self.ended[i] = min(o.t for o in outcomes)
         self.status[i] = Status.OK if failed is None else failed.status
+        if failed is not None:
+            ends = tuple((part.component, o.I, o.W) for part, o in zip(layout.parts, outcomes, strict=True))
+            self.troubles[i] = troubles(self.cast.diagram_of(i), ends)
+            if self.troubles[i]:
+                self.status[i] = Status.MODEL_ENDED
 
     def _run(self, layout: _Layout, i: int) -> list[Outcome]:
         outcomes = []
         for part in layout.parts:
             I, W = prepare(part.component, self.settings, 0.0)
             W[part.offsets] = self.cast.table[i, part.columns]
-            outcomes.append(run(part.component, layout.laid.flat, I, W, self.grid, self.duration))
+            outcomes.append(run(part.component, layout.laid.flat, I, W, self.grid, self.duration, self._listen))
         return outcomes
+
+    def _listen(self, t: float) -> None:
+        """Interrupt a member on its way if somebody stopped the work."""
+        if self.stop:
+            raise KeyboardInterrupt
 
     def _longer(self, full: _Layout, shape: int) -> _Layout:
         """Return a layout with longer delay lines than the one that was full, for this and all later members."""
@@ -225,7 +235,7 @@ class _Crew:
         cost = Statistics(components=len(self.layouts[0].parts), **total)
         return Ensemble(
             t=self.grid, values=self.values, status=self.status, ended=self.ended, summary=table,
-            event_counts=self.counts[:, -1], statistics=cost,
+            event_counts=self.counts[:, -1], troubles=tuple(self.troubles), statistics=cost,
             members=self.cast, settings=self.settings, duration=self.duration, raw_events=tuple(self.events),
         )  # fmt: skip
 
@@ -245,7 +255,7 @@ def _room(n: int, signals: Sequence[str], rows: int) -> dict[str, Floats]:
 
 def _work(crew: _Crew, n: int, workers: int, progress: Progress) -> None:
     """Let the crew work while this thread tells the progress and listens for Ctrl-C."""
-    with _told(progress, n) as tell, ThreadPoolExecutor(min(workers, n)) as pool:
+    with told(progress, n, "members") as tell, ThreadPoolExecutor(min(workers, n)) as pool:
         tasks = [pool.submit(crew.work) for _ in range(min(workers, n))]
         try:
             running = True
@@ -259,20 +269,3 @@ def _work(crew: _Crew, n: int, workers: int, progress: Progress) -> None:
             crew.stop = True
     for task in tasks:
         task.result()
-
-
-@contextmanager
-def _told(progress: Progress, n: int) -> Iterator[Callable[[int, int], None]]:
-    if callable(progress):
-        yield progress
-    elif progress or (progress is None and sys.stderr.isatty()):
-        from rich.console import Console
-        from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
-        from rich.progress import Progress as Bar
-
-        columns = (BarColumn(), MofNCompleteColumn(), "members", TimeRemainingColumn())
-        with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
-            task = bar.add_task("", total=n)
-            yield lambda done, _: bar.update(task, completed=done)
-    else:
-        yield lambda done, _: None

@@ -1,4 +1,4 @@
-"""Close the open inputs of a diagram with signals, and drive one block alone."""
+"""Close the open inputs of a diagram with signals."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from blocks.block import Block
+from blocks.ports import nearest
 from blocks.recorded import Recorded
 from blocks.sources import Constant
 from plant.diagram import Diagram
@@ -13,7 +14,10 @@ from plant.wiring import WiringError
 
 
 def source(signal: str, given: Any) -> Block:
-    """Return a source of ``signal``: from a number, a pair of arrays ``(t, values)``, or a source block."""
+    """Return a source of ``signal``: from a number, a pair of arrays ``(t, values)``, or a source block.
+
+    Raises ``WiringError`` for anything else.
+    """
     if isinstance(given, Block):
         if given.ports_in or len(given.ports_out) != 1:
             raise WiringError(f"block '{given.name}' cannot drive input '{signal}': it must be a source of one signal")
@@ -28,9 +32,10 @@ def source(signal: str, given: Any) -> Block:
 
 
 def close(diagram: Diagram, inputs: Mapping[str, Any]) -> Diagram:
-    """Return the diagram with the named inputs driven."""
-    from blocks.ports import nearest
+    """Return the diagram with the named inputs driven.
 
+    Raises ``WiringError`` for an input that is not open, or as ``source`` does.
+    """
     for signal in inputs:
         if signal not in diagram.open_inputs:
             raise WiringError(f"the diagram has no open input '{signal}'; {nearest(signal, list(diagram.open_inputs))}")

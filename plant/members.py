@@ -108,6 +108,10 @@ def members(
     n = _count(given)
     wanted = {key: _column(values, n) for key, values in (params or {}).items()}
     starts = {key: _column(values, n) for key, values in (start or {}).items()}
+    for key, column in starts.items():
+        if not np.isfinite(column).all():
+            i = int(np.argmin(np.isfinite(column)))
+            raise ValueError(f"'{key}' is to start at {column[i]} in member {i}, but a start value is a finite number")
     streams = None if seeds is None else _seeds(seeds, n)
     columns: dict[Target, Floats] = {}
     for b, names in _grouped(diagram, wanted).items():

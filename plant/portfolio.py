@@ -2,10 +2,8 @@
 
 import json
 import os
-import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +13,9 @@ from engine.run import Settings
 from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
 from plant.members import Floats, Members
-from plant.simulate import Event, Run, simulate
+from plant.simulate import Event, Run, named_events, simulate
 from records import Log
+from records.write import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,6 +32,7 @@ class Ensemble:
     status : (members,) codes of ``Status``; ``ended`` (members,) the time reached [s].
     summary : name -> (members,), NaN where a member failed.
     event_counts : (members,); ``statistics`` the cost of all members together.
+    troubles : (members,) what the blocks say where a member's model ended, else "".
     members, settings, duration : what was asked for, see ``params``, ``start``, ``seeds``.
     raw_events : per member (events, 4): t, block, value before, value after; see ``events``.
     """
@@ -43,6 +43,7 @@ class Ensemble:
     ended: Floats
     summary: Mapping[str, Floats]
     event_counts: NDArray[np.int64]
+    troubles: tuple[str, ...]
     statistics: Statistics
     members: Members
     settings: Settings
@@ -61,6 +62,11 @@ class Ensemble:
     def ok(self) -> NDArray[np.bool_]:
         """Which members reached their end, (members,)."""
         return np.asarray(self.status == Status.OK)
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C came before all members were done."""
+        return bool((self.status == Status.INTERRUPTED).any())
 
     @property
     def params(self) -> Mapping[str, Floats]:
@@ -86,14 +92,15 @@ class Ensemble:
     def hint(self, i: int) -> str:
         """Return why member ``i`` failed and what to try; empty if it did not fail."""
         self._check(i)
-        status = Status(int(self.status[i]))
-        return f"{HINTS[status]} (at t = {self.ended[i]:.6g} s)" if HINTS[status] else ""
+        told = self.troubles[i] or HINTS[Status(int(self.status[i]))]
+        return f"{told} (at t = {self.ended[i]:.6g} s)" if told else ""
 
     def log(self, i: int) -> Log:
         """Return the signals kept of member ``i``.
 
         Raises ``ValueError`` if the ensemble kept no logs.
         """
+        self._check(i)
         if not self.values:
             raise ValueError(f"no logs were kept; give keep_logs=True, or call run({i}) to simulate the member again")
         diagram = self.members.diagram
@@ -101,19 +108,14 @@ class Ensemble:
             t=self.t,
             signals={signal: rows[i] for signal, rows in self.values.items()},
             units={s: diagram.signal_units[s] for s in self.values if diagram.signal_units.get(s)},
-            spans={s: span for s, span in _spans(diagram).items() if s in self.values},
+            spans={s: span for s, span in diagram.signal_spans.items() if s in self.values},
             origin=f"simulated: {diagram.name}, member {i}: {self.told(i)}",
         )
 
     def events(self, i: int) -> tuple[Event, ...]:
         """Return the changes of mode of member ``i`` in order of time (none if no logs were kept)."""
         self._check(i)
-        found = []
-        for t, b, before, after in self.raw_events[i]:
-            block = self.members.diagram.blocks[int(b)]
-            names = {value: name for name, value in block.modes.items()}
-            found.append(Event(float(t), block.name, names.get(before, str(before)), names.get(after, str(after))))
-        return tuple(sorted(found, key=lambda event: event.t))
+        return named_events(self.members.diagram, self.raw_events[i].tolist())
 
     def member(self, i: int) -> Diagram:
         """Return member ``i`` as a diagram with its parameters, start values and random numbers."""
@@ -157,24 +159,9 @@ class Ensemble:
             "units": self.members.diagram.signal_units, "rtol": self.settings.rtol, "atol": self.settings.atol,
             "method": self.settings.method, "time [s]": self.t.tolist(),
         }  # fmt: skip
-        target = Path(path)
-        part = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
-        try:
+        with replacing(path) as part:
             pl.DataFrame(columns).write_parquet(part, metadata={"stickslip": json.dumps(heading)})
-            os.replace(part, target)
-        finally:
-            part.unlink(missing_ok=True)
 
     def _check(self, i: int) -> None:
         if not -len(self) <= i < len(self):
             raise IndexError(f"there is no member {i}; the ensemble has {len(self)}")
-
-
-def _spans(diagram: Diagram) -> dict[str, tuple[float, float]]:
-    """Return the instrument spans of the signals that have one."""
-    found = {}
-    for block in diagram.blocks:
-        for port, signal in zip(block.ports_out, block.output_labels, strict=True):
-            if port.name in block.spans:
-                found[signal] = block.spans[port.name]
-    return found

@@ -1,6 +1,6 @@
 """Simulate a diagram with the compiled engine: a log at the times asked for, events, status, statistics."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
 from blocks.ports import nearest
+from engine import layout as at
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
+MOST_BLAMED = 6  # blocks that a hint names
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,8 @@ def simulate(
     Parameters: ``every`` log interval [s] (default: 1000 intervals) or ``times`` [s]; ``inputs`` open input ->
     number, ``(t, values)`` or source block; ``params`` as in ``Diagram.with_params``; ``start`` as in
     ``Diagram.starting_at``; ``rtol``, ``atol`` local error per step; ``method`` "auto", "explicit" or "stiff";
-    ``on_progress`` called with the time reached.
+    ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
+    ends the run with status INTERRUPTED, and what is simulated so far is kept.
 
     Raises ``ValueError`` for a request that makes no sense; numerical failure is a status, not an exception.
 
@@ -189,60 +192,61 @@ def _run(
 
 def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats) -> Run:
     columns: dict[int, Floats] = {}
-    events: list[Event] = []
-    modes: dict[str, dict[float, str]] = {}
-    status = Status.OK
-    blamed = ""
     for component, outcome in zip(laid.components, outcomes, strict=True):
         outcome.log.flags.writeable = False  # so that the log need not copy it
-        for column, row in zip(component.columns, outcome.log, strict=True):
-            columns[column] = row
-        for t, b, before, after in outcome.events.tolist():
-            block = diagram.blocks[int(b)]
-            if block.name not in modes:
-                modes[block.name] = {value: name for name, value in block.modes.items()}
-            names = modes[block.name]
-            events.append(Event(t, block.name, names.get(before, str(before)), names.get(after, str(after))))
-        if outcome.status is not Status.OK and status is Status.OK:
-            status = outcome.status
-            culprits = [diagram.blocks[b].name for b in component.blocks if b < len(diagram.blocks)]
-            blamed = f"at t = {outcome.t:.6g} s in {', '.join(culprits)}"
-    events.sort(key=lambda event: event.t)
-    units = {s: u for s, u in diagram.signal_units.items() if u}
-    spans = {}
-    for block in diagram.blocks:
-        for port, span in block.spans.items():
-            labels = dict(zip([p.name for p in block.ports_out], block.output_labels, strict=True))
-            if port in labels:
-                spans[labels[port]] = span
+        columns.update(zip(component.columns, outcome.log, strict=True))
     log = Log(
         t=grid,
         signals={signal: columns[i] for i, signal in enumerate(diagram.signals)},
-        units=units,
-        spans=spans,
+        units={s: u for s, u in diagram.signal_units.items() if u},
+        spans=diagram.signal_spans,
         origin=f"simulated: {diagram.name}",
     )
-    counters = [o.I for o in outcomes]
     ends = tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
-    hint = f"{HINTS[status]} ({blamed})" if blamed else HINTS[status]
-    troubles = [] if status is Status.OK else [b.trouble() for b in _final(diagram, ends).blocks]
-    if any(troubles):
-        status, hint = Status.MODEL_ENDED, f"{'; '.join(filter(None, troubles))}, {blamed.partition(' in ')[0]}"
+    status, hint = _verdict(diagram, laid, outcomes, ends)
     return Run(
         log=log,
-        events=tuple(events),
+        events=named_events(diagram, (row for o in outcomes for row in o.events.tolist())),
         status=status,
         hint=hint,
-        statistics=statistics(counters),
+        statistics=statistics([o.I for o in outcomes]),
         diagram=diagram,
         ends=ends,
     )
 
 
+def _verdict(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], ends: Ends) -> tuple[Status, str]:
+    """Return the status of a run and its hint: where the first component that failed did so, and what to try."""
+    failed = next(((c, o) for c, o in zip(laid.components, outcomes, strict=True) if o.status is not Status.OK), None)
+    if failed is None:
+        return Status.OK, HINTS[Status.OK]
+    component, outcome = failed
+    when = f"at t = {outcome.t:.6g} s"
+    if told := troubles(diagram, ends):
+        return Status.MODEL_ENDED, f"{told} ({when})"
+    involved = component.blocks
+    if outcome.status is Status.CHATTERING and len(outcome.events):
+        involved = tuple(dict.fromkeys(outcome.events[-MOST_BLAMED:, 1].astype(int).tolist()))
+    culprits = [diagram.blocks[b].name for b in involved if b < len(diagram.blocks)]
+    more = f" and {len(culprits) - MOST_BLAMED} more" if len(culprits) > MOST_BLAMED else ""
+    return outcome.status, f"{HINTS[outcome.status]} ({when} in {', '.join(culprits[:MOST_BLAMED])}{more})"
+
+
+def named_events(diagram: Diagram, rows: Iterable[Sequence[float]]) -> tuple[Event, ...]:
+    """Return changes of mode in order of time, with names for the numbers of ``rows``: t, block, before, after."""
+    modes: dict[int, dict[float, str]] = {}
+    events = []
+    for t, number, before, after in rows:
+        b = int(number)
+        if b not in modes:
+            modes[b] = {value: name for name, value in diagram.blocks[b].modes.items()}
+        names = modes[b]
+        events.append(Event(t, diagram.blocks[b].name, names.get(before, str(before)), names.get(after, str(after))))
+    return tuple(sorted(events, key=lambda event: event.t))
+
+
 def statistics(counters: Sequence[Any]) -> Statistics:
     """Add up what the components cost."""
-    from engine import layout as at
-
     total = Statistics(components=len(counters))
     for I in counters:
         total = replace(
@@ -254,6 +258,11 @@ def statistics(counters: Sequence[Any]) -> Statistics:
             events=total.events + int(I[at.EVENTS]),
         )
     return total
+
+
+def troubles(diagram: Diagram, ends: Ends) -> str:
+    """Return what the blocks of a failed run say of where it ended, "" if none of them knows."""
+    return "; ".join(filter(None, (block.trouble() for block in _final(diagram, ends).blocks)))
 
 
 def _final(diagram: Diagram, ends: Ends) -> Diagram:

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from records.arrays import Mask, Values
 from records.errors import LogError
-from records.log import Log, Mask, Values
+from records.log import Log
 
 __all__ = ["bad_states", "drop_out", "jitter_time", "quantise", "swinging_door", "swinging_door_kept"]
 
@@ -95,6 +96,8 @@ def swinging_door(log: Log, deviation: float | dict[str, float], names: Iterable
 
 def quantise(log: Log, name: str, step: float) -> Log:
     """The log with the signal `name` rounded to multiples of `step` [its unit], as a coarse converter does.
+
+    Raises LogError unless the step is positive.
 
     >>> quantise(Log(t=[0, 1], signals={"PV": [0.24, 0.26]}), "PV", 0.5)["PV"]
     array([0. , 0.5])

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from records.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array
 from records.errors import LogError
 
 if TYPE_CHECKING:
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
     from records.tags import Process
 
 __all__ = ["Log", "LogError"]
-
-Values = npt.NDArray[np.float64]
-Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +70,9 @@ class Log:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        t = _frozen_array(self.t, "time")
-        _check_time(t)
-        signals = {name: _frozen_array(values, f"signal {name!r}") for name, values in self.signals.items()}
+        t = frozen_array(self.t, "time")
+        check_time(t)
+        signals = {name: frozen_array(values, f"signal {name!r}") for name, values in self.signals.items()}
         for name, values in signals.items():
             if not isinstance(name, str) or not name or name == "time":
                 raise LogError(
@@ -90,8 +88,8 @@ class Log:
         set_field(self, "t", t)
         set_field(self, "signals", MappingProxyType(signals))
         set_field(self, "units", MappingProxyType({name: str(u) for name, u in self.units.items() if u}))
-        set_field(self, "spans", MappingProxyType({n: _span(n, s) for n, s in self.spans.items()}))
-        set_field(self, "quality", MappingProxyType({n: _mask(n, q, len(t)) for n, q in self.quality.items()}))
+        set_field(self, "spans", MappingProxyType({n: checked_span(n, s) for n, s in self.spans.items()}))
+        set_field(self, "quality", MappingProxyType({n: checked_mask(n, q, len(t)) for n, q in self.quality.items()}))
         set_field(self, "notes", tuple(self.notes))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -145,6 +143,8 @@ class Log:
     def gaps(self, factor: float = 5.0) -> list[tuple[float, float]]:
         """Stretches without samples: pairs (t0, t1) [s] of neighbours with t1 - t0 > `factor` * median step.
 
+        Raises LogError unless the factor is positive.
+
         >>> Log(t=[0, 1, 2, 3, 20, 21], signals={}).gaps()
         [(3.0, 20.0)]
         """
@@ -157,7 +157,10 @@ class Log:
         return [(float(self.t[i]), float(self.t[i + 1])) for i in before]
 
     def samples(self, first: int, stop: int) -> Log:
-        """The samples first, first + 1, ..., stop - 1 as a log of their own; time keeps its origin."""
+        """The samples first, first + 1, ..., stop - 1 as a log of their own; time keeps its origin.
+
+        Raises LogError unless 0 <= first < stop <= number of samples.
+        """
         if not 0 <= first < stop <= len(self):
             raise LogError(
                 f"samples {first} to {stop} are not a stretch of 0 to {len(self)}; "
@@ -173,6 +176,8 @@ class Log:
 
     def between(self, t0: float, t1: float) -> Log:
         """The samples with t0 <= t <= t1 [s]; time keeps its origin.
+
+        Raises LogError if there is none.
 
         >>> Log(t=[0, 1, 2, 3], signals={"OP": [5, 6, 7, 8]}).between(1, 2)["OP"]
         array([6., 7.])
@@ -210,6 +215,8 @@ class Log:
 
     def renamed(self, names: Mapping[str, str]) -> Log:
         """A log with signals renamed old -> new.
+
+        Raises LogError for an unknown signal, or if two would have one name.
 
         >>> Log(t=[0], signals={"u": [1], "y": [2]}).renamed({"u": "OP", "y": "PV"}).names
         ('OP', 'PV')
@@ -288,56 +295,6 @@ class Log:
         from records.plots import plot_log
 
         return plot_log(self, names)
-
-
-def _frozen_array(values: npt.ArrayLike, what: str) -> Values:
-    if isinstance(values, np.ndarray) and values.dtype == np.float64 and not values.flags.writeable:
-        array = values
-    else:
-        try:
-            array = np.array(values, dtype=np.float64)
-        except (TypeError, ValueError) as fault:
-            raise LogError(f"{what} is not an array of numbers ({fault}); convert it first") from None
-        array.flags.writeable = False
-    if array.ndim != 1:
-        raise LogError(f"{what} has shape {array.shape}; it must have one dimension, one value a sample")
-    return array
-
-
-def _check_time(t: Values) -> None:
-    if len(t) == 0:
-        raise LogError("time is empty; a log needs at least one sample")
-    finite = np.isfinite(t)
-    if not finite.all():
-        bad = int(np.argmin(finite))
-        raise LogError(f"time must be finite: t[{bad}] = {t[bad]}; drop the rows without a time")
-    falls = np.flatnonzero(np.diff(t) <= 0)
-    if len(falls):
-        i = int(falls[0]) + 1
-        raise LogError(
-            f"time must increase strictly: t[{i}] = {t[i]} s follows t[{i - 1}] = {t[i - 1]} s; "
-            "sort the rows and drop repeats first"
-        )
-
-
-def _span(name: str, span: tuple[float, float]) -> tuple[float, float]:
-    try:
-        low, high = (float(limit) for limit in span)
-    except (TypeError, ValueError):
-        raise LogError(f"span of {name!r} = {span!r} is not a pair of numbers; give (low, high) in its unit") from None
-    if not (np.isfinite(low) and np.isfinite(high) and low < high):
-        raise LogError(f"span of {name!r} = ({low:g}, {high:g}) is empty; give finite low < high in its unit")
-    return low, high
-
-
-def _mask(name: str, quality: npt.ArrayLike, n: int) -> Mask:
-    mask = np.array(quality)
-    if mask.dtype != np.bool_:
-        raise LogError(f"quality of {name!r} has type {mask.dtype}; give True for good and False for bad")
-    if mask.shape != (n,):
-        raise LogError(f"quality of {name!r} has shape {mask.shape}; it must be ({n},) as time is")
-    mask.flags.writeable = False
-    return mask
 
 
 def _offer(name: object, known: Mapping[str, object]) -> str:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Self, get_args
 import numpy as np
 import numpy.typing as npt
 
+from records.arrays import Mask, Values
 from records.errors import LogError
-from records.log import Log, Mask, Values
+from records.log import Log
 from records.tags import Process, measurement_of
 
 if TYPE_CHECKING:
@@ -216,6 +217,8 @@ class LoopRecord:
         """Stretches of good samples without a gap, each of at least `min_samples`.
 
         A gap is a step longer than `gap_factor` times the median step of the whole record.
+
+        Raises LogError unless min_samples >= 1 and gap_factor > 0.
 
         >>> loop = LoopRecord.from_arrays(range(6), pv=[1, 2, float("nan"), 4, 5, 6], op=[1, 1, 1, 1, 1, 1])
         >>> [part.t.tolist() for part in loop.segments()]

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from records.log import Log, Mask, Values
+    from records.arrays import Mask, Values
+    from records.log import Log
     from records.loop import LoopRecord
 
 __all__ = ["COLOURS", "plot_log", "plot_loop", "time_unit"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ from records.log import Log
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["write_csv", "write_parquet"]
+__all__ = ["replacing", "write_csv", "write_parquet"]
 
 TIME_COLUMN = "time [s]"
 
@@ -28,7 +29,7 @@ def write_csv(log: Log, path: str | os.PathLike[str]) -> None:
     """
     heading = heading_of(log)
     text = "".join(f"# {line}\n" for line in heading.lines())
-    with _replacing(path) as part, open(part, "xb") as file:
+    with replacing(path) as part, open(part, "xb") as file:
         file.write(text.encode("utf-8"))
         _frame(log, heading).fill_nan(None).write_csv(file, quote_style="necessary")
 
@@ -39,7 +40,7 @@ def write_parquet(log: Log, path: str | os.PathLike[str]) -> None:
     Raises OSError when the target cannot be written; the file there before is then untouched.
     """
     heading = heading_of(log)
-    with _replacing(path) as part:
+    with replacing(path) as part:
         _frame(log, heading).write_parquet(part, metadata={"stickslip": "\n".join(heading.lines())})
 
 
@@ -55,11 +56,24 @@ def _frame(log: Log, heading: Heading) -> pl.DataFrame:
 
 
 @contextmanager
-def _replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    target = Path(path)
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give a new file beside ``path`` to write to, and rename it into place when all went well.
+
+    A link keeps pointing where it did. Raises OSError naming `path` when it is a folder, a device or a pipe (renaming
+    would destroy it), or cannot be written; what was there before is then untouched.
+    """
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "this is a folder; name a file in it", str(path))
+    if target.exists() and not target.is_file():
+        raise OSError(errno.EINVAL, "this is a device or a pipe; name an ordinary file", str(path))
+    if not target.parent.is_dir():
+        raise FileNotFoundError(errno.ENOENT, f"there is no folder '{target.parent}'; make it first", str(path))
     part = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
     try:
         yield part
         os.replace(part, target)
+    except OSError as fault:  # names the part, which nobody asked for; polars gives neither number nor name
+        raise type(fault)(fault.errno or errno.EIO, fault.strerror or str(fault), str(path)) from None
     finally:
         part.unlink(missing_ok=True)

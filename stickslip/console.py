@@ -13,6 +13,7 @@ from typing import Any
 
 import click
 
+from stickslip.standard import hidden
 from stickslip.targets import write_whole
 
 LONGEST_MESSAGE = 1500  # a header of a million columns must not flood the terminal
@@ -88,10 +89,9 @@ def user_errors(command: Callable[..., Any]) -> Callable[..., Any]:
             complain(f"not enough memory ({error}); ask for less at a time")
         except Exception as error:
             where = traceback.extract_tb(error.__traceback__)[-1]
-            complain(
-                f"this is a defect of stickslip, not of your input; please report it with the command you gave: "
-                f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
-            )
+            fault = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
+            blame = "this is a defect of stickslip, not of your input; please report it with the command you gave"
+            complain(f"{hidden() or blame}: {fault}")
         raise SystemExit(2)
 
     return wrapped

@@ -9,7 +9,7 @@ import click
 
 from stickslip.check import STYLE, WORDS
 from stickslip.console import Speaker, json_option, user_errors
-from stickslip.targets import check_targets, write_whole
+from stickslip.targets import check_folder, check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis
@@ -65,7 +65,7 @@ def command(out: Path, json_file: str | None) -> None:
     \b
     Exit codes: 0 done, 2 the page cannot be written.
     """
-    _check_folder(out)
+    check_folder(out)
     check_targets({"--json": json_file})
     say = Speaker(json_file)
     told = _stories(say) + _real(say)
@@ -83,15 +83,6 @@ def command(out: Path, json_file: str | None) -> None:
             "loops": [{"truth": t.truth, "score": t.score, "title": t.title, **t.diagnosis.to_dict()} for t in told],
         }
     )
-
-
-def _check_folder(out: Path) -> None:
-    """Refuse a folder that cannot be made, before the work."""
-    nearest = next(path for path in (out, *out.absolute().parents) if path.exists())
-    if not nearest.is_dir():
-        raise ValueError(f"--out {out}: '{nearest}' is a file; name a folder")
-    if not os.access(nearest, os.W_OK):
-        raise ValueError(f"--out {out}: no permission to write in '{nearest}'; name another folder")
 
 
 def _stories(say: Speaker) -> list[Told]:

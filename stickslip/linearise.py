@@ -50,7 +50,7 @@ def command(
     params = parameters(settings)
     point = operating_point(diagram.with_params(params) if params else diagram, t=t)
     linear = linearise(point.diagram, t)
-    names = loops or linear.controllers
+    names = tuple(dict.fromkeys(loops)) or linear.controllers
     shown = [linear.loop(name) for name in names]
     say = Speaker(json_file)
     say(f"{chosen.name}: {chosen.title}", bold=True)
@@ -59,13 +59,13 @@ def command(
     if shown:
         heads = ["loop", "PV", "OP", "crossover [rad/s]", "phase margin [°]", "gain margin", "delay margin [s]"]
         say.table(heads, [_words(loop) for loop in shown])
-    gains = _gains(linear, loops)
+    gains = _gains(linear, names if loops else ())
     if gains is not None:
         say("relative gains, steady (rows PV, columns OP):")
         say.table(["", *gains.OPs], [
             [PV, *(f"{value:.3f}" for value in row)] for PV, row in zip(gains.PVs, gains.values.real, strict=True)
         ])  # fmt: skip
-    if bode is not None and shown:
+    if bode is not None:
         write_figure(linear.bode(names), bode)
         say(f"Bode plots: {bode}")
     if poles is not None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stickslip.console import Speaker, json_option, user_errors
-from stickslip.targets import check_targets, write_whole
+from stickslip.targets import check_folder, check_targets, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -70,7 +70,7 @@ def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
     Exit codes: 0 done (whether met or not), 2 the page cannot be written.
     """
     check_targets({"--json": json_file})
-    _check_folder(out)
+    check_folder(out)
     say = Speaker(json_file)
     with _progress() as told:
         found = _rows(quick, told)
@@ -100,13 +100,6 @@ def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
             "rows": [row.as_dict() for row in found],
         }
     )
-
-
-def _check_folder(out: Path) -> None:
-    """Refuse a folder that cannot be made, before the work."""
-    nearest = next(path for path in (out, *out.absolute().parents) if path.exists())
-    if not nearest.is_dir():
-        raise ValueError(f"--out {out}: '{nearest}' is a file; name a folder")
 
 
 @contextmanager

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 PACKAGES = ("blocks", "cases", "detect", "engine", "online", "plant", "records")
-OTHERS = ("click", "control", "filterpy", "matplotlib", "numba", "numpy", "polars", "rich", "scipy")
+OTHERS = ("click", "control", "filelock", "filterpy", "matplotlib", "numba", "numpy", "polars", "rich", "scipy")
 
 
 def shadowed() -> str | None:

@@ -43,7 +43,7 @@ def command(
       stickslip simulate ideal_high --set valve.F_s=1750 --out log.csv --plot trend.png
 
     \b
-    Exit codes: 0 done, 2 the request makes no sense or the run stopped early.
+    Exit codes: 0 done, 2 the request makes no sense or the run stopped early, 130 stopped by the keyboard.
     """
     from cases import find
 
@@ -67,7 +67,8 @@ def command(
     say(f"{chosen.name}: {chosen.title}", bold=True)
     say(chosen.about)
     cost = run.statistics
-    say(f"{run.log.duration:g} s simulated, {len(run.log)} rows, {cost.steps} steps, {len(run.events)} mode changes")
+    reached = span if run.ok else _reached(run.log)
+    say(f"{reached:g} s simulated, {len(run.log)} rows, {cost.steps} steps, {len(run.events)} mode changes")
     if out is not None:
         _write(run.log, out)
         say(f"log: {out}")
@@ -90,7 +91,7 @@ def command(
             "title": chosen.title,
             "status": run.status.name.lower(),
             "hint": run.hint,
-            "duration_s": run.log.duration,
+            "duration_s": reached,
             "rows": len(run.log),
             "mode_changes": len(run.events),
             "steps": cost.steps,
@@ -100,7 +101,7 @@ def command(
     )
     if not run.ok:
         complain(f"the run stopped early, rows after that are empty: {run.hint}")
-        raise SystemExit(2)
+        raise SystemExit(130 if run.status.name == "INTERRUPTED" else 2)
 
 
 def _list(say: Speaker) -> None:
@@ -133,6 +134,8 @@ def parameters(settings: tuple[str, ...]) -> dict[str, float]:
     values = {}
     for setting in settings:
         name, _, value = setting.partition("=")
+        if name.strip() in values:
+            raise ValueError(f"--set {name.strip()} is given twice; give it once")
         try:
             values[name.strip()] = float(value)
         except ValueError:
@@ -146,6 +149,12 @@ def _write(log: "Log", path: Path) -> None:
         log.to_parquet(real) if path.suffix.lower() == ".parquet" else log.to_csv(real)
     except OSError as fault:
         raise ValueError(f"{path} cannot be written ({fault.strerror or fault}); choose another place") from None
+
+
+def _reached(log: "Log") -> float:
+    """Return the time of the last row of a run that stopped early [s]; rows after it are empty."""
+    rows = zip(log.t.tolist(), log[log.names[0]].tolist(), strict=True)
+    return max((t for t, value in rows if math.isfinite(value)), default=0.0)
 
 
 def _finite(values: dict[str, Any]) -> dict[str, Any]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 PLANT_EVERY = 0.5  # s: ten to a hundred rows a cycle
 SHOWN_REASONS = 5
+AT_TIME = r" \(at t = [^)]*\)"  # in the reason of a run
 STILL = 1e-6  # % of the operating point: below it nothing moves
 LEAD = (
     "Every run is measured from {since:g} to {until:g} s: amplitude is half of peak to peak, in % of the mean of the "
@@ -108,8 +109,11 @@ def command(
     told = [f"{count} {name}" for name, count in counts.items() if count]
     say(f"{len(result)} runs in {result.seconds:.3g} s: {', '.join(told)}")
     figures = result.figures() if counts["ok"] else {}
-    for name, figure in figures.items():
-        write_figure(figure, out / f"{name}.png")
+    for name in TITLES:
+        if name in figures:
+            write_figure(figures[name], out / f"{name}.png")
+        else:  # of another study that was here
+            (out / f"{name}.png").unlink(missing_ok=True)
     write_whole(out / "index.html", _page(result, figures).encode())
     columns, rows = _summary(result)
     say("amplitude in % of the operating point, median over the runs:")
@@ -199,11 +203,15 @@ def _still(result: "StudyResult") -> bool:
 
 
 def _reasons(result: "StudyResult") -> list[tuple[str, int]]:
-    """Return why runs have no result, the most frequent first."""
+    """Return why runs have no result, the most frequent first; when each ended is left out, so that alike is alike."""
+    import re
     from collections import Counter
 
     failed = result.table.filter(result.table["status"] != "OK")
-    told = (f"{status.lower()}: {reason}" for status, reason in failed.select("status", "reason").iter_rows())
+    told = (
+        f"{status.lower().replace('_', ' ')}: {re.sub(AT_TIME, '', reason)}"
+        for status, reason in failed.select("status", "reason").iter_rows()
+    )
     return Counter(told).most_common()
 
 

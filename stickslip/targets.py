@@ -53,6 +53,21 @@ def check_targets(
         taken[real] = f"what {option} writes"
 
 
+def check_folder(out: Path) -> None:
+    """Refuse a folder (``--out``) that cannot be made or written to, before any work is done.
+
+    >>> check_folder(Path(__file__))
+    Traceback (most recent call last):
+    ...
+    ValueError: --out ...targets.py: '...targets.py' is a file; name a folder
+    """
+    nearest = next(path for path in (out, *out.absolute().parents) if path.exists())
+    if not nearest.is_dir():
+        raise ValueError(f"--out {out}: '{nearest}' is a file; name a folder")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise ValueError(f"--out {out}: no permission to write in '{nearest}'; name another folder")
+
+
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file completely or not at all: to a temporary neighbour first, then renamed.
 

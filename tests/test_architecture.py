@@ -1,6 +1,7 @@
 """The import directions of the house, read from the sources."""
 
 import ast
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,28 @@ def test_imports_follow_the_arrows(package: str, path: Path) -> None:
     assert names & set(MAY_IMPORT) <= MAY_IMPORT[package] | {package}
     for heavy in names & HEAVY:
         assert package in MAY_IMPORT_HEAVY[heavy], f"{package} must not import {heavy}"
+
+
+def loaded(path: Path) -> set[str]:
+    """Return the modules, by their full names, that a file imports as it is loaded."""
+    found = set()
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def test_no_two_files_need_each_other_to_load() -> None:
+    modules = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts): path for _, path in FILES if path.name != "__init__.py"
+    }
+    needs = {name: (loaded(path) & set(modules)) - {name} for name, path in modules.items()}
+    assert sum(map(len, needs.values())) > 300  # it does read them
+    assert len(list(TopologicalSorter(needs).static_order())) == len(modules)
+    with pytest.raises(CycleError):
+        list(TopologicalSorter({**needs, "engine.layout": {"engine.advance"}}).static_order())
 
 
 def test_every_package_is_listed() -> None:

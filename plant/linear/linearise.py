@@ -119,13 +119,17 @@ class Linear:
 
         Default: all that act but the outer ones of cascades, whose OP is another's set point.  Other loops stay
         closed; ``frequency`` [rad/s].  At 0 it is the limit, finite for levels that integrate.
-        Raises ``ValueError`` if the gains are singular.
+        Raises ``ValueError`` if the gains are singular, no controller is named, or the frequency is none.
 
         >>> from plant.loops import self_regulating_loop
         >>> linearise(self_regulating_loop()).rga(["controller"]).values.real.round(9).tolist()
         [[1.0]]
         """
         names = tuple(self._inner() if controllers is None else controllers)
+        if not names:
+            raise ValueError("relative gains need a controller, but none is named or acts; name one")
+        if not 0.0 <= frequency < np.inf:
+            raise ValueError(f"frequency = {frequency!r} rad/s, but it is 0 (steady) or more; give rad/s")
         pairs = [self._controller(name) for name in names]
         OPs, PVs = [block.output_labels[0] for block, _ in pairs], [PV for _, PV in pairs]
         G = self.system(OPs, PVs, cut=OPs)
@@ -145,10 +149,16 @@ class Linear:
         return plot_poles(self.poles, self.slopes.diagram.name)
 
     def bode(self, controllers: Sequence[str] | None = None) -> "Figure":
-        """Return the Bode plots of the loops of ``controllers`` (default: all that act) in one picture."""
+        """Return the Bode plots of the loops of ``controllers`` (default: all that act) in one picture.
+
+        Raises ``ValueError`` if no controller is named and none acts.
+        """
         from plant.linear.plots import plot_loops
 
-        return plot_loops([self.loop(name) for name in (self.controllers if controllers is None else controllers)])
+        names = self.controllers if controllers is None else controllers
+        if not names:
+            raise ValueError("there is no loop to draw: no controller is named or acts; name one")
+        return plot_loops([self.loop(name) for name in names])
 
     # --- names ----------------------------------------------------------------------------------------------
     def _place(self, signal: str) -> int:

@@ -23,9 +23,11 @@ from numpy.typing import NDArray
 from blocks.block import Block
 from blocks.flare import Flare
 from blocks.sources import Constant
+from engine.status import Status
 from plant.diagram import Diagram
 from plant.inputs import close
-from plant.linear.slopes import Slopes, slopes
+from plant.linear.slopes import Slopes, check_time, slopes
+from plant.simulate import simulate
 
 Floats = NDArray[np.float64]
 SETTLE = (300.0, 3e3, 3e4, 3e5)  # s, simulated one after the other where solving fails
@@ -80,23 +82,24 @@ def operating_point(
     >>> round(point["PV"], 9), round(point["OP"], 9), point.held
     (0.6, 0.2, ())
     """
+    check_time(t)
+    if not tolerance > 0.0:
+        raise ValueError(f"tolerance = {tolerance!r}, but a largest relative rate is positive; give 1e-9 or so")
     closed = close(diagram, inputs) if inputs else diagram
     if closed.open_inputs:
         name = closed.open_inputs[0]
         raise ValueError(f"the diagram's input '{name}' is open; give it a value: inputs={{'{name}': 0.0}}")
     closed = closed.starting_at(_values(closed, start))
-    point, settled = still(closed, t), 0.0
+    point, settled, ended = still(closed, t), 0.0, ""
     found = _solved(point, t, tolerance)
     for duration in SETTLE:
-        if found is not None:
+        if found is not None or ended:
             break
-        nearer = _settled(point, duration, t)
-        if nearer is None:
-            break
-        point, settled = nearer, settled + duration
+        point, ended = _settled(point, duration, t)
+        settled += 0.0 if ended else duration
         found = _solved(point, t, tolerance)
     if found is None:
-        raise NoOperatingPoint(_why(point, t))
+        raise NoOperatingPoint(_why(point, t, ended or f"after {settled:g} s"))
     states = dict(zip(found.states, found.x.tolist(), strict=True))
     signals = dict(zip(found.signals, found.s.tolist(), strict=True))
     return OperatingPoint(_placed(closed, states, signals), states, signals, residual(found), held(found), settled)
@@ -133,12 +136,12 @@ def still(diagram: Diagram, t: float) -> Diagram:
     return Diagram(blocks, (), diagram.declared_outputs, diagram.name)
 
 
-def _settled(diagram: Diagram, duration: float, t: float) -> Diagram | None:
-    """Return the diagram as it stands after a while, or None if it does not get there."""
-    from plant.simulate import simulate
-
+def _settled(diagram: Diagram, duration: float, t: float) -> tuple[Diagram, str]:
+    """Return the diagram as it stands after a while and "", or as it stood and why it does not get there."""
     run = simulate(diagram, duration, every=duration, t0=t, method="stiff", max_steps=MOST_STEPS)
-    return still(run.final, t) if run.ok else None
+    if run.status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+    return (still(run.final, t), "") if run.ok else (diagram, f"on the way {run.hint}")
 
 
 def _placed(diagram: Diagram, states: Mapping[str, float], signals: Mapping[str, float]) -> Diagram:
@@ -228,13 +231,17 @@ def held(here: Slopes) -> tuple[str, ...]:
     return tuple(s for i, s in enumerate(here.states) if not A[i].any() and here.rates[i] == 0.0)
 
 
-def _why(diagram: Diagram, t: float) -> str:
-    """Return what keeps the diagram from resting."""
+def _why(diagram: Diagram, t: float, when: str) -> str:
+    """Return what keeps the diagram from resting; ``when`` the search gave up."""
+    advice = "give a load that the valves can carry, a start nearer to rest, or another time t for its sources"
+    told = [f"'{diagram.name}' comes to no rest: {when}"]
+    if any(block.trouble() for block in diagram.blocks):
+        return "; ".join([*told, advice])
     here = slopes(diagram, t)
     pace = np.abs(here.rates) / sizes(here)[1]
     moving = [f"{here.states[i]} ({here.rates[i]:+.3g}/s)" for i in np.argsort(-pace)[:3] if pace[i] > 0.0]
+    told[0] += f" still moving are {', '.join(moving)}" if when.startswith("after") else ""
     values = dict(zip(here.signals, here.s.tolist(), strict=True))
-    vain = []
     for block in diagram.blocks:
         if not {"SP", "PV"} <= {port.name for port in block.ports_in} or isinstance(block, Flare):
             continue
@@ -242,9 +249,5 @@ def _why(diagram: Diagram, t: float) -> str:
         if abs(SP - PV) > 1e-6 * max(abs(SP), abs(PV)):
             OP = values[block.output_labels[0]]
             where = " at its limit" if OP in _stops(block) else ""
-            vain.append(f"{block.name} misses its set point by {SP - PV:.3g} with OP = {OP:.4g}{where}")
-    told = "".join(f"; {words}" for words in vain)
-    return (
-        f"'{diagram.name}' comes to no rest: after {sum(SETTLE):g} s still moving are {', '.join(moving)}{told}; "
-        "give a load that the valves can carry, a start nearer to rest, or another time t for its sources"
-    )
+            told.append(f"{block.name} misses its set point by {SP - PV:.3g} with OP = {OP:.4g}{where}")
+    return "; ".join([*told, advice])

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from blocks.block import Block
 from plant.diagram import Diagram
+from plant.wiring import flow_order
 
 Floats = NDArray[np.float64]
 STEP = 2e-5  # relative; central differences of two steps, extrapolated
@@ -61,6 +62,8 @@ class Slopes:
 def slopes(diagram: Diagram, t: float = 0.0) -> Slopes:
     """Return the slopes of a diagram where it starts; see the module.
 
+    Raises ``ValueError`` if its signals are not finite there, or ``t`` is no time.
+
     >>> from plant.loops import self_regulating_loop
     >>> found = slopes(self_regulating_loop().in_mode("ideal"))
     >>> found.states
@@ -68,12 +71,19 @@ def slopes(diagram: Diagram, t: float = 0.0) -> Slopes:
     >>> round(float(found.A[3, 3]), 9)
     -0.1
     """
+    check_time(t)
     diagram._update_params({})
     x = diagram.x0
     signals = (*diagram.signals, *diagram.open_inputs)
     place = {name: i for i, name in enumerate(signals)}
     blocks: list[Block] = list(diagram.syslist)
     s = _signals(diagram, blocks, place, x, t)
+    if not np.all(np.isfinite(s)):
+        why = [block.trouble() for block in diagram.blocks if block.trouble()]
+        raise ValueError(
+            f"'{diagram.name}' has no slopes where it starts: {', '.join(why) or 'signals are not finite'}, e.g. "
+            f"{signals[int(np.argmin(np.isfinite(s)))]} = {s[~np.isfinite(s)][0]}; start it elsewhere"
+        )
     n, m, inputs = len(x), len(signals), sum(len(block.ports_in) for block in blocks)
     A, B = np.zeros((n, n)), np.zeros((n, inputs))
     C, D = np.zeros((m, n)), np.zeros((m, inputs))
@@ -96,6 +106,12 @@ def slopes(diagram: Diagram, t: float = 0.0) -> Slopes:
     return Slopes(diagram, tuple(diagram.state_labels), signals, x, s, rates, A, B, C, D, M, tuple(kinks))
 
 
+def check_time(t: float) -> None:
+    """Refuse a time that is none."""
+    if not np.isfinite(t):
+        raise ValueError(f"t = {t!r}, but sources stand still at a finite time; give seconds")
+
+
 def _signals(diagram: Diagram, blocks: Sequence[Block], place: dict[str, int], x: Floats, t: float) -> Floats:
     """Return the values of all signals, block by block in the order of signal flow; open inputs stand at 0."""
     s = np.zeros(len(place))
@@ -110,8 +126,6 @@ def _signals(diagram: Diagram, blocks: Sequence[Block], place: dict[str, int], x
 
 def _evaluation_order(diagram: Diagram) -> list[int]:
     """Return the blocks so that what acts at once comes after what it reads (sampled blocks are seen smooth)."""
-    from plant.wiring import flow_order
-
     return flow_order([block.smooth() for block in diagram.blocks], diagram.driven)
 
 

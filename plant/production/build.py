@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from blocks.block import Block
 from blocks.ports import nearest
+from blocks.sources import Constant
 from plant.diagram import Diagram, wire
 from plant.production import feed as feeds
 from plant.production import parts
@@ -81,8 +82,6 @@ def separator_1(set: str | Production = "B", F_s: float | str | Mapping[str, flo
     >>> separator_1().signals[:4]
     ('F_in', 'Z_I', 'p_2', 'p_in2')
     """
-    from blocks.sources import Constant
-
     plant = _set(set)
     rest = steady_state(plant)
     around = [Constant("p_2", rest.S2.p, unit="Pa"), Constant("p_in2", rest.C2.p_in, unit="Pa")]
@@ -97,8 +96,6 @@ def compressor_2(set: str | Production = "B", *, anti_surge: bool | str = True) 
     >>> compressor_2().open_inputs
     ('m_G1',)
     """
-    from blocks.sources import Constant
-
     plant = _set(set)
     rest = steady_state(plant)
     around = [

@@ -5,16 +5,29 @@
     slugs    F_in saw-tooth: the riser fills slowly and blows out fast, the gas behind the oil
 
 In a severe slug flow rises while liquid collects and then breaks off; here F_in and, opposite in phase, Z_I follow
-``Slug``.  All start in the middle of their range, so that a plant at rest meets no jump.
+``Slug``.  All start in the middle of their range, so that a plant at rest meets no jump.  All raise ``InfeasibleFeed``
+for a flow that turns negative or a fraction that leaves 0 ... 1.
 """
+
+import math
 
 from blocks.block import Block
 from blocks.periodic import Sine, Slug
+from blocks.ports import number
 from blocks.sources import Constant, Ramp
+from plant.production.steady_state import InfeasibleFeed
 
 
 def constant(F_in: float = 8000.0, Z_I: float = 0.37) -> list[Block]:
-    """Return a constant feed."""
+    """Return a constant feed.
+
+    >>> constant(8000.0, 37.0)
+    Traceback (most recent call last):
+    ...
+    plant.production.steady_state.InfeasibleFeed: the feed goes from Z_I = 37 to 37, but it lies within 0 to 1; give
+    fractions and a smaller swing
+    """
+    _check(F_in, 0.0, Z_I, 0.0)
     return [Constant("F_in", F_in, unit="mol/s"), Constant("Z_I", Z_I)]
 
 
@@ -26,6 +39,7 @@ def sine(
     >>> [round(float(block.output(125.0, [], [])[0]), 3) for block in sine()]
     [8000.0, 0.35]
     """
+    _check(F_in, 0.0, mean, amplitude)
     return [Constant("F_in", F_in, unit="mol/s"), Sine("Z_I", amplitude, period, mean=mean, start=start)]
 
 
@@ -34,6 +48,7 @@ def slugs(
     start: float = 0.0,
 ) -> list[Block]:  # fmt: skip
     """Return severe slugging: F_in swings by ``flow`` [mol/s] and Z_I by ``gas``, the one up when the other is down."""
+    _check(F_in, flow, Z_I, gas)
     return [
         Slug("F_in", flow, period, mean=F_in, start=start, unit="mol/s"),
         Slug("Z_I", -gas, period, mean=Z_I, start=start),
@@ -43,6 +58,24 @@ def slugs(
 def trip(
     F_in: float = 8000.0, Z_I: float = 0.37, *, to: float = 0.3, within: float = 5.0, at: float = 10.0
 ) -> list[Block]:
-    """Return a feed that falls to the share ``to`` within some seconds, beginning ``at`` [s]."""
+    """Return a feed that falls to the share ``to`` within some seconds, beginning ``at`` [s].
+
+    Raises ``InfeasibleFeed`` for a trip that takes no time.
+    """
+    _check(F_in, 0.0, Z_I, 0.0)
+    _check(to * F_in, 0.0, Z_I, 0.0)
+    if not within > 0.0:
+        raise InfeasibleFeed(f"a feed trip within {within!r} s is no ramp; give seconds above 0")
     slope = (to - 1.0) * F_in / within
     return [Ramp("F_in", slope, start=at, end=at + within, before=F_in, unit="mol/s"), Constant("Z_I", Z_I)]
+
+
+def _check(F_in: float, flow: float, Z_I: float, gas: float) -> None:
+    """Refuse a flow ``F_in`` -+ ``flow`` that turns negative and a fraction ``Z_I`` -+ ``gas`` beyond 0 ... 1."""
+    for name, mean, swing, most in (("F_in", F_in, flow, math.inf), ("Z_I", Z_I, gas, 1.0)):
+        middle, half = number("feed", name, mean), abs(number("feed", name, swing))
+        if not (middle - half >= 0.0 and middle + half <= most and math.isfinite(middle + half)):
+            rule = "lies within 0 to 1; give fractions" if most == 1.0 else "is finite and never negative; give mol/s"
+            raise InfeasibleFeed(
+                f"the feed goes from {name} = {middle - half:g} to {middle + half:g}, but it {rule} and a smaller swing"
+            )

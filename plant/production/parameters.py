@@ -11,10 +11,13 @@ best, with six numbers found by search; ``cases.choice`` shows how, and what han
 depend on where they start: compare bands over many starts, not one run.
 """
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any
 
 from blocks.compressor_map import CompressorMap, CubicMap
+from blocks.ports import number, require
 
 
 @dataclass(frozen=True)
@@ -177,9 +180,31 @@ class Production:
     K_p_flare: float = 0.01  # [T*] mol/s/Pa, unit inferred
     T_i_flare: float = 0.8  # [T] s
 
+    def __post_init__(self) -> None:
+        """Raise ``BlockError`` for a number that is not positive and finite, in nested data too.
+
+        Some may be 0 (``MAY_BE_ZERO``), and integral times infinite.
+        """
+        _check(self, self.name)
+
     def changed(self, **values: object) -> "Production":
         """Return the set with other values and a name that says so."""
         return replace(self, **{"name": f"{self.name}*", **values})  # type: ignore[arg-type]
+
+
+MAY_BE_ZERO = ("m_C4", "dp_scrubber", "p_lam", "boost", "gradient", "gradient_limit")
+
+
+def _check(data: Any, name: str, prefix: str = "") -> None:
+    for item in fields(data):
+        value, key = getattr(data, item.name), prefix + item.name
+        if is_dataclass(value):
+            _check(value, name, f"{key}.")
+        elif item.type is float:
+            size = number(name, key, value)
+            possible = size > 0.0 or (size == 0.0 and item.name in MAY_BE_ZERO)
+            finite = size < math.inf or item.name.startswith("T_i")
+            require(possible and finite, name, key, value, "it must be positive and finite", "give SI units")
 
 
 SET_A = Production(name="A", D=6.0e5)  # case 2

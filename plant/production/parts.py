@@ -26,7 +26,7 @@ from blocks.gas_turbine import GasTurbine
 from blocks.ideal_valve import IdealValve
 from blocks.pi import PI
 from blocks.plenum import Plenum
-from blocks.ports import nearest
+from blocks.ports import nearest, number
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.scrubber import Scrubber
 from blocks.separator import Separator
@@ -48,24 +48,32 @@ def friction(
 ) -> dict[str, float]:
     """Return the static friction [N] of each sticky valve; ``F_s`` is a number, a name of STICTION, or one per valve.
 
-    Raises ``WiringError`` for an unknown valve or name.
+    Raises ``WiringError`` for an unknown valve or name, and for a friction below the Coulomb friction.
 
     >>> from plant.production.parameters import SET_B
     >>> friction(SET_B, ["VPCS1"], "high")
     {'VPCS1': 2250.0}
     """
     found = {}
+    sticky = (sticky,) if isinstance(sticky, str) else tuple(sticky)
     given = F_s if isinstance(F_s, Mapping) else dict.fromkeys(sticky, F_s)
     for valve in [*sticky, *given]:
         if valve not in VALVES:
             raise WiringError(f"no valve '{valve}' can stick; {nearest(valve, VALVES)}")
+        if valve not in sticky:
+            raise WiringError(f"F_s gives '{valve}' {given[valve]!r}, but sticky does not name it; add it there")
     for valve in sticky:
         size = given.get(valve)
         if isinstance(size, str) and size not in STICTION:
             raise WiringError(f"no stiction is called '{size}'; {nearest(size, list(STICTION))}; or give F_s in N")
         if size is None:
             raise WiringError(f"valve '{valve}' is sticky, but F_s has no value for it; add '{valve}' to F_s")
-        found[valve] = STICTION[size] if isinstance(size, str) else float(size)
+        found[valve] = STICTION[size] if isinstance(size, str) else number(valve, "F_s", size)
+        if not plant.stem.F_c <= found[valve] < math.inf:
+            raise WiringError(
+                f"{valve}: F_s = {found[valve]:g} N, but static friction is finite and at least the Coulomb friction, "
+                f"F_c = {plant.stem.F_c:g} N; raise F_s, or lower stem.F_c"
+            )
     return found
 
 
@@ -73,6 +81,7 @@ def stem(plant: Production, valve: str, opening: float, F_s: Friction, kind: str
     """Return the stem of a valve, at rest at ``opening``: sticky if ``F_s`` names it, else ideal.
 
     ``kind``: "quasi_static" (massless, the fast one) or "full" (with mass).
+    Raises ``WiringError`` for another kind.
     """
     if kind not in STEMS:
         raise WiringError(f"no stem is called '{kind}'; {nearest(kind, STEMS)}")
@@ -147,6 +156,7 @@ def compressor(
     discharges to, ``p_C1`` (2) or ``p_in2`` (3).  Gives ``p_in2``, ``p_out2``, ``m_2``, ``tau_2``, ``q_2``, ``m_out2``
     (of C3: ``m_link``).  Without anti-surge control the recycle valve stays as it is at rest; ``anti_surge="gradient"``
     adds gradient action.
+    Raises ``WiringError`` for another ``anti_surge``.
     """
     if isinstance(anti_surge, str) and anti_surge != "gradient":
         raise WiringError(f"anti_surge = {anti_surge!r}, but it is True, False or 'gradient'")

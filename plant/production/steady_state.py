@@ -14,6 +14,7 @@ from functools import lru_cache
 
 from blocks.compressor_map import head_for, pressure_ratio
 from blocks.control_valve_flow import drop_for, root
+from blocks.ports import number
 from plant.production.parameters import CompressorData, Fluids, Production, SeparatorData
 
 
@@ -91,9 +92,9 @@ def separator_rest(data: SeparatorData, fluids: Fluids, F_in: float, Z_I: float)
     >>> round(S1.z, 5), round(S1.F_G, 1), round(S1.N_oil)
     (0.11831, 2283.7, 302017)
     """
-    if not (F_in > 0.0 and 0.0 < Z_I < 1.0):
+    if not (0.0 < F_in < math.inf and 0.0 < Z_I < 1.0):
         raise InfeasibleFeed(
-            f"feed F_in = {F_in!r} mol/s, Z_I = {Z_I!r}, but a steady feed is positive and 0 < Z_I < 1 is needed"
+            f"feed F_in = {F_in!r} mol/s, Z_I = {Z_I!r}, but a steady feed is positive and finite, and 0 < Z_I < 1"
         )
     oil, methane = (1.0 - Z_I) * F_in, Z_I * F_in
     a, b = data.C_4 * fluids.p_metV, data.C_4 * data.p_SP
@@ -123,8 +124,8 @@ def steady_state(plant: Production, F_in: float | None = None, Z_I: float | None
     >>> round(rest.VPCS1, 4), round(rest.C2.q, 3), round(rest.power / 1e6, 2)
     (0.1076, 0.769, 13.44)
     """
-    F_in = plant.F_in if F_in is None else float(F_in)
-    Z_I = plant.Z_I if Z_I is None else float(Z_I)
+    F_in = plant.F_in if F_in is None else number("feed", "F_in", F_in)
+    Z_I = plant.Z_I if Z_I is None else number("feed", "Z_I", Z_I)
     return _solved(plant, F_in, Z_I)
 
 
@@ -183,6 +184,8 @@ def _solved(plant: Production, F_in: float, Z_I: float) -> Rest:
 @lru_cache(maxsize=64)
 def designed(plant: Production) -> Design:
     """Return head scales and resistances with which the plant rests at its design feed with D over VPCS1.
+
+    Raises ``InfeasibleFeed`` if a compressor would have to do what none can.
 
     >>> from plant.production.parameters import SET_B
     >>> design = designed(SET_B)

@@ -116,6 +116,8 @@ class Axis:
 def axes_of(kind: Kind, given: Mapping[str, object] | None) -> list[Axis]:
     """Return the axes of ``{name: values or law}``; a single value is an axis of one.
 
+    Raises ``StudyError`` for no values, a value twice, or what is neither numbers, words of the plant nor a law.
+
     >>> axes_of("vary", {"valve.F_s": [1750, 2250]})[0].values
     (1750.0, 2250.0)
     """
@@ -124,8 +126,13 @@ def axes_of(kind: Kind, given: Mapping[str, object] | None) -> list[Axis]:
         if isinstance(values, Law):
             found.append(Axis(kind, name, law=values))
             continue
-        listed = [values] if isinstance(values, str | float | int) else list(values)  # type: ignore[call-overload]
-        chosen = tuple(v if isinstance(v, str) else float(v) for v in listed)
+        try:
+            listed = [values] if isinstance(values, str | float | int) else list(values)  # type: ignore[call-overload]
+            chosen = tuple(v if isinstance(v, str) else float(v) for v in listed)
+        except (TypeError, ValueError):
+            raise StudyError(
+                f"'{name}' = {values!r} is no list of numbers; give some, or a law such as uniform(low, high)"
+            ) from None
         if not chosen:
             raise StudyError(f"'{name}' has no values; give at least one")
         if len(set(chosen)) < len(chosen):
@@ -143,6 +150,8 @@ def axes_of(kind: Kind, given: Mapping[str, object] | None) -> list[Axis]:
 
 def parse(text: str) -> tuple[str, Law | list[Value]]:
     """Return name and values of ``NAME=VALUES`` as it is written on the command line.
+
+    Raises ``StudyError`` for what does not read so.
 
     >>> parse("VPCS1.F_s=1250:2250:3")
     ('VPCS1.F_s', [1250.0, 1750.0, 2250.0])

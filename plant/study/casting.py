@@ -186,7 +186,7 @@ def _accepted(diagram: Diagram, wanted: Iterable[tuple[Axis, Value]]) -> dict[st
 def _known(diagram: Diagram, wanted: Iterable[tuple[Axis, Value]]) -> dict[str, float]:
     found = {}
     for axis, value in wanted:
-        _start_of(diagram, axis.name)
+        diagram.starting_at({axis.name: float(value)})  # refuses unknown names and what cannot be a start
         found[axis.name] = float(value)
     return found
 

@@ -61,9 +61,9 @@ def design(axes: Sequence[Axis], samples: int | None, seed: int, kicks: int | No
     >>> len(plan), [plan.at(point)[0] for point in range(plan.points)]
     (12, [1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
     """
-    names = [axis.column for axis in axes]
-    for name in names:
-        if names.count(name) > 1:
+    names = [(axis.kind, axis.name) for axis in axes]
+    for kind, name in names:
+        if names.count((kind, name)) > 1:
             raise StudyError(f"'{name}' is varied twice; give all its values at once")
     random = [axis for axis in axes if axis.law]
     if random and samples is None:

@@ -10,8 +10,6 @@ the next call reads which are there and makes the others, and the final file doe
 import contextlib
 import io
 import json
-import os
-import secrets
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -19,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from plant.study.axes import StudyError
 from plant.study.request import SCHEMA, differences
+from records.write import replacing
 
 if TYPE_CHECKING:
     import polars as pl
@@ -58,12 +57,18 @@ class Folder:
         self.path, self.request = path, request
 
     def rows(self) -> "list[pl.DataFrame]":
-        """Return the rows kept so far; a part that cannot be read is thrown away, its runs are made again."""
+        """Return the rows kept so far; a part that cannot be read is thrown away, its runs are made again.
+
+        Raises ``StudyError`` if the finished table cannot be read.
+        """
         import polars as pl
 
         whole = self.path / TABLE
         if whole.exists():
-            return [pl.read_parquet(whole)]
+            try:
+                return [pl.read_parquet(whole)]
+            except pl.exceptions.PolarsError:
+                raise StudyError(f"'{whole}' is damaged; fresh starts anew (--fresh)") from None
         found = []
         for part in sorted((self.path / PARTS).glob("*.parquet")):
             try:
@@ -131,10 +136,10 @@ def _check(path: Path, request: Mapping[str, Any]) -> None:
             )
         return
     try:
-        found = json.loads(manifest.read_text())["request"]
+        found = dict(json.loads(manifest.read_text())["request"])
+        phrases = differences(json.loads(json.dumps(request)), found)
     except (OSError, ValueError, KeyError, TypeError):
         raise StudyError(f"'{manifest}' cannot be read as a study; fresh starts anew (--fresh)") from None
-    phrases = differences(json.loads(json.dumps(request)), found)
     if phrases:
         told = "; ".join(phrases[:6])
         raise StudyError(
@@ -160,9 +165,5 @@ def parquet(table: "pl.DataFrame", request: Mapping[str, Any] | None = None) -> 
 
 def write(path: Path, content: bytes) -> None:
     """Write a file completely or not at all: beside its place first, then renamed."""
-    part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    try:
+    with replacing(path) as part:
         part.write_bytes(content)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from plant.oscillation import Band, band
 from plant.study.axes import Axis
-from plant.study.result import StudyResult
+from plant.study.findings import Findings
 
 Floats = NDArray[np.float64]
 SLICES = 5  # of a random axis
@@ -30,7 +30,7 @@ class Group:
         return band(values[self.runs].tolist())
 
 
-def groups(result: StudyResult, axis: Axis | None, most: int = MOST, slices: int = SLICES) -> list[Group]:
+def groups(result: Findings, axis: Axis | None, most: int = MOST, slices: int = SLICES) -> list[Group]:
     """Return the runs that reached their end by the values of an axis, random axes in slices of equal count."""
     ok = np.asarray((result.table["status"] == "OK").to_numpy())
     if axis is None:

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plant.study.axes import Axis
+from plant.study.findings import Findings
+from plant.study.frame import DECADES, head, plain_numbers
 from plant.study.groups import groups
-from plant.study.result import StudyResult
-from plant.study.spread import DECADES, head, plain_numbers
 from records.style import tidy
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ SHOWN = 6  # signals in one panel
 SLICES, DRAWN = 40, 12  # of a listed and of a random axis
 
 
-def draw_growth(result: StudyResult) -> "Figure | None":
+def draw_growth(result: Findings) -> "Figure | None":
     """Return amplitude [% of the operating point] and period [s] over the first axis of at least three numbers."""
     from matplotlib.figure import Figure
 

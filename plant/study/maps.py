@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from plant.study.axes import Axis
+from plant.study.findings import Findings
+from plant.study.frame import head, plain_numbers
 from plant.study.groups import Group, groups
 from plant.study.growth import chosen, numbers
-from plant.study.result import StudyResult
-from plant.study.spread import head, plain_numbers
 from records.style import tidy
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ SLICES = 60  # of a listed axis
 TICKS = 12
 
 
-def draw_maps(result: StudyResult) -> "Figure | None":
+def draw_maps(result: Findings) -> "Figure | None":
     """Return maps of the median amplitude [% of the operating point] over the first two axes of numbers.
 
     Listed axes give cells; if one of the two is random, every run is a dot.
@@ -58,7 +58,7 @@ def draw_maps(result: StudyResult) -> "Figure | None":
     return figure
 
 
-def _cells(result: StudyResult, ax: "Axes", x: Axis, y: Axis, signal: str) -> "ScalarMappable":
+def _cells(result: Findings, ax: "Axes", x: Axis, y: Axis, signal: str) -> "ScalarMappable":
     """Draw a cell for every pair of values; equal cells, because the values need not be even."""
     values = result.percent(signal)
     rows, columns = groups(result, y, SLICES), groups(result, x, SLICES)
@@ -79,7 +79,7 @@ def _ticks(put: "Callable[..., object]", values: "Sequence[Group]") -> None:
     put([k + 0.5 for k in range(0, len(values), stride)], [values[k].label for k in range(0, len(values), stride)])
 
 
-def _dots(result: StudyResult, ax: "Axes", x: Axis, y: Axis, signal: str) -> "ScalarMappable":
+def _dots(result: Findings, ax: "Axes", x: Axis, y: Axis, signal: str) -> "ScalarMappable":
     """Draw a dot a run; a cross where there is no result."""
     percent, across, up = result.percent(signal), result.column(x.column), result.column(y.column)
     ok = np.isfinite(percent)

@@ -45,6 +45,8 @@ def production_subject(
 
     With stiction under constant feed it starts from the kick of the tables, else at rest.
 
+    Raises ``StudyError`` for an unknown set.
+
     >>> subject = production_subject("B", F_s="high")
     >>> subject.quantities["S1.K_p_pressure"], subject.quantities["F_in"]
     (8.8e-07, 8000.0)

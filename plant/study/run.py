@@ -14,15 +14,16 @@ from blocks.ports import nearest
 from engine.status import Status
 from plant.diagram import Diagram
 from plant.ensemble import cores, ensemble
+from plant.progress import Progress, told
 from plant.simulate import log_times
 from plant.study.axes import StudyError, axes_of
 from plant.study.casting import Casting, Company, Refusal, resolve
 from plant.study.design import design
 from plant.study.folder import Folder, Memory, Store, joined, opened
 from plant.study.measures import Measures, slips, valves
-from plant.study.progress import Progress, stop_asked, told
 from plant.study.request import code, fingerprint, spelt
 from plant.study.result import StudyResult
+from plant.study.stop import stop_asked
 from plant.study.subject import Subject, as_subject
 from plant.study.table import Schema, rows_of
 
@@ -33,6 +34,7 @@ FIRST_PART, LARGEST_PART = 4, 4000  # runs; the first a worker
 PART_SECONDS = 2.0  # of work between two parts: what an interruption can cost
 PART_BYTES = 50e6  # of logs held at once
 MOST_ROWS = 1_000_000  # of one run's log
+FEWEST_ROWS = 3  # from measure_from on
 LONGEST = 24.0 * 3600.0  # s
 IMPOSSIBLE = ("REFUSED", "INFEASIBLE")
 
@@ -84,7 +86,7 @@ def study(
     """
     chosen = as_subject(subject)
     axes = [*axes_of("vary", vary), *axes_of("plant", plant), *axes_of("start", start)]
-    _check(axes, kick_size, seed, workers)
+    _check(kick_size, longest, random=random, kicks=kicks, seed=seed, workers=workers)
     grid, since = _times(duration, every, measure_from)
     plain = chosen.build({})
     first = _first(Casting(chosen, design(axes, random, seed, kicks), kicks, kick_size, seed), plain)
@@ -103,7 +105,7 @@ def study(
     options = {"duration": duration, "every": every, "rtol": rtol, "atol": atol, "method": method or chosen.method}
     begun = time.perf_counter()
     held = nullcontext(Memory()) if out is None else opened(Path(out), request, fresh)
-    with held as store, told(progress, len(plan)) as tell, stop_asked() as stopped:
+    with held as store, told(progress, len(plan), "runs") as tell, stop_asked() as stopped:
         if isinstance(store, Folder):
             store.note(status="running", runs=len(plan))
         work = _Work(casting, schema, since, options, len(grid), workers or cores(), tell, longest)
@@ -208,9 +210,14 @@ class _Work:
         return rows
 
 
-def _check(axes: Sequence[object], kick_size: float, seed: int, workers: int | None) -> None:
+def _check(kick_size: float, longest: float, *, seed: int, workers: int | None, **counts: int | None) -> None:
     if not 0.0 < kick_size < 1.0:
         raise StudyError(f"kick_size = {kick_size!r}, but it is a share of the start value, 0 < kick_size < 1")
+    if not longest > 0.0:
+        raise StudyError(f"longest = {longest!r}, but a study takes some time; give seconds above 0")
+    for name, count in {**counts, "seed": seed, "workers": workers}.items():
+        if not isinstance(count, int | np.integer) and (count is not None or name == "seed"):
+            raise StudyError(f"{name} = {count!r}, but it is a whole number; give one")
     if seed < 0:
         raise StudyError(f"seed = {seed}, but a seed is a whole number of 0 or more")
     if workers is not None and workers < 1:
@@ -228,6 +235,12 @@ def _times(duration: float, every: float, measure_from: float | None) -> tuple[A
     since = 0.5 * duration if measure_from is None else float(measure_from)
     if not 0.0 <= since < float(grid[-1]):
         raise StudyError(f"measure_from = {since:g} s, but it must lie within the run, 0 <= from < {grid[-1]:g} s")
+    rows = int((grid >= since - 1e-9 * max(1.0, since)).sum())
+    if rows < FEWEST_ROWS:
+        raise StudyError(
+            f"measure_from = {since:g} s leaves {rows} rows of the log, but an amplitude needs at least {FEWEST_ROWS}; "
+            "measure from earlier on (--from), or log more often (--every)"
+        )
     return grid, since
 
 
@@ -258,7 +271,8 @@ def _other_shapes(casting: Casting) -> list[Diagram]:
 
 
 def _signals(subject: Subject, diagram: Diagram, given: Sequence[str] | None) -> tuple[str, ...]:
-    chosen = tuple(dict.fromkeys(given if given is not None else subject.signals or diagram.signals))
+    listed = (given,) if isinstance(given, str) else given
+    chosen = tuple(dict.fromkeys(listed if listed is not None else subject.signals or diagram.signals))
     for signal in chosen:
         if signal not in diagram.signals:
             raise StudyError(f"'{subject.name}' has no signal '{signal}'; {nearest(signal, list(diagram.signals))}")

@@ -4,22 +4,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from plant.study.findings import Findings
+from plant.study.frame import DECADES, head, plain_numbers
 from plant.study.groups import Group, bands, groups
-from plant.study.result import StudyResult
 from records.style import INK, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DECADES = 5.0  # below the largest amplitude an oscillation is rounding
 BANDS = 3  # lines that all have a band; of more, only the first and the last
 LINES = 7  # more are told apart by a colour bar
 PANELS = 4  # values of the second axis that get a column of their own
 STANDS = 1e-6  # % of the operating point: below it nothing moves
 
 
-def draw_spread(result: StudyResult) -> "Figure":
+def draw_spread(result: Findings) -> "Figure":
     """Return amplitude [% of the operating point] and period [s] along the chain.
 
     One line a value of the first varied axis: the median over kicks and all other axes, with the 5 to 95 % band for
@@ -62,7 +62,7 @@ def draw_spread(result: StudyResult) -> "Figure":
     return figure
 
 
-def _width(result: StudyResult) -> float:
+def _width(result: Findings) -> float:
     """Return how wide one of several columns must be [inch]."""
     return max(2.4, 0.45 * len(result.signals))
 
@@ -74,17 +74,6 @@ def shades(count: int) -> list[Any]:
     if count == 1:
         return ["#1f4e79"]
     return [colormaps["viridis_r"](0.12 + 0.88 * i / (count - 1)) for i in range(count)]
-
-
-def head(figure: "Figure", result: StudyResult, told: str) -> None:
-    """Write what was studied above a figure."""
-    counts = result.counts()
-    runs = f"{counts['ok']} runs" + (f" ({len(result) - counts['ok']} without a result)" * (counts["ok"] < len(result)))
-    since, until = result.request["measure_from"], result.request["duration"]
-    figure.suptitle(
-        f"{result.request['subject']}: {runs}, {since:g} to {until:g} s; {told}",
-        x=0.01, ha="left", fontsize=10.5, weight="bold", color=INK,
-    )  # fmt: skip
 
 
 def legend(figure: "Figure", axes: Any, name: str, lines: list[Group], colours: list[Any]) -> None:
@@ -114,12 +103,12 @@ def _line(ax: "Axes", band: tuple[Any, Any, Any], colour: Any, label: str | None
     ax.plot(x, middle, color=colour, linewidth=1.5, marker="o", markersize=3.5, label=label)
 
 
-def _names(ax: "Axes", result: StudyResult) -> None:
+def _names(ax: "Axes", result: Findings) -> None:
     names = [s + ("\n(% of 1)" if result.about_zero(s) else "") for s in result.signals]
     ax.set_xticks(np.arange(len(names)), names, rotation=45, ha="right", rotation_mode="anchor")
 
 
-def _stages(column: Any, result: StudyResult) -> None:
+def _stages(column: Any, result: Findings) -> None:
     """Shade every other stage of the chain, and name them at the top of the upper panel."""
     stages = [[result.signals.index(s) for s in own if s in result.signals] for own in result.stages.values()]
     named = [(name, at) for name, at in zip(result.stages, stages, strict=True) if at]
@@ -154,18 +143,6 @@ def _scales(axes: Any, percent: list[Any], period: list[Any]) -> None:
             plain_numbers(ax)
 
 
-def plain_numbers(ax: "Axes", which: str = "y") -> None:
-    """Write the ticks of a log axis as plain numbers, with some between where it spans little."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axis = ax.yaxis if which == "y" else ax.xaxis
-    low, high = ax.get_ylim() if which == "y" else ax.get_xlim()
-    few = np.log10(high / low) < 2.2
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
-    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axis.set_minor_formatter(NullFormatter())
-
-
-def _over(result: StudyResult, others: list[str]) -> str:
+def _over(result: Findings, others: list[str]) -> str:
     kicks = len(result.table["kick"].unique())
     return ", ".join([f"{kicks} kicks"] * (kicks > 1) + others)

@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from blocks.compressor import Compressor
+from blocks.compressor_map import CubicMap
 from blocks.flow_resistance import FlowResistance
 from blocks.plenum import Plenum
 from blocks.ports import BlockError
@@ -119,5 +120,11 @@ def test_misuse_is_explained():
         Compressor(start=40.0, gamma=0.9)
     with pytest.raises(BlockError, match=r"m_d = 0.0, but it must be positive and finite"):
         Compressor(start=40.0, m_d=0.0)
+    with pytest.raises(BlockError, match=r"eta = 78.0, but it is a fraction; divide percent by 100"):
+        Compressor(CubicMap(eta=78.0), start=40.0)
+    with pytest.raises(BlockError, match=r"valley = 3.0, but it is a fraction"):
+        Compressor(made_up_map(), start=40.0).with_params(valley=3.0)
+    with pytest.raises(BlockError, match=r"m = nan, but it must start at a finite number"):
+        Compressor(start=float("nan"))
     with pytest.raises(BlockError, match=r"points = 5, but the table has that size"):
         Compressor(made_up_map(), start=40.0).with_params(points=5)

@@ -44,3 +44,8 @@ def test_misuse_is_explained():
         Plenum(start=1e5).with_params(inflows=2)
     with pytest.raises(BlockError, match=r"V = -1.0"):
         Plenum(-1.0, start=1e5)
+
+
+def test_one_flow_may_be_named_without_a_list():
+    vessel = Plenum(start=20e5, inflows="m_in", outflows="m_out")
+    assert vessel.input_labels == ["m_in", "m_out"]

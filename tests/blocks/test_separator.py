@@ -1,5 +1,7 @@
 """Separator: gas law, Raoult, balances."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -97,3 +99,13 @@ def test_a_full_vessel_ends_the_run_when_it_is_full(method):
     inflow = 8000.0 * ((1.0 - 30.0 / 261.0) * 0.086 / 659.0 + 30.0 / 261.0 * 0.016 / 422.0)
     assert run.log.t[reached][-1] == pytest.approx((81.9 - V[0]) / inflow, rel=0.02)
     assert V.max() < 81.9 and run.log["p"][reached].min() > 0.0
+
+
+def test_contents_and_molar_masses_that_cannot_be():
+    for moles in (0.0, -1.0, math.nan):
+        with pytest.raises(BlockError, match=r"N_oil = .*, but a separator holds both phases"):
+            Separator(N_oil=moles)
+    with pytest.raises(BlockError, match=r"N_metG = inf, but it must start at a finite number"):
+        Separator(N_metG=math.inf)
+    with pytest.raises(BlockError, match=r"W_oil = 86.0, but it is in kg/mol; divide g/mol by 1000"):
+        Separator(V_sep=1e5, W_oil=86.0)

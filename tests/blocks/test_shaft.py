@@ -27,3 +27,7 @@ def test_misuse_is_explained():
         Shaft(start=1.0, loads=[])
     with pytest.raises(BlockError, match=r"the loads are wired"):
         Shaft(start=1.0).with_params(loads=3)
+
+
+def test_one_load_may_be_named_without_a_list():
+    assert Shaft(start=994.838, loads="tau_2").input_labels == ["tau_d", "tau_2"]

@@ -41,7 +41,7 @@ def test_density_and_moles():
     assert ControlValveFlow.from_Kv(50.0, 650.0, 0.078).units["F"] == "mol/s"
 
 
-@given(st.floats(1e-3, 1e4), st.floats(0.5, 2e3), st.one_of(st.none(), st.floats(1e-3, 1.0)))
+@given(st.floats(1e-3, 1e4), st.floats(0.5, 2e3), st.one_of(st.none(), st.floats(1e-3, 0.9)))
 def test_kv_and_c_v_are_inverse(Kv, density, W):
     assert Kv_from_C_v(C_v_from_Kv(Kv, density, W), density, W) == pytest.approx(Kv, rel=1e-12)
 
@@ -113,6 +113,20 @@ def test_thesis_valves_are_of_real_size():
             lambda: size_gas_valve(1.0, 3e5, 2.9e5, molar_mass=0.016, T=300.0, gamma=1.3, diameters=(0.1, 0.1, 0.05)),
             "they alone take more",
         ),
+        (
+            lambda: C_v_from_Kv(1.0, 1000.0, 18.0),
+            "molar_mass = 18.0, but it is positive, in kg/mol; divide g/mol by 1000",
+        ),
+        (lambda: size_gas_valve(1.0, 2e5, 1e5, molar_mass=16.0, T=300.0, gamma=1.3), "molar_mass = 16.0"),
+        (lambda: size_gas_valve(1.0, 2e5, 1e5, molar_mass=0.016, T=300.0, gamma=1.3, x_T=2.0), "x_T = 2.0"),
+        (lambda: size_liquid_valve(1.0, 2e5, 1e5, **WATER, F_L=2.0), "F_L = 2.0, but it is a share"),
+        (
+            lambda: size_liquid_valve(1.0, 3e5, 2e5, **{**WATER, "p_vapour": 4e5}),
+            "p_vapour = 400000.0, but liquid stands before the valve, at p_up = 300000 Pa",
+        ),
+        (lambda: size_liquid_valve(1.0, 3e5, 2e5, **{**WATER, "p_vapour": 2e5, "p_critical": 1e5}), "below p_critical"),
+        (lambda: size_liquid_valve(1.0, 2e5, 1e5, **WATER, diameters=(0.1, 0.1)), "give three, in m"),
+        (lambda: size_liquid_valve(1.0, 2e5, 1e5, **WATER, diameters=(0.1, 0.1, 0.3)), "valve = 0.3"),
         (lambda: ControlValveFlow.from_Kv(1.0, 1000.0, unit="mol/s"), "unit = 'mol/s', but this size is in kg/s"),
     ],
 )

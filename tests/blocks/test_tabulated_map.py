@@ -124,3 +124,34 @@ def test_misuse_is_explained(tmp_path):
     (tmp_path / "empty.csv").write_text("speed,flow,head\n")
     with pytest.raises(BlockError, match=r"empty.csv has no row of three numbers"):
         read_curves(tmp_path / "empty.csv")
+    (tmp_path / "latin.csv").write_bytes(b"1,10,5\n# caf\xe9\n")
+    with pytest.raises(BlockError, match=r"latin.csv is not UTF-8 text; save it as CSV, UTF-8"):
+        read_curves(tmp_path / "latin.csv")
+    for row in ("1,nan,5", "1,10,inf", "1;10;5", "1,10"):
+        (tmp_path / "bad.csv").write_text(f"speed,flow,head\n1,9,6\n{row}\n")
+        with pytest.raises(BlockError, match=r"bad.csv, line 3: .* is not speed, flow, value; .* between commas"):
+            read_curves(tmp_path / "bad.csv")
+    with pytest.raises(BlockError, match=r"the curve at speed 1 ends rising; check the columns"):
+        TabulatedMap.from_curves({1.0: (V, [90.0, 100.0])}, 0.8)
+    with pytest.raises(
+        BlockError, match=r"efficiency = \(100.0, 150.0\), but the head curve at speed 1 goes from 10 to 15"
+    ):
+        TabulatedMap.from_curves({1.0: (V, h)}, {1.0: ([100.0, 150.0], [0.8, 0.7])})
+    for curve in ((10.0, 90.0), (V, [90.0]), ([10.0, np.inf], h), ([10.0, 10.0], h)):
+        with pytest.raises(BlockError, match=r"at least two points of increasing flow and positive value, all finite"):
+            TabulatedMap.from_curves({1.0: curve}, 0.8)
+
+
+def test_a_point_given_twice_counts_once_and_must_agree(tmp_path):
+    file = tmp_path / "h.csv"
+    file.write_text("1,10,5\n1,12,4\n1,10,5\n")
+    assert read_curves(file)[1.0][0].tolist() == [10.0, 12.0]
+    file.write_text("1,10,5\n1,12,4\n1,10,5.5\n")
+    with pytest.raises(BlockError, match=r"line 3: at speed 1 and flow 10 stood 5, now 5.5; keep one"):
+        read_curves(file)
+
+
+def test_efficiency_may_be_any_number(tmp_path):
+    (tmp_path / "h.csv").write_text("1,10,100\n1,20,60\n")
+    shape = TabulatedMap.read(tmp_path / "h.csv", np.float32(0.5))
+    assert shape.work(1.0) == pytest.approx(2.0, rel=1e-6)  # analytic: psi/efficiency

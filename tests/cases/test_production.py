@@ -1,6 +1,7 @@
 """The plant's cases: from rest, kicked, under the sine; few starts, so bands are wide."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -8,8 +9,8 @@ import pytest
 from blocks import CubicMap
 from cases import find, names
 from cases.choice import gain_from, scan
-from cases.kicks import SIZE, Studies, start_kicks, study
-from cases.production import rest_amplitudes
+from cases.kicks import SIZE, Studies, rest_amplitudes, start_kicks, study
+from engine.status import Status
 from plant import simulate
 from plant.production import SET_B, SET_C, SET_E, kicked, production_plant
 
@@ -131,3 +132,16 @@ def test_numbers_of_a_case(monkeypatch):
     assert found["pressure amplitude, none"].published == 0.0
     assert found["pressure amplitude, none"].reproduced == pytest.approx(0.0, abs=1e-6)
     assert "kicked" in found["level amplitude, none, kicked"].note
+
+
+def test_an_interrupted_study_is_no_study(monkeypatch):
+    module = import_module("plant.ensemble")  # plant.ensemble itself is the function
+    whole = module.ensemble
+
+    def stopped(*arguments, **options):
+        result = whole(*arguments, **options)
+        return replace(result, status=np.full(len(result), Status.INTERRUPTED))
+
+    monkeypatch.setattr(module, "ensemble", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        study("A", "normal", kicks=1)

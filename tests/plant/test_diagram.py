@@ -132,3 +132,30 @@ def test_zero_dead_time_is_no_state_for_python_control():
 def test_a_changed_copy_keeps_the_outputs_declared_even_where_they_are_all_signals():
     loop = wire([Sine("e", amplitude=1.0, period=5.0)], outputs=["e"])
     assert loop.replace("e", Sine("e", amplitude=2.0, period=5.0)).signals == ("e",)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda d: d.with_params({"valve.F_s": "big"}), "valve: F_s = 'big', but it must be a single number"),
+        (lambda d: d.with_params({"valve.F_s": [1.0, 2.0]}), "but it must be a single number"),
+        (lambda d: d.starting_at({"process.PV": np.nan}), "'process.PV' is to start at nan"),
+        (lambda d: d.starting_at({"process.PV": None}), "but it must be a single number"),
+        (lambda d: d.starting_at({"valve.mode": 7.0}), r"mode = 7.0, but the modes are 0 \(stuck\)"),
+        (lambda d: d.replace("valve", d), "'valve' cannot be replaced by Diagram: it is no block"),
+        (lambda d: d[0], "no block '0'"),
+    ],
+)
+def test_values_that_are_none_are_refused_with_their_place(change, words):
+    with pytest.raises(ValueError, match=words):
+        change(loop())
+
+
+def test_one_name_is_a_part():
+    assert loop().part("process").open_inputs == loop().part(["process"]).open_inputs == ("MV",)
+
+
+def test_a_hint_names_some_blocks_not_all():
+    chain = [FirstOrder(1.0, 1.0, name=f"p{i}", inputs=f"y{i}", outputs=f"y{i + 1}") for i in range(9)]
+    run = simulate(wire([Constant("y0", 1.0), *chain]), 10.0, max_steps=1)
+    assert not run.ok and run.hint.endswith("in y0, p0, p1, p2, p3, p4 and 4 more)")

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from blocks import BlockError, FirstOrder, Gain, Noise, Recorded, Step
+from blocks import BlockError, Constant, FirstOrder, Gain, Noise, Recorded, SampledPI, Sine, Step
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from engine.status import Status
@@ -150,6 +150,17 @@ def test_ctrl_c_returns_what_is_finished():
     assert "interrupted" in result.hint(19_999)
 
 
+def test_ctrl_c_does_not_wait_for_a_long_member():
+    def press(done, members):
+        raise KeyboardInterrupt
+
+    # a sampled loop of 1e9 samples, hours long: the test ends because the member is stopped on its way
+    sampled = wire([Sine("SP", 1.0, 10.0), SampledPI(1.0, 10.0, dt=0.01), Constant("PV", 0.0)])
+    params = {"controller.K_p": [1.0]}
+    result = ensemble(sampled, 1e7, params=params, every=1e6, max_steps=10**12, workers=1, progress=press)
+    assert result.status.tolist() == [Status.INTERRUPTED] and np.isnan(result.values["OP"]).all()
+
+
 def test_progress_is_told_to_the_end():
     told = []
     ensemble(LAG, 10.0, params={"process.K": np.ones(7)}, progress=lambda done, members: told.append((done, members)))
@@ -209,6 +220,7 @@ def test_a_fault_in_python_names_the_member():
         ({"params": {"proces.K": [1.0]}}, "did you mean 'process'"),
         ({"params": {"process.k": [1.0]}}, "did you mean 'K'"),
         ({"start": {"process.y": [1.0]}}, "no state 'y'"),
+        ({"start": {"process.PV": [0.0, np.nan]}}, "'process.PV' is to start at nan in member 1"),
         ({"seeds": [0.5]}, "integers"),
         ({"seeds": [-1]}, "integers"),
         ({"seeds": [1], "signals": ["pv"]}, "did you mean 'PV'"),
@@ -269,3 +281,20 @@ def test_one_member_is_told_from_the_others():
     assert "member 1: process.K = 2, seed 6" in result.log(1).origin
     with pytest.raises(IndexError, match="no member 2"):
         result.member(2)
+    with pytest.raises(IndexError, match="no member 2"):
+        result.log(2)
+
+
+def test_a_member_whose_model_ends_says_why_as_its_run_alone_does():
+    from plant.production import production_plant
+
+    plant = production_plant("B")
+    result = ensemble(
+        plant, 20.0, start={"S1.N_oil": [3.02e5, 9e5]}, params={"F_in.value": [8000.0, 8000.0]}, every=10.0,
+        signals=["p_1"], method="stiff",
+    )  # fmt: skip
+    alone = simulate(plant, 20.0, start={"S1.N_oil": 9e5}, every=10.0, method="stiff")
+    assert alone.status is Status.MODEL_ENDED and result.status.tolist() == [Status.OK, Status.MODEL_ENDED]
+    assert result.hint(1) == alone.hint
+    assert alone.hint.startswith("S1 is full: 119 of")  # analytic: 117.4 m3 of oil, 1.5 of methane
+    assert result.hint(0) == ""

@@ -292,6 +292,16 @@ def test_unknown_names_are_explained():
         linear.loop("process")
     with pytest.raises(WiringError, match=r"no block 'PCS99'"):
         linear.loop("PCS99")
+    for frequency in (-1.0, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match=r"frequency = .* rad/s, but it is 0 \(steady\) or more"):
+            linear.rga(frequency=frequency)
+    for none in (linear.rga, linear.bode):
+        with pytest.raises(ValueError, match=r"no(ne| controller)? is named or acts; name one"):
+            none([])
+    with pytest.raises(ValueError, match=r"t = nan, but sources stand still"):
+        linearise(ideal(), float("nan"))
+    with pytest.raises(ValueError, match=r"has no slopes where it starts: S1 is full"):
+        linearise(production_plant("B").with_params({"S1.V_sep": 40.0}))
 
 
 def test_singular_gains_are_refused():

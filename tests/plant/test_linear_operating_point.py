@@ -145,3 +145,20 @@ def test_a_diagram_without_states_rests_as_it_is():
 
     point = operating_point(find("sine").build(), t=12.5)
     assert point["e"] == pytest.approx(0.075, rel=1e-12) and point.states == {}  # analytic: the amplitude
+
+
+def test_a_vessel_that_runs_over_on_the_way_is_told():
+    plant = production_plant("B")
+    with pytest.raises(NoOperatingPoint, match=r"comes to no rest: on the way S1 is full: .* \(at t = \d"):
+        operating_point(plant.with_params({"F_in.value": 1e5}))
+    with pytest.raises(NoOperatingPoint, match=r"S1 is full: 40.95 of 40 m3 are liquid"):
+        operating_point(plant.with_params({"S1.V_sep": 40.0}))
+
+
+def test_times_and_tolerances_that_are_none():
+    for t in (float("nan"), float("inf")):
+        with pytest.raises(ValueError, match=r"t = .*, but sources stand still at a finite time"):
+            operating_point(self_regulating_loop(), t=t)
+    for tolerance in (0.0, -1.0, float("nan")):
+        with pytest.raises(ValueError, match=r"tolerance = .*, but a largest relative rate is positive"):
+            operating_point(self_regulating_loop(), tolerance=tolerance)

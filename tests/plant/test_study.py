@@ -179,9 +179,19 @@ def test_a_folder_that_cannot_be_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(StudyError, match="cannot be a study's folder"):
         small(out=tmp_path / "file")
-    (tmp_path / "study.json").write_text("{}")
-    with pytest.raises(StudyError, match="cannot be read as a study"):
+    for content in ("{}", "{", "[]", '{"request": 3}', '{"request": {"vary": 3}}'):
+        (tmp_path / "study.json").write_text(content)
+        with pytest.raises(StudyError, match=r"cannot be read as a study|holds another study"):
+            small(out=tmp_path)
+
+
+@pytest.mark.parametrize("content", [b"", b"PAR1", b"PAR1" + bytes(100)])
+def test_a_damaged_table_is_named(content, tmp_path):
+    small(out=tmp_path)
+    (tmp_path / "study.parquet").write_bytes(content)
+    with pytest.raises(StudyError, match=r"study.parquet' is damaged; fresh starts anew \(--fresh\)"):
         small(out=tmp_path)
+    assert small(out=tmp_path, fresh=True).complete
 
 
 @pytest.mark.parametrize(
@@ -194,9 +204,19 @@ def test_a_folder_that_cannot_be_is_refused(tmp_path):
         ({"signals": ["OPP"]}, "did you mean 'OP'"),
         ({"signals": []}, "no signal to measure"),
         ({"kick_size": 1.5}, "0 < kick_size < 1"),
+        ({"kicks": 1.5}, "kicks = 1.5, but it is a whole number"),
+        ({"random": "3"}, "random = '3', but it is a whole number"),
+        ({"seed": None}, "seed = None, but it is a whole number"),
+        ({"workers": 1.5}, "workers = 1.5, but it is a whole number"),
+        ({"longest": 0.0}, "longest = 0.0, but a study takes some time"),
+        ({"longest": float("nan")}, "longest = nan"),
+        ({"vary": {"valve.F_s": None}}, "'valve.F_s' = None is no list of numbers"),
+        ({"vary": {"valve.F_s": [[2000.0]]}}, "is no list of numbers; give some, or a law"),
         ({"seed": -1}, "0 or more"),
         ({"workers": 0}, "at least one thread"),
         ({"measure_from": 400.0}, "must lie within the run"),
+        ({"measure_from": 399.0}, "leaves 2 rows of the log, but an amplitude needs at least 3"),
+        ({"start": {"process.PV": [float("inf")]}}, "none of the .* runs is possible.*to start at inf"),
         ({"every": 1e-7}, "give a longer every"),
         ({"duration": -1.0}, "positive number of seconds"),
         ({"vary": {"valve.F_s": [-5.0, -6.0]}}, "none of the 4 runs is possible.*F_s"),
@@ -370,3 +390,14 @@ def test_the_table_can_be_written_and_read(whole, tmp_path):
     assert "1" in str(len(whole)) and "valve.F_s" in repr(whole)
     with pytest.raises(StudyError, match=r"did you mean 'PV\.amplitude'"):
         whole.column("PV.amplitud")
+
+
+def test_one_quantity_by_two_roads_is_refused():
+    subject = production_subject("B", F_s="high")
+    with pytest.raises(StudyError, match=r"'VPCS1.F_s' is varied twice"):
+        study(subject, {"VPCS1.F_s": [2000.0]}, plant={"VPCS1.F_s": [1800.0]}, duration=20.0, every=1.0)
+
+
+def test_one_signal_may_be_named_without_a_list():
+    found = study(integrating_loop(), {"valve.F_s": [2250.0]}, signals="PV", duration=20.0, every=1.0)
+    assert found.signals == ("PV",)

@@ -135,3 +135,32 @@ def test_parquet_of_others(tmp_path):
     assert loop.log.start == datetime(2024, 6, 13, 21, 55)
     assert loop.good.tolist() == [True, False, True]
     assert read_log(path).names == ("FIC1.PV", "FIC1.OP")
+
+
+@pytest.mark.parametrize("write", [Log.to_csv, Log.to_parquet])
+def test_what_cannot_be_written_is_named_as_it_was_given(write, tmp_path):
+    log = Log(t=[0.0, 1.0], signals={"PV": [1.0, 2.0]})
+    (tmp_path / "taken").mkdir()
+    for path, words in ((tmp_path / "absent" / "x", "no folder"), (tmp_path / "taken", "folder; name a file")):
+        with pytest.raises(OSError, match=words) as error:
+            write(log, path)
+        assert error.value.filename == str(path)
+    assert [path.name for path in tmp_path.iterdir()] == ["taken"]
+
+
+@pytest.mark.parametrize("write", [Log.to_csv, Log.to_parquet])
+def test_a_pipe_survives_and_a_link_keeps_pointing_where_it_did(write, tmp_path):
+    import os
+    import stat
+
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("no pipes on this system: NOT TESTED")
+    log = Log(t=[0.0, 1.0], signals={"PV": [1.0, 2.0]})
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(OSError, match="device or a pipe"):
+        write(log, tmp_path / "pipe")
+    assert stat.S_ISFIFO(os.stat(tmp_path / "pipe").st_mode)  # it was not replaced by a file
+    (tmp_path / "file").touch()
+    (tmp_path / "link").symlink_to(tmp_path / "file")
+    write(log, tmp_path / "link")
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "file").stat().st_size > 0

@@ -43,6 +43,10 @@ def test_settings_reach_the_diagram(call):
         (["linearise", "ideal_high", "--loop", "valve"], "block 'valve' is no controller"),
         (["linearise", "ideal_high", "--set", "K_p"], "write BLOCK.PARAM=NUMBER"),
         (["linearise", "plant_1_none", "--loop", "ASC2"], "controller 'ASC2' is at a limit here"),
+        (["linearise", "ideal_high", "--set", "valve.F_s=1750", "--set", "valve.F_s=2000"], "is given twice"),
+        (["linearise", "plant_1_none", "--at", "nan"], "t = nan, but sources stand still at a finite time"),
+        (["linearise", "plant_1_none", "--set", "F_in.value=1e5"], "on the way S1 is full"),
+        (["linearise", "sine", "--plot", "bode.png"], "there is no loop to draw"),
     ],
 )
 def test_requests_that_make_no_sense(call, arguments, words):

@@ -20,3 +20,20 @@ def test_a_plain_folder_of_that_name_is_no_trouble(shell, tmp_path):
     (tmp_path / "records").mkdir()
     (tmp_path / "records" / "FIC1.csv").write_text("time,PV,OP\n0,1,2\n")
     assert shell("check", "records/FIC1.csv", cwd=tmp_path).returncode == 0
+
+
+@pytest.mark.parametrize("name", ["filelock.py", "random.py", "json.py", "pathlib/__init__.py"])
+def test_a_file_that_hides_what_python_needs_is_named_too(shell, tmp_path, name):
+    file = tmp_path / name
+    file.parent.mkdir(exist_ok=True)
+    file.write_text("x = 1\n")
+    done = shell("study", "ideal_high", "--duration", "10", "--vary", "valve.F_s=1750,2250", cwd=tmp_path)
+    message = done.stderr.decode()
+    assert done.returncode == 2 and done.stdout == b"", message
+    assert message.startswith("Error: ") and "Traceback" not in message
+    assert str(tmp_path / name.removesuffix("/__init__.py")) in message and "rename" in message
+
+
+def test_a_name_of_pythons_own_that_nobody_needs_is_no_trouble(shell, tmp_path):
+    (tmp_path / "turtle.py").write_text("raise RuntimeError('not ours')\n")
+    assert shell("blocks", "Shaft", cwd=tmp_path).returncode == 0

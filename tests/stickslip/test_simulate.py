@@ -1,10 +1,12 @@
 """`stickslip simulate`: the log, the pictures, the numbers, and a run that stops early."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
 import plant
+from engine.status import Status
 from records import read_log
 
 
@@ -85,3 +87,21 @@ def test_new_topologies_run_by_name(call, tmp_path):
     picture = tmp_path / "trends.png"
     assert call("simulate", "split_range", "--numbers", "--plot", picture).exit_code == 0
     assert picture.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_time_simulated_is_that_of_the_run_not_of_its_rows(call):
+    answer = json.loads(call("simulate", "sine", "--duration", "10", "--every", "3", "--json", "-").stdout)
+    assert (answer["duration_s"], answer["rows"]) == (10.0, 4)
+    full = call(
+        "simulate", "plant_1_none", "--set", "F_in.value=1e6", "--duration", "10", "--every", "0.1", "--json", "-"
+    )
+    assert full.exit_code == 2 and "S1 is full" in full.stderr
+    answer = json.loads(full.stdout)
+    assert answer["status"] == "model_ended" and 0.3 < answer["duration_s"] < 0.6 and answer["rows"] == 101
+
+
+def test_ctrl_c_has_an_exit_code_of_its_own(call, monkeypatch):
+    whole = plant.simulate
+    monkeypatch.setattr(plant, "simulate", lambda *a, **k: replace(whole(*a, **k), status=Status.INTERRUPTED))
+    result = call("simulate", "sine")
+    assert result.exit_code == 130 and "stopped early" in result.stderr

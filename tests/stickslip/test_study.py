@@ -79,6 +79,8 @@ def test_the_same_request_again_changes_no_row(done, call):
         (["plant_1_high", "--vary", "VPCS1.F_s=1:2:1000000", "--kicks", "20"], "20,000,000 runs"),
         (["ideal_high", "--longest", "-1"], "positive number of hours"),
         (["ideal_high", "--from", "900"], "must lie within the run"),
+        (["ideal_high", "--from", "599.95"], "leaves 1 rows of the log"),
+        (["plant_2_high", "--plant", "sine.amplitude=0.4"], "the feed goes from Z_I = -0.15 to 0.65"),
     ],
 )
 def test_mistakes_get_one_line_and_exit_code_2(call, tmp_path, arguments, words):
@@ -99,6 +101,15 @@ def test_runs_without_a_result_are_told(call, tmp_path):
     result = call("study", "plant_1_high", "--plant", "F_in=8000,20000", "--duration", 20, "--out", tmp_path)
     assert result.exit_code == 0 and "1 x infeasible: " in result.stdout
     assert "Runs without a result" in (tmp_path / "index.html").read_text()
+
+
+def test_alike_reasons_are_counted_together_and_old_pictures_go(call, tmp_path):
+    arguments = ["study", "plant_1_high", "--duration", 20, "--every", 1, "--out", tmp_path]
+    call(*arguments, "--vary", "PCS11.K_p=5e-7,7e-7", "--vary", "PCS11.T_i=8,9")
+    assert (tmp_path / "map.png").exists()
+    result = call(*arguments, "--fresh", "--vary", "F_in.value=7600,1e6,2e6", "--kicks", 2)
+    assert "4 x model ended: S1 is full: 81.9 of 81.9 m3 are liquid" in " ".join(result.stdout.split())
+    assert not (tmp_path / "map.png").exists() and (tmp_path / "spread.png").exists()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")

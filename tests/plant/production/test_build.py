@@ -6,14 +6,18 @@ import control as ct
 import numpy as np
 import pytest
 
+from blocks.he_valve import HeValve
+from blocks.kano_valve import KanoValve
 from blocks.ports import BlockError
 from blocks.quasi_static_stem import QuasiStaticStem
+from blocks.sampled_pi import SampledPI
 from blocks.sources import Constant, Step
 from blocks.tabulated_map import TabulatedMap
 from plant import WiringError, simulate, wire
 from plant.production import SET_B, SETS, kicked, production_plant
 from plant.production.books import booked, contents
 from plant.production.build import compressor_2, separator_1, turbine_and_shaft
+from plant.production.parts import VALVES
 
 READINGS = ("p_1", "V_1", "z_1", "p_2", "V_2", "p_in2", "p_out2", "p_in3", "p_out3", "m_2", "m_3", "w", "tau_d")
 
@@ -193,6 +197,47 @@ def test_misuse_is_explained():
         production_plant(stem="fulll")
     with pytest.raises(WiringError, match=r"valve 'VPCS1' is sticky, but F_s has no value for it"):
         production_plant(F_s={"VLCS1": "high"})
+    with pytest.raises(WiringError, match=r"F_s gives 'VPCS2' 'high', but sticky does not name it"):
+        production_plant(F_s={"VLCS1": "high", "VPCS1": "high", "VPCS2": "high"})
+    for F_s in (1000.0, float("nan"), float("inf")):
+        with pytest.raises(WiringError, match=r"VLCS1: F_s = .* at least the Coulomb friction, F_c = 1250 N"):
+            production_plant(F_s=F_s)
+    with pytest.raises(BlockError, match=r"feed: F_in = '8000', but it must be a single number"):
+        production_plant(F_in="8000")
+    with pytest.raises(BlockError, match=r"B\*: D = nan, but it must be positive and finite"):
+        SET_B.changed(D=float("nan"))
+    with pytest.raises(BlockError, match=r"B: S1.C_v_oil = 0.0, but it must be positive"):
+        replace(SET_B, S1=replace(SET_B.S1, C_v_oil=0.0))
+    with pytest.raises(WiringError, match=r"no parameter set 'None'"):
+        production_plant(None)
+    with pytest.raises(WiringError, match=r"'S1.N_metG' is to start at nan"):
+        kicked(production_plant(), gas=float("nan"))
+    with pytest.raises(BlockError, match=r"no parameter 'F_s', for its stem has no mass; give the bands S = "):
+        production_plant().with_params({"VPCS1.F_s": 2000.0})
     with pytest.raises(BlockError, match=r"block 'S1' has no state 'N_met_gas'"):
         production_plant().starting_at({"S1.N_met_gas": 1.0})
     assert production_plant(SET_B.changed(D=7e5)).name == "production_plant"
+
+
+def test_one_valve_may_be_named_without_a_list():
+    plant = production_plant(sticky="VPCS2")
+    assert [name for name in VALVES if "stuck" in plant[name].modes] == ["VPCS2"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda plant: plant.without("PCS12", "SP_PCS12"),
+        lambda plant: plant.replace("PCS11", SampledPI(8.8e-7, 8.0, dt=1.0, action="direct", start_op=0.0944)),
+        lambda plant: plant.replace("VPCS1", KanoValve(S=0.06, J=0.02, dt=0.5, start=0.0944)),
+        lambda plant: plant.replace("VPCS1", HeValve(f_s=0.04, f_d=0.02, dt=0.5, start=0.0944)),
+    ],
+    ids=["no safety controller", "sampled PI", "Kano", "He"],
+)
+def test_balances_close_in_a_rewired_plant(change):
+    plant = change(booked(kicked(production_plant("B"))))
+    run = simulate(plant, 300.0, every=100.0, method="stiff", inputs=dict.fromkeys(plant.open_inputs, 0.0) or None)
+    assert run.ok
+    assert (
+        np.abs(contents(run.final) / run.final["books"].x0 - 1.0)[:4].max() < 1e-11
+    )  # analytic: what comes stays or goes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from plant import simulate
-from plant.production import feed, production_plant
+from plant.production import InfeasibleFeed, feed, production_plant
 
 
 def value(blocks, t):
@@ -38,3 +38,21 @@ def test_slugs_shake_the_plant():
     run = simulate(production_plant("B", feed=feed.slugs(period=200.0)), 600.0, every=1.0, method="stiff")
     assert run.ok
     assert np.ptp(run.log["p_1"]) > 0.3e5 and np.ptp(run.log["V_1"]) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: feed.constant(8000.0, 37.0), "Z_I = 37 to 37, but it lies within 0 to 1"),
+        (lambda: feed.constant(float("nan"), 0.37), "F_in = nan to nan"),
+        (lambda: feed.sine(amplitude=0.4), "Z_I = -0.15 to 0.65"),
+        (lambda: feed.slugs(flow=9000.0), "F_in = -1000 to 17000, but it is finite and never negative"),
+        (lambda: feed.slugs(gas=0.7), "Z_I = -0.33 to 1.07"),
+        (lambda: feed.trip(to=-0.1), "F_in = -800 to -800"),
+        (lambda: feed.trip(within=0.0), "within 0.0 s is no ramp"),
+    ],
+)
+def test_feeds_that_cannot_be_are_refused_with_the_numbers(make, words):
+    with pytest.raises(InfeasibleFeed) as error:
+        make()
+    assert words in str(error.value)
