@@ -96,6 +96,7 @@ def simulate_reference(
         t=grid,
         signals=dict(zip(ready.signals, rows.T, strict=True)),
         units={s: u for s, u in ready.signal_units.items() if u},
+        spans=ready.signal_spans,
         origin=f"reference ({backend}): {ready.name}",
     )
     events = tuple(Event(t, block, before, after) for t, block, before, after in world.events)

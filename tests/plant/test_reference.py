@@ -171,3 +171,8 @@ def test_rounding_at_breakpoints_is_no_jump(rtol):
     run = simulate(diagram, 20.0, every=0.2, rtol=rtol, atol=1e-2 * rtol)
     assert np.all(np.diff(run.log["OP"][8:]) > 0.0)
     assert [(e.t, e.after) for e in run.events] == [(1.3, "sliding up")]
+
+
+def test_the_reference_log_tells_units_and_spans_as_the_engine_does():
+    ours, theirs = simulate(loop(StickSlip()), 5.0), simulate_reference(loop(StickSlip()), 5.0)
+    assert ours.log.spans and theirs.log.spans == ours.log.spans and theirs.log.units == ours.log.units
