@@ -114,5 +114,5 @@ def figure(points: Sequence[Point]) -> "Figure":
             ax.set_ylim(0.0, None if row == 0 else 250.0)
     for size in PUBLISHED:
         axes[0].plot([], [], "o", color=COLOURS[size], label=f"{size} stiction")
-    axes[0].legend(fontsize=8, frameon=False)
+    axes[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize=8, frameon=False)
     return picture

@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
     from plant.simulate import Run
 
-COLOURS = {"none": "#6b7783", "normal": "#2a6fb0", "high": "#c2432d"}
+# From light to dark, so that grey paper keeps the order.
+COLOURS = {"none": "#9aa7b4", "normal": "#4a90d0", "high": "#a3281a"}
+WIDTHS = {"none": 1.1, "normal": 1.6, "high": 1.0}
+COMMAND = "#8a97a5"  # OP, beside a stem in the colour of its stiction
+PRINTED = {"normal": (0.30, 0.26, 0.12, 0.13), "high": (0.30, 0.44, 0.29, 0.39)}  # table 5.4: m3, bar, bar, rpm
 LOOPS = {"pressure": ("VPCS1", "p_1", "SP_PCS11", BAR, "bar"), "volume": ("VLCS1", "V_1", "SP_LCS11", 1.0, "m³")}
 WINDOWS = {1: (1000.0, 2000.0), 2: (1400.0, 1900.0)}  # s; the thesis shows one period of the sine
 
@@ -64,7 +68,7 @@ def key_variables(case: int) -> "Figure":
              log["p_out2"][kept] / BAR, log["w"][kept] / RPM),
             strict=True,
         ):  # fmt: skip
-            ax.plot(t, y, color=colour, linewidth=1.1, label=f"{'no' if size == 'none' else size} stiction")
+            ax.plot(t, y, color=colour, linewidth=WIDTHS[size], label=f"{'no' if size == 'none' else size} stiction")
     titles = (("(a) separator 1, volume control error", "m³"), ("(b) separator 1, pressure control error", "bar"),
               ("(c) compressor 2, outlet pressure", "bar"), ("(d) shaft speed", "rpm"))  # fmt: skip
     for ax, (title, unit) in zip(axes, titles, strict=True):
@@ -74,8 +78,22 @@ def key_variables(case: int) -> "Figure":
         if ax is not axes[-1]:
             ax.tick_params(labelbottom=False)
     axes[-1].set_xlabel("time [s]", fontsize=9)
-    axes[0].legend(ncols=3, fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1)
+    if case == 1:
+        _printed_amplitudes(axes)
+    axes[0].legend(ncols=4, fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1)
     return figure
+
+
+def _printed_amplitudes(axes: list["Axes"]) -> None:
+    """Draw table 5.4's amplitudes as bars of two amplitudes beside the panels, about the middle of what is drawn."""
+    for k, ax in enumerate(axes):
+        for line, (size, place) in zip(ax.lines[1:], (("normal", 1.012), ("high", 1.03)), strict=True):
+            y = np.asarray(line.get_ydata())
+            middle, half = 0.5 * float(y.min() + y.max()), PRINTED[size][k]
+            ax.plot(
+                [place, place], [middle - half, middle + half], transform=ax.get_yaxis_transform(), color=COLOURS[size],
+                linewidth=3.5, solid_capstyle="butt", clip_on=False, label="printed, 2 A" if size == "high" else None,
+            )  # fmt: skip
 
 
 def _between(t: Floats, first: float, last: float) -> slice:
@@ -132,7 +150,7 @@ def valve_trends(case: int) -> "Figure":
     for ax, (loop, size), letter in zip(axes, cells, "abcd", strict=True):
         valve, log = LOOPS[loop][0], run(size, case).log
         kept = _between(log.t, first, last)
-        ax.plot(log.t[kept], 100.0 * log[f"OP_{valve}"][kept], color="#8a97a5", linewidth=1.1, label="OP")
+        ax.plot(log.t[kept], 100.0 * log[f"OP_{valve}"][kept], color=COMMAND, linewidth=1.1, label="OP")
         ax.plot(log.t[kept], 100.0 * log[f"MV_{valve}"][kept], color=COLOURS[size], linewidth=1.1, label="MV")
         label(ax, f"({letter}) {loop} control valve, {size} stiction", "", "% of travel")
         ax.set_xlim(first, last)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.curves import COLOURS, label, panels, run, thinned
+from cases.curves import COLOURS, COMMAND, label, panels, run, thinned
 from cases.ideal import GAIN_READING, HIGH, NORMAL
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def figure_B_4() -> "Figure":
     """Return figure B.4: OP and MV of the ideal integrating loop."""
     log = integrating()
     figure, (ax,) = panels(1, 1, "Figure B.4: OP and MV, ideal integrating process, high stiction", 2.6)
-    ax.plot(log.t[::5], 100.0 * log["OP"][::5], color="#8a97a5", linewidth=1.1, label="OP")
+    ax.plot(log.t[::5], 100.0 * log["OP"][::5], color=COMMAND, linewidth=1.1, label="OP")
     ax.plot(log.t[::5], 100.0 * log["MV"][::5], color=COLOURS["high"], linewidth=1.1, label="MV")
     label(ax, "", "time [s]", "% of travel")
     ax.legend(ncols=2, fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0))
@@ -142,14 +142,15 @@ def _sine() -> tuple[Floats, Floats]:
 
 def _areas(cells: list[tuple[tuple[Floats, Floats], str]], title: str) -> "Figure":
     from cases.ideal import index
+    from detect.plots import AFTER, BEFORE
 
     figure, axes = panels(len(cells), 1, title, 1.9)
     for ax, ((t, e), words), letter in zip(axes, cells, "abcd", strict=False):
         ax.plot(*thinned(t, e), color="#1d2733", linewidth=0.9)
         for first, peak, last in halves(t, e):
-            for a, b, colour in ((first, peak + 1, COLOURS["high"]), (peak, last, COLOURS["normal"])):
+            for a, b, colour in ((first, peak + 1, BEFORE), (peak, last, AFTER)):
                 kept = np.unique(np.append(np.arange(a, b, 5), b - 1))
-                ax.fill_between(t[kept], e[kept], color=colour, alpha=0.45, linewidth=0)
+                ax.fill_between(t[kept], e[kept], color=colour, alpha=0.85, linewidth=0)
         mean, std, count = index(t, e)
         label(ax, f"({letter}) {words}: R = {mean:.2f} ± {std:.2f} ({count} values)", "", "SP - PV")
     axes[-1].set_xlabel("time [s]", fontsize=9)
@@ -157,7 +158,7 @@ def _areas(cells: list[tuple[tuple[Floats, Floats], str]], title: str) -> "Figur
 
 
 def figure_6_1() -> "Figure":
-    """Return figure 6.1: areas before (red) and after (blue) each peak; sine, and high stiction in both readings."""
+    """Return figure 6.1: areas before (dark) and after (light) each peak; sine, and high stiction in both readings."""
     cells = [
         (_sine(), "sine, printed 1.03"),
         (_loop_error(HIGH, 0.4, 1.0), "high stiction, printed 3.71; the model as printed"),

@@ -62,15 +62,20 @@ def _numbers(F_s: str, case: int) -> Callable[[], Sequence[Number]]:
 
 
 _ABOUT = {
-    1: "Constant feed, 7600 mol/s with methane fraction 0.37 (table 5.2, case 1); VLCS1 and VPCS1 stick.",
-    2: "Methane fraction 0.25 + 0.1 sin(2 pi t/500 s) (table 5.2, case 2); VLCS1 and VPCS1 stick.",
+    1: "Constant feed, 7600 mol/s with methane fraction 0.37 (table 5.2, case 1).",
+    2: "Methane fraction 0.25 + 0.1 sin(2 pi t/500 s) (table 5.2, case 2).",
 }
+_STUCK = {
+    "none": "VLCS1 and VPCS1 have F_s = F_c, a deadband without a jump.",
+    "normal": "VLCS1 and VPCS1 stick.", "high": "VLCS1 and VPCS1 stick.",
+}  # fmt: skip
 _START = {"none": "Starts at rest, and stays there.", "normal": "Starts kicked.", "high": "Starts kicked."}
 
 CASES = tuple(
     Case(
-        f"plant_{case}_{F_s}", f"Production plant, {'constant feed' if case == 1 else 'sine'}, {F_s} stiction",
-        f"{_ABOUT[case]} {_START[F_s] if case == 1 else 'Starts at rest for the mean feed.'}",
+        f"plant_{case}_{F_s}", f"Production plant, {'constant feed' if case == 1 else 'sine'}, "
+        f"{'no' if F_s == 'none' else F_s} stiction",
+        f"{_ABOUT[case]} {_STUCK[F_s]} {_START[F_s] if case == 1 else 'Starts at rest for the mean feed.'}",
         _build(F_s, case), 2000.0, 0.1, _numbers(F_s, case),
     )
     for case in (1, 2) for F_s in STICTION

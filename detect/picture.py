@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detect.plots import AFTER, BEFORE, LINE, draw_evidence
+from detect.plots import draw_evidence, legend
+from records.plots import COLOURS, time_unit
+from records.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
@@ -35,23 +37,35 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     curve = trend.add_subplot(grid[:, 1])
     record = answer.record
     good = record.good
-    units = record.log.units
-    t, pv, op = record.t, np.where(good, record.pv, np.nan), np.where(good, record.op, np.nan)
+    scale, unit = time_unit(float(record.t[-1] - record.t[0]))
+    t, pv, op = record.t / scale, np.where(good, record.pv, np.nan), np.where(good, record.op, np.nan)
     if record.sp is not None:
-        top.plot(t, record.sp, color=BEFORE, lw=1, label="SP", zorder=3)
-    top.plot(t, pv, color=AFTER, lw=0.9, label="PV")
-    top.set_ylabel(f"PV [{units.get(record.pv_name, '-')}]")
-    top.legend(loc="upper right", fontsize=8, ncols=2)
-    below.plot(t, op, color=LINE, lw=0.9)
-    below.set_ylabel(f"OP [{units.get(record.op_name, '-')}]")
-    below.set_xlabel("time [s]")
+        top.plot(t, record.sp, color=COLOURS["SP"], lw=1.1, ls=(0, (4, 2)), label="SP", zorder=3)
+    top.plot(t, pv, color=COLOURS["PV"], lw=0.9, label="PV")
+    below.plot(t, op, color=COLOURS["OP"], lw=0.9, label="OP")
+    for axes in (top, below, curve):
+        tidy(axes)
+    legend(top)
+    legend(below)
+    of_pv, of_op = (
+        _named("PV", record.log.units.get(record.pv_name)),
+        _named("OP", record.log.units.get(record.op_name)),
+    )
+    top.set_ylabel(of_pv)
+    below.set_ylabel(of_op)
+    below.set_xlabel(f"time [{unit}]")
+    below.set_xlim(t[0], t[-1] if t[-1] > t[0] else None)
     top.tick_params(labelbottom=False)
-    curve.plot(op, pv, color=AFTER, lw=0.6, alpha=0.7)
-    curve.set_xlabel(f"OP [{units.get(record.op_name, '-')}]")
-    curve.set_ylabel(f"PV [{units.get(record.pv_name, '-')}]")
-    curve.set_title("PV against OP", fontsize=8)
+    curve.plot(op, pv, color=COLOURS["PV"], lw=0.6, alpha=0.7)
+    curve.set_xlabel(of_op)
+    curve.set_ylabel(of_pv)
+    curve.set_title("PV against OP", fontsize=9, loc="left")
     if words:
-        top.set_title("\n".join(textwrap.wrap(answer.reason, 118)), fontsize=8, loc="left")
+        trend.suptitle("\n".join(textwrap.wrap(answer.reason, 150)), fontsize=8.5, x=0.01, ha="left")
     if shown is not None:
         draw_evidence(shown, parts[1])
     return figure
+
+
+def _named(part: str, unit: str | None) -> str:
+    return f"{part} [{unit}]" if unit else part

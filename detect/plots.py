@@ -10,14 +10,19 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.verdict import Verdict
+from records.plots import COLOURS
+from records.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
 
-__all__ = ["draw_evidence", "draw_half_cycles", "draw_reason", "plot_verdict"]
+__all__ = ["draw_evidence", "draw_half_cycles", "draw_reason", "legend", "plot_verdict"]
 
-BEFORE, AFTER, UNUSED, LINE = "#d1495b", "#30638e", "#c8c8c8", "#333333"
+PV = COLOURS["PV"]
+# A dark and a light one, told apart without colour, too; neither means a signal elsewhere.
+BEFORE, AFTER, UNUSED, LINE = "#7b5ea7", "#f0c05a", "#e6e6e6", "#333333"
+CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
 
 
 def plot_verdict(v: Verdict) -> Figure:
@@ -53,8 +58,7 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
     t, e = v.array("t"), v.array("e")
     start, middle, end = v.array("start"), v.array("peak_time"), v.array("end")
     used = v.array("used") > 0
-    # Enough cycles to see the shape; a hundred would be a smear.
-    last = start[0] + 24 * np.median(end - start) if len(start) else (t[-1] if len(t) else 0.0)
+    last = start[0] + CYCLES * np.median(end - start) if len(start) else (t[-1] if len(t) else 0.0)
     shown = t <= last
     left.plot(t[shown | np.isnan(t)], e[shown | np.isnan(t)], color=LINE, lw=0.8)
     left.axhline(0, color=LINE, lw=0.5)
@@ -64,41 +68,63 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
             edge = np.concatenate([[a], inside, [b]])
             ok = ~np.isnan(t)
             left.fill_between(
-                edge, np.interp(edge, t[ok], e[ok]), color=colour if used[i] else UNUSED, alpha=0.75, lw=0
+                edge, np.interp(edge, t[ok], e[ok]), color=colour if used[i] else UNUSED, alpha=0.85, lw=0
             )
     left.plot([], [], color=BEFORE, lw=6, label="A1, before the peak")
     left.plot([], [], color=AFTER, lw=6, label="A2, after it")
     if not used.all():
         left.plot([], [], color=UNUSED, lw=6, label="left out")
-    left.legend(loc="upper right", fontsize=8, ncols=3)
-    left.margins(x=0.01, y=0.2)
+    legend(left)
+    left.margins(x=0.01, y=0.05)
     left.set_xlabel("time [s]")
-    left.set_ylabel("e, centred [unit of PV]")
-    left.set_title("half cycles of e, cut at their peaks", fontsize=8, loc="left")
+    left.set_ylabel("e = SP - PV, centred")
+    some = f" (first {CYCLES} of {len(start)})" if len(start) > CYCLES else ""
+    left.set_title(f"half cycles of e, cut at their peaks{some}", fontsize=9, loc="left")
+    tidy(left)
     _draw_ratios(v, right, used)
+
+
+def legend(axes: Axes) -> None:
+    """Name the lines of a panel above it, where no data are."""
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=8.5, borderpad=0.1,
+        handlelength=1.6, columnspacing=1.2,
+    )  # fmt: skip
 
 
 def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = v.array("area_before") / v.array("area_after")
-    up = v.array("peak") > 0
+    below = v.array("peak") > 0  # of e = SP - PV
     rng = np.random.default_rng(0)
-    for x, side, label in ((0.0, up, "above"), (1.0, ~up, "below")):
+    for x, side in ((0.0, below), (1.0, ~below)):
         kept = ratio[side & used]
-        axes.plot(x + rng.uniform(-0.15, 0.15, len(kept)), kept, "o", ms=4, color=LINE, alpha=0.6, label=label)
-    axes.set_xticks([0, 1], ["above SP", "below SP"])
+        axes.plot(x + rng.uniform(-0.15, 0.15, len(kept)), kept, "o", ms=4, color=LINE, alpha=0.5, lw=0)
+    axes.set_xticks([0, 1], ["PV below SP", "PV above SP"])
     axes.set_xlim(-0.6, 1.6)
     axes.set_yscale("log")
     if v.interval is not None and v.index is not None:
-        axes.axhspan(*v.interval, color=BEFORE, alpha=0.25, lw=0)
-        axes.axhline(v.index, color=BEFORE, lw=1.5)
+        axes.axhspan(*v.interval, color=PV, alpha=0.22, lw=0)
+        axes.axhline(v.index, color=PV, lw=1.8)
+        _at_line(axes, v.index, f"R = {v.index:.2f}")
     axes.axhline(1.0, color=LINE, lw=0.8, ls=":")
     if v.threshold is not None:
-        axes.axhline(v.threshold, color=LINE, lw=0.8, ls="--")
+        axes.axhline(v.threshold, color=LINE, lw=0.9, ls="--")
+        if v.index is None or not 0.85 < v.threshold / v.index < 1.18:  # no room for both names
+            _at_line(axes, v.threshold, "threshold")
     seen = [*ratio[used & np.isfinite(ratio) & (ratio > 0)].tolist(), 1.0, v.threshold or 1.0]
     low, high = min(seen) / 1.2, max(seen) * 1.2
     axes.set_ylim(low, high)
     ticks = [r for r in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if low <= r <= high]
     axes.set_yticks(ticks, [f"{r:g}" for r in ticks])
     axes.minorticks_off()
-    axes.set_title("R = A1 / A2 of each half cycle\ndashed: threshold, band: 90 %", fontsize=8)
+    axes.set_title("R = A1 / A2, with 90 % band", fontsize=9, loc="left")
+    tidy(axes)
+
+
+def _at_line(axes: Axes, height: float, text: str) -> None:
+    """Name a level at the right edge, above its line."""
+    axes.annotate(
+        text, (1.0, height), (-2.0, 2.0), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right",
+        fontsize=8, color=LINE, bbox={"facecolor": "white", "alpha": 0.75, "pad": 0.8, "linewidth": 0},
+    )  # fmt: skip

@@ -1,15 +1,15 @@
 """Figures of what was simulated: the trends of a run with its events, and the spread of an ensemble."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from blocks.block import Block
-from blocks.ports import Port, nearest
+from blocks.ports import nearest
 from engine.status import Status
-from plant.diagram import Diagram
+from plant.panels import choose, heading, parts_played
 from plant.simulate import Run
 from records import Log
 from records.plots import COLOURS, time_unit
@@ -23,10 +23,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-PANELS = 8  # most panels when nobody says which signals to show
-TOGETHER = 4  # most signals on one axis that share no more than a unit
-ALIKE = 5.0  # how far the ranges of two signals may differ to share an axis for their unit alone
 CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000")
+WIDTHS = {"MV": 1.4}  # beside OP on grey paper
+OUTSIDE = "#555555"  # a signal of no nested diagram, beside some that are
 STUCK, EVENT, FAILED = "#f3d9b8", "#8a5a2b", "#b00020"
 POINTS = 1500  # as fine as the widest figure can show a band
 SOME = 12  # members drawn as lines
@@ -48,23 +47,25 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     from matplotlib.figure import Figure
 
     diagram, log = run.final, run.log
-    panels, left_out = _panels(diagram, log, names)
+    panels, left_out, squashing = choose(run, names)
+    groups = list(dict.fromkeys(s.rpartition("/")[0] for shown in panels for s in shown if "/" in s))
     figure = Figure(figsize=(9.5, 1.15 + 1.45 * len(panels)), layout="constrained")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     scale, unit = time_unit(float(log.t[-1] - log.t[0]))
     for ax, shown in zip(axes, panels, strict=True):
-        parts = _parts(diagram, shown)
-        for colour, port, signal in zip(_colours(parts), parts, shown, strict=True):
+        size, named = _unit(log, shown)
+        parts = parts_played(diagram, shown)
+        for colour, port, signal in zip(_colours(parts, shown, groups), parts, shown, strict=True):
             ax.plot(
-                log.t / scale, log[signal], color=colour, linewidth=0.9, label=signal, rasterized=len(log) > 20_000,
-                linestyle=(0, (4, 2)) if port == "SP" and len(shown) > 1 else "-",
-                zorder=1.9 if port in ("SP", "OP") else 2.0,
+                log.t / scale, log[signal] / size, color=colour, linewidth=WIDTHS.get(port, 0.9), label=signal,
+                rasterized=len(log) > 20_000, linestyle=(0, (4, 2)) if port == "SP" and len(shown) > 1 else "-",
+                zorder=1.9 if port in ("SP", "OP") else _above(log, signal, shown),
             )  # fmt: skip
         for block in diagram.blocks:
             if block.modes and any(signal in shown for signal in block.output_labels):
                 _mark(ax, block, run, scale)
         _tidy(ax)
-        ax.set_ylabel(_title(shown, log))
+        ax.set_ylabel(heading(shown, named))
         _legend(ax, len(shown))
     axes[-1].set_xlabel(f"time [{unit}]")
     axes[-1].set_xlim(log.t[0] / scale, max(log.t[-1], log.t[0] + 1e-9) / scale)
@@ -72,14 +73,30 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     notes = []
     if run.status is not Status.OK:
         notes.append((_wrapped(f"{run.status.name}: {run.hint}"), FAILED))
-    if left_out:
-        notes.append((f"{left_out} more signals: choose with names=", SOFT))
+    unsaid = [f"{len(left_out)} more signals: choose with names="] if left_out else []
+    if squashing:
+        unsaid.append(f"at rest far off the scale: {', '.join(squashing)}")
+    if unsaid:
+        notes.append(("; ".join(unsaid), SOFT))
     for text, colour in notes[:1]:
         axes[0].set_title(text, loc="left", fontsize=8.5, color=colour, pad=16.0)
     for text, colour in notes[1:]:
         axes[-1].annotate(text, (1.0, 0.0), (0.0, -24.0), xycoords="axes fraction", textcoords="offset points",
                           ha="right", va="top", fontsize=8.5, color=colour)  # fmt: skip
     return figure
+
+
+def _unit(log: Log, shown: Sequence[str]) -> tuple[float, str]:
+    """Return by what to divide a panel's values, and the unit they then have: pressures in bar, fractions in none."""
+    units = {log.units.get(s, "") for s in shown}
+    unit = units.pop() if len(units) == 1 else ""
+    return (1e5, "bar") if unit == "Pa" else (1.0, "" if unit == "1" else unit)
+
+
+def _above(log: Log, signal: str, shown: Sequence[str]) -> float:
+    """Return the height at which a line is drawn: what moves little above what moves much."""
+    moves = {s: float(np.nanmax(log[s]) - np.nanmin(log[s])) if np.isfinite(log[s]).any() else 0.0 for s in shown}
+    return 2.0 + 0.01 * sum(moves[s] > moves[signal] for s in shown)
 
 
 def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
@@ -120,121 +137,19 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     return figure
 
 
-def _panels(diagram: Diagram, log: Log, names: Sequence[str] | None) -> tuple[list[list[str]], int]:
-    """Return the signals of each panel, and how many signals were left out."""
-    chosen = list(log.names) if names is None else ([names] if isinstance(names, str) else list(names))
-    for signal in chosen:
-        if signal not in log:
-            raise ValueError(f"the run logged no signal '{signal}'; {nearest(signal, list(log.names))}")
-    if not chosen:
-        raise ValueError("there is no signal to plot; name one, or log one")
-    panels = _together(diagram, log, chosen)
-    if names is not None or len(panels) <= PANELS:
-        return panels, 0
-    main = main_signals(diagram)
-    panels = ([p for p in panels if main.intersection(p)] or panels)[:PANELS]
-    return panels, len(chosen) - sum(len(p) for p in panels)
+def _colours(parts: Sequence[str], shown: Sequence[str], groups: Sequence[str]) -> list[str]:
+    """Return a colour for each signal.
 
-
-def main_signals(diagram: Diagram) -> set[str]:
-    """Return the signals an operator looks at: SP, PV and OP of controllers, and what valves give.
-
-    >>> from blocks.sources import Step
-    >>> from plant import wire
-    >>> main_signals(wire([Step("SP", 0.5)], outputs=["SP"]))
-    set()
+    Where each is of another nested diagram, one for each of them, the same in all panels; else the house's for SP, PV,
+    OP and MV.
     """
-    found: set[str] = set()
-    for block in diagram.blocks:
-        ports = {port.name for port in (*block.ports_in, *block.ports_out)}
-        if {"SP", "PV"} <= ports or {"OP", "MV"} <= ports:
-            found |= {*block.input_labels, *block.output_labels}
-    return found
-
-
-def _together(diagram: Diagram, log: Log, chosen: Sequence[str]) -> list[list[str]]:
-    """Return which signals share a panel: SP with PV, OP with MV, then what has one unit and a similar range."""
-    panel = {signal: [signal] for signal in chosen}
-
-    def join(signals: Iterable[str]) -> None:
-        present = [s for s in signals if s in panel]
-        for other in present[1:]:
-            if panel[other] is not panel[present[0]]:
-                merged = [*panel[present[0]], *panel[other]]
-                panel.update(dict.fromkeys(merged, merged))
-
-    for block in diagram.blocks:
-        by_port = dict(zip([p.name for p in (*block.ports_in, *block.ports_out)],
-                           (*block.input_labels, *block.output_labels), strict=True))  # fmt: skip
-        for pair in (("SP", "PV"), ("OP", "MV")):
-            if all(port in by_port for port in pair):
-                join(by_port[port] for port in pair)
-    for i, signal in enumerate(chosen):
-        for other in chosen[:i]:
-            one, two = panel[signal], panel[other]
-            alone = len(one) == 1 and len(two) < TOGETHER and one is not two
-            if (
-                alone
-                and log.units.get(signal)
-                and log.units.get(signal) == log.units.get(other)
-                and _alike(log, signal, other)
-            ):
-                join((other, signal))
-    return list({id(shown): shown for shown in panel.values()}.values())
-
-
-def _alike(log: Log, a: str, b: str) -> bool:
-    sizes = [float(np.ptp(log[s][np.isfinite(log[s])])) if np.isfinite(log[s]).any() else 0.0 for s in (a, b)]
-    both = np.concatenate([log[a], log[b]])
-    whole = float(np.nanmax(both) - np.nanmin(both)) if np.isfinite(both).any() else 0.0
-    return whole <= ALIKE * max(min(sizes), 1e-12)
-
-
-def _parts(diagram: Diagram, shown: Sequence[str]) -> list[str]:
-    """Return the part each signal plays in its panel: SP, PV, OP, MV for controllers and valves, else its name."""
-    played: dict[str, list[str]] = {signal: [] for signal in shown}
-    ends = [
-        (port.name, label) for block in diagram.blocks for port, label in _wired(block.ports_out, block.output_labels)
-    ]
-    ends += [
-        (port.name, label) for block in diagram.blocks for port, label in _wired(block.ports_in, block.input_labels)
-    ]
-    for name, label in ends:  # outputs first: a signal is what drives it
-        if label in played and name in COLOURS:
-            played[label].append(name)
-    loop = any("PV" in parts for parts in played.values())
-    found = []
-    for signal, parts in played.items():
-        own = signal.rpartition("/")[2]
-        if own in COLOURS:
-            found.append(own)
-        elif loop and "SP" in parts:  # the output of one controller is the set point of the next
-            found.append("SP")
-        else:
-            found.append(parts[0] if parts else signal)
-    return found
-
-
-def _wired(ports: Sequence[Port], labels: Sequence[str]) -> Iterable[tuple[Port, str]]:
-    return zip(ports, labels, strict=True)
-
-
-def _colours(parts: Sequence[str]) -> list[str]:
-    """Return a colour for each signal: the house's for SP, PV, OP, MV where they tell the signals apart."""
-    if len(set(parts)) == len(parts) and all(part in COLOURS for part in parts):
-        return [COLOURS[part] for part in parts]
+    own = [s.rpartition("/")[0] for s in shown]
+    if len(set(own)) == len(own) and len(set(own) - {""}) > 1:
+        return [CYCLE[groups.index(group) % len(CYCLE)] if group else OUTSIDE for group in own]
+    if "PV" in parts or all(part in COLOURS for part in parts):
+        spare = (colour for colour in CYCLE * len(parts) if colour not in COLOURS.values())
+        return [COLOURS[p] if p in COLOURS and p not in parts[:i] else next(spare) for i, p in enumerate(parts)]
     return [CYCLE[i % len(CYCLE)] for i in range(len(parts))]
-
-
-def _title(shown: Sequence[str], log: Log) -> str:
-    """Return what stands at the axis: names (behind their common nested diagram) and the unit they share."""
-    group = shown[0].rpartition("/")[0]
-    within = group and all(s.rpartition("/")[0] == group for s in shown)
-    names = [s.rpartition("/")[2] for s in shown] if within else list(shown)
-    text = ", ".join(names) if sum(map(len, names)) < 16 else f"{names[0]}, ..."
-    units = {log.units.get(s, "") for s in shown}
-    unit = units.pop() if len(units) == 1 else ""
-    return (f"{group}\n" if within else "") + text + (f" [{unit}]" if unit not in ("", "1") else "")
 
 
 def modes_over_time(block: Block, run: Run) -> list[tuple[float, float, str]]:

@@ -33,12 +33,21 @@ header.row { display: flex; gap: 12px; align-items: baseline; flex-wrap: wrap; }
 .guide { max-width: 80ch; }
 .label { color: var(--soft); font-size: 14px; font-weight: 600; margin: 12px 0 0; }
 ul.notes { color: var(--soft); font-size: 14px; margin: 2px 0 8px; padding-left: 18px; }
-figure { margin: 14px 0 0; } figure svg { width: 100%; height: auto; }
+figure { margin: 14px 0 0; overflow-x: auto; } figure svg { width: 100%; height: auto; min-width: 640px; }
+figcaption { color: var(--soft); font-size: 14.5px; max-width: 80ch; margin: 4px 0 22px; position: sticky; left: 0;
+  width: fit-content; }
+.wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: 6px 0 0; font-size: 14.5px; width: 100%; }
-th, td { text-align: left; padding: 6px 10px 6px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
+th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th { color: var(--soft); font-weight: 600; }
+.num { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
+figure td:first-child { min-width: 9.5em; }
+tr.missed td { background: #fdf1e4; } tr.missed td.mark { color: #96231c; font-weight: 650; white-space: nowrap; }
+sup { line-height: 0; } ol.foot { color: var(--soft); font-size: 14px; margin: 8px 0 0; padding-left: 28px; }
+ol.foot li { max-width: 80ch; position: sticky; left: 0; }
 a { color: #1f5fa8; } footer { color: var(--soft); font-size: 13.5px; margin-top: 28px; }
-@media print { body { background: #fff; } article { break-inside: avoid; } }
+@media print { body { background: #fff; } article, figure { break-inside: auto; } tr, svg { break-inside: avoid; }
+  figure, .wide { overflow: visible; } figure svg { min-width: 0; } }
 """
 
 
@@ -84,12 +93,15 @@ def page(
 
 
 def _table(rows: Sequence[Sequence[str]]) -> str:
-    head = "".join(f"<th>{html.escape(cell)}</th>" for cell in rows[0])
+    kinds = _kinds(rows[1:], len(rows[0]))
+    head = "".join(f"<th{kind}>{html.escape(cell)}</th>" for cell, kind in zip(rows[0], kinds, strict=True))
     body = ""
     for number, row in enumerate(rows[1:]):
         first = f"<td><a href='#s{number}'>{html.escape(row[0])}</a></td>"
-        body += f"<tr>{first}{''.join(f'<td>{html.escape(cell)}</td>' for cell in row[1:])}</tr>"
-    return f"<article><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></article>"
+        others = (f"<td{kind}>{html.escape(cell)}</td>" for cell, kind in zip(row[1:], kinds[1:], strict=True))
+        body += f"<tr>{first}{''.join(others)}</tr>"
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f"<article><div class='wide'>{table}</div></article>"
 
 
 def _article(number: int, section: Section) -> str:
@@ -101,23 +113,63 @@ def _article(number: int, section: Section) -> str:
         + (f"<span class='truth'>{html.escape(section.truth)}</span>" if section.truth else "")
         + "</header>"
         + (f"<p class='story'>{html.escape(section.story)}</p>" if section.story else "")
-        + f"<p class='reason'>{html.escape(section.reason)}</p>"
+        + (f"<p class='reason'>{html.escape(section.reason)}</p>" if section.reason else "")
         + (f"<p class='story'>{html.escape(section.lesson)}</p>" if section.lesson else "")
-        + (f"<p class='label'>What was read and assumed</p><ul class='notes'>{notes}</ul>" if notes else "")
         + figures
+        + (f"<p class='label'>What was read and assumed</p><ul class='notes'>{notes}</ul>" if notes else "")
         + "</article>"
     )
 
 
-def table_to_html(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table of plain text as HTML.
+MISSED, MARK = " class='missed'", " class='mark'"
+NUMBER = re.compile(r"[-+.\d\s%e]*( to [-+.\d\se]*)?( ✗)?")
+
+
+def table_to_html(
+    columns: Sequence[str], rows: Sequence[Sequence[str]], notes: Sequence[str] = (), missed: Sequence[bool] = ()
+) -> str:
+    """Return a table of plain text as HTML; columns of numbers are set to the right.
+
+    ``notes``, one a row, become footnotes of the first column, each said once; an empty one is none.  Rows that are
+    ``missed`` are marked, the last cell above all.
 
     >>> table_to_html(["row"], [["a < b"]])
     '<table><thead><tr><th>row</th></tr></thead><tbody><tr><td>a &lt; b</td></tr></tbody></table>'
+    >>> table_to_html(["row"], [["a"], ["b"]], notes=["why", "why"]).count("why")
+    1
     """
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
-    body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    kinds = _kinds(rows, len(columns))
+    head = "".join(f"<th{kind}>{html.escape(name)}</th>" for name, kind in zip(columns, kinds, strict=True))
+    said = list(dict.fromkeys(note for note in notes if note))
+    body = ""
+    for i, row in enumerate(rows):
+        bad = bool(missed) and missed[i]
+        cells = []
+        for k, (cell, kind) in enumerate(zip(row, kinds, strict=True)):
+            text = html.escape(cell)
+            if k == 0 and notes and notes[i]:
+                text += f"&nbsp;<sup>{said.index(notes[i]) + 1}</sup>"
+            cells.append(f"<td{MARK if bad and k == len(row) - 1 else kind}>{text}</td>")
+        body += f"<tr{MISSED if bad else ''}>{''.join(cells)}</tr>"
+    foot = "".join(f"<li>{html.escape(note).replace(' %', '&nbsp;%')}</li>" for note in said)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>" + (
+        f"<ol class='foot'>{foot}</ol>" if foot else ""
+    )
+
+
+def _kinds(rows: Sequence[Sequence[str]], columns: int) -> list[str]:
+    """Return the class of every column: that of numbers if all its cells are numbers, bands of numbers or empty."""
+    numbers = [bool(rows) and all(NUMBER.fullmatch(row[k]) for row in rows) for k in range(columns)]
+    return [" class='num'" if number else "" for number in numbers]
+
+
+def captioned(svg: str, caption: str) -> str:
+    """Return a picture with a sentence below it, for ``Section.figures``.
+
+    >>> captioned("<svg></svg>", "a < b")
+    '<svg></svg><figcaption>a &lt; b</figcaption>'
+    """
+    return f"{svg}<figcaption>{html.escape(caption)}</figcaption>"
 
 
 def figure_to_svg(figure: "Figure") -> str:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000", "#b00020", "#5b6875")
+DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))  # tell neighbours apart on grey paper
 STABLE, UNSTABLE, HELD = "#1f4e79", "#b00020", "#8896a5"
 LEAST_GAIN, MOST_GAIN = 1e-3, 1e3  # of a Bode plot: what lies beyond says nothing about the loop
 
@@ -72,8 +73,9 @@ def plot_loops(loops: Sequence[Loop]) -> "Figure":
             continue
         omega = loop.omega[seen]
         shown += [omega[0], omega[-1]]
-        gain.loglog(omega, size[seen], color=colour, linewidth=1.4, label=_told(loop))
-        phase.semilogx(omega, loop.phase[seen], color=colour, linewidth=1.4)
+        dash = DASHES[i % len(DASHES)]
+        gain.loglog(omega, size[seen], color=colour, linewidth=1.4, linestyle=dash, label=_told(loop))
+        phase.semilogx(omega, loop.phase[seen], color=colour, linewidth=1.4, linestyle=dash)
         for w in loop.crossovers:
             gain.plot([w], [1.0], "o", color=colour, markersize=5)
             phase.plot([w], [np.interp(np.log(w), np.log(loop.omega), loop.phase)], "o", color=colour, markersize=5)
@@ -90,7 +92,7 @@ def plot_loops(loops: Sequence[Loop]) -> "Figure":
     phase.set_ylim(min(-200.0, *phase.get_ylim()), max(-60.0, phase.get_ylim()[1]))
     for ax in (gain, phase):
         tidy(ax)
-    gain.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=8.0)
+    gain.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=8.0, handlelength=2.8)
     _head(figure, "open loops" if len(loops) > 1 else f"loop of {loops[0].controller}: {loops[0].OP} to {loops[0].PV}")
     return figure
 
@@ -123,7 +125,8 @@ def plot_rga(rga: Rga) -> "Figure":
 def _told(loop: Loop) -> str:
     if not loop.crossovers:
         return f"{loop.controller}: |L| < 1 throughout"
-    return f"{loop.controller}: {loop.crossover:.3g} rad/s, phase margin {loop.phase_margin:.0f}°"
+    crossover = f"{loop.crossover:.3g}" if loop.crossover < 1000.0 else f"{loop.crossover:.0f}"
+    return f"{loop.controller}: {crossover} rad/s, phase margin {loop.phase_margin:.0f}°"
 
 
 def _head(figure: "Figure", text: str) -> None:

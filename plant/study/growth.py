@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from plant.study.axes import Axis
 from plant.study.findings import Findings
@@ -13,8 +14,11 @@ from records.style import tidy
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Floats = NDArray[np.float64]
+
 CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000")
 SHOWN = 6  # signals in one panel
+ASIDE = 0.004  # of the axis, from the bar of one signal to the next
 SLICES, DRAWN = 40, 12  # of a listed and of a random axis
 
 
@@ -30,15 +34,16 @@ def draw_growth(result: Findings) -> "Figure | None":
     found = [group for group in groups(result, axis, SLICES, DRAWN) if group.runs.any()]
     at = np.array([group.at for group in found])
     top = 0.0
-    for signal, colour in zip(chosen(result.signals), CYCLE, strict=False):
+    signals = chosen(result.signals)
+    for k, (signal, colour) in enumerate(zip(signals, CYCLE, strict=False)):
         for ax, values in ((upper, result.percent(signal)), (lower, result.column(f"{signal}.period"))):
             bands = [group.band(values) for group in found]
             middle = np.array([b.median for b in bands])
             if ax is upper:
-                ax.fill_between(
-                    at, [max(b.low, 1e-12) for b in bands], [b.high for b in bands],
-                    color=colour, alpha=0.14, linewidth=0,
-                )  # fmt: skip
+                # Six bands over each other are mud: each value has a bar of its own, a little aside.
+                aside = _aside(at, (k - 0.5 * (len(signals) - 1)) * ASIDE, axis.even_ratios)
+                ax.vlines(aside, [max(b.low, 1e-12) for b in bands], [b.high for b in bands],
+                          color=colour, alpha=0.45, linewidth=1.6, zorder=1.5)  # fmt: skip
             ax.plot(at, middle, color=colour, linewidth=1.5, marker="o", markersize=3.0, label=signal)
             if ax is upper and np.isfinite(middle).any():
                 top = max(top, float(np.nanmax(middle)))
@@ -55,10 +60,24 @@ def draw_growth(result: Findings) -> "Figure | None":
     upper.set_ylabel("amplitude\n[% of the operating point]", fontsize=9)
     lower.set_ylabel("period [s]", fontsize=9)
     lower.set_xlabel(axis.name, fontsize=9)
-    handles, labels = upper.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right center", frameon=False, fontsize=8.5)
-    head(figure, result, "median; amplitudes with 5 to 95 %")
+    lines = sorted(upper.lines, key=lambda line: -_last(line.get_ydata()))  # as they stand at the right edge
+    figure.legend(lines, [str(line.get_label()) for line in lines], loc="outside right upper", frameon=False,
+                  fontsize=8.5)  # fmt: skip
+    head(figure, result, "medians; bars: 5 to 95 %")
     return figure
+
+
+def _aside(at: Floats, steps: float, even_ratios: bool) -> Floats:
+    """Return places moved by a share of the axis, so that bars of several signals stand side by side."""
+    if even_ratios:
+        return np.exp(_aside(np.log(at), steps, False))
+    return at + steps * float(np.ptp(at))
+
+
+def _last(y: ArrayLike) -> float:
+    values = np.asarray(y, float)
+    values = values[np.isfinite(values)]
+    return float(values[-1]) if values.size else 0.0
 
 
 def numbers(axis: Axis, least: int) -> bool:

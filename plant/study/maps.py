@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 MAPS = 4
 SLICES = 60  # of a listed axis
 TICKS = 12
+WRITTEN = 60  # cells: that many have room for their number
 
 
 def draw_maps(result: Findings) -> "Figure | None":
@@ -71,7 +72,14 @@ def _cells(result: Findings, ax: "Axes", x: Axis, y: Axis, signal: str) -> "Scal
                 grid[i, j] = np.median(found)
     _ticks(ax.set_xticks, columns)
     _ticks(ax.set_yticks, rows)
-    return ax.pcolormesh(grid, cmap="viridis", edgecolors="white", linewidth=0.4)
+    drawn = ax.pcolormesh(grid, cmap="viridis", edgecolors="white", linewidth=0.4)
+    if grid.size <= WRITTEN and np.isfinite(grid).any():
+        bottom = float(np.nanmin(grid))
+        for i, j in zip(*np.nonzero(np.isfinite(grid)), strict=True):
+            dark = grid[i, j] < bottom + 0.6 * (float(np.nanmax(grid)) - bottom)
+            ax.text(j + 0.5, i + 0.5, f"{grid[i, j]:.3g}", ha="center", va="center", fontsize=8,
+                    color="white" if dark else "#1d2733")  # fmt: skip
+    return drawn
 
 
 def _ticks(put: "Callable[..., object]", values: "Sequence[Group]") -> None:

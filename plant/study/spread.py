@@ -83,8 +83,14 @@ def legend(figure: "Figure", axes: Any, name: str, lines: list[Group], colours: 
 
     if len(lines) <= LINES or not np.isfinite([line.at for line in lines]).all():
         handles, labels = axes[0, 0].get_legend_handles_labels()
-        figure.legend(
-            handles, labels, title=name, loc="outside right center", frameon=False, fontsize=8.5, title_fontsize=9
+        figure.legend(  # the largest on top, as it mostly lies
+            handles[::-1],
+            labels[::-1],
+            title=name,
+            loc="outside right center",
+            frameon=False,
+            fontsize=8.5,
+            title_fontsize=9,
         )
         return
     norm = BoundaryNorm(np.arange(len(lines) + 1) - 0.5, len(lines))

@@ -9,7 +9,8 @@ from blocks import PI, FirstOrder, Gain, Ramp, Step, StickSlip
 from plant import simulate, wire
 from plant.ensemble import ensemble
 from plant.loops import self_regulating_loop
-from plant.plots import main_signals, modes_over_time, plot_ensemble, plot_run
+from plant.panels import main_signals
+from plant.plots import modes_over_time, plot_ensemble, plot_run
 
 LOOP = self_regulating_loop()
 RUN = simulate(LOOP, 600.0, every=0.5)
@@ -97,6 +98,56 @@ def test_names_choose():
         plot_run(RUN, ["PVs"])
     with pytest.raises(ValueError, match="no signal to plot"):
         plot_run(RUN, [])
+
+
+def with_far_set_point():
+    safety = PI(K_p=1e-9, T_i=1.0, action="direct", name="safety", inputs=["far", "p"], outputs="OP_safety")
+    main = PI(K_p=1e-9, T_i=1.0, action="direct", name="main", inputs=["near", "p"], outputs="OP_main")
+    far, near = (Gain(name, "PV", 0.0, offset=at, unit="Pa") for name, at in (("far", 40e5), ("near", 30.2e5)))
+    p = Gain("p", "PV", 1e5, offset=30e5, unit="Pa")
+    return wire([*LOOP.blocks, far, near, p, main, safety])
+
+
+def test_a_set_point_far_off_does_not_flatten_what_moves():
+    run = simulate(with_far_set_point(), 60.0, every=1.0)
+    figure = plot_run(run)
+    ax = next(ax for ax in figure.axes if "p" in drawn(ax))
+    assert set(drawn(ax)) == {"near", "p"}
+    assert figure.axes[0].get_title(loc="left") == "at rest far off the scale: far"
+    chosen = plot_run(run, ["far", "p"]).axes  # who asks for it gets it
+    assert {name for ax in chosen for name in drawn(ax)} == {"far", "p"}
+
+
+def test_the_only_set_point_is_shown_however_far():
+    missed = wire([Step("SP", 5.0), PI(K_p=0.01, T_i=5e3), FirstOrder(K=1.0, tau=5.0, inputs="OP")])
+    figure = plot_run(simulate(missed, 60.0))
+    assert {"SP", "PV"} <= set(drawn(figure.axes[0])) and figure.axes[0].get_title(loc="left") == ""
+
+
+def test_pressures_are_told_in_bar():
+    run = simulate(with_far_set_point(), 60.0, every=1.0)
+    ax = next(ax for ax in plot_run(run).axes if "p" in drawn(ax))
+    assert ax.get_ylabel() == "near, p [bar]"
+    assert np.allclose(drawn(ax)["p"].get_ydata(), run.log["p"] / 1e5)
+
+
+def test_panels_that_move_come_before_panels_that_rest():
+    loops = [self_regulating_loop(name=f"loop{i}") for i in range(7)]
+    rest = [self_regulating_loop(name=f"rest{i}").with_params({"SP.after": 0.0}) for i in range(7)]
+    run = simulate(wire([*rest, *loops]), 600.0, every=1.0)
+    shown = {name for ax in plot_run(run).axes for name in drawn(ax)}
+    assert not any(name.startswith("rest") for name in shown)
+
+
+def test_a_nested_diagram_keeps_its_colour():
+    from cases import find
+
+    run = find("own_map").run()
+    colours = {}
+    for ax in plot_run(run, ["guarded/m", "bare/m", "guarded/p_out", "bare/p_out"]).axes:
+        for name, line in drawn(ax).items():
+            colours.setdefault(name.partition("/")[0], set()).add(line.get_color())
+    assert all(len(own) == 1 for own in colours.values()) and colours["guarded"] != colours["bare"]
 
 
 def test_a_failed_run_says_so():

@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from stickslip.page import Section, page
+from stickslip.page import Section, page, table_to_html
 
 
 class Reader(HTMLParser):
@@ -75,6 +75,19 @@ def test_text_is_escaped():
     assert "1 &lt; 2" in text
 
 
+def test_numbers_stand_to_the_right_and_words_do_not():
+    table = table_to_html(["name", "value", "band", "said"], [["a", "1.5", "1 to 2e-3", "1 of 2"], ["b", "-", "", "x"]])
+    assert "<th>name</th><th class='num'>value</th><th class='num'>band</th><th>said</th>" in table
+    assert table.count("<td class='num'>") == 4
+
+
+def test_notes_are_said_once_and_what_is_missed_is_marked():
+    rows = [["a", "met"], ["b", "NOT met"], ["c", "met"]]
+    table = table_to_html(["name", "verdict"], rows, ["why", "why", ""], [False, True, False])
+    assert table.count("<li>why</li>") == 1 and table.count("<sup>1</sup>") == 2
+    assert table.count("class='missed'") == 1 and "<td class='mark'>NOT met</td>" in table
+
+
 def browser(*options):
     program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if program is None:
@@ -91,6 +104,17 @@ def test_a_browser_shows_it(demo_page, tmp_path):
     assert "NO STICTION" in dom and "NOT APPLICABLE" in dom
     assert dom.count("<svg") == dom.count("<figure>") >= 5
     assert "Written by stickslip" in dom
+
+
+def test_a_narrow_window_scrolls_pictures_and_not_the_page(tmp_path):
+    wide = table_to_html(["row", *"abcdefgh"], [["a long name of a row", *["1234567 to 1234567"] * 8]])
+    section = Section("t", "b", "stiction", "r", figures=[wide])
+    probe = "<script>document.title=document.documentElement.scrollWidth+' '+window.innerWidth</script></body>"
+    file = tmp_path / "page.html"
+    file.write_text(page("t", "", [section]).replace("</body>", probe), encoding="utf-8")
+    dom = browser("--window-size=600,900", "--virtual-time-budget=1000", "--dump-dom", file.as_uri()).stdout.decode()
+    needed, there = map(int, re.search(r"<title>(\d+) (\d+)</title>", dom).groups())
+    assert needed <= there
 
 
 def test_it_prints(demo_page, tmp_path):

@@ -4,7 +4,9 @@ import json
 
 import pytest
 
+from cases.tables import Row
 from stickslip import reproduce
+from stickslip.captions import CAPTIONS
 from stickslip.cli import COMMANDS
 
 
@@ -48,6 +50,32 @@ def test_page_has_tables_and_pictures_and_needs_no_network(done):
         assert text.count(f"Figure {number}:") == 1
     assert "Table 5.4: periods and amplitudes" in text and "NOT met" in text
     assert "<script" not in text and "src=" not in text
+
+
+def test_page_begins_with_what_is_not_met(done):
+    result, page = done
+    text = page.read_text()
+    first = text[text.index("<article id='s0'>") : text.index("<article id='s1'>")]
+    missed = [row for row in json.loads(result.stdout)["rows"] if row["within"] is False]
+    assert "What is not met, and why" in first
+    assert all(row["row"] in first for row in missed) and first.count("<tr>") == 1 + len(missed)
+
+
+def test_every_picture_has_its_sentence(done):
+    _, page = done
+    assert page.read_text().count("<figcaption>") == sum(map(len, reproduce.FIGURES.values())) - 1  # choice: --scan
+    assert set(CAPTIONS) == {number for numbers in reproduce.FIGURES.values() for number in numbers}
+
+
+def test_sets_stand_beside_each_other():
+    def row(table, within, value):
+        return Row(table, "pressure amplitude, high", "bar", 0.44, value, 0.1, 0.5, within, "median within 25 %", "why")
+
+    found = [row("5.4", True, 0.389), row("5.4, set A", False, 0.329), row("ideal", False, 3.0)]
+    section = reproduce._sets(found)
+    assert section.badge == "E 1, A 0 of 1 met"
+    assert "<td class='num'>0.389</td><td class='num'>0.329 ✗</td>" in section.figures[0]
+    assert "within 25 %" in section.figures[0] and "ideal" not in section.figures[0]
 
 
 def test_what_is_missed_is_said(done):

@@ -1,0 +1,76 @@
+"""Draws the pictures of the documentation again: ``python docs/pictures.py`` from the root of the repository."""
+
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+IMAGES = Path(__file__).resolve().parent / "images"
+
+
+def keep(name: str, figure: "Figure", dpi: int = 100) -> None:
+    """Write a figure with at most 128 colours, which a drawing of lines does not exceed."""
+    from PIL import Image
+
+    target = IMAGES / f"{name}.png"
+    figure.savefig(target, dpi=dpi, bbox_inches="tight")
+    picture = Image.open(target).convert("RGB").quantize(128, dither=Image.Dither.NONE)
+    picture.save(target, optimize=True)
+
+
+def topologies() -> None:
+    """The three rewired loops: trends and block diagrams, and the way over the map."""
+    from cases import find
+    from cases.topologies.map_plane import map_plane
+
+    for name in ("cascade_flow", "split_range", "own_map"):
+        run = find(name).run()
+        keep(name, run.plot(find(name).signals or None))
+        keep(f"{name}_diagram", run.diagram.plot(), dpi=75)
+    keep("own_map_plane", map_plane(find("own_map").run()))
+
+
+def linear() -> None:
+    """Poles, Bode plots and relative gains of set B, as in ``docs/linearise.md``."""
+    from plant.linear import linearise
+    from plant.production import production_plant
+
+    model = linearise(production_plant("B", F_s="high"))
+    keep("linearise_poles", model.plot())
+    keep("linearise_bode", model.bode())
+    keep("linearise_rga", model.rga(["LCS11", "PCS11", "LCS21", "PCS21"]).plot())
+
+
+def spread() -> None:
+    """The study of ``docs/study.md``: 1000 runs."""
+    from plant.study import production_subject, study
+
+    with tempfile.TemporaryDirectory() as folder:
+        found = study(
+            production_subject("E", F_s="high", name="plant_1_high"),
+            {"VPCS1.F_s": [1250.0, 1500.0, 1750.0, 2000.0, 2250.0], "PCS11.K_p": [5e-7, 7e-7]},
+            plant={"sticky": ["VPCS1"]},
+            kicks=100, every=0.5, duration=2000.0, out=folder,
+        )  # fmt: skip
+        keep("spread", found.plot())
+
+
+def judged() -> None:
+    """The first story of the demonstration, and the loop of the README."""
+    from cases import find
+    from cases.stories import EXPORTS
+    from detect import diagnose
+    from records import read_loop
+
+    keep("sticky_flow", diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv")).plot())
+    keep("loop", find("ideal_high").build().plot())
+
+
+if __name__ == "__main__":
+    for draw in (topologies, linear, spread, judged):
+        draw()

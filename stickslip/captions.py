@@ -1,0 +1,44 @@
+"""What each picture of ``stickslip reproduce`` shows, and where it differs from the thesis's own."""
+
+SURGE = (
+    "The spikes of the outlet pressure at high stiction are surge: when the stem of VPCS1 jumps shut, compressor 2's "
+    "flow breaks down for a moment before its recycle valve opens. The thesis reports none"
+)
+BESIDES = (
+    "No row tests this, but it is not in the thesis either: under the sine with high stiction compressor 2 is left of "
+    "its surge line for 27 s of 2000 s, and its flow reverses for fractions of a second (set E only; docs/errata.md)."
+)
+
+CAPTIONS = {
+    "5.1": (
+        "With sticky valves everything from separator to shaft oscillates; at rest without stiction nothing moves. "
+        "Bars at the right edge: the printed amplitudes, peak to peak. Speed drifts with the level besides; the bars "
+        "count its ripple alone."
+    ),
+    "5.2": (
+        "Flat: the stem sticks while OP travels the stickband. Steep: it jumps. As in the thesis, but for (b), where "
+        "it jumps twice each way: the thesis says that both valves draw the same rectangle."
+    ),
+    "5.3": "The pressure draws an ellipse, the level a narrow loop: it integrates, which turns the phase by 90°.",
+    "B.1": "Between two jumps of the stem OP has to travel the stickband. In (d) the stem jumps twice each way.",
+    "5.4": (
+        "The sine moves everything. With high stiction ripples ride on it while VPCS1 is in charge (pressure error "
+        f"near zero); with normal stiction the stem takes a few steps as OP falls. {SURGE}."
+    ),
+    "5.5": "Rising OP carries the stem along, falling OP moves it in steps (a), as in the thesis.",
+    "5.6": "OP waits at zero while the pressure is low; the loops right of it are the ripples.",
+    "B.2": "OP of the pressure valve rests at zero for about a third of the time: printed are some 40 %.",
+    "6.1": (
+        "R is the dark area over the light one. A sine has R = 1; the printed model with high stiction gives 13.9, not "
+        "3.71, and with 2.75 times its loop gain 3.77."
+    ),
+    "B.3": "The same factor on the loop gain brings the other printed values near, 18.40 if its caption means normal.",
+    "7.1": "Shifting PV opens the loop of an integrating process, but makes it a rectangle, as in the thesis.",
+    "7.2": "A high-pass filter opens it to an ellipse; too short a time constant distorts it (d), as in the thesis.",
+    "7.3": (
+        "The same on the plant's level: short time constants amplify every break in it; here the pressure makes three "
+        "a period, in the thesis one."
+    ),
+    "B.4": "OP travels the stickband to and fro, and the stem jumps at each end.",
+    "choice": "Each dot is a start. Where dots form two groups, the median depends on which is the larger.",
+}
