@@ -8,7 +8,7 @@ thousand as well.  Then D alone is left.
 Set E, by search.  Seventeen numbers that the thesis does not print (D, K_p, C_4, dp_out, dp_link, J, gains of the
 speed, F_in, m_d of both compressors, p_C1, margin, the shape of the map) were searched: 1800 settings judged by table
 5.4 over 10 starts, then 260 around C and A judged by all rows of tables 5.4, 6.1, 6.2 and of case 2 over 24 starts.
-The best was taken back to set B number by number wherever no row was lost; six were left, and rounded.  ``scan`` shows
+The best was taken back to set B number by number wherever no row was lost; five were left, and rounded.  ``scan`` shows
 every start along two of them, and how the starts part into groups.
 """
 

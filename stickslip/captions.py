@@ -1,14 +1,5 @@
 """What each picture of ``stickslip reproduce`` shows, and where it differs from the thesis's own."""
 
-SURGE = (
-    "The spikes of the outlet pressure at high stiction are surge: when the stem of VPCS1 jumps shut, compressor 2's "
-    "flow breaks down for a moment before its recycle valve opens. The thesis reports none"
-)
-BESIDES = (
-    "No row tests this, but it is not in the thesis either: under the sine with high stiction compressor 2 is left of "
-    "its surge line for 27 s of 2000 s, and its flow reverses for fractions of a second (set E only; docs/errata.md)."
-)
-
 CAPTIONS = {
     "5.1": (
         "With sticky valves everything from separator to shaft oscillates; at rest without stiction nothing moves. "
@@ -23,7 +14,8 @@ CAPTIONS = {
     "B.1": "Between two jumps of the stem OP has to travel the stickband. In (d) the stem jumps twice each way.",
     "5.4": (
         "The sine moves everything. With high stiction ripples ride on it while VPCS1 is in charge (pressure error "
-        f"near zero); with normal stiction the stem takes a few steps as OP falls. {SURGE}."
+        "near zero); with normal stiction the stem takes a few steps as OP falls. Compressor 2 comes near surge when "
+        "VPCS1 jumps shut, but its flow never turns back."
     ),
     "5.5": "Rising OP carries the stem along, falling OP moves it in steps (a), as in the thesis.",
     "5.6": "OP waits at zero while the pressure is low; the loops right of it are the ripples.",

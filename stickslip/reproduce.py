@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip.captions import BESIDES, CAPTIONS
+from stickslip.captions import CAPTIONS
 from stickslip.console import Speaker, json_option, user_errors
 from stickslip.targets import check_folder, check_targets, write_whole
 
@@ -44,7 +44,7 @@ LEAD = (
 )
 GUIDE = (
     "Met: the median lies inside the stated tolerance of the published value. Rows without tolerance are shown for "
-    "comparison. The plant's unknowns were fitted to these tables in part (set E: six numbers; set C: one, the drop "
+    "comparison. The plant's unknowns were fitted to these tables in part (set E: five numbers; set C: one, the drop "
     "over VPCS1), so agreement there is a fit and no prediction."
 )
 
@@ -211,7 +211,7 @@ def _missed(own: Sequence["Row"]) -> "Section":
 
     missed = [row for row in own if row.within is False]
     judged = sum(row.within is not None for row in own)
-    section = Section("What is not met, and why", f"{len(missed)} of {judged} rows", "inconclusive", BESIDES)
+    section = Section("What is not met, and why", f"{len(missed)} of {judged} rows", "inconclusive", "")
     cells = []
     for row in missed:
         name, *others, _verdict = _cells(row)
@@ -251,7 +251,7 @@ def _sets(found: Sequence["Row"]) -> "Section":
         )
     met = ", ".join(f"{name} {_met(list(rows.values()))}" for name, rows in sets.items())
     reason = (
-        f"Set {first} is behind everything above. Its six numbers were searched for on these starts; on starts of "
+        f"Set {first} is behind everything above. Its five numbers were searched for on these starts; on starts of "
         "other seeds it meets 25 to 28 rows. A and B were fitted to one case each, C by one number to both. "
         "✗: outside the tolerance. Medians."
     )

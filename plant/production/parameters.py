@@ -219,7 +219,6 @@ SET_E = replace(  # both cases, searched: what differs from set B
     D=4.1e5,  # [C]
     F_in=7600.0,  # [C] the thesis prints only that 9500 is the most, with a margin
     dp_out=3.25e5,  # [C]
-    margin=1.10,  # [C]
     S1=replace(SET_B.S1, K_p_pressure=7e-7),  # [C]
     C2=replace(SET_B.C2, map=CubicMap(W_q=0.25)),  # [C] surge at a corrected flow of 0.50
     C3=replace(SET_B.C3, map=CubicMap(W_q=0.25)),

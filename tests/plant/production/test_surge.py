@@ -18,19 +18,19 @@ def test_feed_trip_with_gradient_action(name, method):
     """The promise: right of the surge line all the time, both compressors."""
     run = simulate(production_plant(name, feed=trip(), anti_surge="gradient"), 200.0, every=0.01, method=method)
     assert run.ok
-    line = SETS[name].C2.map.surge()  # measured: 1.03 times the line in C, 1.004 in E, whose margin is 1.10 only
+    line = SETS[name].C2.map.surge()  # measured: at least 1.03 times the line, in C
     assert run.log["q_2"].min() > line and run.log["q_3"].min() > line
     assert run.log["OP_VRVC2"].max() > 0.1
 
 
 def test_feed_trip_with_the_growing_gain_alone():
-    """Set B stands it; A and C cross the line, since at it the gain is only twice what it is at the margin."""
+    """Set B stands it; the others cross the line, since at it the gain is only twice what it is at the margin."""
     lowest = {}
     for name in SETS:
         run = simulate(production_plant(name, feed=trip()), 200.0, every=0.01, method="stiff")
         assert run.ok
         lowest[name] = run.log["q_2"].min()
-    assert lowest["B"] > 0.59 and lowest["A"] < 0.0 and lowest["C"] < 0.0  # snapshot
+    assert lowest["B"] > 0.59 and max(lowest["A"], lowest["C"], lowest["E"]) < 0.0  # snapshot
 
 
 @pytest.mark.parametrize("name", SETS)
@@ -66,16 +66,25 @@ def test_one_compressor_with_anti_surge():
     assert run.ok and run.log["q_2"].min() > 0.56
 
 
-@pytest.mark.parametrize("name", ["A", "B", "C"])  # E, with its margin of 1.10, stands 10 s and not 5
+@pytest.mark.parametrize("name", SETS)
 @pytest.mark.parametrize("within", [5.0, 10.0])
 def test_one_compressor_loses_three_quarters_of_its_gas(name, within):
     """The gradient action saves it; the growing gain alone does not, in any of these sets."""
     run = simulate(compressor_2(name, anti_surge="gradient"), 60.0, every=0.01, inputs=fall(0.75, within))
-    assert run.ok and run.log["q_2"].min() > 0.565  # surge line 0.56; measured 0.572 (C)
-    rest = 1.18 * 0.56
+    line = SETS[name].C2.map.surge()
+    assert run.ok and run.log["q_2"].min() > 1.01 * line  # measured: 1.02 times (C)
+    rest = 1.18 * line
     assert run.log["q_2"][-1] == pytest.approx(rest, abs=0.02)  # analytic: back to the set point
     plain = simulate(compressor_2(name), 60.0, every=0.01, inputs=fall(0.75, within))
     assert plain.ok and plain.log["m_2"].min() < 0.0
+
+
+@pytest.mark.parametrize("F_s", ["none", "normal", "high"])
+def test_the_sine_with_sticky_valves_does_not_reverse_the_flow(F_s):
+    """Neither does the thesis report it; a margin of 1.10 would let it happen with set E."""
+    run = simulate(kicked(production_plant("E", F_s=F_s, case=2)), 2000.0, every=0.1, method="stiff")
+    assert run.ok and run.log["m_2"].min() > 20.0 and run.log["m_3"].min() > 1.0
+    assert np.mean(run.log["q_2"] < SETS["E"].C2.map.surge()) < 0.005
 
 
 def test_one_compressor_without_surges_in_a_cycle():
