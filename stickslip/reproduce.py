@@ -252,8 +252,8 @@ def _sets(found: Sequence["Row"]) -> "Section":
     met = ", ".join(f"{name} {_met(list(rows.values()))}" for name, rows in sets.items())
     reason = (
         f"Set {first} is behind everything above. Its five numbers were searched for on these starts; over eight "
-        "seeds it meets 25 to 30 rows, 27.9 in the mean. A and B were fitted to one case each, C by one number to both. "
-        "✗: outside the tolerance. Medians."
+        "seeds it meets 25 to 30 rows, 27.9 in the mean. A and B were fitted to one case each, C by one number "
+        "to both. ✗: outside the tolerance. Medians."
     )
     section = Section(
         "The plant's rows with other sets of parameters", f"{met} of {len(sets[first])} met", "inconclusive", reason
