@@ -22,7 +22,7 @@ from plant import drive, simulate, wire
 WIDE = {"low": -math.inf, "high": math.inf}
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=30))
 def test_equals_the_backlash_of_python_control(levels):
     levels = [0.0, *levels]

@@ -16,7 +16,7 @@ from plant import drive, simulate, wire
 TIGHT = {"rtol": 1e-9, "atol": 1e-12}
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(
     K=st.floats(-5.0, 5.0),
     tau=st.floats(0.1, 50.0),

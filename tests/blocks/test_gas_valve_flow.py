@@ -39,7 +39,7 @@ def test_equation_of_the_standard(p_down):
     assert 0.016 * flow(moles, 29.9e5, p_down) == pytest.approx(flow(body, 29.9e5, p_down), rel=1e-12)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     p_up=st.floats(2e5, 2e7), share=st.floats(0.01, 0.99), T=st.floats(250.0, 500.0), W=st.floats(0.002, 0.1),
     gamma=st.floats(1.05, 1.67), x_T=st.floats(0.2, 0.9), Z=st.floats(0.5, 1.2),

@@ -11,7 +11,7 @@ from blocks.ports import BlockError
 from tests.blocks.test_valves_agree import sampled
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.floats(0.001, 0.999), min_size=1, max_size=60), st.floats(0.0, 0.3))
 def test_equal_bands_are_the_backlash_of_python_control(op, f):
     play = ct.friction_backlash_nonlinearity(2 * f)  # independent: python-control

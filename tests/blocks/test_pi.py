@@ -228,7 +228,7 @@ def test_start_beyond_the_limit_unwinds_inwards_only():
     assert run.events[1].t == pytest.approx(90.0, abs=1e-6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     K_p=st.floats(0.05, 20.0),
     T_i=st.floats(0.5, 200.0),
@@ -251,7 +251,7 @@ def test_op_never_leaves_its_limits_and_the_block_never_changes(
         np.testing.assert_array_equal(old, new)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     K_p=st.floats(0.5, 5.0),
     T_i=st.floats(1.0, 30.0),

@@ -42,7 +42,7 @@ def on_a_grid(low, high):
     return st.lists(st.integers(low, high).map(lambda n: n / 64.0), min_size=2, max_size=20)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     levels=on_a_grid(-64, 128), J=st.sampled_from([0.0, 0.0213, 0.171]), hold=st.sampled_from(["linear", "previous"])
 )

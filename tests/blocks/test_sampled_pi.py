@@ -130,7 +130,7 @@ def test_smooth_twin_has_the_same_settings():
     assert twin.x0.tolist() == pi.d0.tolist() == [0.7]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     K_p=st.floats(0.05, 20.0),
     T_i=st.floats(0.5, 200.0),

@@ -171,7 +171,7 @@ def test_ideal_mode_agrees_with_python_control():
     assert ours.events == ()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     levels=st.lists(st.floats(-0.2, 1.2), min_size=2, max_size=12),
     F_s=st.sampled_from(SIZES),

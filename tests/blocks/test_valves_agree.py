@@ -72,7 +72,7 @@ def test_all_agree_with_the_physical_stem_on_triangles():
         assert apart.max() <= J + step, name
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.lists(st.floats(0.01, 0.99), min_size=1, max_size=60))
 def test_zero_bands_pass_op_unchanged(op):
     for valve in TWO_BANDS:
@@ -80,7 +80,7 @@ def test_zero_bands_pass_op_unchanged(op):
     np.testing.assert_allclose(sampled(StenmanValve(0.0, 1.0), op), op, atol=0)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     op=st.lists(st.floats(-0.2, 1.2), min_size=1, max_size=60),
     S=st.floats(0.0, 0.3),

@@ -105,7 +105,7 @@ def test_no_log_row_is_lost_and_time_is_exact() -> None:
     np.testing.assert_allclose(run.OP, 0.4 * run.e + run.z, rtol=0, atol=1e-16)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     SP=st.floats(-2.0, 2.0).filter(lambda r: abs(r) > 1e-3),
     K_p=st.floats(0.05, 1.0),

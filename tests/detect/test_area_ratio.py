@@ -140,7 +140,7 @@ def test_interval_covers_the_truth(wave, loop):
     assert hits >= 45
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     scale=st.floats(1e-3, 1e3),
     offset=st.floats(-1e3, 1e3),

@@ -97,7 +97,7 @@ def test_misfit_knows_sine_from_triangle(wave):
     assert triangle.triangle_misfit < 0.01 * triangle.sine_misfit
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     scale=st.floats(1e-4, 1e4),
     slow=st.floats(1e-3, 1e3),

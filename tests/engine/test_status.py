@@ -107,7 +107,7 @@ def test_stiff_chain_of_lags():
     np.testing.assert_allclose(run.log["c"], exact, atol=1e-5)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     q=st.floats(0.5, 4.0), t0=st.sampled_from([0.0, -5.0, 1e6, 1.7e9]), duration=st.floats(1e-3, 5.0),
     rtol=st.sampled_from([1e-3, 1e-6, 1e-10]),

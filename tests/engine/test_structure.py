@@ -27,7 +27,7 @@ def sparse(draw):
     return n, entries, rng.normal(size=len(entries)), rng.normal(size=n)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(sparse())
 def test_elimination_solves_what_numpy_solves(problem):
     n, entries, values, b = problem

@@ -140,7 +140,7 @@ def test_loops_are_drawn_clearly(diagram):
     check_drawing(diagram)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(diagrams())
 def test_any_diagram_is_drawn_clearly(diagram):
     check_drawing(diagram)

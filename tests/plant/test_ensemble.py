@@ -52,7 +52,7 @@ def test_members_follow_the_closed_form():
     assert np.abs(result.values["PV"] - exact).max() < 1e-7
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     st.lists(st.tuples(st.floats(0.5, 5.0), st.just(0.0) | st.floats(0.1, 3.0)), min_size=1, max_size=6),
     st.integers(1, 3),

@@ -46,7 +46,7 @@ def test_ideal_loop_with_cancelled_pole():
     assert poles == pytest.approx([-0.12, -0.1], rel=1e-8)  # analytic: crossover and cancelled pole
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     K=st.floats(0.2, 5.0), tau=st.floats(1.0, 50.0), K_p=st.floats(0.05, 2.0), T_i=st.floats(2.0, 80.0),
 )  # fmt: skip
@@ -110,7 +110,7 @@ def test_relative_gain_of_integrating_levels_is_finite():
     assert rga(tanks).values[0, 0].real == pytest.approx(expected, abs=1e-8)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 10**6), st.integers(1, 5))
 def test_relative_gains_sum_to_one_and_ignore_units(seed, n):
     rng = np.random.default_rng(seed)

@@ -122,7 +122,7 @@ def diagrams(draw):
     return wire([draw(SOURCES)(), controller, valve, process, tail])
 
 
-@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=10, suppress_health_check=[HealthCheck.too_slow])
 @given(diagram=diagrams())
 def test_random_loops(diagram):
     # a stem at the edge of breaking away may decide either way on the last digits; friction events aside the runs agree

@@ -43,7 +43,7 @@ def attempt(path):
                 record.segments()
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(text=tables())
 def test_any_table(text, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / "fuzz.csv"
@@ -51,7 +51,7 @@ def test_any_table(text, tmp_path_factory):
     attempt(path)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(raw=st.binary(max_size=200))
 def test_any_bytes(raw, tmp_path_factory):
     path = tmp_path_factory.getbasetemp() / "fuzz.bin"
@@ -59,7 +59,7 @@ def test_any_bytes(raw, tmp_path_factory):
     attempt(path)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(cut=st.integers(0, 3000), flip=st.integers(0, 3000))
 def test_damaged_parquet(cut, flip, tmp_path_factory):
     from records import Log

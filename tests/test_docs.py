@@ -1,0 +1,82 @@
+"""The Python examples of every page run, in order, and print what the page says; every picture shown exists."""
+
+import ast
+import builtins
+import contextlib
+import io
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+DATA = Path(os.environ.get("STICKSLIP_DATA") or ROOT.parent / "shared" / "data")
+
+
+def examples(page: str) -> list[str]:
+    """Return the examples of a page that can be run: a lone function is a picture of the code, not a call of it."""
+    return [code for code in re.findall(r"```python\n(.*?)```", page, re.S) if not code.startswith("def ")]
+
+
+def names(code: str) -> tuple[set[str], set[str]]:
+    """Return the names that an example assigns, and those that it reads."""
+    found = [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Name)]
+    stored = {node.id for node in found if isinstance(node.ctx, ast.Store)}
+    return stored, {node.id for node in found} - stored - set(dir(builtins))
+
+
+def run(page: str, name: str, data: bool) -> tuple[list[str], int]:
+    """Run the examples of a page in one session; return what each printed, and how many were left out.
+
+    Without the real data an example that reads them is left out, and so is what builds on it.
+    """
+    session: dict[str, object] = {}
+    missing: set[str] = set()
+    printed, left_out = [], 0
+    for code in examples(page):
+        stored, read = names(code)
+        if not data and ("STICKSLIP_DATA" in code or read & missing):
+            missing |= stored
+            left_out += 1
+            continue
+        missing -= stored
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            exec(compile(code, name, "exec"), session)
+        printed.append(out.getvalue().strip())
+    return printed, left_out
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_examples_run_and_pictures_exist(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = page.read_text()
+    for picture in re.findall(r"!\[.*?\]\((.*?)\)", text):
+        assert (page.parent / picture).is_file(), picture
+    monkeypatch.setenv("STICKSLIP_DATA", str(DATA.resolve()))
+    monkeypatch.chdir(tmp_path)
+    printed, left_out = run(text, page.name, DATA.is_dir())
+    excerpts = re.findall(r"# \.\.\. (.*?) \.\.\.", text)  # of lines too long to be shown whole
+    for line in "\n".join(printed).splitlines():
+        shown = line.strip() in text or any(part in line for part in excerpts)
+        assert shown, f"{page.name} does not show the line that its example prints: {line}"
+    if left_out:
+        pytest.skip(f"REAL DATA NOT TESTED: {left_out} examples of {page.name} need {DATA}; set STICKSLIP_DATA")
+
+
+def test_without_data_only_what_needs_them_is_left_out() -> None:
+    page = "\n".join(
+        f"```python\n{code}\n```"
+        for code in ("a = 1", "b = 'STICKSLIP_DATA'", "c = [x for x in b]", "print(a)", "b = a", "print(b)")
+    )
+    assert run(page, "page", data=False) == (["", "1", "", "1"], 2)
+    assert run(page, "page", data=True)[1] == 0
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_examples_run_on_a_clone_alone(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if "STICKSLIP_DATA" in page.read_text():
+        monkeypatch.setenv("STICKSLIP_DATA", "nowhere")
+        monkeypatch.chdir(tmp_path)
+        assert run(page.read_text(), page.name, data=False)[1] > 0
