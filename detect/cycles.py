@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect import conditions, oscillation
-from detect.gaps import Gap, gaps_in
+from detect.gaps import Gap, falls_into, gaps_in
 from detect.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure
 from detect.pieces import Pieces, pieces_of
 from detect.smoothing import moving_average, noise_std
@@ -238,7 +238,7 @@ def half_cycles_in(t: Values, e: Values, noise: float, period: float, gaps: tupl
             half = replace(half, fault="length")
         if not half.fault and abs(half.peak) < 0.5 * std:
             half = replace(half, fault="low")
-        if not half.fault and any(gap.start < half.peak_time < gap.end for gap in gaps):
+        if not half.fault and falls_into(gaps, half.peak_time):
             half = replace(half, fault="gap")
         found.append(half)
     return found

@@ -7,6 +7,7 @@ sample: over a tenth of a period a straight line misses a sine by at most 1 - co
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ import numpy.typing as npt
 
 from records import LoopRecord
 
-__all__ = ["Gap", "bridgeable", "describe", "gaps_in", "split"]
+__all__ = ["Gap", "bridgeable", "describe", "falls_into", "gaps_in", "split"]
 
 BRIDGED_SHARE = 0.1  # of a period
 STEPS = 5.0  # median steps between two good samples, beyond which samples are missing; as `LoopRecord.segments`
@@ -45,6 +46,12 @@ def gaps_in(record: LoopRecord) -> tuple[Gap, ...]:
     good, where = _gaps(record)
     t = record.t[good]
     return tuple(Gap(float(t[i]), float(t[i + 1])) for i in where)
+
+
+def falls_into(gaps: Sequence[Gap], t: float) -> bool:
+    """Whether the time t [s] lies in one of the gaps, which are in order of time."""
+    before = bisect(gaps, t, key=lambda gap: gap.start)
+    return before > 0 and t < gaps[before - 1].end
 
 
 def bridgeable(record: LoopRecord, period: float) -> float:

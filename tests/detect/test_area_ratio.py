@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 
 from detect import area_ratio, stream
 from detect.area_ratio import Params, closed_form, detect
@@ -138,6 +139,16 @@ def test_a_wave_late_on_one_side_is_no_accusation(wave, late_side):
     assert v.index > Params().R_stiction and v.interval[0] > Params().R_low
     assert v.verdict == "inconclusive"
     assert f"while PV is {other} SP; a sticky valve delays both half waves" in v.reason
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.1])
+def test_a_resonance_driven_by_noise_is_not_accused(loop, damping):
+    """Second-order noise of period 50 over six cycles: a tight loop without any valve, its few half cycles ragged."""
+    pole = np.exp((-damping + 1j * np.sqrt(1 - damping**2)) * 2 * np.pi / 50)
+    for seed in range(60):
+        w = np.random.default_rng([5, seed]).normal(size=2300)
+        e = lfilter([1], [1, -2 * pole.real, abs(pole) ** 2], w)[2000:]
+        assert detect(loop(np.arange(300.0), e)).verdict in ("inconclusive", "not_applicable")
 
 
 def test_without_a_set_point_the_sides_are_those_of_the_mean(wave):
