@@ -49,7 +49,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,6 +58,7 @@ from detect import cycles
 from detect.card import Card
 from detect.cycles import Cycles, Refusal
 from detect.half_cycles import SAMPLES_MIN, HalfCycle
+from detect.lateness import Lateness, closed_form, lag_of, lateness
 from detect.stream import Buffer, LoopFacts, Sample
 from detect.verdict import Code, Verdict, Word
 from records import LoopRecord
@@ -135,16 +135,6 @@ class Params:
             raise ValueError(f"block = {self.block} samples; give at least 64")
 
 
-def closed_form(h: float) -> float:
-    """R of a square wave through a first-order lag, h = (half period) / tau [-].
-
-    >>> round(closed_form(25 / 8), 2), round(closed_form(1e-3), 2)
-    (5.87, 1.0)
-    """
-    a = math.tanh(h / 2)
-    return (h - math.log1p(a) - a) / (a - math.log1p(a))
-
-
 def detect(record: LoopRecord, p: Params = Params()) -> Verdict:
     """The verdict on one loop.
 
@@ -191,37 +181,18 @@ def _judge(half_cycles: tuple[HalfCycle, ...], seen: Cycles, p: Params) -> Verdi
     found = f"period {seen.period:.4g} s, {len(used)} of {total} half cycles usable"
     if len(used) < p.half_cycles_min:
         return _too_few([half.fault for half in half_cycles], seen, p, found, tail, evidence)
-    before = np.array([half.area_before for half in used])
-    after = np.array([half.area_after for half in used])
-    ratio = float(before.sum() / after.sum())
-    low, high = _interval(before, after, p)
-    sine = sum(half.sine_misfit for half in used)
-    triangle = sum(half.triangle_misfit for half in used)
-    evidence |= {"R": ratio, "R_median": float(np.exp(np.median(np.log(before / after))))}
-    evidence |= {"low": low, "high": high}
-    sides = _sides(before, after, np.array([half.peak for half in used]))
-    evidence |= {f"R_{side}": R for side, (R, _) in sides.items()}
-    word, why = _word(ratio, low, high, sides, seen.centre, p)
-    if ratio < p.R_low and low > 1 / p.R_stiction and high < p.R_stiction:
-        why = _near_one(high, 0.5 * seen.period, triangular=triangle < sine)
+    late = lateness(used, p.resamples, p.seed, p.coverage)
+    logs = [math.log(half.area_before / half.area_after) for half in used]
+    evidence |= {"R": late.R, "R_median": math.exp(float(np.median(logs))), "low": late.low, "high": late.high}
+    evidence |= {f"R_{side}": of.R for side, of in late.sides.items()}
+    triangular = sum(half.triangle_misfit for half in used) < sum(half.sine_misfit for half in used)
+    word, why = _word(late, seen, triangular, p)
     if len(used) < p.usable_min * total and word != "inconclusive":
         word, why = "inconclusive", "most half cycles are unusable, so the few that are left do not decide"
-    of_side = "".join(f", {R:.2f} while PV is {side} {seen.centre}" for side, (R, _) in sides.items())
-    reason = f"R = {ratio:.2f} (90 % interval {low:.2f} to {high:.2f}{of_side}): {why} ({found}{tail})."
-    return Verdict(NAME, word, ratio, p.R_stiction, reason, interval=(low, high), evidence=evidence, draw=draw)
-
-
-def _sides(before: Values, after: Values, peak: Values) -> dict[str, tuple[float, int]]:
-    """R and the number of half cycles while PV is above and below its centre; a side without any is left out.
-
-    e = SP - PV is negative while PV is above.
-    """
-    sides = {"above": peak < 0, "below": peak > 0}
-    return {
-        name: (float(before[side].sum() / after[side].sum()), int(side.sum()))
-        for name, side in sides.items()
-        if side.any()
-    }
+    of_side = "".join(f", {of.R:.2f} while PV is {side} {seen.centre}" for side, of in late.sides.items())
+    reason = f"R = {late.R:.2f} (90 % interval {late.low:.2f} to {late.high:.2f}{of_side}): {why} ({found}{tail})."
+    interval = (late.low, late.high)
+    return Verdict(NAME, word, late.R, p.R_stiction, reason, interval=interval, evidence=evidence, draw=draw)
 
 
 def _too_few(
@@ -256,31 +227,36 @@ _FAULTS = {
 }
 
 
-def _word(
-    ratio: float, low: float, high: float, sides: dict[str, tuple[float, int]], centre: str, p: Params
-) -> tuple[Word, str]:
-    """The verdict on R, its interval and {"above": (R, half cycles), "below": ...}, and why."""
-    if ratio > p.R_stiction and low > p.R_low:
-        needed = p.half_cycles_min // 2
-        scarce = [name for name in ("above", "below") if sides.get(name, (math.nan, 0))[1] < needed]
-        if scarce:
-            return "inconclusive", (
-                f"the peaks come late, but fewer than {needed} usable half cycles lie {scarce[0]} {centre}, "
-                "and a sticky valve has to show on both sides"
-            )
-        early = [name for name, (of_side, _) in sides.items() if of_side <= p.R_stiction]
-        if early:
-            return "inconclusive", (
-                f"the peaks come late on one side only, and R is not above {p.R_stiction:g} while PV is {early[0]} "
-                f"{centre}; a sticky valve delays both half waves, a process that acts one way or an outside wave "
-                "may delay one"
-            )
-        return "stiction", "the peaks come late on both sides, as after a slip, then a creep to the new level"
-    if high < 1 / p.R_low and ratio < 1 / p.R_low:
+def _word(late: Lateness, seen: Cycles, triangular: bool, p: Params) -> tuple[Word, str]:
+    """The verdict on R, and why; `triangular` when the half cycles are nearer to a triangle than to a sine."""
+    R, low, high, _ = late
+    if p.R_stiction < R and low > p.R_low:
+        return _accused(late, seen.centre, p)
+    if 1 / p.R_low > R and high < 1 / p.R_low:
         return "inconclusive", "the peaks come early, which neither stiction nor tight tuning explains"
+    if p.R_low > R and high < p.R_stiction and low > 1 / p.R_stiction:
+        return "inconclusive", _near_one(high, 0.5 * seen.period, triangular)
     if high > 2 * low:
         return "inconclusive", "the half cycles disagree too much to place R against 1"
     return "inconclusive", f"neither clearly above {p.R_stiction:g} nor clearly at 1"
+
+
+def _accused(late: Lateness, centre: str, p: Params) -> tuple[Word, str]:
+    """Stiction when both half waves are late; otherwise which one is not."""
+    needed = p.half_cycles_min // 2
+    for side in ("above", "below"):
+        if side not in late.sides or late.sides[side].half_cycles < needed:
+            return "inconclusive", (
+                f"the peaks come late, but fewer than {needed} usable half cycles lie {side} {centre}, and a sticky "
+                "valve has to show on both sides"
+            )
+        if p.R_stiction >= late.sides[side].R:
+            return "inconclusive", (
+                f"the peaks come late on one side only, and R is not above {p.R_stiction:g} while PV is {side} "
+                f"{centre}; a sticky valve delays both half waves, a process that acts one way or an outside wave "
+                "may delay one"
+            )
+    return "stiction", "the peaks come late on both sides, as after a slip, then a creep to the new level"
 
 
 def _near_one(high: float, half_period: float, triangular: bool) -> str:
@@ -290,28 +266,11 @@ def _near_one(high: float, half_period: float, triangular: bool) -> str:
             "the peaks sit in the middle of a triangular wave, as in an integrating loop with or without a sticky "
             "valve, so this method cannot tell"
         )
-    # The half period over tau at which the wave of a sticky valve has R = high; R rises with h.
-    h = np.geomspace(0.05, 10.0, 500)
-    slowest = half_period / float(np.interp(high, [closed_form(float(value)) for value in h], h))
-    digits = 1 - math.floor(math.log10(slowest))
     return (
         "the peaks sit in the middle of a rounded wave, as under tight tuning or an outside wave, but the valve is "
-        f"not cleared: behind a process with a time constant above {round(slowest, digits):g} s, a slow sensor or "
+        f"not cleared: behind a process with a time constant above {lag_of(high, half_period):g} s, a slow sensor or "
         "noise, a sticky valve makes the same wave, so this method cannot tell"
     )
-
-
-@lru_cache(maxsize=8)
-def _draws(n: int, resamples: int, seed: int) -> npt.NDArray[np.int64]:
-    return np.random.default_rng(seed).integers(0, n, (resamples, n))
-
-
-def _interval(before: Values, after: Values, p: Params) -> tuple[float, float]:
-    draws = _draws(len(before), p.resamples, p.seed)
-    ratios = before[draws].sum(axis=1) / after[draws].sum(axis=1)
-    side = 50 * (1 - p.coverage)
-    low, high = np.percentile(ratios, [side, 100 - side])
-    return float(low), float(high)
 
 
 def _evidence(half_cycles: tuple[HalfCycle, ...], seen: Cycles) -> dict[str, Values | float]:

@@ -1,5 +1,6 @@
 import itertools
 import pickle
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from scipy.signal import lfilter
 
 from detect import area_ratio, stream
 from detect.area_ratio import Params, closed_form, detect
+from detect.lateness import Lateness, Side
 from records import LoopRecord
 
 
@@ -44,7 +46,8 @@ def test_fall_of_three_samples(wave, loop):
     assert v.index == pytest.approx(closed_form(25 / 4), rel=0.03)  # analytic
 
 
-BOTH = {"above": (1.3, 10), "below": (1.3, 10)}
+BOTH = {"above": Side(1.3, 10), "below": Side(1.3, 10)}
+SEEN = SimpleNamespace(centre="SP", period=50.0)
 
 
 @pytest.mark.parametrize(
@@ -55,14 +58,30 @@ BOTH = {"above": (1.3, 10), "below": (1.3, 10)}
         (1.2, 1.15, 1.24, BOTH, "inconclusive", "neither"),
         (1.0, 0.9, 1.3, BOTH, "inconclusive", "neither"),
         (0.8, 0.7, 0.85, BOTH, "inconclusive", "early"),
-        (1.9, 1.5, 2.4, {"above": (1.10, 10), "below": (2.72, 10)}, "inconclusive", "not above 1.25 while PV is above"),
-        (1.9, 1.5, 2.4, {"above": (2.72, 10), "below": (1.10, 10)}, "inconclusive", "not above 1.25 while PV is below"),
-        (1.9, 1.5, 2.4, {"above": (1.9, 10)}, "inconclusive", "lie below SP"),
-        (1.9, 1.5, 2.4, {"above": (1.9, 2), "below": (1.9, 10)}, "inconclusive", "lie above SP"),
+        (0.88, 0.85, 0.9, BOTH, "inconclusive", "early"),
+        (1.0, 0.9, 1.2, BOTH, "inconclusive", "not cleared"),
+        (
+            1.9,
+            1.5,
+            2.4,
+            {"above": Side(1.10, 10), "below": Side(2.72, 10)},
+            "inconclusive",
+            "while PV is above SP; a",
+        ),
+        (
+            1.9,
+            1.5,
+            2.4,
+            {"above": Side(2.72, 10), "below": Side(1.10, 10)},
+            "inconclusive",
+            "while PV is below SP; a",
+        ),
+        (1.9, 1.5, 2.4, {"above": Side(1.9, 10)}, "inconclusive", "lie below SP"),
+        (1.9, 1.5, 2.4, {"above": Side(1.9, 2), "below": Side(1.9, 10)}, "inconclusive", "lie above SP"),
     ],
 )
 def test_bands(R, low, high, sides, word, why):
-    said = area_ratio._word(R, low, high, sides, "SP", Params())
+    said = area_ratio._word(Lateness(R, low, high, sides), SEEN, False, Params())
     assert said[0] == word
     assert why in said[1]
 
