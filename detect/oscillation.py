@@ -100,7 +100,7 @@ class Params:
     regularity_min: float = 1.0
     crossings: int = 11
     intervals_min: int = 4
-    cycles_min: float = 3.0
+    cycles_min: float = 3.5
     samples_min: float = 4.0
     band: float = 1.96
     halvings: int = 4
@@ -207,6 +207,9 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
     crossings = _significant_crossings(acf, p.band)[: p.crossings]
     intervals = np.diff(crossings) * dt
     if len(intervals) < p.intervals_min:
+        period = _cut_short(intervals, n * dt, p)
+        if period is not None:
+            return _too_short(period, n * dt, amplitude, p)
         reason = (
             f"No sustained oscillation: the autocorrelation of e swings through zero {len(crossings)} "
             f"time{'s' * (len(crossings) != 1)} beyond the band of noise, {p.intervals_min + 1} are needed."
@@ -223,8 +226,7 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
         )
         return Gate(False, None, 0.0, amplitude, 0.0, reason)
     if cycles < p.cycles_min:
-        reason = f"Only {cycles:.1f} cycles of {period:.4g} s in the record, {p.cycles_min:g} are needed."
-        return Gate(False, period, regularity, amplitude, cycles, reason)
+        return _too_short(period, n * dt, amplitude, p)
     oscillating = regularity > p.regularity_min
     word = "Regular" if oscillating else "No regular"
     reason = (
@@ -233,6 +235,20 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
     )
     where = (Stretch(float(t[0]), float(t[-1]), period),) if oscillating else ()
     return Gate(oscillating, period, regularity, amplitude, cycles, reason, where)
+
+
+def _cut_short(intervals: Values, duration: float, p: Params) -> float | None:
+    """The period [s] of a wave that the record ends before it could swing often enough, or None."""
+    if len(intervals) < 2 or np.max(intervals) > 1.5 * np.min(intervals):
+        return None
+    period = 2 * float(np.mean(intervals))
+    return period if duration < p.cycles_min * period else None
+
+
+def _too_short(period: float, duration: float, amplitude: float, p: Params) -> Gate:
+    cycles = duration / period
+    reason = f"Only {cycles:.1f} cycles of {period:.4g} s in the record, {p.cycles_min:g} are needed."
+    return Gate(False, period, 0.0, amplitude, cycles, reason)
 
 
 def _significant_crossings(acf: Values, band: float) -> Values:

@@ -27,6 +27,18 @@ def test_drift_does_not_hide_the_wave(wave, loop):
     assert gate.period == pytest.approx(50, rel=0.03)
 
 
+@pytest.mark.parametrize("cycles", [2.5, 3.0, 3.3])
+@pytest.mark.parametrize("kind", ["sine", "triangle", "exponential"])
+def test_a_wave_cut_short_has_too_few_cycles(wave, loop, kind, cycles):
+    """The remedy is a longer log, not the advice for loops that do not cycle."""
+    t = np.arange(50 * cycles)
+    v = area_ratio.detect(loop(t, wave(kind, t, phase=0.1)))
+    assert v.code == "too_few_cycles"
+    period = float(v.reason.split("cycles of ")[1].split(" s")[0])
+    assert period == pytest.approx(50, rel=0.1)  # analytic
+    assert "3.5 are needed" in v.reason
+
+
 COLOURS = ["white", 0.5, 0.8, 0.95, 0.99, -0.5, -0.8, "walk", "two lags", "loop"]
 
 
