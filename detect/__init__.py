@@ -9,10 +9,11 @@ One loop in five lines:
 >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
 >>> answer = diagnose(loop)
 >>> print(answer.verdict)
-no_stiction
+inconclusive
 
 `answer.reason` says why, `answer.to_dict()` is ready for JSON, `answer.plot()` draws it. A single method is a
-module with a CARD, Params and `detect(record) -> Verdict`; all of them stand in METHODS.
+module with a CARD, Params and `detect(record) -> Verdict`; all of them stand in METHODS. One from outside the
+package is given as `diagnose(loop, [*METHODS, mine])`; see `Method`.
 """
 
 from __future__ import annotations
@@ -20,13 +21,15 @@ from __future__ import annotations
 from types import ModuleType
 
 from detect import area_ratio, hagglund1995, oscillation
+from detect.card import Card
 from detect.diagnose import Diagnosis, diagnose
 from detect.gate import Gate
+from detect.method import Method
 from detect.verdict import Verdict
 
-__all__ = ["GATES", "METHODS", "Diagnosis", "Gate", "Verdict", "diagnose"]
+__all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict", "diagnose"]
 
-METHODS: tuple[ModuleType, ...] = (area_ratio,)
+METHODS: tuple[Method, ...] = (area_ratio,)
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
 GATES: tuple[ModuleType, ...] = (oscillation, hagglund1995)

@@ -35,6 +35,8 @@ class Card:
         Order of the work for n samples.
     kind : {"detector", "gate"}
         Gates answer whether the loop oscillates, detectors whether the valve sticks.
+    experimental : bool
+        Whether the method is still on trial: `diagnose` shows its answer, marked, and gives it no vote.
 
     >>> Card("x", "X", "nobody", ("PV",), (), "nothing", (0, 1), ("self_regulating",), "no").kind
     'detector'
@@ -54,3 +56,4 @@ class Card:
     cons: tuple[str, ...] = ()
     cost: str = "O(n)"
     kind: Literal["detector", "gate"] = "detector"
+    experimental: bool = False

@@ -2,6 +2,8 @@
 
     checks -> pieces between gaps and set-point moves -> oscillation gate -> drift off -> noise off -> half cycles
 
+A gap that is much shorter than a period is bridged (see `gaps`); a half cycle whose peak falls into one is left out.
+
 Each step either says why it cannot go on (`Refusal`) or notes what it did. e = SP - PV; without a logged SP the
 mean of PV stands for it, so that the sign of e stays that of -PV.
 """
@@ -17,8 +19,9 @@ import numpy as np
 import numpy.typing as npt
 
 from detect import conditions, oscillation
-from detect.gate import Gate
+from detect.gaps import Gap, falls_into, gaps_in
 from detect.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure
+from detect.pieces import Pieces, pieces_of
 from detect.smoothing import moving_average, noise_std
 from detect.verdict import Code
 from records import LoopRecord
@@ -61,8 +64,11 @@ class Cycles:
 
     half_cycles : tuple of HalfCycle, in order of time, faulty ones marked
     period, dt : float [s]
+        Mean period and median sampling interval.
     regularity : float [-], of the gate
     notes : tuple of str, what was assumed or done, without full stops
+    centre : str
+        What e is measured from: "SP", or "its mean" when SP is not logged.
     t, e : (m,) [s], [unit of PV]
         The prepared error, NaN between pieces.
     """
@@ -72,6 +78,7 @@ class Cycles:
     regularity: float
     dt: float
     notes: tuple[str, ...]
+    centre: str
     t: Values
     e: Values
 
@@ -88,18 +95,17 @@ def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
     refusal = preconditions(record)
     if refusal is not None:
         return refusal
-    pieces = _pieces(record)
-    longest = max(pieces, key=lambda piece: len(piece[0]), default=(np.empty(0), np.empty(0)))
-    if len(longest[0]) < 20:
+    pieces = pieces_of(record, p.gate)
+    t, gate = pieces.longest[0], pieces.gate
+    if len(t) < 20:
         return Refusal(
             "too_few_cycles",
-            f"The record has {len(record)} samples, {len(longest[0])} in its longest stretch without gaps, bad "
-            "samples or set-point moves: too few for even one cycle.",
+            f"The record has {len(record)} samples, {len(t)} in its longest stretch without gaps, bad "
+            f"samples or set-point moves: too few for even one cycle{_tail(pieces)}.",
         )
-    gate = oscillation.find_in(*longest, p.gate)
     if not gate.oscillating or gate.period is None:
-        return _no_oscillation(gate, p)
-    dt = float(np.median(np.diff(longest[0])))
+        return _no_oscillation(pieces, p)
+    dt = float(np.median(np.diff(t)))
     if gate.period / dt < 2 * (SAMPLES_MIN + 1):
         return Refusal(
             "undersampled",
@@ -110,33 +116,34 @@ def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
     if refusal is not None:
         return refusal
     notes: list[str] = []
+    centre = "SP"
     if record.sp is None:
+        centre = "its mean"
         notes.append("SP is not logged: the mean of PV stands for it")
     if record.process == "unknown" and not record.measurement:
         notes.append("the process is taken as self-regulating")
-    found, t, e, drifts = _cut_pieces(pieces, gate.period, p)
+    if len(gate.stretches) > 1:
+        periods = [stretch.period for stretch in gate.stretches]
+        notes.append(f"the period drifts between {min(periods):.4g} and {max(periods):.4g} s")
+    found, t, e, drifts = _cut_pieces(pieces, gaps_in(record), p)
     if drifts:
         notes.append("a drifting baseline was taken off")
-    if len(pieces) > 1:
-        notes.append(f"gaps, bad samples or set-point moves cut the record into {len(pieces)} pieces")
-    return Cycles(found, gate.period, gate.regularity, dt, tuple(notes), t, e)
+    return Cycles(found, gate.period, gate.regularity, dt, (*notes, *pieces.notes), centre, t, e)
 
 
-def _cut_pieces(
-    pieces: list[tuple[Values, Values]], period: float, p: Params
-) -> tuple[tuple[HalfCycle, ...], Values, Values, bool]:
+def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple[HalfCycle, ...], Values, Values, bool]:
     """The half cycles of all pieces that are long enough, their t and e with NaN between, whether a drift came off."""
     found: list[HalfCycle] = []
     shown_t: list[Values] = []
     shown_e: list[Values] = []
     drifting = False
     hole = np.array([np.nan])
-    for t, x in pieces:
+    for t, x, period in pieces.stretches(p.gate):
         if t[-1] - t[0] < 1.5 * period or len(t) < 20:
             continue
         e, noise, drifts = prepare(t, x, period, p)
         drifting |= drifts
-        found.extend(half_cycles_in(t, e, noise, period))
+        found.extend(half_cycles_in(t, e, noise, period, gaps))
         shown_t += [t, hole]
         shown_e += [e, hole]
     if not shown_t:
@@ -160,15 +167,20 @@ _REMEDY = {
 }
 
 
-def _no_oscillation(gate: Gate, p: Params) -> Refusal:
+def _no_oscillation(pieces: Pieces, p: Params) -> Refusal:
+    gate = pieces.gate
     code: Code = "no_oscillation"
     if gate.period is not None and gate.cycles < p.gate.cycles_min:
         code = "too_few_cycles"
     return Refusal(
         code,
-        gate.reason + " Shape methods compare half cycles of a sustained oscillation; "
-        "stiction without a limit cycle stays unseen.",
+        f"{gate.reason.removesuffix('.')}{_tail(pieces)}. Shape methods compare half cycles of a sustained "
+        "oscillation; stiction without a limit cycle stays unseen.",
     )
+
+
+def _tail(pieces: Pieces) -> str:
+    return "".join(f"; {note}" for note in pieces.notes)
 
 
 def _drawn(record: LoopRecord, period: float, dt: float) -> Refusal | None:
@@ -182,20 +194,6 @@ def _drawn(record: LoopRecord, period: float, dt: float) -> Refusal | None:
             "the shape is the historian's (or the wave has perfectly straight sides, which looks the same).",
         )
     return None
-
-
-def _pieces(record: LoopRecord) -> list[tuple[Values, Values]]:
-    """Good stretches of e (of -PV without SP) between gaps and moves of the set point: (t, x) pairs."""
-    pieces = []
-    for part in record.segments(min_samples=4):
-        if part.e is None or part.sp is None:
-            pieces.append((part.t, -part.pv))
-            continue
-        cuts = [0, *conditions.set_point_moves(part.sp, part.e).tolist(), len(part)]
-        for a, b in itertools.pairwise(cuts):
-            if b - a >= 4:
-                pieces.append((part.t[a:b], part.e[a:b]))
-    return pieces
 
 
 def prepare(t: Values, x: Values, period: float, p: Params) -> tuple[Values, float, bool]:
@@ -226,8 +224,8 @@ def prepare(t: Values, x: Values, period: float, p: Params) -> tuple[Values, flo
     return e, sigma, drifts
 
 
-def half_cycles_in(t: Values, e: Values, noise: float, period: float) -> list[HalfCycle]:
-    """Half cycles of the prepared e between neighbouring crossings, faults marked."""
+def half_cycles_in(t: Values, e: Values, noise: float, period: float, gaps: tuple[Gap, ...] = ()) -> list[HalfCycle]:
+    """Half cycles of the prepared e between neighbouring crossings, faults marked, gaps in t among them."""
     std = float(np.std(e))
     c = crossings(t, e, max(0.1 * std, min(3 * noise, 0.5 * std)))
     found = []
@@ -240,5 +238,7 @@ def half_cycles_in(t: Values, e: Values, noise: float, period: float) -> list[Ha
             half = replace(half, fault="length")
         if not half.fault and abs(half.peak) < 0.5 * std:
             half = replace(half, fault="low")
+        if not half.fault and falls_into(gaps, half.peak_time):
+            half = replace(half, fault="gap")
         found.append(half)
     return found

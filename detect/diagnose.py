@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from types import ModuleType
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from detect.conditions import Fact, examine
+from detect.method import Method
 from detect.verdict import Verdict, Word
 from records import LoopRecord
 
@@ -59,7 +59,7 @@ class Diagnosis:
         }
 
     def plot(self, words: bool = True) -> Figure:
-        """Trend of SP, PV and OP, the PV-OP curve, and the evidence of the first method that has any.
+        """Trend of SP, PV and OP, the PV-OP curve, and the evidence of the first method that can draw it.
 
         ``words=False`` leaves verdict and reason to the text around the picture.
         """
@@ -68,29 +68,34 @@ class Diagnosis:
         return plot_diagnosis(self, words)
 
 
-def diagnose(record: LoopRecord, methods: Sequence[ModuleType] | None = None) -> Diagnosis:
+def diagnose(record: LoopRecord, methods: Sequence[Method] | None = None) -> Diagnosis:
     """Put every method to a record and say what follows.
 
-    `methods` are modules with `detect(record) -> Verdict`; by default all of `detect.METHODS`.
+    `methods` are modules or other objects with `CARD` and `detect(record) -> Verdict`, of this package or not; by
+    default all of `detect.METHODS`. One whose card says `experimental` is shown and has no vote.
+
+    Raises TypeError for a method without `detect`, or whose answer is no Verdict.
 
     >>> import numpy as np
     >>> t = np.arange(1000.0)
     >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
     >>> answer = diagnose(loop)
     >>> answer.verdict, answer.to_dict()["schema"]
-    ('no_stiction', 'stickslip.check/1')
+    ('inconclusive', 'stickslip.check/1')
     """
     if methods is None:
         from detect import METHODS
 
         methods = METHODS
-    verdicts = tuple(method.detect(record) for method in methods)
-    word = _together(verdicts)
+    verdicts = tuple(_ask(method, record) for method in methods)
+    votes = [v for v in verdicts if not v.experimental]
+    word = _together(votes)
+    trials = [f"{_name(v)} (experimental, no vote): {_sentence(v)}" for v in verdicts if v.experimental]
     return Diagnosis(
         loop=record.name,
         verdict=word,
         probability=None,
-        reason=_reason(word, verdicts, record),
+        reason=" ".join([_reason(word, votes), *trials, _next_step(word, votes)]),
         assumptions=_assumptions(record),
         methods=verdicts,
         conditions=examine(record),
@@ -98,9 +103,24 @@ def diagnose(record: LoopRecord, methods: Sequence[ModuleType] | None = None) ->
     )
 
 
-def _together(verdicts: Sequence[Verdict]) -> Word:
+def _ask(method: Method, record: LoopRecord) -> Verdict:
+    """The verdict of one method, with the method's picture and standing."""
+    if not callable(getattr(method, "detect", None)):
+        raise TypeError(
+            f"method {method!r} has no function detect(record); give a module of detect, such as area_ratio, or an "
+            "object with CARD and detect"
+        )
+    verdict = method.detect(record)
+    if not isinstance(verdict, Verdict):
+        raise TypeError(f"detect(record) of method {method!r} gave {verdict!r}; it must return a detect.Verdict")
+    draw = verdict.draw or getattr(method, "draw", None)
+    on_trial = verdict.experimental or getattr(getattr(method, "CARD", None), "experimental", False)
+    return replace(verdict, draw=draw, experimental=on_trial)
+
+
+def _together(votes: Sequence[Verdict]) -> Word:
     """Agreement of the methods that decided; a contradiction is inconclusive."""
-    words = {v.verdict for v in verdicts}
+    words = {v.verdict for v in votes}
     decided = words & {"stiction", "no_stiction"}
     if len(decided) == 1:
         return next(iter(decided))
@@ -115,18 +135,21 @@ _HEAD: dict[str, str] = {
 }
 
 
-def _reason(word: Word, verdicts: Sequence[Verdict], record: LoopRecord) -> str:
-    parts = [_HEAD[word]]
-    for v in verdicts:
-        if v.verdict == word or word == "inconclusive":
-            text = v.reason if v.reason.endswith(".") else v.reason + "."
-            parts.append(f"{v.method.replace('_', ' ').capitalize()}: {text}")
-    parts.append(_next_step(word, verdicts, record))
-    return " ".join(parts)
+def _reason(word: Word, votes: Sequence[Verdict]) -> str:
+    shown = [v for v in votes if v.verdict == word or word == "inconclusive"]
+    return " ".join([_HEAD[word], *(f"{_name(v)}: {_sentence(v)}" for v in shown)])
 
 
-def _next_step(word: Word, verdicts: Sequence[Verdict], record: LoopRecord) -> str:
-    codes = {v.code for v in verdicts}
+def _name(v: Verdict) -> str:
+    return v.method.replace("_", " ").capitalize()
+
+
+def _sentence(v: Verdict) -> str:
+    return v.reason if v.reason.endswith(".") else v.reason + "."
+
+
+def _next_step(word: Word, votes: Sequence[Verdict]) -> str:
+    codes = {v.code for v in votes}
     test = "step the OP in manual by 0.5 to 1 % at a time, both ways, and watch for moves that fail to show in PV"
     if word == "stiction":
         return f"To prove it and size it: log the stem position, or {test}."
@@ -149,6 +172,11 @@ def _next_step(word: Word, verdicts: Sequence[Verdict], record: LoopRecord) -> s
         return f"A sticky valve need not cycle; to check: {test}."
     if "too_few_cycles" in codes:
         return "To settle it: log ten periods at a fixed set point."
+    if word == "inconclusive":
+        return (
+            "To settle it: log the stem position for ten periods; or put the loop in manual for a few periods (a wave "
+            f"that stays comes from outside), then {test}."
+        )
     return f"To settle it: log the stem position for ten periods, or {test}."
 
 

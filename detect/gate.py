@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
-__all__ = ["REGULARITY_MAX", "Gate"]
+__all__ = ["REGULARITY_MAX", "Gate", "Stretch"]
 
 REGULARITY_MAX = 999.0  # a perfectly regular wave has no spread; a finite stand-in keeps JSON happy
+
+
+class Stretch(NamedTuple):
+    """Part of a record with one period: from `start` to `end` [s], `period` [s]."""
+
+    start: float
+    end: float
+    period: float
 
 
 @dataclass(frozen=True)
@@ -24,6 +33,9 @@ class Gate:
         Cycles in the record, duration / period.
     reason : str
         One sentence with the numbers.
+    stretches : tuple of Stretch
+        Where it oscillates and how fast, in order of time; several when the period drifts, empty when the
+        test does not say where.
 
     >>> Gate(False, None, 0.0, 1.2, 0.0, "No regular crossings.").oscillating
     False
@@ -35,3 +47,4 @@ class Gate:
     amplitude: float
     cycles: float
     reason: str
+    stretches: tuple[Stretch, ...] = ()

@@ -9,6 +9,8 @@ When w_u is not known, the lobe's own length stands for it: a lobe counts when i
 Source: Control Eng. Practice 3 (1995) 1543. Ours: the decay as an exponential, so that the sampling may be
 uneven (h / T_sup small gives the paper's 1 - h / T_sup); a hysteresis band against crossings by noise; and the
 regularity of the last eleven crossing intervals, asked for besides the count, because white noise loads too.
+Measured with the defaults of `find`, 200 seeds of 1000 samples: 1 % of white noises pass, none of AR(1) with 0.5 to
+0.95 and of random walks, but 29 % of AR(1) with -0.8, whose sign alternates.
 """
 
 from __future__ import annotations

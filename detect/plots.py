@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import textwrap
 from typing import TYPE_CHECKING
 
@@ -30,19 +29,19 @@ def plot_verdict(v: Verdict) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10, 4.6), layout="constrained")
-    reason = "" if len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
-    figure.suptitle(f"{v.method}: {v.verdict.replace('_', ' ')}{reason}", x=0.01, ha="left", fontsize=9)
+    reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
+    standing = " (experimental, no vote)" if v.experimental else ""
+    figure.suptitle(f"{v.method}: {v.verdict.replace('_', ' ')}{standing}{reason}", x=0.01, ha="left", fontsize=9)
     draw_evidence(v, figure)
     return figure
 
 
 def draw_evidence(v: Verdict, figure: FigureBase) -> None:
     """The evidence of any method on a figure or subfigure; its reason when there is nothing to draw."""
-    module = importlib.import_module(f"detect.{v.method}")
-    if len(v.evidence) == 0:
+    if v.draw is None or len(v.evidence) == 0:
         draw_reason(v.reason, figure)
     else:
-        module.draw(v, figure)
+        v.draw(v, figure)
 
 
 def draw_reason(text: str, figure: FigureBase) -> None:

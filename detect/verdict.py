@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
-__all__ = ["Code", "Evidence", "Verdict", "VerdictError", "Word"]
+__all__ = ["Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
 
 Word = Literal["stiction", "no_stiction", "inconclusive", "not_applicable"]
 Code = Literal[
@@ -33,6 +33,7 @@ Code = Literal[
 ]
 Values = npt.NDArray[np.float64]
 Evidence = Mapping[str, Values | float]
+Draw = Callable[["Verdict", "FigureBase"], None]
 
 
 class VerdictError(ValueError):
@@ -62,6 +63,10 @@ class Verdict:
         Size of the stiction [% of OP span]; None for methods that only detect.
     evidence : mapping of name to array or float
         What the method's plot shows; arrays are made read-only.
+    draw : function (verdict, figure), optional
+        Draws the evidence; without one the plot shows the reason in words.
+    experimental : bool
+        Whether the method is still on trial: its answer is shown, but has no vote in a diagnosis.
 
     Raises
     ------
@@ -84,6 +89,8 @@ class Verdict:
     interval: tuple[float, float] | None = None
     amount_percent_op: float | None = None
     evidence: Evidence = field(default_factory=dict)
+    draw: Draw | None = field(default=None, repr=False)
+    experimental: bool = False
 
     def __post_init__(self) -> None:
         if self.verdict not in get_args(Word):
@@ -121,6 +128,8 @@ class Verdict:
             self.interval,
             self.amount_percent_op,
             dict(self.evidence),
+            self.draw,
+            self.experimental,
         )
 
     @classmethod
@@ -131,9 +140,10 @@ class Verdict:
         reason: str,
         threshold: float | None = None,
         evidence: Evidence | None = None,
+        draw: Draw | None = None,
     ) -> Verdict:
         """A refusal: the record breaks a precondition of the method, so there is no index."""
-        return cls(method, "not_applicable", None, threshold, reason, code=code, evidence=evidence or {})
+        return cls(method, "not_applicable", None, threshold, reason, code=code, evidence=evidence or {}, draw=draw)
 
     @property
     def applicable(self) -> bool:
@@ -156,6 +166,7 @@ class Verdict:
             "code": self.code,
             "interval": interval,
             "amount_percent_op": _finite(self.amount_percent_op),
+            "experimental": self.experimental,
         }
 
     def plot(self) -> Figure:

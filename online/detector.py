@@ -72,6 +72,21 @@ class _Silent(Block):
     kernels = Kernels(out=_silent, feeds=False)
 
 
+def _check_method(method: Any) -> None:
+    """Refuse what is no detector, and a detector that cannot take one sample after the other."""
+    if not hasattr(method, "CARD"):
+        raise BlockError(f"method = {method!r} is no detector; give a module of detect with a CARD, e.g. area_ratio")
+    card = method.CARD
+    missing = [part for part in ("Params", "init", "update", "verdict") if not hasattr(method, part)]
+    if card.streams in ("exact", "window") and not missing:
+        return
+    why = "its card says so" if card.streams not in ("exact", "window") else f"it has no {' and no '.join(missing)}"
+    raise BlockError(
+        f"{card.name}: method = {card.name!r}; this method does not stream ({why}), so it cannot be a block; give one "
+        f"that does, e.g. area_ratio, or judge the log after the run: diagnose(run.log.loop(), [{card.name}])"
+    )
+
+
 class DetectorBlock(Block):
     """A streaming method (a module of ``detect`` with ``init``, ``update``, ``verdict``) sampled every ``dt`` [s].
 
@@ -101,13 +116,9 @@ class DetectorBlock(Block):
         inputs: Labels = None,
         outputs: Labels = None,
     ) -> None:
-        if not hasattr(method, "CARD"):
-            raise BlockError(
-                f"method = {method!r} is no detector; give a module of detect with a CARD, e.g. area_ratio"
-            )
+        _check_method(method)
         name = name or method.CARD.name
         require(process in PROCESSES, name, "process", process, "it is none of the known kinds", f"give {PROCESSES}")
-        require(method.CARD.streams, name, "method", method.CARD.name, "this method does not stream", "run it on a log")
         facts = LoopFacts(name=name, process=process, op_span=(0.0, 1.0))
         require(verdict_every >= 1, name, "verdict_every", verdict_every, "it counts samples", "give 1 or more")
         self.host = DetectorHost(method, method.Params() if params is None else params, facts, verdict_every)

@@ -83,7 +83,7 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     rows = [
         [
             verdict.method,
-            WORDS[verdict.verdict].lower(),
+            WORDS[verdict.verdict].lower() + (" (experimental, no vote)" if verdict.experimental else ""),
             "-" if verdict.index is None else f"{verdict.index:.3g}",
             "-" if verdict.threshold is None else f"{verdict.threshold:.3g}",
         ]

@@ -26,7 +26,8 @@ GUIDE = (
     "How to read it: the control error SP - PV is cut into half waves, and each half wave at its peak. R is the area "
     "before the peak over the area after it. Tight tuning or an outside wave gives R near 1. A valve that sticks and "
     "then jumps lets PV creep to its peak and throws it back: the peak comes late, and R above 1.25 is called "
-    "stiction. Where the method's assumptions do not hold it abstains and says why; that is not an acquittal."
+    "stiction when both half waves show it. A sticky valve behind a slow process or under noise has R near 1 too, so "
+    "that clears no valve. Where the method's assumptions do not hold it abstains and says why."
 )
 
 

@@ -55,9 +55,10 @@ def test_never_the_wrong_way_round(again, story, which):
     answer = diagnose(read_loop(story.path if which == "kept" else again / story.file))
     wrong = "no_stiction" if story.truth == "stiction" else "stiction"
     assert answer.verdict != wrong
-    decided = answer.verdict in ("stiction", "no_stiction")
-    assert decided == (story.name in ("FIC-101", "TIC-204", "PIC-305"))  # snapshot: by the area ratio alone
-    if not decided:
+    # snapshot: by the area ratio alone, which can accuse a valve but never clear one
+    words = {"FIC-101": "stiction", "TIC-204": "inconclusive", "PIC-305": "inconclusive"}
+    assert answer.verdict == words.get(story.name, "not_applicable")
+    if answer.verdict == "not_applicable":
         assert answer.methods[0].code == {"LIC-410": "wrong_process_type", "FIC-512": "compressed"}[story.name]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from records import LoopRecord
 
@@ -30,6 +31,29 @@ def _loop(t, e, **more):
     op = 50 + 0.05 * (e + np.cumsum(np.nan_to_num(e)) * 0.02)
     more.setdefault("process", "self_regulating")
     return LoopRecord.from_arrays(t, pv=30 - e, op=op, sp=np.full(len(e), 30.0), name="FIC1", **more)
+
+
+def _noise(kind, n, seed):
+    """Noise without any period: white, AR(1), a random walk, white noise through two lags, a loop under a walk."""
+    rng = np.random.default_rng([2009, seed, n])
+    w = rng.normal(size=n + 1000)
+    if kind == "white":
+        x = w
+    elif kind == "walk":
+        x = np.cumsum(w)
+    elif kind == "two lags":
+        x = lfilter([1], [1, -np.exp(-1 / 10)], lfilter([1], [1, -np.exp(-1 / 30)], w))
+    elif kind == "loop":  # PI with K_p = 1, T_i = 10 on 1 / (10 s + 1), one sample a second, walk at the input:
+        # e = -s / (10 s + 1) / (s + 0.1) * load, hence white noise through two equal lags of 10
+        x = lfilter([1], [1, -2 * np.exp(-0.1), np.exp(-0.2)], w)
+    else:
+        x = lfilter([1], [1, -kind], w)
+    return x[1000:]
+
+
+@pytest.fixture
+def noise():
+    return _noise
 
 
 @pytest.fixture

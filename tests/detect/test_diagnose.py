@@ -1,10 +1,12 @@
+import importlib
 import json
+import pickle
 import types
 
 import numpy as np
 import pytest
 
-from detect import Verdict, diagnose
+from detect import Card, Method, Verdict, area_ratio, diagnose
 from records import LoopRecord
 
 
@@ -86,6 +88,90 @@ def test_missing_set_point_is_an_assumption(wave):
     t = np.arange(800.0)
     answer = diagnose(LoopRecord.from_arrays(t, pv=wave("sine", t), op=50 + np.sin(t)))
     assert any("mean of PV" in text for text in answer.assumptions)
+
+
+# ---- methods from outside the package ----------------------------------------------------------------------
+
+
+def outside(word="stiction", experimental=False, **more):
+    """A detector that no module of this package knows."""
+    card = Card("mine", "Mine", "nobody", ("PV",), ("none",), "nothing", (0, 9), ("self_regulating",), "no",
+                experimental=experimental)  # fmt: skip
+
+    def detect(record):
+        return Verdict("mine", word, 2.0, 1.0, "Seen so.", evidence={"x": np.arange(4.0)})
+
+    return types.SimpleNamespace(CARD=card, detect=detect, **more)
+
+
+def draw_mine(v, figure):
+    figure.subplots().plot(v.array("x"), label="drawn by mine")
+
+
+def drawn(figure):
+    figure.canvas.draw()
+    return [line.get_label() for axes in figure.axes for line in axes.lines]
+
+
+def test_a_method_from_outside_is_used_and_plotted(record):
+    answer = diagnose(record, [outside(draw=draw_mine)])
+    assert answer.verdict == "stiction"
+    assert "drawn by mine" in drawn(answer.plot())
+    assert "drawn by mine" in drawn(answer.methods[0].plot())
+    assert "Mine: Seen so." in answer.reason
+
+
+def test_a_module_from_outside_is_used_and_plotted(record, tmp_path, monkeypatch):
+    (tmp_path / "house_method.py").write_text(
+        "from detect import Card, Verdict\n"
+        "CARD = Card('house_method', 'House', 'us', ('PV',), (), 'x', (0, 9), ('self_regulating',), 'no')\n"
+        "def detect(record):\n"
+        "    return Verdict('house_method', 'inconclusive', 1.0, 2.0, 'Unsure.', evidence={'R': 1.0}, draw=draw)\n"
+        "def draw(v, figure):\n"
+        "    figure.subplots().plot([0, 1], label='drawn by the house')\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    mine = importlib.import_module("house_method")
+    answer = diagnose(record, [mine])
+    assert "drawn by the house" in drawn(answer.plot())
+    assert "drawn by the house" in drawn(mine.detect(record).plot())
+    assert isinstance(mine, Method)
+    assert pickle.loads(pickle.dumps(answer.methods[0])).draw is mine.draw
+
+
+def test_a_method_without_a_picture_shows_its_words(record):
+    answer = diagnose(record, [outside()])
+    assert not [label for label in drawn(answer.plot()) if label == "drawn by mine"]
+    figure = answer.methods[0].plot()
+    figure.canvas.draw()
+    assert "Seen so." in [text.get_text() for axes in figure.axes for text in axes.texts]
+
+
+def test_an_experimental_method_is_shown_and_has_no_vote(wave, loop):
+    t = np.arange(1000.0)
+    record = loop(t, wave("exponential", t))
+    contradicting = diagnose(record, [area_ratio, outside("no_stiction", experimental=True, draw=draw_mine)])
+    assert contradicting.verdict == diagnose(record, [area_ratio]).verdict == "stiction"
+    assert "Mine (experimental, no vote): Seen so." in contradicting.reason
+    assert [method["experimental"] for method in contradicting.to_dict()["methods"]] == [False, True]
+    assert "drawn by mine" not in drawn(contradicting.plot())  # the picture is that of the method that voted
+    assert "experimental, no vote" in contradicting.methods[1].plot().get_suptitle()
+
+
+def test_an_experimental_method_alone_decides_nothing(record):
+    answer = diagnose(record, [outside("stiction", experimental=True, draw=draw_mine)])
+    assert answer.verdict == "not_applicable"
+    assert "Mine (experimental, no vote): Seen so." in answer.reason
+    assert "drawn by mine" in drawn(answer.plot())
+
+
+@pytest.mark.parametrize(
+    "method, words",
+    [(np, r"no function detect.*area_ratio"), (types.SimpleNamespace(detect=lambda record: 3), "gave 3.*Verdict")],
+)
+def test_what_is_no_method_is_refused(record, method, words):
+    with pytest.raises(TypeError, match=words):
+        diagnose(record, [method])
 
 
 def test_picture(record):

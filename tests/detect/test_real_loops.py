@@ -42,5 +42,8 @@ def test_never_the_wrong_way_round(row):
 
 
 def test_clear_loops_are_decided():
-    decided = {row["loop"] for row in ROWS if diagnose(read(row)).verdict in ("stiction", "no_stiction")}
-    assert {"CHEM10", "PAP2", "CHEM13", "PAP9"} <= decided  # snapshot
+    said = {row["loop"]: diagnose(read(row)) for row in ROWS if row["loop"] in ("CHEM10", "PAP2", "CHEM13", "PAP9")}
+    words = {"CHEM10": "stiction", "PAP2": "stiction", "CHEM13": "inconclusive", "PAP9": "inconclusive"}
+    assert {loop: answer.verdict for loop, answer in said.items()} == words  # snapshot
+    for loop in ("CHEM13", "PAP9"):  # R near 1: not cleared by this method alone
+        assert "not cleared" in said[loop].reason

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip, Sum
-from detect import area_ratio
+from detect import area_ratio, hagglund1995, oscillation
 from detect.stream import LoopFacts, Sample
 from online import DetectorBlock
 from online.detector import CODES
@@ -124,6 +124,11 @@ def test_fed_back_at_once_it_is_an_algebraic_loop():
         loop_that_steps_aside([Sum("SP", {"SP_given": 1.0, "verdict": 0.02})])
 
 
+def method_that_streams(how):
+    """A card alone, which says whether the method streams."""
+    return SimpleNamespace(CARD=SimpleNamespace(name="x", streams=how))
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -133,7 +138,13 @@ def test_fed_back_at_once_it_is_an_algebraic_loop():
         ({"dt": 1.0, "verdict_every": 0}, r"verdict_every = 0.*1 or more"),
         ({"dt": 1.0, "process": "runaway"}, r"process = 'runaway'.*self_regulating"),
         ({"dt": 1.0, "method": np}, "no detector.*area_ratio"),
-        ({"dt": 1.0, "method": SimpleNamespace(CARD=SimpleNamespace(name="x", streams=""))}, "does not stream"),
+        ({"dt": 1.0, "method": method_that_streams("no")}, r"x: .*does not stream \(its card.*diagnose\(run.log.loop"),
+        (
+            {"dt": 1.0, "method": method_that_streams("exact")},
+            r"no Params and no init and no update and no verdict",
+        ),
+        ({"dt": 1.0, "method": hagglund1995}, r"hagglund1995: .*does not stream \(it has no verdict\)"),
+        ({"dt": 1.0, "method": oscillation}, r"oscillation: .*does not stream"),
     ],
     ids=lambda value: str(value)[:40],
 )

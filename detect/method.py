@@ -1,0 +1,30 @@
+"""What a detector is to the rest of the house: a card and a function from a record to a verdict."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from detect.card import Card
+from detect.verdict import Verdict
+from records import LoopRecord
+
+__all__ = ["Method"]
+
+
+@runtime_checkable
+class Method(Protocol):
+    """A module or any other object with these two names; it need not belong to this package.
+
+    Optional beside them: `draw(verdict, figure)`, the picture of its evidence, and for streaming `Params`, `init`,
+    `update` and `verdict` (see `stream`). A method whose card says `experimental` is shown, but has no vote.
+
+    >>> from detect import area_ratio
+    >>> isinstance(area_ratio, Method)
+    True
+    """
+
+    CARD: Card
+
+    def detect(self, record: LoopRecord) -> Verdict:
+        """The verdict on one loop."""
+        ...
