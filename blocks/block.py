@@ -21,6 +21,7 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from blocks.parameters import Parametrised
 from blocks.ports import BlockError, Labels, Port, labelled, nearest, number, require
 
 Floats = NDArray[np.float64]
@@ -59,7 +60,7 @@ class Host(Protocol):
         """Take the sample ``u`` at time ``t`` [s]; return the next state and the outputs to hold."""
 
 
-class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
+class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     """Base of all blocks; see the module docstring.  Subclasses fill in the class data and call ``__init__``.
 
     Class data: ``ports_in``, ``ports_out``, ``kernels``, ``modes`` (name -> value of ``d[0]``),
@@ -182,7 +183,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             p[self.param_index(key)] = number(self.name, key, value)
         other = self._copy()
         other.p = other._p_now = p
-        other.params = dict(zip(self.param_names, (float(v) for v in p), strict=False))
+        other._fix_params(dict(zip(self.param_names, (float(v) for v in p), strict=False)))
         other.check(other.params, self.name)
         if self.sampled:
             other.dt = other.period

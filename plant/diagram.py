@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
+from blocks.parameters import Parametrised
 from blocks.ports import nearest, number
 from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
@@ -23,13 +24,15 @@ if TYPE_CHECKING:
     from plant.flatten import Past, Plan
 
 
-class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
+class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
     ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  As a python-control system its inputs are
     the open inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
+
+    params_dotted = True
 
     def __init__(
         self, blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequence[str] | None = None,
@@ -239,7 +242,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         other = copy.copy(self)
         other.blocks = tuple(blocks)
         other.syslist = seen
-        other.params = {f"{b.name}.{k}": v for b in seen for k, v in b.params.items()}
+        other._fix_params({f"{b.name}.{k}": v for b in seen for k, v in b.params.items()})
         other.updfcn, other.outfcn = other._update, other._output
         return other
 

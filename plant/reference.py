@@ -18,7 +18,8 @@ from blocks.ports import nearest
 from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
 from plant.interpreter import Interpreter
-from plant.simulate import Event, Run, log_times, set_up
+from plant.kept import log_times
+from plant.simulate import Event, Run, set_up
 from records import Log
 
 Floats = NDArray[np.float64]
@@ -88,7 +89,8 @@ def simulate_reference(
     if method not in SCIPY:
         raise ValueError(f"method = {method!r}; {nearest(method, list(SCIPY))}")
     ready = set_up(diagram, inputs, params, start)
-    grid = log_times(duration, every, times, t0)
+    grid = log_times(duration, every, times, t0, len(ready.signals))
+    duration, t0 = float(duration), float(t0)
     world = Interpreter(ready, t0)
     settings = Settings(backend, method, rtol, atol, min([max_step, *(0.5 * th for th in world.thetas)]), max_steps)
     status, rows = _run(world, grid, t0 + duration, settings)
