@@ -82,8 +82,12 @@ def ensemble(
     grid = log_times(duration, every, None, 0.0, len(wanted), len(cast) if keep_logs else 1)
     if not keep_logs and summary is None:
         raise ValueError("keep_logs=False without a summary leaves nothing; give summary=, or keep the logs")
-    if workers is not None and workers < 1:
-        raise ValueError(f"workers = {workers!r}, but at least one thread is needed; leave it out to use all cores")
+    if workers is not None and not (isinstance(workers, int | np.integer) and workers >= 1):
+        raise ValueError(
+            f"workers = {workers!r}, but threads are a whole number of at least 1; leave it out to use all cores"
+        )
+    if summary is not None and not callable(summary):
+        raise ValueError(f"summary = {summary!r}, but it is called for each member; give a function (t, signals)")
     crew = _Crew(cast, wanted, grid, float(duration), settings, keep_logs, summary)
     _work(crew, len(cast), workers or cores(), progress)
     return crew.result()

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from blocks.arguments import texts
 from blocks.ports import nearest, number
 from engine import layout as at
 from engine.table import Component
@@ -81,7 +82,7 @@ def wanted_signals(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str
     """Return the signals to log, all if none are named; raise ``ValueError`` for one that the diagram has not."""
     if signals is None:
         return diagram.signals
-    signals = (signals,) if isinstance(signals, str) else tuple(signals)
+    signals = texts("simulate", "signals", signals)
     for signal in signals:
         if signal not in diagram.signals:
             raise ValueError(f"the diagram has no signal '{signal}'; {nearest(signal, list(diagram.signals))}")

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.ports import nearest
+from blocks.ports import nearest, number
 from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
 from plant.interpreter import Interpreter
@@ -88,6 +88,13 @@ def simulate_reference(
         raise ValueError(f"backend = {backend!r}; {nearest(backend, ['scipy', 'cvode'])}")
     if method not in SCIPY:
         raise ValueError(f"method = {method!r}; {nearest(method, list(SCIPY))}")
+    rtol, atol = number("reference", "rtol", rtol), number("reference", "atol", atol)
+    max_step = number("reference", "max_step", max_step)
+    if not (rtol >= 1e-13 and atol > 0.0 and max_step > 0.0):
+        raise ValueError(
+            f"rtol = {rtol!r}, atol = {atol!r}, max_step = {max_step!r}, but rtol >= 1e-13, atol > 0 and max_step > 0 "
+            "are needed; leave them out for 1e-9, 1e-11 and no limit"
+        )
     ready = set_up(diagram, inputs, params, start)
     grid = log_times(duration, every, times, t0, len(ready.signals))
     duration, t0 = float(duration), float(t0)

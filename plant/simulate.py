@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from blocks.arguments import by_name
 from blocks.block import Block
 from blocks.ports import nearest, number
 from engine import layout as at
@@ -144,8 +145,8 @@ def set_up(
         raise ValueError(f"{_told(diagram)} is no diagram{alone or '; wire([...]) makes one of blocks'}")
     examples = {"inputs": {"SP": 0.5}, "params": {"valve.F_s": 1750.0}, "start": {"process.PV": 0.5}}
     for name, values in {"inputs": inputs, "params": params, "start": start}.items():
-        if values is not None and not isinstance(values, Mapping):
-            raise ValueError(f"{name} = {values!r}, but values are given by name; give e.g. {name}={examples[name]}")
+        if values is not None:
+            by_name("simulate", name, values, examples[name])
     if inputs:
         diagram = close(diagram, inputs)
     if diagram.open_inputs:

@@ -187,7 +187,8 @@ def test_a_parameter_written_into_params_is_refused_with_the_remedy(change):
 
 
 def test_python_control_copies_and_pickle_work_with_fixed_params():
-    loop = wire([PI(K_p=0.4, T_i=10.0, outputs="MV"), FirstOrder(K=3.0, tau=10.0)], inputs=["SP"], outputs=["PV"])
+    free = PI(K_p=0.4, T_i=10.0, low=-np.inf, high=np.inf, outputs="MV")
+    loop = wire([free, FirstOrder(K=3.0, tau=10.0)], inputs=["SP"], outputs=["PV"])
     for twin in (copy.copy(loop.params), copy.deepcopy(loop.params), pickle.loads(pickle.dumps(loop.params))):
         assert twin == loop.params and type(twin) is type(loop.params)
     assert type(loop.params | {}) is type({} | loop.params) is type(loop.params.copy()) is dict
