@@ -30,7 +30,7 @@ typedef struct {
 
 static Block B[400];
 static int NB, NS, NX, order[400];
-static double s[400], X[400], t_left;
+static double s[400], X[400], t_left, t_begin; /* a step lies between t_begin and t_left */
 static double *pending; static int *generation; static long n_pending, room_pending;
 
 static double clip(double v, double low, double high) { return v < low ? low : v > high ? high : v; }
@@ -110,7 +110,7 @@ static void rates(double t, const double *x, double *f) {
         case INTEGRATOR: g[0] = p[0] / p[1] * (u - p[2]); break;
         case SENSOR: if (b->nx) g[0] = p[0] > 0 ? (p[1] * u + p[2] + p[3] * t - v[0]) / p[0] : 0; break;
         case PI_: case PID_:
-            track = p[4] > 0 ? p[4] : p[1];
+            track = p[4] > 0 ? p[4] : b->kind == PI_ ? p[1] : sqrt(p[1] * p[6]);
             g[0] = p[0] * p[5] * (s[b->in[0]] - s[b->in[1]]) / p[1] + (s[b->out] - free_output(b, x, t)) / track;
             if (b->kind == PID_) g[1] = (p[9] * s[b->in[0]] - s[b->in[1]] - v[1]) / (p[6] / p[7]);
             break;
@@ -136,7 +136,8 @@ static void rk4(double t, double h, const double *x, double *y) {
 
 static double u_rate(const Block *b, double t, const double *x) { /* d(input)/dt, from the left */
     static double f[400], z[400];
-    double d = 1e-6, now, then;
+    double d = fmin(1e-6, 0.5 * (t - t_begin)), now, then;
+    if (d < 3e-7) return 0; /* shorter, rounding would decide */
     rates(t, x, f);
     for (int i = 0; i < NX; i++) z[i] = x[i] - d * f[i];
     now = s[b->in[0]];
@@ -430,6 +431,7 @@ int main(void) {
             }
             double h = fmin(share * fmin(fast, 4.0), 0.5 * theta);
             if (t + 1.01 * h >= stop) h = stop - t;
+            t_begin = t;
             if (++steps > MOST_STEPS) { puts("failed"); return 1; }
             rk4(t, h, X, x1);
             if (anything(t + h, x1)) {
