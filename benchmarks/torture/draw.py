@@ -21,6 +21,7 @@ from blocks.sources import Ramp
 from plant import Diagram, wire
 
 ROWS = 150
+SLOW = 8  # every so many diagrams may have a PI with conditional integration, which only plant.reference knows
 SCANS = (0.1, 0.25, 0.3, 0.5, 0.7, 1.0, 2.0)
 
 
@@ -59,7 +60,7 @@ def draw(seed: int) -> Drawn:
 
         read = [name(int(m)) for m in rng.choice(many, size=min(many, int(rng.integers(0, 3))), replace=False)]
         read += [str(s) for s in rng.choice(known, size=int(rng.integers(1, min(3, len(known)) + 1)), replace=False)]
-        loop = _loop(rng, n, list(dict.fromkeys(read)), measured[n])
+        loop = _loop(rng, n, list(dict.fromkeys(read)), measured[n], seed % SLOW == 0)
         (unit_blocks[here] if here else outside).append(loop)
     for number, loops in unit_blocks.items():
         if loops:
@@ -96,7 +97,7 @@ def _instant(rng: np.random.Generator) -> float:
     return float(rng.choice([0.0, float(rng.integers(1, 5)), float(rng.uniform(0.1, 5.0))]))
 
 
-def _loop(rng: np.random.Generator, n: int, read: list[str], measured: bool) -> Diagram:
+def _loop(rng: np.random.Generator, n: int, read: list[str], measured: bool, conditional: bool) -> Diagram:
     """Return unit ``n``: what it reads, summed, through a controller, a valve and a process."""
     weights = {s: float(rng.uniform(0.2, 0.9) if s.startswith("s") and "/" not in s else rng.uniform(-0.4, 0.4))
                for s in read}  # fmt: skip
@@ -104,7 +105,7 @@ def _loop(rng: np.random.Generator, n: int, read: list[str], measured: bool) -> 
     signal = "in"
     feedback = "PV_m" if measured else "PV"
     if rng.random() < 0.6:
-        made.append(_controller(rng, {"SP": signal, "PV": feedback}))
+        made.append(_controller(rng, {"SP": signal, "PV": feedback}, conditional))
         signal = "OP"
     if rng.random() < 0.2:
         made.append(Limit("limited", signal, low=float(rng.uniform(-0.2, 0.2)), high=float(rng.uniform(0.3, 0.8))))
@@ -127,14 +128,14 @@ def _loop(rng: np.random.Generator, n: int, read: list[str], measured: bool) -> 
     return wire(made, inputs=[s for s in read if s not in driven], name=f"n{n}")
 
 
-def _controller(rng: np.random.Generator, inputs: dict[str, str]) -> Block:
+def _controller(rng: np.random.Generator, inputs: dict[str, str], conditional: bool) -> Block:
     K_p, T_i = float(rng.uniform(0.2, 1.5)), float(rng.uniform(2.0, 15.0))
     common = {"inputs": inputs, "start_op": float(rng.uniform(0.0, 0.6))}
     kind = int(rng.integers(0, 10))
     if kind <= 2:
         return blocks.PI(K_p, T_i, anti_windup=str(rng.choice(["none", "back_calculation"])), **common)
     if kind == 3:
-        return blocks.PI(K_p, T_i, anti_windup="conditional", **common)
+        return blocks.PI(K_p, T_i, anti_windup="conditional" if conditional else "back_calculation", **common)
     if kind <= 5:
         return blocks.PID(K_p, T_i, float(rng.uniform(0.2, 2.0)), b=float(rng.choice([0.5, 1.0])), **common)
     anti_windup = str(rng.choice(["none", "back_calculation", "conditional"]))

@@ -97,7 +97,9 @@ def _told(drawn: Drawn, difference: Floats, apart: Floats) -> str:
     """Say which signals differ, from when on, and whether a block with states is among them."""
     signals = drawn.diagram.signals
     wrong = [signals[i] for i in np.flatnonzero(apart > 1.0)]
-    states = {s for block in drawn.diagram.blocks if len(block.x0) for s in block.output_labels}
+    states = {
+        s for block in drawn.diagram.blocks if len(block.x0) and not block.kernels.feeds for s in block.output_labels
+    }
     size = difference[:, int(np.argmax(apart))]
     first = float(drawn.times[int(np.argmax(size > 0.1 * size.max()))])
     rows = int((size > 0.1 * size.max()).sum())
