@@ -12,9 +12,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from blocks.arguments import by_name
 from blocks.block import Block, Kernels
 from blocks.limits import FREE, MODES, limit_events, limit_transition
-from blocks.ports import Port, require
+from blocks.ports import BlockError, Port, require
 from blocks.rules import check_limits, finite
 
 
@@ -53,6 +54,10 @@ class Sum(Block):
     def __init__(
         self, signal: str, weights: Mapping[str, float], *, offset: float = 0.0, unit: str = "", name: str = ""
     ) -> None:
+        if isinstance(weights, list | tuple | str):
+            ones = dict.fromkeys([weights] if isinstance(weights, str) else weights, 1.0)
+            raise BlockError(f"{name or signal}: weights = {weights!r}, but each signal needs its factor; give {ones}")
+        by_name(name or signal, "weights", weights or {}, {"SP": 1.0, "PV": -1.0})
         require(bool(weights), name or signal, "weights", weights, "a sum needs at least one input", "name one")
         self.ports_in = tuple(Port(key) for key in weights)
         super().__init__(

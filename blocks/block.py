@@ -21,6 +21,8 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from blocks.arguments import by_name, checked, text
+from blocks.parameters import Parametrised
 from blocks.ports import BlockError, Labels, Port, labelled, nearest, number, require
 
 Floats = NDArray[np.float64]
@@ -59,7 +61,7 @@ class Host(Protocol):
         """Take the sample ``u`` at time ``t`` [s]; return the next state and the outputs to hold."""
 
 
-class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
+class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     """Base of all blocks; see the module docstring.  Subclasses fill in the class data and call ``__init__``.
 
     Class data: ``ports_in``, ``ports_out``, ``kernels``, ``modes`` (name -> value of ``d[0]``),
@@ -75,6 +77,11 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
     dead_time_param: str | None = None
     host: "Host | None" = None
 
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        if "__init__" in cls.__dict__:
+            setattr(cls, "__init__", checked(cls.__dict__["__init__"]))  # noqa: B010 - a method cannot be assigned
+
     def __init__(
         self,
         *,
@@ -89,6 +96,9 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         units: Mapping[str, str] | None = None,
         spans: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
+        text(type(self).__name__, "name", name)
+        by_name(name, "units", units or {}, {"PV": "bar"})
+        by_name(name, "spans", spans or {}, {"PV": (0.0, 1.0)})
         states, memory = dict(states or {}), dict(memory or {})
         self.param_names = tuple(params)
         self.state_names = tuple(states)
@@ -102,9 +112,11 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         for key, unit in (units or {}).items():
             if key not in self.units:
                 raise BlockError(f"block '{name}' has no port '{key}'; {nearest(key, list(self.units))}")
-            self.units[key] = unit
-        self.spans: dict[str, tuple[float, float]] = dict(spans or {})
+            self.units[key] = text(name, f"unit of {key}", unit)
         self.check(dict(zip(self.param_names, named.tolist(), strict=True)), name)
+        self.spans: dict[str, tuple[float, float]] = {
+            key: self._span(name, key, span) for key, span in (spans or {}).items()
+        }
         for key, value in (*states.items(), *memory.items()):
             rule = math.isfinite(number(name, key, value))
             require(rule, name, key, value, "it must start at a finite number", "give one as start")
@@ -121,6 +133,15 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             dt=self.period if self.sampled else 0,
             name=name,
         )
+
+    def _span(self, name: str, key: str, span: Any) -> tuple[float, float]:
+        """Return low and high end of an instrument's span, refusing what is none."""
+        if key not in self.units:
+            raise BlockError(f"block '{name}' has no port '{key}'; {nearest(key, list(self.units))}")
+        ends = [number(name, f"span of {key}", end) for end in np.ravel(span).tolist()]
+        rule = len(ends) == 2 and ends[0] < ends[1]
+        require(rule, name, f"span of {key}", span, "it is a low and a higher end", "give e.g. (0.0, 1.0)")
+        return ends[0], ends[1]
 
     # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod
@@ -182,7 +203,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             p[self.param_index(key)] = number(self.name, key, value)
         other = self._copy()
         other.p = other._p_now = p
-        other.params = dict(zip(self.param_names, (float(v) for v in p), strict=False))
+        other._fix_params(dict(zip(self.param_names, (float(v) for v in p), strict=False)))
         other.check(other.params, self.name)
         if self.sampled:
             other.dt = other.period
@@ -223,7 +244,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
     def holding(self, outputs: ArrayLike) -> Self:
         """Return a copy of a sampled block whose outputs stand at ``outputs`` until its first sample."""
         other = self._copy()
-        other.y0 = np.array(outputs, dtype=float).ravel()
+        other.y0 = np.array([number(self.name, "output held", value) for value in np.ravel(outputs).tolist()])
         return other
 
     def relabelled(self, name: str, inputs: list[str], outputs: list[str]) -> Self:

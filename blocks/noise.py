@@ -9,10 +9,13 @@ T_c = 0 gives white noise.
 Random numbers: combined multiple recursive generator MRG32k3a (L'Ecuyer, Operations Research 47(1), 1999,
 pp. 159-164) in double arithmetic, where it is exact, so that interpreted and compiled runs draw the same; normal
 deviates by Box and Muller's cosine.  The six seeds come from ``numpy.random.SeedSequence``; they are memories of
-the block, so ensemble members with other seeds share everything else (``reseeded``).
+the block, so ensemble members with other seeds share everything else (``reseeded``).  A block that is given no seed
+takes it from its full name in the diagram (SHA-256), so that two blocks draw different numbers and every run of one
+diagram the same.
 See also: sensor (noise as part of a measurement).
 """
 
+import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
@@ -20,7 +23,7 @@ from typing import Any, Self
 import numpy as np
 
 from blocks.block import Block, Kernels
-from blocks.ports import Port, require
+from blocks.ports import BlockError, Port, require
 from blocks.rules import finite
 from blocks.sources import Constant
 
@@ -69,14 +72,32 @@ def seeded(seed: Seed) -> dict[str, float]:
 
     Equal seeds give equal streams.  A sequence of integers names a member: ``(7, 12)`` is member 12 of study 7.
 
+    Raises ``BlockError`` for a seed that is neither a whole number of 0 or more nor several of them.
+
     >>> sorted(seeded(1)) == sorted(seeded((7, 12))) and seeded(1) != seeded((7, 12))
     True
     """
-    words = np.random.SeedSequence(seed).generate_state(7)
+    try:
+        words = np.random.SeedSequence(seed).generate_state(7)
+    except (TypeError, ValueError):
+        raise BlockError(
+            f"seed = {seed!r}, but a seed is a whole number of 0 or more, or several of them; give one, e.g. seed=7, "
+            "or none: then it follows from the block's name"
+        ) from None
     moduli = [M1 - 1.0, M1 - 1.0, M1 - 1.0, M2 - 1.0, M2 - 1.0, M2 - 1.0]
     memory = {f"s{i}": 1.0 + float(word) % m for i, (word, m) in enumerate(zip(words[:6], moduli, strict=True))}
     memory["w"] = float(np.random.default_rng(words).normal())
     return memory
+
+
+def seed_of(name: str) -> Seed:
+    """Return the seed of a block of this full name: eight words of its SHA-256, the same on every machine.
+
+    >>> seed_of("a/sensor") == seed_of("a/sensor") != seed_of("b/sensor")
+    True
+    """
+    digest = hashlib.sha256(name.encode()).digest()
+    return [int.from_bytes(digest[i : i + 4], "big") for i in range(0, 32, 4)]
 
 
 def _noise_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -84,7 +105,31 @@ def _noise_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 class Seeded(Block):
-    """A block that draws random numbers: its memories include those of ``seeded``."""
+    """A block that draws random numbers: its memories begin with those of ``seeded``.
+
+    ``seed``: None lets it follow from the block's name, also when nesting changes that; ``memory`` what else it
+    remembers; the rest as in ``Block``.
+    """
+
+    def __init__(self, *, name: str, seed: Seed | None, memory: Mapping[str, float] | None = None, **data: Any) -> None:
+        self.follows_name = seed is None
+        stream = seeded(seed_of(name) if seed is None else seed)
+        super().__init__(name=name, memory={**stream, **(memory or {})}, **data)
+
+    def starting_at(self, **values: float) -> Self:
+        """Return a copy with other start values; one whose random numbers are set no longer follows its name."""
+        other = super().starting_at(**values)
+        if not seeded(0).keys().isdisjoint(values):
+            other.follows_name = False
+        return other
+
+    def relabelled(self, name: str, inputs: list[str], outputs: list[str]) -> Self:
+        """Return a copy under another name, and with the random numbers of that name unless a seed was given."""
+        other = super().relabelled(name, inputs, outputs)
+        if self.follows_name and name != self.name:
+            other = other.reseeded(seed_of(name))
+            other.follows_name = True
+        return other
 
     def reseeded(self, seed: Seed) -> Self:
         """Return a copy that draws another, independent stream; equal seeds give equal streams.
@@ -99,7 +144,8 @@ class Seeded(Block):
 class Noise(Seeded):
     """Noise of standard deviation ``sd`` around ``mean``, a new value every ``dt`` [s].
 
-    ``correlation_time`` [s]: 0 for white noise.  ``seed``: an integer or a sequence of integers.
+    ``correlation_time`` [s]: 0 for white noise.  ``seed``: an integer or a sequence of integers; by default it follows
+    from the block's name, so that two blocks draw different numbers.
 
     >>> noise = Noise("D", sd=0.1, dt=1.0, seed=1)
     >>> float(noise.output(0.0, noise.d0, [])[0]) == float(noise.output(0.0, noise.d0, [])[0])
@@ -118,14 +164,14 @@ class Noise(Seeded):
         *,
         correlation_time: float = 0.0,
         mean: float = 0.0,
-        seed: Seed = 0,
+        seed: Seed | None = None,
         unit: str = "",
         name: str = "",
     ) -> None:
         super().__init__(
             name=name or signal,
             params={"mean": mean, "sd": sd, "correlation_time": correlation_time, "dt": dt},
-            memory=seeded(seed),
+            seed=seed,
             outputs=signal,
             units={"out": unit},
         )

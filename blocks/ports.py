@@ -54,12 +54,18 @@ def _labels(block: str, side: str, ports: Sequence[Port], given: Labels) -> list
         return names
     if isinstance(given, str):
         given = [given]
+    listed = list(given.values()) if isinstance(given, Mapping) else given
+    if not isinstance(listed, list | tuple) or not all(isinstance(label, str) for label in listed):
+        raise BlockError(
+            f"{block}: {side}s = {given!r}, but signals have texts for names; give one, a list of them, or a mapping "
+            f"such as {{'{names[0] if names else 'X'}': 'new label'}}"
+        )
     if isinstance(given, Mapping):
         for key in given:
             if key not in names:
                 raise BlockError(f"block '{block}' has no {side} '{key}'; {nearest(key, names)}")
         return [given.get(name, name) for name in names]
-    if len(given) != len(names):
+    if len(listed) != len(names):
         raise BlockError(
             f"block '{block}' has {len(names)} {side}s ({', '.join(names)}), but {len(given)} labels were given; "
             f"give one label per {side}, or a mapping such as {{'{names[0] if names else 'X'}': 'new label'}}"

@@ -30,6 +30,7 @@ from blocks.ports import BlockError, Port, require
 
 STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 ROUNDING = 1e-12  # of travel
+CREEP = 1e-8  # OP that moves slower than this [1/s] stands still: what a dead time gives of a held OP is not so exact
 NOISE = 1e-9  # of travel: so little beyond the band is the integration's error, if OP is on its way back
 
 
@@ -57,7 +58,7 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
         if free and (p[1] > 0.0 or over > NOISE or pull * u[1] > 0.0):  # without a jump it would stick again at once
             g[0] = over
     elif d[0] != IDEAL:
-        g[0] = -d[0] * u[1]
+        g[0] = -d[0] * u[1] - CREEP
         stem = u[0] - d[0] * 0.5 * (p[0] - p[1])
         g[1] = stem - p[3] if d[0] == UP else p[2] - stem
 

@@ -76,7 +76,12 @@ class Recorded(Source):
         name: str = "",
     ) -> None:
         name = name or signal
-        times, levels = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+        try:
+            times, levels = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+        except (TypeError, ValueError):
+            raise BlockError(
+                f"{name}: t = {t!r:.60}, values = {values!r:.60}, but both must be numbers; give an array for each"
+            ) from None
         if hold not in HOLDS:
             raise BlockError(f"{name}: hold = {hold!r}; {nearest(str(hold), list(HOLDS))}")
         if times.ndim != 1 or times.shape != levels.shape or not times.size:

@@ -18,7 +18,7 @@ from typing import Any, Self
 
 from blocks.block import Kernels
 from blocks.dead_time import Delayed, check_dead_time
-from blocks.ports import Port, require
+from blocks.ports import Port, number, require
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -74,7 +74,7 @@ class SecondOrder(Delayed):
         name = str(keywords.get("name", "process"))
         for key, tau in (("tau1", tau1), ("tau2", tau2)):
             rule = "a time constant is positive"
-            require(0.0 < tau < math.inf, name, key, tau, rule, "for a single lag use FirstOrder")
+            require(0.0 < number(name, key, tau) < math.inf, name, key, tau, rule, "for a single lag use FirstOrder")
         omega = 1.0 / math.sqrt(tau1 * tau2)
         return cls(K, omega, 0.5 * (tau1 + tau2) * omega, theta, **keywords)
 

@@ -22,7 +22,7 @@ from typing import Any, Self
 
 from blocks.block import Block, Kernels
 from blocks.limits import FREE, MODES, limit_events, limit_transition
-from blocks.noise import Seed, Seeded, check_noise, coloured, seeded
+from blocks.noise import Seed, Seeded, check_noise, coloured
 from blocks.ports import Labels, Port, require
 from blocks.rules import check_limits, check_scan, finite
 
@@ -147,7 +147,7 @@ class SampledSensor(Seeded):
     """A sensor read every ``dt`` [s]: what ``Sensor`` does, then noise, quantisation and limits.
 
     ``sd`` and ``correlation_time`` [s] describe the noise, ``step`` the quantisation, ``seed`` the random stream
-    (``reseeded`` gives another).  Between samples PV_m is held.
+    (by default it follows from the block's name; ``reseeded`` gives another).  Between samples PV_m is held.
 
     Raises ``BlockError`` for dt <= 0, a negative tau, sd, correlation_time or step, or low >= high.
 
@@ -177,7 +177,7 @@ class SampledSensor(Seeded):
         drift: float = 0.0,
         start: float = 0.0,
         offset: float = 0.0,
-        seed: Seed = 0,
+        seed: Seed | None = None,
         name: str = "sensor",
         inputs: Labels = None,
         outputs: Labels = None,
@@ -189,7 +189,8 @@ class SampledSensor(Seeded):
         super().__init__(
             name=name,
             params=lag | {"dt": dt, "offset": offset, "sd": sd, "correlation_time": correlation_time, "step": step},
-            memory=seeded(seed) | {"x": at_rest},
+            seed=seed,
+            memory={"x": at_rest},
             start_output=[min(max(at_rest, low), high)],
             inputs=inputs,
             outputs=outputs,

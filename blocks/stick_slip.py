@@ -32,7 +32,7 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 from blocks.block import Block, Kernels
-from blocks.ports import Port, require
+from blocks.ports import Port, number, require
 from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem, check_stops, started_between
 from blocks.rules import not_negative, positive
 
@@ -150,6 +150,7 @@ class StickSlip(Block):
         [1050.0, 2100.0]
         """
         name = str(keywords.get("name", "valve"))
+        S, J, k = number(name, "S", S), number(name, "J", J), number(name, "k", k)
         require(0.0 <= J <= S, name, "J", J, f"0 <= J <= S = {S} is needed", "a jump is part of S; lower J or raise S")
         return cls(k * (S + J) / 2.0, k * (S - J) / 2.0, k=k, **keywords)
 

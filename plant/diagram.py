@@ -13,7 +13,9 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from blocks.arguments import by_name, text, texts
 from blocks.block import Block
+from blocks.parameters import Parametrised
 from blocks.ports import nearest, number
 from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
     from plant.flatten import Past, Plan
 
 
-class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
+class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
@@ -31,13 +33,16 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
     the open inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
 
+    params_dotted = True
+
     def __init__(
         self, blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequence[str] | None = None,
         name: str = "diagram",
     ) -> None:  # fmt: skip
         self.blocks = tuple(blocks)
-        self.open_inputs = (inputs,) if isinstance(inputs, str) else tuple(inputs)
-        outputs = [outputs] if isinstance(outputs, str) else outputs
+        text("diagram", "name", name)
+        self.open_inputs = texts(name, "inputs", inputs)
+        outputs = None if outputs is None else texts(name, "outputs", outputs)
         self.driven = drivers(self.blocks, self.open_inputs)
         self.declared_outputs = None if outputs is None else tuple(outputs)
         self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
@@ -112,6 +117,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
     # --- change -------------------------------------------------------------------------------------------
     def with_params(self, changes: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
+        by_name(self.name, "params", changes, {"valve.F_s": 1750.0})
         return self._with_blocks(self._changed(changes, "with_params"))
 
     def starting_at(self, values: Mapping[str, float]) -> Self:
@@ -119,7 +125,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
 
         Raises ``WiringError`` for an unknown block or state, or a value that is not finite.
         """
-        for key, value in values.items():
+        for key, value in by_name(self.name, "start", values, {"process.PV": 0.5}).items():
             if not math.isfinite(number("start", key, value)):
                 raise WiringError(f"'{key}' is to start at {float(value):g}, but it must be finite; give a number")
         return self._with_blocks(self._changed(values, "starting_at"))
@@ -137,14 +143,20 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
                 raise WiringError(f"no block of the diagram has a mode '{modes}'; {nearest(modes, known)}")
             modes = having
         changed = list(self.blocks)
-        for name, mode in modes.items():
+        for name, mode in by_name(self.name, "modes", modes, {"valve": "ideal"}).items():
             b = self.block_index(name)
             changed[b] = changed[b].in_mode(mode)
         return self._with_blocks(changed)
 
     def at_state(self, x: ArrayLike) -> Self:
         """Return the diagram starting from a python-control state vector (e.g. of ``find_operating_point``)."""
-        values = dict(zip(self.state_labels, np.asarray(x, dtype=float).ravel(), strict=True))
+        given = [number("at_state", "x", value) for value in np.ravel(x).tolist()]
+        if len(given) != self.nstates:
+            raise WiringError(
+                f"{len(given)} values are given, but python-control counts {self.nstates} states: "
+                f"{', '.join(self.state_labels)}; give one value for each"
+            )
+        values = dict(zip(self.state_labels, given, strict=True))
         plain = {}
         for label, value in values.items():
             name, _, state = label[:-1].rpartition("[")
@@ -176,7 +188,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""
-        kept = [self[n] for n in ([names] if isinstance(names, str) else names)]
+        kept = [self[n] for n in texts(self.name, "names", names if isinstance(names, str) else _listed(names))]
         driven = {s for block in kept for s in block.output_labels}
         inputs = dict.fromkeys(s for block in kept for s in block.input_labels if s not in driven)
         return Diagram(kept, list(inputs), None, name)
@@ -192,7 +204,8 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
 
         Raises ``WiringError`` for an input that is not open.
         """
-        for key in inputs:
+        for key, signal in inputs.items():
+            text(self.name, key, signal)
             if key not in self.open_inputs:
                 raise WiringError(
                     f"diagram '{self.name}' has no open input '{key}'; {nearest(key, list(self.open_inputs))}"
@@ -239,7 +252,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         other = copy.copy(self)
         other.blocks = tuple(blocks)
         other.syslist = seen
-        other.params = {f"{b.name}.{k}": v for b in seen for k, v in b.params.items()}
+        other._fix_params({f"{b.name}.{k}": v for b in seen for k, v in b.params.items()})
         other.updfcn, other.outfcn = other._update, other._output
         return other
 
@@ -256,6 +269,13 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
     def _output(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)
         return self._out(t, x, u)
+
+
+def _listed(items: Any) -> list[Any]:
+    """Return what is given in a list or the like as a list."""
+    if isinstance(items, Iterable) and not isinstance(items, str | Block | Diagram):
+        return list(items)
+    raise WiringError(f"{items!r:.60} is no list; give several things as one, e.g. [valve, process]")
 
 
 def wire(
@@ -280,7 +300,7 @@ def wire(
     ('SP', 'MV', 'PV')
     """
     leaves: list[Block] = []
-    for item in items:
+    for item in _listed(items):
         if isinstance(item, Diagram):
             leaves += item.leaves()
         elif isinstance(item, Block):

@@ -24,5 +24,7 @@ def drive(
     >>> drive(FirstOrder(K=2.0, tau=5.0), 5.0, every=5.0, MV=1.0).log["PV"].round(4).tolist()
     [0.0, 1.2642]
     """
+    if not isinstance(block, Block):
+        raise ValueError(f"{block!r:.60} is no block; drive() runs one block alone, simulate(diagram, ...) a diagram")
     diagram = Diagram([block], list(block.input_labels), name=block.name)
     return simulate(diagram, duration, every=every, inputs=inputs, rtol=rtol, atol=atol, method=method)

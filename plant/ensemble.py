@@ -5,33 +5,34 @@ without Python's lock, so plain threads keep all cores busy.  See also: ``member
 """
 
 import os
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from threading import Lock
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.ports import nearest
 from engine import layout as at
 from engine.run import Outcome, Settings, prepare, run
 from engine.status import Statistics, Status
 from engine.table import Component
+from plant.coarse import ToleranceWarning, too_coarse
 from plant.diagram import Diagram
 from plant.flatten import DELAY_RECORDS, Plan, plan
+from plant.kept import log_times, logging_only, wanted_signals
 from plant.members import Floats, Members, Places, members
 from plant.portfolio import Ensemble
 from plant.progress import Progress, told
-from plant.simulate import check_settings, log_times, set_up, troubles
+from plant.simulate import check_settings, set_up, troubles
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 
 COUNTERS = {
     "steps": at.STEPS, "rejected": at.REJECTED, "rhs": at.RHS, "jacobians": at.JACOBIANS, "events": at.EVENTS,
 }  # fmt: skip
-MEMORY_SHARE = 0.8  # of the machine's memory that the values may take
 GLANCE = 0.1  # how often the progress is told [s]
 
 
@@ -75,25 +76,21 @@ def ensemble(
     [[0.0, 0.5, 1.0], [0.0, 1.0, 2.0], [0.0, 2.0, 4.0]]
     """
     ready = set_up(diagram, inputs)
-    wanted = _wanted(ready, signals)
-    grid = log_times(duration, every, None, 0.0)
-    settings = check_settings(Settings(rtol, atol, method, max_steps))
+    wanted = wanted_signals(ready, signals)
+    settings = check_settings(rtol, atol, method, max_steps)
     cast = members(ready, params, start, seeds)
+    grid = log_times(duration, every, None, 0.0, len(wanted), len(cast) if keep_logs else 1)
     if not keep_logs and summary is None:
         raise ValueError("keep_logs=False without a summary leaves nothing; give summary=, or keep the logs")
-    if workers is not None and workers < 1:
-        raise ValueError(f"workers = {workers!r}, but at least one thread is needed; leave it out to use all cores")
-    crew = _Crew(cast, wanted, grid, duration, settings, keep_logs, summary)
+    if workers is not None and not (isinstance(workers, int | np.integer) and workers >= 1):
+        raise ValueError(
+            f"workers = {workers!r}, but threads are a whole number of at least 1; leave it out to use all cores"
+        )
+    if summary is not None and not callable(summary):
+        raise ValueError(f"summary = {summary!r}, but it is called for each member; give a function (t, signals)")
+    crew = _Crew(cast, wanted, grid, float(duration), settings, keep_logs, summary)
     _work(crew, len(cast), workers or cores(), progress)
     return crew.result()
-
-
-def _wanted(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str, ...]:
-    signals = (signals,) if isinstance(signals, str) else signals
-    for signal in signals or ():
-        if signal not in diagram.signals:
-            raise ValueError(f"the diagram has no signal '{signal}'; {nearest(signal, list(diagram.signals))}")
-    return tuple(diagram.signals if signals is None else dict.fromkeys(signals))
 
 
 def cores() -> int:
@@ -124,13 +121,8 @@ def _lay_out(cast: Members, i: int, wanted: Sequence[str], records: int) -> _Lay
     laid = plan(diagram, records)
     parts = []
     for component in laid.components:
-        kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in wanted]
-        I, W = component.I.copy(), component.W.copy()
-        first = int(I[at.L_WIRES])
-        I[first : first + len(kept)] = component.I[[first + k for k in kept]]
-        I[at.N_LOG] = len(kept)
-        laid.fill(component, W, diagram.blocks)
-        reduced = replace(component, I=I, W=W, columns=tuple(component.columns[k] for k in kept))
+        reduced = logging_only(component, diagram, wanted)
+        laid.fill(component, reduced.W, diagram.blocks)
         parts.append(_Part(reduced, tuple(diagram.signals[c] for c in reduced.columns), *cast.places(laid, component)))
     return _Layout(laid, tuple(parts))
 
@@ -145,7 +137,7 @@ class _Crew:
         n = len(cast)
         self.cast, self.wanted, self.grid, self.duration, self.settings = cast, wanted, grid, duration, settings
         self.summary = summary
-        self.values = _room(n, wanted, len(grid)) if keep_logs else {}
+        self.values = {signal: np.empty((n, len(grid))) for signal in wanted} if keep_logs else {}
         self.keep_logs = keep_logs
         self.status = np.full(n, Status.INTERRUPTED, dtype=np.int8)
         self.ended = np.zeros(n)
@@ -209,6 +201,17 @@ class _Crew:
             outcomes.append(run(part.component, layout.laid.flat, I, W, self.grid, self.duration, self._listen))
         return outcomes
 
+    def _doubt(self) -> None:
+        """Warn if the absolute tolerance is too large for some of the blocks."""
+        whole = self.status == Status.OK
+        if not (self.keep_logs and whole.any()):
+            return
+        sizes = {s: float(max(v[whole].max(), -v[whole].min())) for s, v in self.values.items()}
+        read = [block for block in self.cast.diagram.blocks if not sizes.keys().isdisjoint(block.output_labels)]
+        note = too_coarse(read, sizes, {}, self.settings.atol)
+        if note:
+            warnings.warn(note, ToleranceWarning, stacklevel=3)
+
     def _listen(self, t: float) -> None:
         """Interrupt a member on its way if somebody stopped the work."""
         if self.stop:
@@ -231,6 +234,7 @@ class _Crew:
         arrays: list[NDArray[Any]] = [self.grid, self.status, self.ended, *self.values.values(), *table.values()]
         for array in arrays:
             array.flags.writeable = False
+        self._doubt()
         total = dict(zip(COUNTERS, self.counts.sum(axis=0).tolist(), strict=True))
         cost = Statistics(components=len(self.layouts[0].parts), **total)
         return Ensemble(
@@ -238,19 +242,6 @@ class _Crew:
             event_counts=self.counts[:, -1], troubles=tuple(self.troubles), statistics=cost,
             members=self.cast, settings=self.settings, duration=self.duration, raw_events=tuple(self.events),
         )  # fmt: skip
-
-
-def _room(n: int, signals: Sequence[str], rows: int) -> dict[str, Floats]:
-    """Return room for all values; refuse what the machine cannot hold."""
-    size = 8 * n * len(signals) * rows
-    known = hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names
-    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if known else np.inf
-    if size > MEMORY_SHARE * memory:
-        raise ValueError(
-            f"{n} members x {len(signals)} signals x {rows} rows take {size / 1e9:.0f} GB, the machine has "
-            f"{memory / 1e9:.0f} GB; log fewer signals=, a longer every=, or keep_logs=False with a summary="
-        )
-    return {signal: np.empty((n, rows)) for signal in signals}
 
 
 def _work(crew: _Crew, n: int, workers: int, progress: Progress) -> None:

@@ -82,6 +82,8 @@ class Interpreter:
         if k < 0:
             return np.full(len(self.wires[b]), before)
         start, end, values = self.pieces[k]
+        if not np.ptp(values[b], axis=0).any():
+            return np.asarray(values[b][0])  # what stands still is not rounded
         gap = (t - theta - start) / (end - start) - NODES
         near = np.flatnonzero(np.abs(gap) < 1e-14)
         if near.size:

@@ -11,6 +11,7 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from blocks.arguments import by_name
 from blocks.block import Block
 from engine.table import Component
 from plant.diagram import Diagram
@@ -102,7 +103,9 @@ def members(
     Raises ``ValueError`` if lengths differ, a name is unknown, or a block refuses the values of a member (the
     message names the member).
     """
-    given = [(key, np.asarray(v, dtype=float)) for key, v in [*(params or {}).items(), *(start or {}).items()]]
+    by_name("ensemble", "params", params or {}, {"valve.F_s": [1750.0, 2250.0]})
+    by_name("ensemble", "start", start or {}, {"process.PV": [0.0, 0.5]})
+    given = [(key, _numbers(key, v)) for key, v in [*(params or {}).items(), *(start or {}).items()]]
     if seeds is not None:
         given.append(("seeds", np.asarray(seeds)))
     n = _count(given)
@@ -130,6 +133,13 @@ def members(
             columns[b, "x0" if state else "d0", index] = column
     table = np.stack(list(columns.values()), axis=1) if columns else np.zeros((n, 0))
     return Members(diagram, wanted, starts, streams, table, tuple(columns))
+
+
+def _numbers(key: str, values: ArrayLike) -> Floats:
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"'{key}' = {values!r}, but it is one number a member; give a flat array of numbers") from None
 
 
 def _count(given: Sequence[tuple[str, NDArray[np.generic]]]) -> int:

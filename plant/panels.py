@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from blocks.arguments import texts
 from blocks.ports import Port, nearest
 from plant.diagram import Diagram
 from plant.simulate import Run
@@ -24,7 +25,7 @@ def choose(run: Run, names: Sequence[str] | None) -> tuple[list[list[str]], list
     Raises ``ValueError`` for an unknown name, and if there is nothing to show.
     """
     diagram, log = run.final, run.log
-    chosen = list(log.names) if names is None else ([names] if isinstance(names, str) else list(names))
+    chosen = list(log.names) if names is None else list(texts("plot", "names", names))
     for signal in chosen:
         if signal not in log:
             raise ValueError(f"the run logged no signal '{signal}'; {nearest(signal, list(log.names))}")

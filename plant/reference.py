@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.ports import nearest
+from blocks.ports import nearest, number
 from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
 from plant.interpreter import Interpreter
-from plant.simulate import Event, Run, log_times, set_up
+from plant.kept import log_times
+from plant.simulate import Event, Run, set_up
 from records import Log
 
 Floats = NDArray[np.float64]
@@ -87,8 +88,16 @@ def simulate_reference(
         raise ValueError(f"backend = {backend!r}; {nearest(backend, ['scipy', 'cvode'])}")
     if method not in SCIPY:
         raise ValueError(f"method = {method!r}; {nearest(method, list(SCIPY))}")
+    rtol, atol = number("reference", "rtol", rtol), number("reference", "atol", atol)
+    max_step = number("reference", "max_step", max_step)
+    if not (rtol >= 1e-13 and atol > 0.0 and max_step > 0.0):
+        raise ValueError(
+            f"rtol = {rtol!r}, atol = {atol!r}, max_step = {max_step!r}, but rtol >= 1e-13, atol > 0 and max_step > 0 "
+            "are needed; leave them out for 1e-9, 1e-11 and no limit"
+        )
     ready = set_up(diagram, inputs, params, start)
-    grid = log_times(duration, every, times, t0)
+    grid = log_times(duration, every, times, t0, len(ready.signals))
+    duration, t0 = float(duration), float(t0)
     world = Interpreter(ready, t0)
     settings = Settings(backend, method, rtol, atol, min([max_step, *(0.5 * th for th in world.thetas)]), max_steps)
     status, rows = _run(world, grid, t0 + duration, settings)

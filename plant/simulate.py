@@ -1,5 +1,6 @@
 """Simulate a diagram with the compiled engine: a log at the times asked for, events, status, statistics."""
 
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -8,14 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from blocks.arguments import by_name
 from blocks.block import Block
-from blocks.ports import nearest
+from blocks.ports import nearest, number
 from engine import layout as at
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.status import HINTS, Statistics, Status
+from plant.coarse import ToleranceWarning, too_coarse
 from plant.diagram import Diagram
 from plant.flatten import DELAY_RECORDS, Ends, Past, Plan, plan
 from plant.inputs import close
+from plant.kept import log_times, logging_only, wanted_signals
 from plant.wiring import WiringError
 from records import Log
 
@@ -41,6 +45,7 @@ class Run:
     """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
+    ``notes`` say what to doubt in a run that is OK (``plant.coarse``).
     ``final`` is the diagram at the end of the run: simulate it with ``t0`` = that time to go on (only blocks that run
     in Python begin anew).  ``ends`` are the engine's arrays there.
     """
@@ -52,6 +57,7 @@ class Run:
     statistics: Statistics
     diagram: Diagram
     ends: Ends
+    notes: tuple[str, ...] = ()
 
     @cached_property
     def final(self) -> Diagram:
@@ -79,6 +85,7 @@ def simulate(
     inputs: Mapping[str, Any] | None = None,
     params: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
+    signals: Sequence[str] | None = None,
     rtol: float = 1e-6,
     atol: float = 1e-9,
     method: str = "auto",
@@ -86,7 +93,7 @@ def simulate(
     t0: float = 0.0,
     on_progress: Callable[[float], None] | None = None,
 ) -> Run:
-    """Simulate ``duration`` seconds and log every signal.
+    """Simulate ``duration`` seconds and log every signal, or the ``signals`` named.
 
     Parameters: ``every`` log interval [s] (default: 1000 intervals) or ``times`` [s]; ``inputs`` open input ->
     number, ``(t, values)`` or source block; ``params`` as in ``Diagram.with_params``; ``start`` as in
@@ -94,7 +101,8 @@ def simulate(
     ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
     ends the run with status INTERRUPTED, and what is simulated so far is kept.
 
-    Raises ``ValueError`` for a request that makes no sense; numerical failure is a status, not an exception.
+    Raises ``ValueError`` for a request that makes no sense or a log beyond the machine's memory; numerical failure is
+    a status, not an exception.  Warns (``ToleranceWarning``) if ``atol`` is too large for some blocks.
 
     >>> from blocks import Step, FirstOrder
     >>> from plant import simulate, wire
@@ -103,16 +111,26 @@ def simulate(
     [0.0, 1.7293, 1.9634, 1.995, 1.9993, 1.9999]
     """
     ready = set_up(diagram, inputs, params, start)
-    grid = log_times(duration, every, times, t0)
-    settings = check_settings(Settings(rtol, atol, method, max_steps))
+    wanted = wanted_signals(ready, signals)
+    grid = log_times(duration, every, times, t0, len(wanted))
+    settings = check_settings(rtol, atol, method, max_steps)
+    if on_progress is not None and not callable(on_progress):
+        raise ValueError(f"on_progress = {on_progress!r}, but it is called with the time reached; give a function of t")
+    t0, t_end = float(t0), float(t0) + float(duration)  # the engine is compiled for these and no other numbers
     past = ready._past if ready._past is not None and ready._past.ends_at(t0) else None
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     while True:
         laid = plan(ready, records)
-        outcomes = [_run(laid, c, ready, settings, grid, t0, t0 + duration, on_progress, past) for c in laid.components]
+        if len(wanted) < len(ready.signals):
+            laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
+        outcomes = [_run(laid, c, ready, settings, grid, t0, t_end, on_progress, past) for c in laid.components]
         if not any(o.status is Status.DELAY_FULL for o in outcomes):
-            return _collect(ready, laid, outcomes, grid)
+            return _noted(_collect(ready, laid, outcomes, grid, wanted), settings.atol)
         records *= 4
+
+
+def _told(given: Any) -> str:
+    return f"block '{given.name}'" if isinstance(given, Block) else f"{given!r:.60}"
 
 
 def set_up(
@@ -122,6 +140,13 @@ def set_up(
     start: Mapping[str, float] | None = None,
 ) -> Diagram:
     """Return the diagram with its inputs closed and values changed; refuse inputs left open."""
+    if not isinstance(diagram, Diagram):
+        alone = "; wire([block]) makes one of a block, drive(block, ...) runs it alone" * isinstance(diagram, Block)
+        raise ValueError(f"{_told(diagram)} is no diagram{alone or '; wire([...]) makes one of blocks'}")
+    examples = {"inputs": {"SP": 0.5}, "params": {"valve.F_s": 1750.0}, "start": {"process.PV": 0.5}}
+    for name, values in {"inputs": inputs, "params": params, "start": start}.items():
+        if values is not None:
+            by_name("simulate", name, values, examples[name])
     if inputs:
         diagram = close(diagram, inputs)
     if diagram.open_inputs:
@@ -136,38 +161,20 @@ def set_up(
     return diagram
 
 
-def log_times(duration: float, every: float | None, times: ArrayLike | None, t0: float) -> Floats:
-    """Return the log times [s], refusing requests that make no sense."""
-    if not (np.isfinite(duration) and duration > 0.0):
-        raise ValueError(f"duration = {duration!r}, but it must be a positive number of seconds")
-    if not np.isfinite(t0):
-        raise ValueError(f"t0 = {t0!r}, but it must be a number of seconds")
-    t_end = t0 + duration
-    if times is not None:
-        grid = np.asarray(times, dtype=float).ravel()
-        rounding = 4.0 * np.spacing(max(abs(t0), abs(t_end)))
-        inside = grid.size > 0 and np.all(np.isfinite(grid)) and np.all(np.diff(grid) > 0.0)
-        if not (inside and grid[0] >= t0 - rounding and grid[-1] <= t_end + rounding):
-            raise ValueError(
-                f"times = {np.array2string(grid, threshold=6)} s, but they must be finite and increase strictly "
-                f"within {t0} .. {t_end} s"
-            )
-        return np.asarray(np.clip(grid, t0, t_end))
-    step = duration / 1000.0 if every is None else float(every)
-    if not (np.isfinite(step) and 0.0 < step <= duration):
-        raise ValueError(f"every = {every!r}, but the log interval must be positive and at most {duration} s")
-    count = int(np.floor(duration / step + 1e-9)) + 1
-    even: Floats = t0 + np.arange(count, dtype=np.float64) * step
-    return np.minimum(even, t_end)
-
-
-def check_settings(settings: Settings) -> Settings:
-    """Refuse tolerances and methods that make no sense."""
-    if settings.method not in METHODS:
-        raise ValueError(f"method = {settings.method!r}; {nearest(settings.method, list(METHODS))}")
-    if not (1e-13 <= settings.rtol <= 0.1 and settings.atol > 0.0):
+def check_settings(rtol: float, atol: float, method: str, max_steps: int) -> Settings:
+    """Return the settings of a run; refuse tolerances, methods and budgets that make no sense."""
+    budget = number("simulate", "max_steps", max_steps)
+    if not (budget >= 1.0 and (budget == np.inf or budget % 1.0 == 0.0)):
+        raise ValueError(f"max_steps = {max_steps!r}, but a step budget is a whole number of at least 1; leave it out")
+    settings = Settings(
+        number("simulate", "rtol", rtol), number("simulate", "atol", atol), method, int(min(budget, 2.0**62))
+    )
+    if not (isinstance(method, str) and method in METHODS):
+        raise ValueError(f"method = {method!r}; {nearest(method, list(METHODS))}")
+    if not (1e-13 <= settings.rtol <= 0.1 and 0.0 < settings.atol < np.inf):
         raise ValueError(
-            f"rtol = {settings.rtol!r}, atol = {settings.atol!r}, but 1e-13 <= rtol <= 0.1 and atol > 0 are needed"
+            f"rtol = {settings.rtol!r}, atol = {settings.atol!r}, but 1e-13 <= rtol <= 0.1 and a finite atol > 0 are "
+            "needed; leave them out for 1e-6 and 1e-9"
         )
     return settings
 
@@ -190,16 +197,16 @@ def _run(
     return run(component, laid.flat, I, W, grid, t_end, on_progress)
 
 
-def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats) -> Run:
-    columns: dict[int, Floats] = {}
+def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats, wanted: Sequence[str]) -> Run:
+    columns: dict[str, Floats] = {}
     for component, outcome in zip(laid.components, outcomes, strict=True):
         outcome.log.flags.writeable = False  # so that the log need not copy it
-        columns.update(zip(component.columns, outcome.log, strict=True))
+        columns.update(zip((diagram.signals[c] for c in component.columns), outcome.log, strict=True))
     log = Log(
         t=grid,
-        signals={signal: columns[i] for i, signal in enumerate(diagram.signals)},
-        units={s: u for s, u in diagram.signal_units.items() if u},
-        spans=diagram.signal_spans,
+        signals={signal: columns[signal] for signal in diagram.signals if signal in wanted},
+        units={s: u for s, u in diagram.signal_units.items() if u and s in wanted},
+        spans={s: span for s, span in diagram.signal_spans.items() if s in wanted},
         origin=f"simulated: {diagram.name}",
     )
     ends = tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
@@ -213,6 +220,25 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
         diagram=diagram,
         ends=ends,
     )
+
+
+def _noted(run: Run, atol: float) -> Run:
+    """Return the run with a note, and warn, if its absolute tolerance is too large for some of its blocks."""
+    if not run.ok:
+        return run
+    sizes = {s: float(max(values.max(), -values.min())) for s, values in run.log.signals.items()}
+    states: dict[str, float] = {}
+    for component, _, W in run.ends:
+        for b in component.blocks:
+            if b < len(run.diagram.blocks) and len(run.diagram.blocks[b].x0):
+                x0 = run.diagram.blocks[b].x0
+                end = W[component.states[b] : component.states[b] + len(x0)]
+                states[run.diagram.blocks[b].name] = float(max(np.abs(x0).max(), np.abs(end).max()))
+    note = too_coarse(run.diagram.blocks, sizes, states, atol)
+    if not note:
+        return run
+    warnings.warn(note, ToleranceWarning, stacklevel=3)
+    return replace(run, notes=(note,))
 
 
 def _verdict(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], ends: Ends) -> tuple[Status, str]:
@@ -236,8 +262,8 @@ def named_events(diagram: Diagram, rows: Iterable[Sequence[float]]) -> tuple[Eve
     """Return changes of mode in order of time, with names for the numbers of ``rows``: t, block, before, after."""
     modes: dict[int, dict[float, str]] = {}
     events = []
-    for t, number, before, after in rows:
-        b = int(number)
+    for t, block, before, after in rows:
+        b = int(block)
         if b not in modes:
             modes[b] = {value: name for name, value in diagram.blocks[b].modes.items()}
         names = modes[b]

@@ -6,6 +6,7 @@ Every rule here raises ``WiringError`` with the signals it concerns and, for unk
 from collections.abc import Iterable, Mapping, Sequence
 
 from blocks.block import Block
+from blocks.noise import Seeded
 from blocks.ports import nearest
 
 
@@ -40,7 +41,11 @@ def drivers(blocks: Sequence[Block], inputs: Sequence[str]) -> dict[str, tuple[i
 def check_readers(
     blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], inputs: Sequence[str], outputs: Sequence[str]
 ) -> None:
-    """Refuse inputs nobody drives, declared inputs nobody reads, sources nobody reads, unknown outputs."""
+    """Refuse inputs nobody drives, declared inputs nobody reads, sources nobody reads, unknown outputs.
+
+    A block without inputs that has states of its own, such as Lorenz's equations, is a system, not a source: it may
+    stand alone.
+    """
     known = [*driven, *inputs]
     read: set[str] = set()
     for block in blocks:
@@ -62,7 +67,8 @@ def check_readers(
                 f"the diagram declares an output '{signal}' that nothing drives; {nearest(signal, list(driven))}"
             )
     for block in blocks:
-        if not block.ports_in and not any(s in read or s in outputs for s in block.output_labels):
+        source = not block.ports_in and not len(block.x0) and (isinstance(block, Seeded) or not len(block.d0))
+        if source and not any(s in read or s in outputs for s in block.output_labels):
             wanted = nearest(block.output_labels[0], sorted(read))
             raise WiringError(
                 f"no block reads '{block.output_labels[0]}' from source '{block.name}'; {wanted}; "

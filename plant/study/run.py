@@ -14,8 +14,8 @@ from blocks.ports import nearest
 from engine.status import Status
 from plant.diagram import Diagram
 from plant.ensemble import cores, ensemble
+from plant.kept import log_times
 from plant.progress import Progress, told
-from plant.simulate import log_times
 from plant.study.axes import StudyError, axes_of
 from plant.study.casting import Casting, Company, Refusal, resolve
 from plant.study.design import design

@@ -8,6 +8,8 @@ from scipy import stats
 
 from blocks.noise import Noise, seeded, uniform
 from blocks.ports import BlockError
+from blocks.sensor import SampledSensor
+from blocks.sources import Constant
 from plant import simulate, wire
 
 N = 20_000
@@ -109,3 +111,50 @@ def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
         make()
     for word in words:
         assert word in str(error.value)
+
+
+# --- seeds that follow from names ----------------------------------------------------------------------------------
+
+
+def two_sensors():
+    sensors = [SampledSensor(dt=1.0, sd=1.0, name=name, inputs="PV", outputs=f"{name}_m") for name in ("A", "B")]
+    return wire([Constant("PV", 0.0), *sensors])
+
+
+def test_two_default_sensors_draw_different_numbers():
+    log = simulate(two_sensors(), 2000.0, every=1.0).log
+    assert abs(np.corrcoef(log["A_m"], log["B_m"])[0, 1]) < 4.0 / math.sqrt(2000)  # analytic: 0 +- 1/sqrt(n)
+    again = simulate(two_sensors(), 2000.0, every=1.0).log
+    assert np.array_equal(log["A_m"], again["A_m"])
+
+
+def test_nested_copies_of_one_loop_draw_different_numbers():
+    loop = two_sensors()
+    plant = wire([loop.named("a"), wire([loop.named("b")], name="c")])
+    log = simulate(plant, 500.0, every=1.0).log
+    noises = [log[f"{where}_m"] for where in ("a/A", "a/B", "c/b/A", "c/b/B")]
+    assert len({noise.tobytes() for noise in noises}) == 4
+    # the seed follows from the full name, whichever way the block came to it
+    direct = Noise("c/b/A", sd=1.0, dt=1.0)
+    assert np.array_equal(plant["c/b/A"].d0[:7], direct.d0[:7])
+
+
+def test_a_given_seed_stays_when_the_name_changes():
+    noise = Noise("D", sd=1.0, dt=1.0, seed=5)
+    assert np.array_equal(noise.relabelled("a/D", [], ["a/D"]).d0, noise.d0)
+    drawn = Noise("D", sd=1.0, dt=1.0).reseeded(5)
+    assert np.array_equal(drawn.relabelled("a/D", [], ["a/D"]).d0, noise.d0)
+
+
+def test_the_end_of_a_run_keeps_its_numbers_when_it_is_nested():
+    end = simulate(two_sensors(), 10.0, every=1.0).final
+    assert not np.array_equal(end["A"].d0, two_sensors()["A"].d0)
+    assert np.array_equal(wire([end.named("later")])["later/A"].d0, end["A"].d0)
+
+
+@pytest.mark.parametrize("seed", ["x", -1, 1.5, [1, -2]])
+def test_a_seed_that_is_none_is_refused(seed):
+    with pytest.raises(BlockError) as refusal:
+        Noise("D", sd=1.0, dt=1.0, seed=seed)
+    for word in (f"seed = {seed!r}", "whole number", "seed=7"):
+        assert word in str(refusal.value)

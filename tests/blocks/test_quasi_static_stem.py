@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from blocks.dead_time import DeadTime
 from blocks.first_order import FirstOrder
 from blocks.periodic import Sine
 from blocks.pi import PI
@@ -17,6 +18,7 @@ from blocks.sampled_pi import SampledPI
 from blocks.sources import Step
 from blocks.stick_slip import StickSlip
 from plant import drive, simulate, wire
+from plant.reference import simulate_reference
 
 LAG = 612.0 / 52500.0  # s; analytic: how far behind its massless twin the thesis's stem slides, per rate of OP
 WIDE = {"low": -math.inf, "high": math.inf}
@@ -156,3 +158,20 @@ def test_misuse_is_explained():
         QuasiStaticStem(start=-0.5)
     with pytest.raises(BlockError, match=r"high = 0.0"):
         QuasiStaticStem(high=0.0)
+
+
+def test_a_held_op_behind_a_dead_time_does_not_stop_the_stem():
+    # found by benchmarks.torture, seed 34: rounding in the dead time looked like a reversal, and J was needed again
+    rng = np.random.default_rng(1)
+    at = np.arange(60) * 0.5
+    op = np.cumsum(rng.uniform(0.001, 0.01, at.size))  # only ever upwards, by less than J
+    late = wire([
+        Recorded("OP", at, op, hold="previous"), DeadTime(1.234567, inputs="OP", outputs="late"),
+        QuasiStaticStem(S=0.06, J=0.03, inputs="late"),
+    ])  # fmt: skip
+    times = at[10:] + 1.234567 + 0.237
+    moving = op[10:] > op[np.argmax(op > 0.045)] - 1e-12
+    expected = op[10:] - 0.015  # analytic: once it has slipped it slides, MV = OP - f_c
+    for run in (simulate(late, 40.0, times=times), simulate_reference(late, 40.0, times=times)):
+        assert moving.sum() > 30
+        assert np.abs(run.log["MV"] - expected)[moving].max() < 1e-12

@@ -1,6 +1,7 @@
 """A diagram is a value and a python-control system; parts that do not touch each other do not feel each other."""
 
 import copy
+import pickle
 
 import control as ct
 import numpy as np
@@ -159,3 +160,41 @@ def test_a_hint_names_some_blocks_not_all():
     chain = [FirstOrder(1.0, 1.0, name=f"p{i}", inputs=f"y{i}", outputs=f"y{i + 1}") for i in range(9)]
     run = simulate(wire([Constant("y0", 1.0), *chain]), 10.0, max_steps=1)
     assert not run.ok and run.hint.endswith("in y0, p0, p1, p2, p3, p4 and 4 more)")
+
+
+# --- params are to be looked at -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda loop: loop.params.__setitem__("process.K", 2.0),
+        lambda loop: loop.params.update({"process.K": 2.0}),
+        lambda loop: loop.params.pop("process.K"),
+        lambda loop: loop.params.__ior__({"process.K": 2.0}),
+        lambda loop: setattr(loop, "params", {"process.K": 2.0}),
+        lambda loop: loop["process"].params.__setitem__("K", 2.0),
+        lambda loop: loop["process"].params.clear(),
+        lambda loop: loop.with_params({"process.K": 1.0}).params.__setitem__("process.K", 2.0),
+    ],
+)
+def test_a_parameter_written_into_params_is_refused_with_the_remedy(change):
+    loop = wire([Step("MV"), FirstOrder(K=3.0, tau=10.0)])
+    with pytest.raises(TypeError, match="with_params") as refusal:
+        change(loop)
+    assert "would change nothing" in str(refusal.value)
+    assert loop.params["process.K"] == 3.0 == loop["process"].params["K"]
+
+
+def test_python_control_copies_and_pickle_work_with_fixed_params():
+    free = PI(K_p=0.4, T_i=10.0, low=-np.inf, high=np.inf, outputs="MV")
+    loop = wire([free, FirstOrder(K=3.0, tau=10.0)], inputs=["SP"], outputs=["PV"])
+    for twin in (copy.copy(loop.params), copy.deepcopy(loop.params), pickle.loads(pickle.dumps(loop.params))):
+        assert twin == loop.params and type(twin) is type(loop.params)
+    assert type(loop.params | {}) is type({} | loop.params) is type(loop.params.copy()) is dict
+    # analytic: s^2 + (1 + 3 K_p)/10 s + 3 K_p/100 with the other gain given for one call only
+    poles = ct.linearize(loop, loop.x0, [0.0], params={"process.K": 2.0}).poles()
+    assert np.prod(poles).real == pytest.approx(0.4 * 2.0 / 100.0, rel=1e-5)
+    for system in (loop.copy("twin"), ct.series(loop, ct.tf([1.0], [1.0, 1.0])), ct.feedback(loop, 1.0)):
+        assert system.nstates >= 2
+    assert copy.deepcopy(loop).with_params({"process.K": 5.0}).params["process.K"] == 5.0

@@ -1,0 +1,143 @@
+"""The engine's run of a diagram against an oracle: do they agree in every signal, off the scans?
+
+The oracle is the C program where it knows all blocks, else ``plant.reference``.  Where they differ, both are asked
+again, more finely.  If one of the two now differs from itself, the diagram is sensitive (chaotic, or two events whose
+order rounding decides) and nothing is proved: it counts as undecided.  What is left is a finding.
+"""
+
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.torture.c_program import NoCompiler, OracleFailed, covers, program, solve
+from benchmarks.torture.draw import Drawn
+from plant import simulate
+from plant.reference import simulate_reference
+
+Floats = NDArray[np.float64]
+AGREED = 1e-5  # largest difference, as a share of 1 + the largest value of the signal
+ITSELF = 0.1  # of AGREED: who differs more from itself decides nothing
+STEPS = 3_000_000
+REFERENCE_STEPS = 60_000
+PATIENCE = 10.0  # with the reference [s]
+ENGINE = ((1e-9, 1e-11), (1e-11, 1e-13))  # rtol, atol: first, and when asked again
+SHARES = (1.0 / 30.0, 1.0 / 60.0)
+REFERENCE: tuple[dict[str, Any], ...] = (
+    {"method": "LSODA", "rtol": 1e-9, "atol": 1e-11}, {"method": "Radau", "rtol": 1e-10, "atol": 1e-12}
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What came of one seed: "agree", "finding", "undecided" or "skipped", by which oracle, and why."""
+
+    seed: int
+    verdict: str
+    oracle: str
+    why: str = ""
+    difference: float = 0.0
+    steps: int = 0
+    seconds: float = 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what goes into the JSON file."""
+        return asdict(self)
+
+
+def judge(drawn: Drawn) -> Judgement:
+    """Judge the diagram of a seed; never raises for what the engine or an oracle does."""
+    oracle = "reference" if covers(drawn.diagram) else "c"
+    try:
+        if oracle == "c":
+            program()
+    except NoCompiler:
+        oracle = "reference"
+    begin, seed = time.perf_counter(), drawn.seed
+    try:
+        run = simulate(
+            drawn.diagram, drawn.duration, times=drawn.times, rtol=ENGINE[0][0], atol=ENGINE[0][1], max_steps=STEPS
+        )
+    except Exception as error:  # whatever it is, it is what we are looking for
+        return Judgement(seed, "finding", oracle, f"the engine raised {type(error).__name__}: {error}")
+    cost = {"steps": run.statistics.steps, "seconds": time.perf_counter() - begin}
+    if not run.ok:
+        return Judgement(seed, "finding", oracle, f"{run.status.name}: {run.hint}", **cost)
+    ours = np.stack([run.log[s] for s in drawn.diagram.signals], axis=1)
+    try:
+        theirs = _asked(drawn, oracle, 0)
+        size = AGREED * (1.0 + np.abs(theirs).max(axis=0))
+        apart = np.abs(ours - theirs).max(axis=0) / size
+        if apart.max() <= 1.0:
+            return Judgement(seed, "agree", oracle, difference=float(AGREED * apart.max()), **cost)
+        again = _asked(drawn, oracle, 1)
+    except OracleFailed as reason:
+        return Judgement(seed, "skipped", oracle, f"the oracle failed: {reason}", **cost)
+    fine = simulate(
+        drawn.diagram, drawn.duration, times=drawn.times, rtol=ENGINE[1][0], atol=ENGINE[1][1], max_steps=STEPS
+    )
+    finer = np.stack([fine.log[s] for s in drawn.diagram.signals], axis=1)
+    apart = np.abs(finer - again).max(axis=0) / size
+    worst = float(AGREED * apart.max())
+    if apart.max() <= 1.0:
+        return Judgement(seed, "undecided", oracle, "asked more finely, they agree", worst, **cost)
+    if (np.abs(theirs - again).max(axis=0) / size).max() > ITSELF:
+        return Judgement(seed, "undecided", oracle, "the oracle differs from itself", worst, **cost)
+    if (np.abs(ours - finer).max(axis=0) / size).max() > ITSELF:
+        return Judgement(seed, "undecided", oracle, "the engine differs from itself", worst, **cost)
+    return Judgement(seed, "finding", oracle, _told(drawn, np.abs(finer - again), apart), worst, **cost)
+
+
+def _told(drawn: Drawn, difference: Floats, apart: Floats) -> str:
+    """Say which signals differ, from when on, and whether a block with states is among them."""
+    signals = drawn.diagram.signals
+    wrong = [signals[i] for i in np.flatnonzero(apart > 1.0)]
+    states = {
+        s for block in drawn.diagram.blocks if len(block.x0) and not block.kernels.feeds for s in block.output_labels
+    }
+    size = difference[:, int(np.argmax(apart))]
+    first = float(drawn.times[int(np.argmax(size > 0.1 * size.max()))])
+    rows = int((size > 0.1 * size.max()).sum())
+    with_states = [s for s in wrong if s in states]
+    whose = f"states too: {', '.join(with_states[:4])}" if with_states else "outputs of states are right"
+    return (
+        f"{len(wrong)} of {len(signals)} signals differ, most {signals[int(np.argmax(apart))]} by {size.max():.2g} in "
+        f"{rows} of {len(size)} rows, first at {first:.4g} s ({whose})"
+    )
+
+
+def _asked(drawn: Drawn, oracle: str, turn: int) -> Floats:
+    """Return the oracle's signals, (times, signals)."""
+    if oracle == "c":
+        return solve(drawn.diagram, drawn.duration, drawn.times, SHARES[turn])
+    with _at_most(PATIENCE):
+        run = simulate_reference(
+            drawn.diagram, drawn.duration, times=drawn.times, max_steps=REFERENCE_STEPS, **REFERENCE[turn]
+        )
+    if not run.ok:
+        raise OracleFailed(run.status.name)
+    return np.stack([run.log[s] for s in drawn.diagram.signals], axis=1)
+
+
+@contextmanager
+def _at_most(seconds: float) -> Iterator[None]:
+    """Let the block fail with ``OracleFailed`` after so many seconds (where the system has alarms)."""
+
+    def stop(*_: object) -> None:
+        raise OracleFailed(f"it took longer than {seconds:g} s")
+
+    if not hasattr(signal, "SIGALRM"):
+        yield
+        return
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

@@ -1,0 +1,466 @@
+/* A second simulator of stickslip's block diagrams, which shares nothing with the engine or its kernels.
+
+   The equations are those of the blocks' docstrings.  Fixed-step Runge-Kutta 4; a step that ends beyond an event is
+   shortened by bisection; samples, source breakpoints and what leaves the dead times end steps exactly.
+
+   stdin:  t_end share n_rows rows...  n_blocks n_signals, then a line per block (see read_diagram)
+   stdout: one row of all signals per time; "failed" if it gets nowhere.  ``share``: step as a share of the fastest
+   time constant at work. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CONSTANT, STEP, RAMP, SINE, SQUARE, SUM, GAIN, LIMIT, FIRST, SECOND, INTEGRATOR, DEADTIME, PI_, PID_, SENSOR,
+       STEM, MASSLESS, SAMPLED_PI, NOISE, SAMPLED_SENSOR, KANO };
+#define MAXP 24
+#define SAME 1e-9 /* instants closer than this are one [s] */
+#define MOST_STEPS 60000000L
+
+typedef struct {
+    int kind, np, nu, in[8], out, nx, x, feeds, sampled, region;
+    double p[MAXP], start[2], theta, before, dt, offset, fast;
+    long taken;
+    double mode, place, old_u;      /* stems: 0 stuck, +-1 sliding; massless: where it stands */
+    double u_s, last;               /* Kano: where OP stood when it stuck, and at the last sample */
+    double memory, w;               /* sampled PI: z; sensor: lag; noise: coloured value */
+    long long r[6];                 /* MRG32k3a */
+    double *hist; long n_hist, room; /* records start, end, three values */
+} Block;
+
+static Block B[400];
+static int NB, NS, NX, order[400];
+static double s[400], X[400], t_left, t_begin; /* a step lies between t_begin and t_left */
+static double *pending; static int *generation; static long n_pending, room_pending;
+
+static double clip(double v, double low, double high) { return v < low ? low : v > high ? high : v; }
+
+static double delayed(const Block *b, double t) {
+    long low = 0, high = b->n_hist; /* last record with start + theta <= t */
+    while (low < high) {
+        long mid = (low + high) / 2;
+        if (b->hist[5 * mid] + b->theta <= t) low = mid + 1; else high = mid;
+    }
+    if (low == 0) return b->before;
+    const double *h = b->hist + 5 * (low - 1);
+    double r = h[1] > h[0] ? (t - b->theta - h[0]) / (h[1] - h[0]) : 0.0;
+    return h[2] * (1 - r) * (1 - 2 * r) + h[3] * 4 * r * (1 - r) + h[4] * r * (2 * r - 1);
+}
+
+static double input(const Block *b, int i, double t) { return b->theta > 0 ? delayed(b, t) : s[b->in[i]]; }
+
+static double free_output(const Block *b, const double *x, double t) { /* before the limits */
+    const double *p = b->p;
+    double sp = s[b->in[0]], pv = s[b->in[1]];
+    if (b->kind == PI_) return p[0] * p[5] * (sp - pv) + x[b->x];
+    double Tf = p[6] / p[7]; /* K_p T_i low high T_t action T_d N b c */
+    return p[0] * p[5] * (p[8] * sp - pv + p[6] / Tf * (p[9] * sp - pv - x[b->x + 1])) + x[b->x];
+}
+
+static double sensed(const Block *b, const double *x, double t) {
+    const double *p = b->p; /* tau factor bias drift low high */
+    return p[0] > 0 ? x[b->x] : p[1] * s[b->in[0]] + p[2] + p[3] * t;
+}
+
+static void signals(double t, const double *x) {
+    if (t > t_left) t = t_left;
+    for (int k = 0; k < NB; k++) {
+        Block *b = &B[order[k]];
+        const double *p = b->p;
+        double y = 0, u = b->nu && !b->sampled ? input(b, 0, t) : 0;
+        if (b->sampled) continue;
+        switch (b->kind) {
+        case CONSTANT: y = p[0]; break;
+        case STEP: y = t < p[2] ? p[0] : p[1]; break;
+        case RAMP: y = p[0] + p[1] * (clip(t, p[2], p[3]) - p[2]); break;
+        case SINE: y = t >= p[4] ? p[0] + p[1] * sin(2 * M_PI * (t - p[4]) / p[2] + p[3]) : p[0]; break;
+        case SQUARE: /* mean amplitude period start duty */
+            y = p[0];
+            if (t >= p[3]) {
+                double k0 = floor((t - p[3]) / p[2]);
+                if (p[3] + (k0 + 1) * p[2] <= t) k0++;
+                if (p[3] + k0 * p[2] > t) k0--;
+                y += t < p[3] + k0 * p[2] + p[4] * p[2] ? p[1] : -p[1];
+            }
+            break;
+        case SUM: y = p[0]; for (int i = 0; i < b->nu; i++) y += p[1 + i] * s[b->in[i]]; break;
+        case GAIN: y = p[1] + p[0] * u; break;
+        case LIMIT: y = clip(u, p[0], p[1]); break;
+        case FIRST: case SECOND: case INTEGRATOR: case STEM: y = x[b->x]; break;
+        case DEADTIME: y = u; break;
+        case PI_: case PID_: y = clip(free_output(b, x, t), p[2], p[3]); break;
+        case SENSOR: y = clip(sensed(b, x, t), p[4], p[5]); break;
+        case MASSLESS: /* S J low high */
+            y = b->mode == 0 ? b->place : clip(u - b->mode * 0.5 * (p[0] - p[1]), p[2], p[3]); break;
+        }
+        s[b->out] = y;
+    }
+}
+
+static void rates(double t, const double *x, double *f) {
+    signals(t, x);
+    if (t > t_left) t = t_left;
+    for (int k = 0; k < NB; k++) {
+        Block *b = &B[k];
+        const double *p = b->p, *v = x + b->x;
+        double *g = f + b->x, u = b->nu && b->nx ? input(b, 0, t) : 0, track;
+        switch (b->kind) {
+        case FIRST: g[0] = (p[0] * u - v[0]) / p[1]; break;
+        case SECOND: g[0] = v[1]; g[1] = p[1] * p[1] * (p[0] * u - v[0]) - 2 * p[2] * p[1] * v[1]; break;
+        case INTEGRATOR: g[0] = p[0] / p[1] * (u - p[2]); break;
+        case SENSOR: if (b->nx) g[0] = p[0] > 0 ? (p[1] * u + p[2] + p[3] * t - v[0]) / p[0] : 0; break;
+        case PI_: case PID_:
+            track = p[4] > 0 ? p[4] : b->kind == PI_ ? p[1] : sqrt(p[1] * p[6]);
+            g[0] = p[0] * p[5] * (s[b->in[0]] - s[b->in[1]]) / p[1] + (s[b->out] - free_output(b, x, t)) / track;
+            if (b->kind == PID_) g[1] = (p[9] * s[b->in[0]] - s[b->in[1]] - v[1]) / (p[6] / p[7]);
+            break;
+        case STEM: /* k M F_v F_c F_s low high v_stop */
+            g[0] = g[1] = 0;
+            if (b->mode != 0) { g[0] = v[1]; g[1] = (p[0] * (u - v[0]) - p[3] * b->mode - p[2] * v[1]) / p[1]; }
+            break;
+        }
+    }
+}
+
+static void rk4(double t, double h, const double *x, double *y) {
+    static double k1[400], k2[400], k3[400], k4[400], z[400];
+    rates(t, x, k1);
+    for (int i = 0; i < NX; i++) z[i] = x[i] + 0.5 * h * k1[i];
+    rates(t + 0.5 * h, z, k2);
+    for (int i = 0; i < NX; i++) z[i] = x[i] + 0.5 * h * k2[i];
+    rates(t + 0.5 * h, z, k3);
+    for (int i = 0; i < NX; i++) z[i] = x[i] + h * k3[i];
+    rates(t + h, z, k4);
+    for (int i = 0; i < NX; i++) y[i] = x[i] + h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+}
+
+static double u_rate(const Block *b, double t, const double *x) { /* d(input)/dt, from the left */
+    static double f[400], z[400];
+    double d = fmin(1e-6, 0.5 * (t - t_begin)), now, then;
+    if (d < 3e-7) return 0; /* shorter, rounding would decide */
+    rates(t, x, f);
+    for (int i = 0; i < NX; i++) z[i] = x[i] - d * f[i];
+    now = s[b->in[0]];
+    signals(t - d, z);
+    then = s[b->in[0]];
+    signals(t, x);
+    return (now - then) / d;
+}
+
+static int region_of(const Block *b, double t, const double *x) {
+    double v, low, high;
+    if (b->kind == LIMIT) { v = s[b->in[0]]; low = b->p[0]; high = b->p[1]; }
+    else if (b->kind == PI_ || b->kind == PID_) { v = free_output(b, x, t); low = b->p[2]; high = b->p[3]; }
+    else if (b->kind == SENSOR) { v = sensed(b, x, t); low = b->p[4]; high = b->p[5]; }
+    else return 0;
+    return v > high ? 1 : v < low ? -1 : 0;
+}
+
+/* what a stem would do at (t, x), whose signals are computed: 0 nothing, 1 break away, 2 stick, 3 stop */
+static int wish(const Block *b, double t, const double *x, int reversals) {
+    const double *p = b->p;
+    double u = s[b->in[0]];
+    if (b->kind == STEM) {
+        double at = x[b->x], v = x[b->x + 1], spring = p[0] * (u - at);
+        if (b->mode == 0) return fabs(spring) > p[4] && (spring > 0 ? at < p[6] : at > p[5]) ? 1 : 0;
+        if (b->mode > 0 ? at > p[6] : at < p[5]) return 3;
+        double forward = b->mode * v;
+        int braking = b->mode * spring < p[3] + p[2] * forward;
+        return forward < (braking ? p[7] : 0) ? 2 : 0;
+    }
+    if (b->kind == MASSLESS) {
+        double pull = u - b->place;
+        if (b->mode == 0)
+            return fabs(pull) > 0.5 * (p[0] + p[1]) + 1e-12 && (pull > 0 ? b->place < p[3] : b->place > p[2]) ? 1 : 0;
+        double stem = u - b->mode * 0.5 * (p[0] - p[1]);
+        if (b->mode > 0 ? stem > p[3] : stem < p[2]) return 3;
+        if (reversals && b->mode * u_rate(b, t, x) < -1e-9) return 2;
+    }
+    return 0;
+}
+
+static int anything(double t, const double *x) { /* has a step to here passed an event or a kink? */
+    signals(t, x);
+    for (int k = 0; k < NB; k++)
+        if (region_of(&B[k], t, x) != B[k].region || wish(&B[k], t, x, 1)) return 1;
+    return 0;
+}
+
+static int transitions(double t, double *x, int reversals) { /* all that stems do now; how many did anything */
+    int done = 0;
+    for (int k = 0; k < NB; k++) {
+        Block *b = &B[k];
+        int what = wish(b, t, x, reversals);
+        const double *p = b->p;
+        double u = s[b->in[0]];
+        if (!what) continue;
+        done++;
+        if (b->kind == STEM) {
+            if (what == 3) x[b->x] = b->mode > 0 ? p[6] : p[5];
+            b->mode = what == 1 ? (u > x[b->x] ? 1 : -1) : 0;
+            x[b->x + 1] = 0;
+        } else if (what == 1) b->mode = u > b->place ? 1 : -1;
+        else { b->place = clip(u - b->mode * 0.5 * (p[0] - p[1]), p[2], p[3]); b->mode = 0; }
+    }
+    return done;
+}
+
+/* L'Ecuyer's MRG32k3a in whole numbers */
+static double uniform(Block *b) {
+    const long long m1 = 4294967087LL, m2 = 4294944443LL;
+    long long *r = b->r;
+    long long p1 = (1403580LL * r[1] - 810728LL * r[0]) % m1, p2 = (527612LL * r[5] - 1370589LL * r[3]) % m2;
+    if (p1 < 0) p1 += m1;
+    if (p2 < 0) p2 += m2;
+    r[0] = r[1]; r[1] = r[2]; r[2] = p1; r[3] = r[4]; r[4] = r[5]; r[5] = p2;
+    return (double)(p1 > p2 ? p1 - p2 : p1 - p2 + m1) / (double)(m1 + 1);
+}
+
+static double noise(Block *b, double correlation_time) {
+    double a = correlation_time > 0 ? exp(-b->dt / correlation_time) : 0;
+    double u1 = uniform(b), u2 = uniform(b);
+    b->w = a * b->w + sqrt(1 - a * a) * sqrt(-2 * log(u1)) * cos(2 * M_PI * u2);
+    return b->w;
+}
+
+/* Kano: MV = OP - dir (S - J)/2 on the move; stuck at u_s once OP stops or turns; off again beyond S against dir or J
+   along it; before its first move beyond (S + J)/2; an end of the span is a stop at which it stands pushed.
+   mode 0: stuck before the first move, +-1 stuck, +-2 on the move */
+static double kano(Block *b, double op) {
+    const double *p = b->p; /* S J low high */
+    double half = 0.5 * (p[0] - p[1]), dir = b->mode > 0 ? 1 : b->mode < 0 ? -1 : 0;
+    if (op >= p[3] || op <= p[2]) {
+        dir = op >= p[3] ? 1 : -1;
+        b->place = op >= p[3] ? p[3] : p[2];
+        b->mode = dir;
+        b->u_s = b->last = b->place + dir * half;
+        return b->place;
+    }
+    if (fabs(b->mode) == 2 && dir * (op - b->last) <= 0) { b->mode = dir; b->u_s = b->last; }
+    if (fabs(b->mode) == 1) {
+        double along = dir * (op - b->u_s);
+        if (along > p[1]) b->mode = 2 * dir;
+        else if (-along > p[0]) b->mode = -2 * dir;
+    } else if (b->mode == 0 && fabs(op - b->u_s) > 0.5 * (p[0] + p[1])) b->mode = op > b->u_s ? 2 : -2;
+    if (fabs(b->mode) == 2) b->place = op - (b->mode > 0 ? half : -half);
+    b->last = op;
+    return b->place;
+}
+
+static void sample(Block *b, double t) {
+    const double *p = b->p;
+    if (b->kind == KANO) { s[b->out] = kano(b, s[b->in[0]]); return; }
+    if (b->kind == SAMPLED_PI) { /* K_p T_i low high T_t action, then 1 for back-calculation, 2 for conditional */
+        double e = p[5] * (s[b->in[0]] - s[b->in[1]]), v = p[0] * e + b->memory, op = clip(v, p[2], p[3]);
+        int held = p[6] == 2 && ((v >= p[3] && e > 0) || (v <= p[2] && e < 0));
+        double tt = p[4] > 0 ? p[4] : p[1];
+        if (!held) b->memory += b->dt * p[0] * e / p[1];
+        if (p[6] == 1) b->memory += fmin(b->dt / tt, 1) * (op - v);
+        s[b->out] = op;
+    } else if (b->kind == NOISE) s[b->out] = p[0] + p[1] * noise(b, p[2]); /* mean sd correlation_time */
+    else { /* tau factor bias drift low high sd correlation_time step */
+        double target = p[1] * s[b->in[0]] + p[2] + p[3] * t;
+        b->memory += (p[0] > 0 ? 1 - exp(-b->dt / p[0]) : 1) * (target - b->memory);
+        double v = b->memory + p[6] * noise(b, p[7]);
+        if (p[8] > 0) v = floor(v / p[8] + 0.5) * p[8];
+        s[b->out] = clip(v, p[4], p[5]);
+    }
+}
+
+static void note(double t, int g) { /* what happens at t leaves every dead time later */
+    if (g >= 4) return;
+    for (int k = 0; k < NB; k++) {
+        if (B[k].theta <= 0) continue;
+        double at = t + B[k].theta;
+        long i = n_pending;
+        while (i > 0 && pending[i - 1] > at) i--;
+        if ((i > 0 && pending[i - 1] > at - 1e-13) || (i < n_pending && pending[i] < at + 1e-13)) continue;
+        if (n_pending == room_pending) {
+            room_pending = 2 * room_pending + 64;
+            pending = realloc(pending, room_pending * sizeof *pending);
+            generation = realloc(generation, room_pending * sizeof *generation);
+        }
+        memmove(pending + i + 1, pending + i, (n_pending - i) * sizeof *pending);
+        memmove(generation + i + 1, generation + i, (n_pending - i) * sizeof *generation);
+        pending[i] = at; generation[i] = g + 1; n_pending++;
+    }
+}
+
+static double source_break(const Block *b, double t) {
+    const double *p = b->p;
+    if (b->kind == STEP) return t < p[2] ? p[2] : INFINITY;
+    if (b->kind == RAMP) return t < p[2] ? p[2] : t < p[3] ? p[3] : INFINITY;
+    if (b->kind == SINE) return t < p[4] ? p[4] : INFINITY;
+    if (b->kind == SQUARE) {
+        if (t < p[3]) return p[3];
+        double k0 = floor((t - p[3]) / p[2]);
+        if (p[3] + (k0 + 1) * p[2] <= t) k0++;
+        double fall = p[3] + k0 * p[2] + p[4] * p[2];
+        return t < fall ? fall : p[3] + (k0 + 1) * p[2];
+    }
+    return INFINITY;
+}
+
+static int settle(double t) { /* samples, then transitions, until nothing happens any more */
+    t_left = INFINITY;
+    for (int k = 0; k < NB; k++) {
+        Block *b = &B[order[k]];
+        if (b->sampled && b->offset + b->taken * b->dt <= t + SAME) {
+            signals(t, X);
+            sample(b, t);
+            b->taken++;
+        }
+    }
+    for (int chain = 0; chain < 200; chain++) {
+        signals(t, X);
+        for (int k = 0; k < NB; k++) { /* an input that jumps back stops a massless stem where it was */
+            Block *b = &B[k];
+            if (b->kind != MASSLESS) continue;
+            double jump = s[b->in[0]] - b->old_u;
+            if (b->mode != 0 && b->mode * jump < -1e-11 * (1 + fabs(b->old_u))) {
+                b->place = clip(b->old_u - b->mode * 0.5 * (b->p[0] - b->p[1]), b->p[2], b->p[3]);
+                b->mode = 0;
+            }
+        }
+        signals(t, X);
+        for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
+        if (!transitions(t, X, 0)) {
+            signals(t, X);
+            for (int k = 0; k < NB; k++) B[k].region = region_of(&B[k], t, X);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static int read_diagram(void) {
+    if (scanf("%d %d", &NB, &NS) != 2) return 0;
+    for (int k = 0; k < NB; k++) { /* kind np p.. nu in.. out nx x0.. theta before sampled dt offset feeds place w r.. */
+        Block *b = &B[k];
+        int ok = scanf("%d %d", &b->kind, &b->np) == 2;
+        for (int i = 0; i < b->np; i++) ok &= scanf("%lf", &b->p[i]) == 1;
+        ok &= scanf("%d", &b->nu) == 1;
+        for (int i = 0; i < b->nu; i++) ok &= scanf("%d", &b->in[i]) == 1;
+        ok &= scanf("%d %d", &b->out, &b->nx) == 2;
+        b->x = NX;
+        for (int i = 0; i < b->nx; i++) ok &= scanf("%lf", &X[NX++]) == 1;
+        ok &= scanf("%lf %lf %d %lf %lf %d", &b->theta, &b->before, &b->sampled, &b->dt, &b->offset, &b->feeds) == 6;
+        ok &= scanf("%lf %lf %lf", &b->place, &b->w, &s[b->out]) == 3;
+        b->memory = b->u_s = b->last = b->place;
+        for (int i = 0; i < 6; i++) ok &= scanf("%lld", &b->r[i]) == 1;
+        ok &= scanf("%lf", &b->fast) == 1;
+        if (!ok) return 0;
+    }
+    int driver[400], done[400] = {0}, n = 0;
+    for (int k = 0; k < NB; k++) driver[B[k].out] = k;
+    while (n < NB) {
+        int before = n;
+        for (int k = 0; k < NB; k++) {
+            int ready = !done[k];
+            for (int i = 0; B[k].feeds && i < B[k].nu; i++) ready &= done[driver[B[k].in[i]]];
+            if (ready) { done[k] = 1; order[n++] = k; }
+        }
+        if (n == before) return 0;
+    }
+    return 1;
+}
+
+static void remember(double t, double h, const double *x0, const double *x1) {
+    static double f0[400], f1[400], middle[400], at[3][400];
+    int any = 0;
+    for (int k = 0; k < NB; k++) any |= B[k].theta > 0;
+    if (!any) return;
+    rates(t, x0, f0); memcpy(at[0], s, sizeof at[0]);
+    rates(t + h, x1, f1); memcpy(at[2], s, sizeof at[2]);
+    for (int i = 0; i < NX; i++) middle[i] = 0.5 * (x0[i] + x1[i]) + h / 8 * (f0[i] - f1[i]);
+    signals(t + 0.5 * h, middle); memcpy(at[1], s, sizeof at[1]);
+    for (int k = 0; k < NB; k++) {
+        Block *b = &B[k];
+        if (b->theta <= 0) continue;
+        if (b->n_hist == b->room) b->hist = realloc(b->hist, 5 * (b->room = 2 * b->room + 1024) * sizeof(double));
+        double *r = b->hist + 5 * b->n_hist++;
+        r[0] = t; r[1] = t + h;
+        for (int m = 0; m < 3; m++) r[2 + m] = at[m][b->in[0]];
+    }
+}
+
+int main(void) {
+    double t_end, share, t = 0;
+    long rows, row = 0, steps = 0;
+    static double x1[400], f0[400], f1[400], z[400];
+    if (scanf("%lf %lf %ld", &t_end, &share, &rows) != 3) return 2;
+    double *grid = malloc(rows * sizeof *grid);
+    for (long i = 0; i < rows; i++) if (scanf("%lf", &grid[i]) != 1) return 2;
+    if (!read_diagram()) return 2;
+    t_left = INFINITY;
+    signals(0, X);
+    for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
+    /* the first samples are what the run begins with: nothing jumps there */
+    for (int k = 0; k < NB; k++) {
+        Block *b = &B[order[k]];
+        if (b->sampled && b->offset <= SAME) { signals(0, X); sample(b, 0); b->taken = 1; }
+    }
+    signals(0, X);
+    for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
+    note(0, 0);
+    for (;;) {
+        if (!settle(t)) { puts("failed"); return 1; }
+        while (row < rows && grid[row] <= t) {
+            for (int i = 0; i < NS; i++) printf("%.17g ", s[i]);
+            puts(""); row++;
+        }
+        if (t >= t_end) return 0;
+        double stop = t_end; int g = 9;
+        for (int k = 0; k < NB; k++) {
+            double due = B[k].sampled ? B[k].offset + B[k].taken * B[k].dt : source_break(&B[k], t);
+            if (due <= stop) { stop = due; g = 0; }
+        }
+        while (n_pending && pending[0] <= t) {
+            n_pending--;
+            memmove(pending, pending + 1, n_pending * sizeof *pending);
+            memmove(generation, generation + 1, n_pending * sizeof *generation);
+        }
+        if (n_pending && pending[0] < stop) { stop = pending[0]; g = generation[0]; }
+        t_left = nextafter(stop, -INFINITY);
+        int event = 0;
+        while (!event && t < stop) {
+            double fast = INFINITY, theta = INFINITY;
+            for (int k = 0; k < NB; k++) {
+                if (B[k].fast > 0 && !(B[k].kind == STEM && B[k].mode == 0)) fast = fmin(fast, B[k].fast);
+                if (B[k].theta > 0) theta = fmin(theta, B[k].theta);
+            }
+            double h = fmin(share * fmin(fast, 4.0), 0.5 * theta);
+            if (t + 1.01 * h >= stop) h = stop - t;
+            t_begin = t;
+            if (++steps > MOST_STEPS) { puts("failed"); return 1; }
+            rk4(t, h, X, x1);
+            if (anything(t + h, x1)) {
+                double low = 0, high = h;
+                for (int i = 0; i < 60 && high - low > 1e-14 * (1 + t); i++) {
+                    double mid = 0.5 * (low + high);
+                    rk4(t, mid, X, x1);
+                    if (anything(t + mid, x1)) high = mid; else low = mid;
+                }
+                rk4(t, high, X, x1);
+                if (h != high && high > 1e-13 * (1 + t)) { h = high; event = 1; }
+                else { rk4(t, h, X, x1); event = 1; }
+            }
+            rates(t, X, f0); rates(t + h, x1, f1);
+            while (row < rows && grid[row] < (h == stop - t ? stop : t + h)) {
+                double r = (grid[row] - t) / h, a = (1 + 2 * r) * (1 - r) * (1 - r), b = r * (1 - r) * (1 - r);
+                double c = r * r * (3 - 2 * r), d = -r * r * (1 - r);
+                for (int i = 0; i < NX; i++) z[i] = a * X[i] + b * h * f0[i] + c * x1[i] + d * h * f1[i];
+                signals(grid[row], z);
+                for (int i = 0; i < NS; i++) printf("%.17g ", s[i]);
+                puts(""); row++;
+            }
+            remember(t, h, X, x1);
+            t = h == stop - t ? stop : t + h;
+            memcpy(X, x1, sizeof X);
+            signals(t, X);
+            for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
+            if (event) { transitions(t, X, 1); note(t, 0); }
+        }
+        if (t >= stop && g < 9) note(t, g);
+    }
+}

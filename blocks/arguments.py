@@ -1,0 +1,88 @@
+"""What the arguments of a block must be, checked where they come in, before any block computes with them.
+
+A constructor says in its annotations what it wants: ``float`` is a single number of any kind, ``str`` a text.  Every
+``Block`` subclass gets this check in front of its ``__init__``, so that a text where a number belongs is refused with
+the value, the rule and the remedy, whatever the constructor would have done with it.
+"""
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from types import UnionType
+from typing import Any, get_args
+
+from blocks.ports import BlockError, number
+
+
+def checked(init: Callable[..., None]) -> Callable[..., None]:
+    """Return a constructor that takes numbers of any kind as floats and refuses what is none.
+
+    >>> def init(self, K: float, name: str = "process"): print(name, K)
+    >>> checked(init)(None, 3)
+    process 3.0
+    >>> checked(init)(None, "3")
+    Traceback (most recent call last):
+    ...
+    blocks.ports.BlockError: process: K = '3', but it must be a single number; give one
+    """
+    signature = inspect.signature(init)
+    wanted = {p.name: _kinds(p.annotation) for p in signature.parameters.values()}
+    wanted = {
+        name: kinds for name, kinds in wanted.items() if kinds - {type(None)} in (frozenset([float]), frozenset([str]))
+    }
+    default = signature.parameters["name"].default if "name" in signature.parameters else ""
+
+    @functools.wraps(init)
+    def door(self: Any, *args: Any, **keywords: Any) -> None:
+        try:
+            given = signature.bind(self, *args, **keywords)
+        except TypeError:
+            init(self, *args, **keywords)  # Python's own words for a missing or unknown argument
+            raise
+        told = [keywords.get("name"), given.arguments.get("name"), given.arguments.get("signal"), default]
+        block = next((name for name in told if isinstance(name, str) and name), type(self).__name__)
+        for name, kinds in wanted.items():
+            if name in given.arguments:
+                given.arguments[name] = _as(kinds, block, name, given.arguments[name])
+        init(*given.args, **given.kwargs)
+
+    return door
+
+
+def _kinds(annotation: Any) -> frozenset[Any]:
+    return frozenset(get_args(annotation)) if isinstance(annotation, UnionType) else frozenset([annotation])
+
+
+def _as(kinds: frozenset[Any], block: str, name: str, value: Any) -> Any:
+    if value is None and type(None) in kinds:
+        return None
+    return number(block, name, value) if float in kinds else text(block, name, value)
+
+
+def text(block: str, name: str, value: Any) -> str:
+    """Return a text; raise ``BlockError`` for anything else."""
+    if not isinstance(value, str):
+        raise BlockError(f"{block}: {name} = {value!r}, but it must be a text; give one in quotation marks")
+    return value
+
+
+def texts(block: str, name: str, values: Any) -> tuple[str, ...]:
+    """Return texts as a tuple, a single one as one; raise ``BlockError`` for anything else."""
+    if isinstance(values, str):
+        return (values,)
+    if not isinstance(values, Sequence | set | frozenset | Mapping) or not all(isinstance(v, str) for v in values):
+        raise BlockError(f"{block}: {name} = {values!r}, but it must be a list of texts; give e.g. {name}=['SP']")
+    return tuple(values)
+
+
+def by_name(block: str, what: str, given: Any, example: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a mapping whose keys are texts; raise ``BlockError`` with the example for anything else.
+
+    >>> by_name("diagram", "params", ["valve.F_s"], {"valve.F_s": 1750.0})
+    Traceback (most recent call last):
+    ...
+    blocks.ports.BlockError: diagram: params = ['valve.F_s'], but ... given by name; give e.g. {'valve.F_s': 1750.0}
+    """
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        raise BlockError(f"{block}: {what} = {given!r}, but values are given by name; give e.g. {dict(example)}")
+    return given

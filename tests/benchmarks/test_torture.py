@@ -1,0 +1,147 @@
+"""The random-diagram search: its C program against closed forms, its judge against planted mistakes, its options."""
+
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from benchmarks.torture import judge as judging
+from benchmarks.torture.c_program import NoCompiler, covers, program, solve
+from benchmarks.torture.draw import Drawn, draw
+from blocks import DeadTime, FirstOrder, Gain, Noise, QuasiStaticStem, Recorded, SampledPI, SecondOrder, Step, StickSlip
+from blocks.sources import Ramp
+from plant import simulate, wire
+
+CLEAN = 22  # a seed whose diagram has no sampled block: everybody agrees on it
+
+
+@pytest.fixture(autouse=True)
+def compiler():
+    try:
+        program()
+    except NoCompiler as reason:
+        pytest.skip(str(reason))
+
+
+def c(diagram, times, share=1.0 / 60.0):
+    rows = solve(diagram, float(times[-1]) + 1.0, np.asarray(times, dtype=float), share)
+    return dict(zip(diagram.signals, rows.T, strict=True))
+
+
+def test_the_c_program_solves_a_lag_behind_a_dead_time():
+    loop = wire([Step("MV", 1.0, at=0.7), FirstOrder(K=2.0, tau=5.0, theta=1.3)])
+    t = np.linspace(0.1, 19.9, 67)
+    exact = np.where(t > 2.0, 2.0 * (1.0 - np.exp(-(t - 2.0) / 5.0)), 0.0)  # analytic
+    assert np.abs(c(loop, t)["PV"] - exact).max() < 1e-9
+
+
+def test_the_c_program_sticks_and_slips():
+    # analytic: f_s = 0.045 and f_c = 0.015 of travel; on a ramp of 0.01/s it breaks away at 4.5 s and slides behind
+    valves = [
+        Ramp("OP", 0.01),
+        QuasiStaticStem(S=0.06, J=0.03, name="massless", outputs="a"),
+        StickSlip.from_bands(S=0.06, J=0.03, name="stem", outputs="b"),
+    ]
+    t = np.array([1.0, 4.4, 4.6, 6.0, 9.0])
+    found = c(wire(valves), t)
+    assert found["a"] == pytest.approx(np.where(t < 4.5, 0.0, 0.01 * t - 0.015), abs=1e-9)
+    behind = 0.01 * 612.0 / 52500.0  # analytic: F_v v / k
+    assert found["b"][[0, 1, 3, 4]] == pytest.approx(found["a"][[0, 1, 3, 4]] - [0.0, 0.0, behind, behind], abs=1e-7)
+
+
+def test_the_c_program_draws_the_numbers_of_the_generator():
+    # the same stream in whole numbers; the engine has it in doubles.  Logged on its scans, where both are right
+    noise = wire([Noise("D", sd=2.0, dt=0.5, mean=1.0, correlation_time=3.0, seed=4)], outputs=["D"])
+    t = np.arange(100) * 0.5
+    assert np.abs(c(noise, t)["D"] - simulate(noise, 60.0, times=t).log["D"]).max() < 1e-12
+
+
+def test_the_c_program_scans():
+    # analytic: P-only on a pure dead time, OP_k = 0.5 (1 - OP of 2 scans ago), as the dead time holds 1.5 scans
+    pi = SampledPI(0.5, math.inf, dt=1.0, anti_windup="none", outputs="OP")
+    loop = wire([Step("SP", 1.0), pi, DeadTime(1.5, inputs="OP", outputs="PV")])
+    op = [0.5, 0.5]
+    while len(op) < 12:
+        op.append(0.5 * (1.0 - op[-2]))
+    assert c(loop, np.arange(12) + 0.3)["OP"] == pytest.approx(op, abs=1e-12)
+
+
+def test_seeds_draw_the_same_diagrams_again_and_every_kind_of_block():
+    kinds: set[str] = set()
+    for seed in range(40):
+        drawn, again = draw(seed), draw(seed)
+        assert [b.params for b in drawn.diagram.blocks] == [b.params for b in again.diagram.blocks]
+        assert np.array_equal(drawn.times, again.times)
+        kinds |= {type(block).__name__ for block in drawn.diagram.blocks}
+    assert kinds >= {
+        "Constant", "Step", "Ramp", "Sine", "Square", "Noise", "Sum", "Gain", "Limit", "DeadTime", "FirstOrder",
+        "SecondOrder", "Integrator", "PI", "PID", "SampledPI", "StickSlip", "QuasiStaticStem", "Deadband", "KanoValve",
+        "Sensor", "SampledSensor",
+    }  # fmt: skip
+
+
+def small(**changes):
+    loop = wire([Step("MV", 1.0), SecondOrder(K=1.0, omega=1.0, zeta=0.5), Gain("twice", "PV", 2.0)])
+    return Drawn(0, loop.with_params(changes), 10.0, np.linspace(0.05, 9.9, 50))
+
+
+def test_the_judge_agrees_where_the_engine_is_right():
+    assert judging.judge(small()).verdict == "agree"
+
+
+@pytest.mark.parametrize("oracle", ["c", "reference"])
+@pytest.mark.parametrize("planted", [{"twice.factor": 2.001}, {"process.omega": 1.001}])
+def test_the_judge_finds_a_planted_mistake(planted, oracle, monkeypatch):
+    monkeypatch.setattr(judging, "simulate", lambda diagram, *a, **k: simulate(diagram.with_params(planted), *a, **k))
+    if oracle == "reference":
+        monkeypatch.setattr(judging, "covers", lambda diagram: "asked for")
+    found = judging.judge(small())
+    assert (found.verdict, found.oracle) == ("finding", oracle)
+    assert "twice" in found.why and ("outputs of states are right" in found.why) == ("twice.factor" in planted)
+
+
+def test_an_engine_that_raises_or_stops_is_a_finding(monkeypatch):
+    monkeypatch.setattr(judging, "STEPS", 3)
+    assert "TOO_MANY_STEPS" in judging.judge(small()).why
+    monkeypatch.setattr(judging, "simulate", lambda *a, **k: 1 / 0)
+    assert "ZeroDivisionError" in judging.judge(small()).why
+
+
+def test_a_diagram_on_which_an_oracle_differs_from_itself_is_undecided(monkeypatch):
+    monkeypatch.setattr(judging, "SHARES", (0.9, 0.45))  # steps far too long
+    found = judging.judge(small())
+    assert found.verdict == "undecided" and "oracle differs from itself" in found.why
+
+
+def test_every_block_of_the_search_has_an_oracle():
+    # what the C program does not know goes to plant.reference
+    asked = {covers(draw(seed).diagram) for seed in range(60)}
+    assert asked == {"", "PI with conditional integration"}
+
+
+def run(*arguments):
+    command = [sys.executable, "-m", "benchmarks.torture", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+def test_the_command_repeats_a_seed_and_writes_json(tmp_path):
+    file = tmp_path / "found.json"
+    done = run("--seed", str(CLEAN), "--json", str(file))
+    assert done.returncode == 0, done.stderr
+    assert f"seed {CLEAN}: agree" in done.stderr and "site1/n0/process" in done.stderr
+    figures = json.loads(file.read_text())
+    assert figures["diagrams"] == figures["agree"] == 1 and figures["next_seed"] == CLEAN + 1
+    assert figures["judgements"] == []
+
+
+@pytest.mark.parametrize("arguments", [["--minutes", "0"], ["--minutes", "x"], ["--from", "-1"], ["--to", "-3"]])
+def test_bad_arguments_end_with_2_and_a_word(arguments):
+    done = run(*arguments)
+    assert done.returncode == 2 and "error" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_recorded_blocks_are_known_to_no_c_program():
+    assert covers(wire([Recorded("MV", [0.0, 1.0], [0.0, 1.0]), FirstOrder(K=1.0, tau=1.0)])) == "Recorded"
