@@ -80,14 +80,10 @@ def _passes_on(block: FlatBlock) -> bool:
 
 def _still(rows: Sequence[FlatBlock], driver: dict[int, int]) -> tuple[bool, ...]:
     """Return for each block whether its outputs stay as they are between two instants."""
-    still: list[bool] = []
-    for block in rows:
-        if block.kind in (at.SAMPLED, at.HOSTED):
-            still.append(True)
-        elif block.kind == at.DEAD_TIME or len(block.x0) or block.n_events or _reads_time(block.out):
-            still.append(False)
-        else:
-            still.append(all(driver[w] < len(still) and still[driver[w]] for w in block.wires) if block.feeds else True)
+    still = [block.kind in (at.SAMPLED, at.HOSTED) for block in rows]  # also where they come behind their readers
+    for number, block in enumerate(rows):
+        if block.kind == at.CONTINUOUS and not (len(block.x0) or block.n_events or _reads_time(block.out)):
+            still[number] = not block.feeds or all(still[driver[w]] for w in block.wires)
     return tuple(still)
 
 
