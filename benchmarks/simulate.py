@@ -32,6 +32,9 @@ NOTES = {
     "default_s": "the same at the default tolerance [s]",
     "ideal_over_c": "our time over hand-written C's (required: at most 4)",
     "c_error": "the C program's largest error in e",
+    "dead_time_over_c": "ten coupled loops with dead times, 200 s: our time over C's (required: at most 3)",
+    "dead_time_error": "our largest error in the ten PVs, rtol 1e-3",
+    "dead_time_c_error": "the C program's, with fixed steps of 1/640 s; it may be the larger one",
     "control_over_ideal": "python-control's time over ours (required: at least 1000)",
     "control_error": "python-control's largest error in e",
     "pathsim_over_ideal": "PathSim's time over ours (required: at least 1000)",
@@ -76,6 +79,7 @@ def main() -> None:
     figures["default_error"] = error(ours(1e-6))
     figures["default_s"] = median_seconds(lambda: ours(1e-6), repeats)
     figures |= c_figures(ideal, exact.e, repeats)
+    figures |= dead_time_figures(repeats)
     if not chosen.quick:
         figures |= control_figures(ideal, exact.e)
         figures |= pathsim_figures(ideal, exact.e)
@@ -112,6 +116,32 @@ def c_figures(ideal: float, exact_e: np.ndarray, repeats: int) -> Figures:
         return {"ideal_over_c": None, "c_error": None}
     error = float(np.max(np.abs(once().e - exact_e)))
     return {"ideal_over_c": ideal / median_seconds(once, repeats), "c_error": error}
+
+
+def dead_time_figures(repeats: int) -> Figures:
+    """Return the figures of ten coupled loops with dead times, against a fixed-step C program of no smaller error."""
+    from benchmarks.peers import c_coupled
+    from benchmarks.peers.c_library import NoCompiler
+
+    seconds, steps, diagram = 200, 640, c_coupled.diagram()
+
+    def ours(rtol=1e-3):
+        return simulate(diagram, seconds, every=1.0, rtol=rtol, atol=1e-3 * rtol)
+
+    def measured(run):
+        return np.array([run.log[name] for name in run.log.names if name.startswith("PV")]).T
+
+    exact = measured(ours(1e-11))
+    figures: Figures = {"dead_time_over_c": None, "dead_time_c_error": None}
+    figures["dead_time_error"] = float(np.max(np.abs(measured(ours()) - exact)))
+    try:
+        once = c_coupled.prepare(seconds, steps)
+        figures["dead_time_c_error"] = float(np.max(np.abs(once() - exact)))
+    except NoCompiler as reason:
+        print(reason, file=sys.stderr)
+        return figures
+    figures["dead_time_over_c"] = median_seconds(ours, repeats) / median_seconds(once, min(repeats, 5))
+    return figures
 
 
 def control_figures(ideal: float, exact_e: np.ndarray) -> Figures:

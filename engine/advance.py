@@ -39,24 +39,22 @@ from engine.layout import (
     O_Y0,
     O_Y1,
     PAUSE_AT,
-    PENDING_LEVEL,
     ROW,
+    SMOOTH_STOP,
     STEP,
     STEPS,
-    STOP_LEVEL,
     T_LEFT,
     T_STOP,
     T,
 )
 from engine.pace import APART, first_step, restart, watch_stiffness
-from engine.record import limit_by_delays, store_delays
+from engine.record import arrive, limit_by_delays, store_delays
 from engine.rows import write_rows_inside, write_rows_now
 from engine.sampling import sample
 from engine.step import prepare_dense, step
 from engine.sweep import clock, evaluate_events, rates, resolution, signals
 
 OK, PAUSED, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
-SMOOTH = 9
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -112,10 +110,8 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
             t_new = t + h_used
             if W[T_STOP] - t_new <= resolution(t_new):
                 t_new = W[T_STOP]
-        if I[HAS_DELAYS] and h_used > 0.0:
-            if not store_delays(I, W, t, h, min(1.0, crossing)):
-                return DELAY_FULL
-            I[PENDING_LEVEL] = SMOOTH
+        if I[HAS_DELAYS] and h_used > 0.0 and not store_delays(I, W, t, h, min(1.0, crossing)):
+            return DELAY_FULL
         if dense:
             write_rows_inside(I, W, times, log, t, h, t_new - resolution(t_new))
         if h_used > APART:
@@ -123,6 +119,8 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
         # over a long stiff step the states leave an instant with other slopes than the rates that events are told
         I[CROWDED] = I[METHOD] == 1 and crossing <= 1.0 and h_used <= APART
         W[T] = t_new
+        if I[HAS_DELAYS]:
+            arrive(I, W)
         if crossing <= 1.0:
             if not land_on_event(I, W, EV, crossing, h):
                 return CHATTERING
@@ -182,7 +180,6 @@ def land_on_event(I, W, EV, crossing, h):  # type: ignore[no-untyped-def]
         return False
     copy(W, I[O_X], I[O_Y0], I[N_STATES])
     I[FRESH] = 1
-    I[PENDING_LEVEL] = 0
     return True
 
 
@@ -194,8 +191,7 @@ def go_on(I, W, stopped):  # type: ignore[no-untyped-def]
     copy(W, I[O_Y1], I[O_X], n)
     copy(W, I[O_Y1] + n, I[O_K], n)
     copy(W, I[O_G] + I[N_EVENTS], I[O_G0], I[N_EVENTS])
-    if stopped:
+    if stopped and not I[SMOOTH_STOP]:
         if I[HAS_RATES]:
             signals(I, W, W[T])  # the left limit, from which settle sees jumps
         I[FRESH] = 1
-        I[PENDING_LEVEL] = I[STOP_LEVEL]

@@ -2,9 +2,12 @@
 
 Each accepted step leaves one record: start, length, smoothness of its start, and eight equidistant values of the
 signal, read back by the polynomial of degree 7 through them (barycentric formula): what follows the state loses
-nothing, because no method's dense output is of higher degree.  A jump that enters the delay leaves it ``theta``
-later as a breakpoint at which the integrator stops; what follows it around a loop gets smoother by one order
-each time it passes an integrator and is dropped once smoother than the integrator can notice.
+nothing, because no method's dense output is of higher degree.
+
+A jump that enters the delay leaves it ``theta`` later as a breakpoint; what follows gets smoother by one order each
+time it passes an integrator.  So a record knows how smooth its start is: the level of what happened at that instant
+plus the integrators between there and this dead time (``structure.reach``).  ``record`` says which of the breakpoints
+the integrator must stop at.
 
 All comparisons are made on the side of the exit, with ``start + theta`` rounded once: a breakpoint and the value
 read there then agree to the last bit.
@@ -15,10 +18,28 @@ import math
 import numpy as np
 from numba import njit
 
-from engine.layout import BREAK, CAPACITY, D_H, D_LEVEL, D_NODES, D_SIZE, D_T, D_V, DELAY, HEAD, SHARP, TAIL, P
+from engine.layout import (
+    ATOL,
+    BREAK,
+    CAPACITY,
+    D_H,
+    D_LEVEL,
+    D_NODES,
+    D_SIZE,
+    D_T,
+    D_V,
+    DELAY,
+    ENTERS,
+    HEAD,
+    L_DELAYS,
+    N_DELAYS,
+    REACH,
+    RTOL,
+    TAIL,
+    P,
+)
 
-SMOOTH = 9.0  # level of a record whose start is an ordinary step end
-DROPPED = 8.0  # a breakpoint this smooth is below the order of the integrator
+SMOOTH = 9  # level of a record whose start is an ordinary step end
 LAST = D_NODES - 1.0
 WEIGHTS = np.array([(-1.0) ** m * math.comb(D_NODES - 1, m) for m in range(D_NODES)])
 
@@ -41,7 +62,7 @@ def delayed(I, W, row, t):  # type: ignore[no-untyped-def]
         else:
             high = mid - 1
     at = base + (low % cap) * D_SIZE
-    s = LAST * (t - (W[at + D_T] + theta)) / W[at + D_H]
+    s = min(LAST, LAST * (t - (W[at + D_T] + theta)) / W[at + D_H])  # what stands still may be asked for beyond
     top, bottom = 0.0, 0.0
     for m in range(D_NODES):
         gap = s - m
@@ -54,7 +75,17 @@ def delayed(I, W, row, t):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def open_record(I, W, row, t, h, level):  # type: ignore[no-untyped-def]
+def happens(I, row, level):  # type: ignore[no-untyped-def]
+    """Let what happens at the outputs of a block reach the dead times: 0 a jump, 1 a kink, ..."""
+    reach = I[row + REACH]
+    if reach != 0:
+        for k in range(I[N_DELAYS]):
+            to = I[I[L_DELAYS] + k]
+            I[to + ENTERS] = min(I[to + ENTERS], level + I[reach + k])
+
+
+@njit(cache=True, error_model="numpy")
+def open_record(I, W, row, t, h):  # type: ignore[no-untyped-def]
     """Start the record of the step ``[t, t + h]`` and return where its values go, or -1 if the ring is full."""
     base = I[row + DELAY]
     cap = I[row + CAPACITY]
@@ -71,23 +102,33 @@ def open_record(I, W, row, t, h, level):  # type: ignore[no-untyped-def]
     at = base + (I[row + HEAD] % cap) * D_SIZE
     W[at + D_T] = t
     W[at + D_H] = h
-    W[at + D_LEVEL] = level
+    W[at + D_LEVEL] = I[row + ENTERS]
+    I[row + ENTERS] = SMOOTH
     I[row + HEAD] += 1
     return at + D_V
 
 
 @njit(cache=True, error_model="numpy")
-def next_break(I, W, row, t):  # type: ignore[no-untyped-def]
-    """Return (time, level) of the next breakpoint that leaves the delay after ``t``, or (inf, smooth).
+def close_record(I, W, row, nothing):  # type: ignore[no-untyped-def]
+    """Take a jump that turned out to be none (less than the share ``nothing`` of W[ATOL], W[RTOL]) as a kink."""
+    base, cap, last = I[row + DELAY], I[row + CAPACITY], I[row + HEAD] - 1
+    at = base + (last % cap) * D_SIZE
+    if W[at + D_LEVEL] == 0.0:
+        before = W[I[row + P] + 1]
+        if last > I[row + TAIL]:
+            before = W[base + ((last - 1) % cap) * D_SIZE + D_V + D_NODES - 1]
+        if abs(W[at + D_V] - before) <= nothing * (W[ATOL] + W[RTOL] * abs(before)):
+            W[at + D_LEVEL] = 1.0
 
-    The level is the one with which it meets the next dead time.
-    """
-    base = I[row + DELAY]
-    cap = I[row + CAPACITY]
-    theta = W[I[row + P]]
+
+@njit(cache=True, error_model="numpy")
+def let_out(I, W, row, t):  # type: ignore[no-untyped-def]
+    """Let the breakpoints that have left the delay by ``t`` happen at its output, and look at the next one."""
+    base, cap, theta = I[row + DELAY], I[row + CAPACITY], W[I[row + P]]
     while I[row + BREAK] < I[row + HEAD]:
         at = base + (I[row + BREAK] % cap) * D_SIZE
-        if W[at + D_LEVEL] < DROPPED and W[at + D_T] + theta > t:
-            return W[at + D_T] + theta, W[at + D_LEVEL] + (1 - I[row + SHARP])
+        if W[at + D_LEVEL] < SMOOTH:
+            if W[at + D_T] + theta > t:
+                break
+            happens(I, row, int(W[at + D_LEVEL]))
         I[row + BREAK] += 1
-    return np.inf, SMOOTH

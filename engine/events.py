@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from engine.call import call
+from engine.delay import happens
 from engine.layout import (
     A_JUMP,
     A_NEXT,
@@ -39,7 +40,7 @@ from engine.layout import (
     RATES,
     RTOL,
     SAMPLED,
-    STOP_LEVEL,
+    SMOOTH_STOP,
     T_LEFT,
     T_STOP,
     WIRES,
@@ -76,6 +77,7 @@ def fire(I, W, EV, row, which):  # type: ignore[no-untyped-def]
     )
     I[EVENTS] += 1
     I[CHAIN] += 1
+    happens(I, row, 0)
     if I[row + LOGGED] and W[d] != before and I[EV_COUNT] < EV.shape[0]:
         EV[I[EV_COUNT], 0] = W[T]
         EV[I[EV_COUNT], 1] = I[row + GLOBAL]
@@ -170,7 +172,7 @@ def begin_instant(I, W):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def stop_at(I, W, at, level):  # type: ignore[no-untyped-def]
+def stop_at(I, W, at):  # type: ignore[no-untyped-def]
     """Do not step over ``at``; instants that differ by rounding only are one, at the last of them.
 
     While stops are collected, ``T_LEFT`` holds the first instant of the cluster and ``T_STOP`` the last.
@@ -178,27 +180,25 @@ def stop_at(I, W, at, level):  # type: ignore[no-untyped-def]
     near = resolution(at)
     if at < W[T_LEFT] - near:
         W[T_LEFT] = W[T_STOP] = at
-        I[STOP_LEVEL] = level
     elif at <= W[T_LEFT] + near:
         W[T_LEFT] = min(W[T_LEFT], at)
         W[T_STOP] = max(W[T_STOP], at)
-        I[STOP_LEVEL] = min(I[STOP_LEVEL], level)
 
 
 @njit(cache=True, error_model="numpy")
 def next_stop(I, W, t_end):  # type: ignore[no-untyped-def]
     """Find the next instant not to be stepped over and the largest step that the sources allow."""
     W[T_LEFT] = W[T_STOP] = t_end
-    I[STOP_LEVEL] = 0
+    I[SMOOTH_STOP] = 0
     largest = np.inf
     for b in range(I[N_BLOCKS]):
         row = H + b * R
         if I[row + KIND] == SAMPLED:
-            stop_at(I, W, due(I, W, row), 0)
+            stop_at(I, W, due(I, W, row))
         elif I[row + KIND] == CONTINUOUS and I[row + A_NEXT] != 0:
             at = I[row + NEXT_TIME]
             call(I[row + A_NEXT], W[T], W, I[O_X] + I[row + X], I[row + D], I[row + U], I[row + P], at)
             if W[at] > W[T]:
-                stop_at(I, W, W[at], 0)
+                stop_at(I, W, W[at])
             largest = min(largest, W[at + 1])
     W[MAX_STEP] = largest

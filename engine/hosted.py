@@ -5,6 +5,7 @@ from numba import njit
 
 from engine import layout as at
 from engine.call import pointer_to
+from engine.delay import happens
 from engine.events import begin_instant
 from engine.flat import FlatBlock, Floats, Ints
 from engine.sampling import publish, take
@@ -24,6 +25,12 @@ def open_instant(ints, floats):  # type: ignore[no-untyped-def]
 def take_sample(ints, floats, row):  # type: ignore[no-untyped-def]
     """Take the sample of one block if it is due, called from Python with the arrays themselves."""
     take(pointer_to(ints), pointer_to(floats), row)
+
+
+@njit(cache=True, error_model="numpy")
+def output_jumps(ints, row):  # type: ignore[no-untyped-def]
+    """Tell the dead times that a block's output may have jumped, called from Python with the array itself."""
+    happens(pointer_to(ints), row, 0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -77,6 +84,7 @@ class Hosts:
             first = I[at.O_S] + I[row + at.Y]
             W[first : first + I[row + at.NY]] = y
             self.taken[b] += 1
+            output_jumps(I, row)
         I[at.FRESH] = 2
 
 

@@ -50,7 +50,8 @@ P_SIGNALS = 36  # programs (see below) and, one place further, how many calls th
 P_MOVING = 38  # those that move between instants and are needed for rates or events,
 P_EVENT_SIGNALS = 40  # those needed for events,
 P_RATES = 42  # state rates,
-P_EVENTS = 44  # event functions
+P_EVENTS = 44  # event functions,
+P_ENTERING = 76  # what enters the dead times
 # --- what kind of component it is -----------------------------------------------------------------------
 HAS_RATES = 46  # 1: some event functions look at signal rates
 HAS_DELAYS = 47
@@ -75,14 +76,15 @@ STIFF_COUNT = 64
 K1_VALID = 65  # 1: rates and event functions at the start of the step are known
 CHAIN = 66  # transitions since time last moved
 CLOSER = 67  # how often the present stiff step was shortened to end just behind an event
-PENDING_LEVEL = 68  # smoothness level of the discontinuity being handled (0 = jump)
-STOP_LEVEL = 69  # smoothness level of what happens at T_STOP (0 = jump)
+N_DELAYS = 68
+SMOOTH_STOP = 69  # 1: at T_STOP nothing happens but that a dead time lets out what is smooth to the first derivative
 DENSE_TERMS = 70  # coefficients of the dense output in use
 LEARN = 71  # 1 + slot of O_RESTART that the next accepted step fills in
 CROWDED = 72  # 1: a stiff step ended at an event less than ``advance.APART`` after the one before
 JAC_VALID = 73  # 1: so is the Jacobian
 PAUSE_AT = 74  # return after so many steps, so that the host can look up
-H = 75
+L_DELAYS = 75  # where in I the rows of the dead times stand
+H = 78
 
 CHUNK = 32  # log rows evaluated together
 RESTARTS = 16
@@ -122,12 +124,15 @@ CAPACITY = 30  # delay ring: records
 HEAD = 31  # delay ring: index of the next record to write
 TAIL = 32  # delay ring: oldest record kept
 BREAK = 33  # delay ring: first record whose start is not yet passed as a breakpoint
-SHARP = 34  # 1: what leaves this dead time reaches one again without passing an integrator
+NEEDED = 34  # delay: 1 if rates, event functions or dead times follow what leaves it
 J_OUT = 35  # programs with their lengths: the outputs that follow this block's states at once,
 J_DER = 37  # and the rates that follow them
 J_BACK = 39  # where in I the signals stand that these outputs are, and how many
 J_ROWS = 41  # and the states whose rates these are
-R = 43
+REACH = 43  # where in I stands how many integrators lie between its outputs and each dead time; 0: nothing happens here
+ENTERS = 44  # delay: smoothness level of what enters it now
+RESTS = 45  # delay: 1 if what enters it stands still between instants
+R = 46
 
 CONTINUOUS = 0
 SAMPLED = 1
@@ -152,7 +157,7 @@ HF = 8
 # --- delay record ---------------------------------------------------------------------------------------
 D_T = 0  # start of the step
 D_H = 1  # its length
-D_LEVEL = 2  # smoothness at its start: 0 jump, 1 kink, ... 9 smooth
+D_LEVEL = 2  # smoothness of the signal at its start: 0 jump, 1 kink, ... 9 smooth
 D_V = 3  # equidistant values, the first at the start, the last at the end of the step
 D_NODES = 8
 D_SIZE = 11

@@ -9,7 +9,6 @@ from engine.floats import copy
 from engine.layout import (
     A_OUT,
     CHUNK,
-    CONTINUOUS,
     DEAD_TIME,
     GATHER,
     KIND,
@@ -71,8 +70,12 @@ def write_rows_inside(I, W, times, log, t, h, t_new):  # type: ignore[no-untyped
             count += 1
         if count == 0:
             return
+        for b in range(I[N_BLOCKS]):  # a reader may stand before a sampled block, whose output it reads all the same
+            if I[H + b * R + STILL]:
+                _hold_signals(I, W, H + b * R, count)
         for b in range(I[N_BLOCKS]):
-            _chunk_signals(I, W, H + b * R, times, first, count)
+            if not I[H + b * R + STILL]:
+                _chunk_signals(I, W, H + b * R, times, first, count)
         for i in range(I[N_LOG]):
             signal = cs + I[wires + i]
             for r in range(count):
@@ -81,24 +84,29 @@ def write_rows_inside(I, W, times, log, t, h, t_new):  # type: ignore[no-untyped
 
 
 @njit(cache=True, error_model="numpy")
+def _hold_signals(I, W, row, count):  # type: ignore[no-untyped-def]
+    """Repeat the outputs of a block that stands still between two instants in all rows of the chunk."""
+    ns, first, cs = I[N_SIGNALS], I[row + Y], I[O_CS]
+    for r in range(count):
+        for j in range(I[row + NY]):
+            W[cs + r * ns + first + j] = W[I[O_S] + first + j]
+
+
+@njit(cache=True, error_model="numpy")
 def _chunk_signals(I, W, row, times, first, count):  # type: ignore[no-untyped-def]
-    """Compute one block's outputs for all rows of the chunk."""
+    """Compute one moving block's outputs for all rows of the chunk."""
     n, ns = I[N_STATES], I[N_SIGNALS]
     cx, cs = I[O_CX] + I[row + X], I[O_CS]
-    kind, where, d, p, y, u = I[row + KIND], I[row + A_OUT], I[row + D], I[row + P], I[row + Y], I[row + U]
+    where, d, p, y, u = I[row + A_OUT], I[row + D], I[row + P], I[row + Y], I[row + U]
     wires, gathered = I[row + WIRES], I[row + GATHER]
     direct = gathered == 0 and I[row + NU] == 1
-    if kind == CONTINUOUS and not I[row + STILL]:
-        for r in range(count):
-            base = cs + r * ns
-            for i in range(gathered):
-                W[u + i] = W[base + I[wires + i]]
-            inputs = base + I[wires] if direct else u
-            call(where, times[first + r], W, cx + r * n, d, inputs, p, base + y)
-    elif kind == DEAD_TIME:
+    if I[row + KIND] == DEAD_TIME:
         for r in range(count):
             W[cs + r * ns + y] = delayed(I, W, row, times[first + r])
-    else:
-        for r in range(count):
-            for j in range(I[row + NY]):
-                W[cs + r * ns + y + j] = W[I[O_S] + y + j]
+        return
+    for r in range(count):
+        base = cs + r * ns
+        for i in range(gathered):
+            W[u + i] = W[base + I[wires + i]]
+        inputs = base + I[wires] if direct else u
+        call(where, times[first + r], W, cx + r * n, d, inputs, p, base + y)

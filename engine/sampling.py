@@ -4,13 +4,16 @@ import numpy as np
 from numba import njit
 
 from engine.call import call
+from engine.delay import happens, let_out
 from engine.layout import (
     A_STEP,
     COUNT,
     EVENTS_SEEN,
     FEEDS,
     KIND,
+    L_DELAYS,
     N_BLOCKS,
+    N_DELAYS,
     ND,
     O_S,
     O_SCRATCH,
@@ -72,6 +75,7 @@ def due(I, W, row):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def run_step(I, W, row):  # type: ignore[no-untyped-def]
     """Take one sample of one block: new memory, new held outputs."""
+    happens(I, row, 0)
     gather(I, W, row)
     call(
         I[row + A_STEP],
@@ -87,7 +91,12 @@ def run_step(I, W, row):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def begin_run(I, W):  # type: ignore[no-untyped-def]
-    """Count the samples that lie before the start, or at it if the run continues one that has taken them."""
+    """Count the samples that lie before the start, or at it if the run continues one that has taken them.
+
+    So are the breakpoints that a continued run has let out of its dead times.
+    """
+    for k in range(I[N_DELAYS]):
+        let_out(I, W, I[I[L_DELAYS] + k], W[T] + clock(W))
     for b in range(I[N_BLOCKS]):
         row = H + b * R
         if I[row + KIND] == SAMPLED:

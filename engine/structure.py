@@ -6,6 +6,7 @@ once per diagram, in plain Python.
 """
 
 import dis
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -16,6 +17,7 @@ from engine.call import Kernel
 from engine.flat import FlatBlock
 
 Pair = tuple[int, int]  # (row, column) of the Jacobian
+FAR = 9  # integrators: smooth
 
 
 @dataclass(frozen=True)
@@ -24,14 +26,19 @@ class Structure:
 
     ``follows[b]``: the blocks whose outputs and those whose rates follow the states of block ``b`` at once.
     ``still[b]``: the outputs of block ``b`` change at instants only.  ``for_rates``, ``for_events``: the moving blocks
-    needed there.  ``timed``: the rates depend on time directly.  ``entries``: (row, column) of the Jacobian, in the
-    order in which it is filled.
+    needed there; ``entering``: those needed for what enters the dead times.  ``reach[b]``: how many integrators lie at
+    least between the outputs of block ``b``, if it does anything at an instant, and each dead time (``FAR``: no way, or
+    too many to matter).  ``rests[b]``: what block ``b`` reads stands still between instants.  ``timed``: the rates
+    depend on time directly.  ``entries``: (row, column) of the Jacobian, in the order in which it is filled.
     """
 
     follows: tuple[tuple[list[int], list[int]], ...]
     still: tuple[bool, ...]
     for_rates: tuple[int, ...]
     for_events: tuple[int, ...]
+    entering: tuple[int, ...]
+    reach: tuple[list[int], ...]
+    rests: tuple[bool, ...]
     timed: bool
     entries: tuple[Pair, ...]
 
@@ -42,6 +49,7 @@ def analyse(rows: Sequence[FlatBlock]) -> Structure:
     follows = tuple(_follows(rows, driver, number) for number in range(len(rows)))
     still = _still(rows, driver)
     has_events = [number for number, block in enumerate(rows) if block.n_events]
+    delays = [number for number, block in enumerate(rows) if block.kind == at.DEAD_TIME]
     has_states = [number for number, block in enumerate(rows) if len(block.x0)]
     first, total = [], 0
     for block in rows:
@@ -57,6 +65,9 @@ def analyse(rows: Sequence[FlatBlock]) -> Structure:
         still=still,
         for_rates=_needed(rows, driver, still, has_states + has_events),
         for_events=_needed(rows, driver, still, has_events),
+        entering=_needed(rows, driver, still, delays),
+        reach=_reach(rows, driver, delays),
+        rests=tuple(all(still[driver[w]] for w in block.wires) for block in rows),
         timed=any(_timed(block) for block in rows),
         entries=tuple(entries),
     )
@@ -80,14 +91,10 @@ def _passes_on(block: FlatBlock) -> bool:
 
 def _still(rows: Sequence[FlatBlock], driver: dict[int, int]) -> tuple[bool, ...]:
     """Return for each block whether its outputs stay as they are between two instants."""
-    still: list[bool] = []
-    for block in rows:
-        if block.kind in (at.SAMPLED, at.HOSTED):
-            still.append(True)
-        elif block.kind == at.DEAD_TIME or len(block.x0) or block.n_events or _reads_time(block.out):
-            still.append(False)
-        else:
-            still.append(all(driver[w] < len(still) and still[driver[w]] for w in block.wires) if block.feeds else True)
+    still = [block.kind in (at.SAMPLED, at.HOSTED) for block in rows]  # also where they come behind their readers
+    for number, block in enumerate(rows):
+        if block.kind == at.CONTINUOUS and not (len(block.x0) or block.n_events or _reads_time(block.out)):
+            still[number] = not block.feeds or all(still[driver[w]] for w in block.wires)
     return tuple(still)
 
 
@@ -104,6 +111,43 @@ def _needed(
             if _passes_on(block):
                 wanted.update(block.wires)
     return tuple(reversed(found))
+
+
+def _reach(rows: Sequence[FlatBlock], driver: dict[int, int], delays: Sequence[int]) -> tuple[list[int], ...]:
+    """Return ``Structure.reach``."""
+    if not delays:
+        return tuple([] for _ in rows)
+    readers: list[list[int]] = [[] for _ in rows]
+    for number, block in enumerate(rows):
+        for origin in {driver[w] for w in block.wires}:
+            readers[origin].append(number)
+    return tuple(
+        _passes(rows, readers, number, delays) if _does_something(block) else [] for number, block in enumerate(rows)
+    )
+
+
+def _does_something(block: FlatBlock) -> bool:
+    """Return whether a block's outputs can jump, or let out a jump, at an instant of its own."""
+    return block.kind != at.CONTINUOUS or block.n_events > 0 or block.next_time is not None
+
+
+def _passes(rows: Sequence[FlatBlock], readers: Sequence[list[int]], origin: int, delays: Sequence[int]) -> list[int]:
+    """Return how many integrators lie at least between the outputs of one block and each dead time."""
+    best = {origin: 0}
+    entered = dict.fromkeys(delays, FAR)
+    waiting = deque([origin])
+    while waiting:
+        here = waiting.popleft()
+        for number in readers[here]:
+            block = rows[number]
+            if block.kind == at.DEAD_TIME:
+                entered[number] = min(entered[number], best[here])
+            elif block.kind == at.CONTINUOUS and (block.feeds or len(block.x0)):
+                passes = best[here] + (not block.feeds)
+                if passes < best.get(number, FAR):
+                    best[number] = passes
+                    waiting.append(number)
+    return [entered[number] for number in delays]
 
 
 def _timed(block: FlatBlock) -> bool:

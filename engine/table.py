@@ -125,12 +125,15 @@ class _Table:
         row[at.D], row[at.X], row[at.G] = self._next_d, self._next_x, self._next_g
         row[at.Y] = self.local[block.first_signal] if len(block.y0) else 0
         row[at.WIRES] = self.keep(wires)
+        row[at.REACH] = self.keep(self.shape.reach[number]) if self.shape.reach[number] else 0
         row[at.NEXT_TIME] = self.stretch(2)
         zero = self.stretch(1)
         row[at.PERIOD] = row[at.P] + block.period_at if block.period_at >= 0 else zero
         row[at.OFFSET] = row[at.P] + block.offset_at if block.offset_at >= 0 else zero
         if block.kind == at.DEAD_TIME:
-            row[at.SHARP] = _meets_dead_time(self.blocks, block.first_signal)
+            needed = {*self.shape.for_rates, *self.shape.for_events, *self.shape.entering}
+            row[at.NEEDED] = number in needed
+            row[at.RESTS] = self.shape.rests[number]
             row[at.CAPACITY] = max(block.capacity, capacity)
             row[at.DELAY] = self.stretch(int(row[at.CAPACITY]) * at.D_SIZE)
         self.values += [
@@ -165,6 +168,7 @@ class _Table:
             (at.P_SIGNALS, at.A_OUT, [i for i, b in enumerate(blocks) if b.kind in (at.CONTINUOUS, at.DEAD_TIME)]),
             (at.P_MOVING, at.A_OUT, self.shape.for_rates),
             (at.P_EVENT_SIGNALS, at.A_OUT, self.shape.for_events),
+            (at.P_ENTERING, at.A_OUT, self.shape.entering),
             (at.P_RATES, at.A_DER, [i for i, b in enumerate(blocks) if len(b.x0)]),
             (at.P_EVENTS, at.A_ZC, [i for i, b in enumerate(blocks) if b.n_events]),
         ):
@@ -182,11 +186,15 @@ class _Table:
         header, blocks = self.header, self.blocks
         header[at.TIMED] = self.shape.timed
         header[at.HAS_RATES] = any(b.rates and b.n_events for b in blocks)
-        header[at.HAS_DELAYS] = any(b.kind == at.DEAD_TIME for b in blocks)
+        delays = [at.H + i * at.R for i, b in enumerate(blocks) if b.kind == at.DEAD_TIME]
+        header[at.HAS_DELAYS], header[at.N_DELAYS] = bool(delays), len(delays)
+        header[at.L_DELAYS] = self.keep(delays)
         header[at.N_SAMPLED] = sum(b.kind == at.SAMPLED for b in blocks)
         header[at.N_CHECKED] = len(self.local) - sum(len(b.y0) for b in blocks if b.kind == at.HOSTED)
         sampled = any(b.kind in (at.SAMPLED, at.HOSTED) for b in blocks)
-        header[at.EXPLICIT] = 0 if sampled else 2  # long steps do not pay between close sampling instants
+        # long steps do not pay between close sampling instants, nor between the breakpoints of several dead times
+        many = sum(b.kind == at.DEAD_TIME and row[at.NEEDED] for b, row in zip(blocks, self.rows, strict=True)) > 2
+        header[at.EXPLICIT] = 0 if sampled or many else 2
         header[at.FRESH], header[at.EVENTS_SEEN] = 1, -1
         header[at.MAX_CHAIN] = 20 + 10 * header[at.N_EVENTS]
 
@@ -203,19 +211,3 @@ class _Table:
         W[at.T_LEFT] = W[at.MAX_STEP] = W[at.T_STOP] = np.inf
         W[at.SEEN] = -np.inf
         return W
-
-
-def _meets_dead_time(rows: Sequence[FlatBlock], signal: int) -> bool:
-    """Return whether ``signal`` reaches a dead time through nothing but blocks that feed through."""
-    waiting, seen = [signal], {signal}
-    while waiting:
-        now = waiting.pop()
-        for block in rows:
-            if now in block.wires:
-                if block.kind == at.DEAD_TIME:
-                    return True
-                if block.kind == at.CONTINUOUS and block.feeds:
-                    new = {block.first_signal + j for j in range(len(block.y0))} - seen
-                    waiting += new
-                    seen |= new
-    return False

@@ -171,14 +171,11 @@ def _groups(flat: list[FlatBlock], order: list[int], n_signals: int) -> list[lis
         if f not in static:
             members.setdefault(root(f), []).append(f)
     place = {f: i for i, f in enumerate(order)}
-    groups = []
-    used: set[int] = set()
-    for group in members.values():
-        needed = _upstream(flat, group, driver, static)
-        used |= needed
-        groups.append(sorted([*group, *needed], key=place.__getitem__))
-    left = [f for f in order if f in static and f not in used]
-    return groups + ([left] if left else [])
+    apart = list(members.values())
+    used = {f for group in apart for f in _upstream(flat, group, driver, static)}
+    left = [f for f in order if f in static and f not in used]  # what no other group reads
+    apart += [left] if left else []
+    return [sorted({*group, *_upstream(flat, group, driver, static)}, key=place.__getitem__) for group in apart]
 
 
 def _upstream(flat: list[FlatBlock], group: Iterable[int], driver: Mapping[int, int], static: set[int]) -> set[int]:

@@ -1,30 +1,20 @@
-"""Builds ideal_loop.c with the machine's C compiler and calls it in process: the speed to compare with."""
+"""The ideal loop in C, called in process: the speed to compare with."""
 
 from __future__ import annotations
 
 import ctypes
-import hashlib
-import os
-import shutil
-import subprocess
-import tempfile
 from collections.abc import Callable
-from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.peers.c_library import NoCompiler, library
 from cases.exact import IDEAL_HIGH, ExactLoop
 
-SOURCE = Path(__file__).with_name("ideal_loop.c")
-FLAGS = ("-O3", "-std=gnu11", "-shared", "-fPIC")
+__all__ = ["NoCompiler", "Rows", "prepare", "run"]
+
 H_STUCK, H_SLIP = 0.05, 5e-4  # [s]
 COLUMNS = ("t", "SP", "PV", "OP", "MV", "v")
-
-
-class NoCompiler(RuntimeError):
-    """No C compiler on this machine; install one, or set CC to its path."""
 
 
 class Rows(NamedTuple):
@@ -42,27 +32,6 @@ class Rows(NamedTuple):
         return self.rows[:, 1] - self.rows[:, 2]
 
 
-@cache
-def library() -> ctypes.CDLL:
-    """The compiled library, built once per source and flags into the user's temporary directory."""
-    compiler = shutil.which(os.environ.get("CC", "cc"))
-    if compiler is None:
-        raise NoCompiler(f"no C compiler ({os.environ.get('CC', 'cc')!r} is not on PATH): the C peer is SKIPPED")
-    key = hashlib.sha256(SOURCE.read_bytes() + " ".join((compiler, *FLAGS)).encode()).hexdigest()[:16]
-    folder = Path(tempfile.gettempdir()) / f"stickslip-c-{os.getuid() if hasattr(os, 'getuid') else 'user'}"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    target = folder / f"ideal_loop-{key}.so"
-    if not target.exists():
-        fresh = target.with_suffix(f".{os.getpid()}")  # renamed when complete: two builds cannot collide
-        subprocess.run([compiler, *FLAGS, str(SOURCE), "-o", str(fresh), "-lm"], check=True, capture_output=True)
-        fresh.replace(target)
-    loaded = ctypes.CDLL(str(target))
-    loaded.ideal_loop.restype = ctypes.c_int
-    pointer, real = ctypes.c_void_p, ctypes.c_double
-    loaded.ideal_loop.argtypes = [pointer, ctypes.c_int, real, real, real, pointer]
-    return loaded
-
-
 def prepare(loop: ExactLoop = IDEAL_HIGH, h_stuck: float = H_STUCK, h_slip: float = H_SLIP) -> Callable[[], Rows]:
     """A function of no arguments that does one run from rest into its own, re-used buffer: the thing to time.
 
@@ -75,7 +44,10 @@ def prepare(loop: ExactLoop = IDEAL_HIGH, h_stuck: float = H_STUCK, h_slip: floa
         [getattr(loop, name) for name in ("K", "tau", "K_p", "T_i", "M", "k", "F_v", "F_c", "F_s", "SP")]
     )
     rows = np.zeros((round(loop.duration / loop.log_interval) + 1, len(COLUMNS)))
-    call = library().ideal_loop
+    call = library("ideal_loop").ideal_loop
+    call.restype = ctypes.c_int
+    pointer, real = ctypes.c_void_p, ctypes.c_double
+    call.argtypes = [pointer, ctypes.c_int, real, real, real, pointer]
     arguments = (numbers.ctypes.data, rows.shape[0], loop.log_interval, h_stuck, h_slip, rows.ctypes.data)
 
     def once() -> Rows:

@@ -5,9 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from blocks import Constant, DeadTime, FirstOrder, Integrator, Ramp, Sine, Step, Sum
+from benchmarks.peers import c_coupled
+from benchmarks.peers.c_library import NoCompiler
+from blocks import Constant, DeadTime, FirstOrder, Integrator, Ramp, SampledPI, Sine, Step, Sum
+from engine import layout as at
 from engine.status import Status
 from plant import simulate, wire
+from plant.reference import simulate_reference
 
 SHARP = {"rtol": 1e-11, "atol": 1e-13}
 
@@ -106,5 +110,65 @@ def test_dead_time_that_becomes_zero_feeds_through():
 
 
 def test_tiny_dead_time_ends_with_a_status():
-    run = simulate(wire([Constant("MV", 1.0), FirstOrder(1.0, 1.0, theta=1e-9)]), 1.0, max_steps=1000)
+    run = simulate(wire([Sine("MV", 1.0, 7.0), FirstOrder(1.0, 1.0, theta=1e-9)]), 1.0, max_steps=1000)
     assert run.status is Status.TOO_MANY_STEPS and np.isnan(run.log["PV"][-1])
+
+
+# --- several dead times -----------------------------------------------------------------------------------
+
+
+def test_breakpoints_of_ten_dead_times_do_not_multiply():
+    run = simulate(c_coupled.diagram(10), 200.0)
+    assert run.ok and run.statistics.steps < 600  # 200 are needed for the shortest dead time alone; was 29,367
+    held = [int(I[I[I[at.L_DELAYS] + k] + at.CAPACITY]) for _, I, _ in run.ends for k in range(I[at.N_DELAYS])]
+    assert held == [2048] * 10  # records: no ring has grown
+
+
+CONTROLLER = {"K_p": 0.2, "T_i": 10.0, "dt": 1.0}
+SHORT = {
+    "before the process": lambda: [
+        SampledPI(**CONTROLLER), DeadTime(0.01, inputs="OP", outputs="MV"), FirstOrder(3.0, 10.0, 3.0),
+    ],
+    "behind the process": lambda: [
+        SampledPI(**CONTROLLER, inputs=["SP", "late"]), FirstOrder(3.0, 10.0, 3.0, inputs="OP"),
+        DeadTime(0.01, inputs="PV", outputs="late"),
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("where", SHORT)
+def test_a_short_dead_time_that_stands_still_or_is_only_sampled_does_not_limit_the_steps(where):
+    loop = wire([Step("SP", 0.5), *SHORT[where]()])
+    run = simulate(loop, 120.0, every=1.0)
+    assert run.ok and run.statistics.steps < 600  # two to three instants a scan; were 12,056 and 1,321,279
+    theirs = simulate_reference(loop, 6.0, every=0.53)
+    ours = simulate(loop, 6.0, every=0.53, **SHARP)
+    for signal in ours.log.names:
+        np.testing.assert_allclose(ours.log[signal], theirs.log[signal], atol=1e-7, err_msg=signal)
+
+
+def test_what_is_merged_and_forgotten_is_below_the_tolerance():
+    loops = c_coupled.diagram(10)
+    fine = simulate(loops, 30.0, rtol=1e-12, atol=1e-14)
+    for rtol in (1e-3, 1e-6, 1e-9):
+        run = simulate(loops, 30.0, rtol=rtol, atol=1e-3 * rtol)
+        for signal in run.log.names:
+            np.testing.assert_allclose(run.log[signal], fine.log[signal], atol=rtol, err_msg=signal)
+
+
+def test_coupled_loops_equal_the_reference():
+    loops = c_coupled.diagram(2)
+    ours, theirs = simulate(loops, 8.0, every=0.13, **SHARP), simulate_reference(loops, 8.0, every=0.13)
+    for signal in ours.log.names:
+        np.testing.assert_allclose(ours.log[signal], theirs.log[signal], atol=1e-7, err_msg=signal)
+
+
+def test_coupled_loops_are_what_the_c_program_converges_to():
+    run = simulate(c_coupled.diagram(10), 30.0, every=1.0)
+    ours = np.array([run.log[f"PV{i}"] for i in range(10)]).T
+    try:
+        errors = [np.abs(c_coupled.prepare(30, steps)() - ours).max() for steps in (40, 160, 640)]
+    except NoCompiler as missing:
+        pytest.skip(str(missing))
+    assert errors[2] < 2e-5  # the program crosses jumps without locating them: first order
+    assert 2.5 < errors[0] / errors[1] < 6.5 and 2.5 < errors[1] / errors[2] < 6.5

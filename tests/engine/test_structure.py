@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from blocks import PI, Constant, FirstOrder, Gain, QuasiStaticStem, Sine
+from blocks import PI, Constant, FirstOrder, Gain, Noise, QuasiStaticStem, Sine, Step
 from engine import layout as at
 from engine.call import pointer_to
 from engine.elimination import eliminate
@@ -157,3 +157,17 @@ def test_stiff_steps_end_just_behind_an_event_so_that_it_is_located_well():
     turns = [7.0 * (k + 0.25) for k in range(20)] + [7.0 * (k + 0.75) for k in range(20)]  # analytic: OP turns
     assert stops
     assert max(min(abs(t - turn) for turn in turns) for t in stops) < 1e-6
+
+
+def test_what_a_sampled_block_alone_feeds_stands_still_wherever_it_is_in_the_order():
+    rows = component_of([Noise("D", sd=1.0, dt=1.0), Gain("u", "D", 2.0), FirstOrder(1.0, 5.0, inputs="u")])
+    assert rows[-1].name == "D"  # it takes its sample last
+    still = analyse(rows).still
+    assert {row.name for row, rests in zip(rows, still, strict=True) if rests} == {"D", "u"}
+
+
+def test_a_source_may_feed_what_moves_and_what_nobody_reads():
+    loop = [Step("r", 1.0), Gain("a", "r", 2.0), Gain("b", "r", 3.0), FirstOrder(1.0, 5.0, inputs="a")]
+    run = simulate(wire(loop, outputs=["b", "PV"]), 10.0, every=5.0)
+    assert run.log["b"].tolist() == [3.0, 3.0, 3.0]
+    np.testing.assert_allclose(run.log["PV"], 2.0 * (1.0 - np.exp(-run.log.t / 5.0)), atol=1e-6)  # analytic
