@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from records.errors import ReadError
-from records.modes import MANUAL, mode_number
+from records.modes import MANUAL, mode_number, says_manual
 from records.states import is_blank, is_state, quality_is_good
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def modes(column: pl.Series, name: str) -> Numbers:
     else:
         # A state ends what was held before it: infinite here, unknown in the end.
         known = {word: np.inf if is_state(word) else mode_number(word) for word in words}
-        odd = [w for w, mode in known.items() if mode == MANUAL and w.strip().upper() not in {"MAN", "MANUAL"}]
+        odd = [w for w, mode in known.items() if mode == MANUAL and not says_manual(w)]
         if odd:
             notes.append(f"{name}: {', '.join(map(repr, odd[:5]))} counted as manual.")
     held = text.replace_strict(known, default=None, return_dtype=pl.Float64).forward_fill()
