@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from records.errors import ReadError
 from records.modes import MANUAL, mode_number, says_manual
-from records.states import is_blank, is_state, quality_is_good
+from records.states import is_blank, is_state
 
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["Numbers", "decimal_mark", "modes", "numbers", "qualities"]
+__all__ = ["Numbers", "decimal_mark", "modes", "numbers"]
 
 
 @dataclass(frozen=True)
@@ -130,34 +130,3 @@ def modes(column: pl.Series, name: str) -> Numbers:
     held = text.replace_strict(known, default=None, return_dtype=pl.Float64).forward_fill()
     values = held.fill_null(float("nan")).to_numpy()
     return Numbers(np.where(np.isinf(values), np.nan, values), None, tuple(notes))
-
-
-def qualities(column: pl.Series, *, flags: bool = False) -> npt.NDArray[np.bool_] | None:
-    """True for good; None if the column cannot be told to be a quality.
-
-    Understood are words, 1 and 0, OPC DA codes (192 and above good) and OPC UA status codes (below 2^30 good).
-    With `flags`, numbers are 1 and 0 and nothing else: zeros alone will do.
-
-    >>> import polars as pl
-    >>> qualities(pl.Series(["192", "0", "64"])).tolist()
-    [True, False, False]
-    """
-    import polars as pl
-
-    text = column.cast(pl.String).fill_null("")
-    parsed = text.cast(pl.Float64, strict=False)
-    if parsed.null_count() == 0:
-        codes = parsed.to_numpy()
-        if flags:
-            return np.asarray(codes == 1)
-        if codes.max() >= 2**30:
-            return np.asarray(codes < 2**30)
-        if codes.max() >= 2 and codes.max() < 256:
-            return np.asarray(codes >= 192)
-        if codes.max() == 1 and np.isin(codes, (0, 1)).all():
-            return np.asarray(codes == 1)
-        return None
-    verdicts = {word: quality_is_good(word) for word in text.unique().to_list()}
-    if any(v is None and not is_blank(w) for w, v in verdicts.items()):
-        return None
-    return np.array([bool(verdicts[word]) for word in text.to_list()])

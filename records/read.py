@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from records.assemble import assemble, layout_of
-from records.columns import choose_columns
+from records.assemble import Layout, assemble, layout_of
+from records.columns import Roles, choose_columns
 from records.errors import LogError, ReadError
 from records.heading import Heading, parse_heading
 from records.log import Log
@@ -24,6 +24,8 @@ from records.tags import Process, measurement_of, process_of, tag_in
 
 __all__ = ["ReadError", "read_log", "read_loop"]
 
+_UNUSED_SHOWN = 15
+
 
 def read_log(
     path: str | os.PathLike[str],
@@ -34,6 +36,7 @@ def read_log(
     separator: str | None = None,
     time_format: str | None = None,
     interval: float | None = None,
+    time_unit: str | None = None,
 ) -> Log:
     """Read a CSV, text or Parquet file as a log.
 
@@ -52,6 +55,10 @@ def read_log(
         strptime format of the time stamps.
     interval : float, optional
         Seconds between rows [s], for files without a usable time.
+    time_unit : {"s", "ms", "us", "ns", "min", "h", "d", "filetime", "datenum", "excel", "labview", "ticks"}, optional
+        Unit of a time of numbers; otherwise told from its name, its size or its interval, and noted. "filetime" is
+        100 ns since 1601, "ticks" 100 ns since the year 1, "datenum" MATLAB's days, "excel" a spreadsheet's days,
+        "labview" seconds since 1904; "s" to "ns" may count from 1970.
 
     Returns a Log whose notes say what was assumed. A clock time becomes seconds from the first row and `start`.
 
@@ -66,7 +73,7 @@ def read_log(
     """
     with _named(path):
         table, heading = _opened(path, separator)
-        layout = layout_of(table, heading, time, decimal, time_format, interval)
+        layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
         return _with_origin(assemble(layout, columns), path, heading)
 
 
@@ -87,6 +94,7 @@ def read_loop(
     separator: str | None = None,
     time_format: str | None = None,
     interval: float | None = None,
+    time_unit: str | None = None,
 ) -> LoopRecord:
     """Read one control loop from a CSV, text or Parquet file.
 
@@ -102,7 +110,7 @@ def read_loop(
         Otherwise told from the first letter of the tag: levels integrate.
     op_span : (low, high), optional
         Span of OP in its unit; otherwise told from its unit or its values.
-    time, decimal, separator, time_format, interval
+    time, decimal, separator, time_format, interval, time_unit
         As for `read_log`.
 
     Returns a LoopRecord whose signals are called SP, PV, OP, MV and MODE and whose notes say what was assumed.
@@ -120,7 +128,7 @@ def read_loop(
         if op_span is not None:
             _check_span(op_span)
         table, heading = _opened(path, separator)
-        layout = layout_of(table, heading, time, decimal, time_format, interval)
+        layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
         given = {"sp": sp, "pv": pv, "op": op, "mv": mv, "mode": mode}
         roles = choose_columns(layout.names, given, loop)
         parts = {"SP": roles.sp, "PV": roles.pv, "OP": roles.op, "MV": roles.mv, "MODE": roles.mode}
@@ -129,6 +137,7 @@ def read_loop(
         log = _with_origin(log, path, heading)
         notes = [f"{c!r} is read as {part}." for part, c in wanted.items() if _differs(c, part, roles.loop)]
         notes += roles.notes
+        notes += _about_unused(layout, roles)
         if "MODE" in log and not np.isfinite(log["MODE"]).any():
             log = _without(log, "MODE")
         log, found = _with_spans(log, op_span, own=heading is not None)
@@ -150,6 +159,21 @@ def read_loop(
             process=process,
             measurement=measurement,
         )
+
+
+def _about_unused(layout: Layout, roles: Roles) -> list[str]:
+    """The sentence that names the columns (or tags) that are not used, each with the reason."""
+    reasons = {**layout.aside, **dict(roles.unused)}
+    taken = {roles.pv, roles.op, roles.sp, roles.mv, roles.mode}
+    for column, signals in layout.marks.items():
+        if not taken & set(signals):
+            reasons[column] = f"quality of {signals[0]!r}"
+    if not reasons or layout.heading is not None:
+        return []
+    shown = [f"{column!r} ({why})" for column, why in list(reasons.items())[:_UNUSED_SHOWN]]
+    more = len(reasons) - len(shown)
+    rest = f" and {more} more" if more else ""
+    return [f"{'Tags' if layout.long else 'Columns'} not used: {', '.join(shown)}{rest}."]
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from records.errors import ReadError
 from records.states import is_blank, is_state
+from records.time_names import is_date_name, is_time_name
 
 if TYPE_CHECKING:
     import polars as pl
@@ -209,7 +210,9 @@ def _names_and_units(header: list[str]) -> tuple[list[str], dict[str, str]]:
     bare = [name for name, _ in pairs]
     if len(set(bare)) < len(bare):
         return header, {}  # "PV (raw)" and "PV (filtered)" are names, not units
-    names = [name or "time" for name in bare]  # a spreadsheet's index column has no name
+    # A spreadsheet's index column has no name: it is the time, or the number of the row where there is a time.
+    nameless = "row" if any(is_time_name(name) or is_date_name(name) for name in bare) else "time"
+    names = [name or nameless for name in bare]
     if len(set(names)) < len(names):
         names = bare
     return names, {name: unit for name, (_, unit) in zip(names, pairs, strict=True) if unit}

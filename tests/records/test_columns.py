@@ -3,7 +3,8 @@
 import pytest
 
 from records import ReadError, read_loop
-from records.columns import choose_columns, loop_names, role_of
+from records.columns import choose_columns, loop_names
+from records.names import role_of
 
 NAMES = {
     "SP": ("FIC211.SP", "FIC211.PIDA.SP", "PID1/SP.CV", "FIC-211 Sp", "12-FIC-211_SP", "SetPoint", "LIC7 setpoint",

@@ -32,6 +32,7 @@ def test_states_are_missing(write, state):
 def test_states_are_counted_by_kind(write):
     log = read_log(write("time,PV\n0,1\n1,Bad Input\n2,Bad Input\n3,No Data\n4,\n"))
     assert log.notes == (
+        "Time has no unit: it is read as seconds, 1 s apart.",
         "PV: 2 cells say 'Bad Input': missing, of bad quality.",
         "PV: 1 cell says 'No Data': missing, of bad quality.",
         "PV: 1 cell is blank: missing.",
