@@ -116,7 +116,7 @@ def _why_not(column: str, loop: str, picked: Mapping[str, str | None], named: Ma
     if tag and plain(tag) != plain(loop):
         remedy = "; name it with mv= (--mv) if it is this valve" if role == "STEM" and not picked.get("mv") else ""
         return f"{what} of {tag}{remedy}"
-    return f"{part.upper()} is {picked[part]!r}" if picked.get(part) else f"{what} of no loop"
+    return f"{part.upper()} is {picked[part]!r}" if picked.get(part) else f"{what} of no loop of the file"
 
 
 def _stem_elsewhere(free: Iterable[str], hints: Iterable[str | None], notes: list[str]) -> str | None:
@@ -162,8 +162,8 @@ def _one_loop(free: list[str], named: Mapping[str, str], loop: str | None) -> tu
             f"the file has {len(whole)} loops: {_listed([shown for shown, _ in whole])}; "
             "choose one with loop= (--loop NAME)"
         )
-    if whole:
-        return whole[0][0], whole[0][1], []
+    if whole:  # a column without a tag can only be the loop's
+        return whole[0][0], {**groups.get("", ("", {}))[1], **whole[0][1]}, []
     # No tag has both: a transmitter and a controller of different names are a loop if they are the only ones.
     merged: dict[str, str] = {}
     for _, parts in groups.values():

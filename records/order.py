@@ -104,8 +104,11 @@ def _spread(t: Values) -> tuple[Values, list[str]]:
     if n < 10 or shared < min(5.0, _SHARED * n):
         return t, []
     row = np.arange(n, dtype=np.float64)
-    interval, first = np.polyfit(row, t, 1)
-    grid = first + interval * row
+    interval = float(np.polyfit(row, t, 1)[0])
+    share = max(1, round(resolution / interval)) if interval > 0 else 1
+    if abs(share * interval / resolution - 1.0) <= 0.02:  # a whole number of rows to a stamp
+        interval = resolution / share
+    grid = interval * row + np.mean(t - interval * row)
     if interval <= 0 or np.abs(t - grid).max() > (1.0 if shared >= _SHARED * n else 0.6) * resolution:
         return t, []
     note = (

@@ -16,7 +16,7 @@ from records.time_names import is_date_name, is_time_name
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["Table", "parse_table", "split_unit"]
+__all__ = ["Table", "names_and_units", "parse_table", "split_unit"]
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SEPARATOR_NAMES = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", " ": "space"}
@@ -105,7 +105,7 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
     header, rows = _without_trailing_separator(header, rows, chosen)
     _check_header(header, numbered[0][0], chosen)
     _check_widths(rows, len(header), chosen)
-    names, units = _names_and_units(header) if split_units else (header, {})
+    names, units = names_and_units(header) if split_units else (header, {})
     row = [cell.strip() for cell in _cells(*rows[0], chosen)]
     if split_units and _is_units_row(row):
         units |= {name: cell.strip("[]() ") for name, cell in zip(names, row, strict=True) if cell}
@@ -205,7 +205,12 @@ def _check_widths(rows: list[tuple[int, str]], width: int, separator: str) -> No
             )
 
 
-def _names_and_units(header: list[str]) -> tuple[list[str], dict[str, str]]:
+def names_and_units(header: list[str]) -> tuple[list[str], dict[str, str]]:
+    """The names of a header without their units, and the unit of a name that has one.
+
+    >>> names_and_units(["time [s]", "PV (m3/h)", "OP"])
+    (['time', 'PV', 'OP'], {'time': 's', 'PV': 'm3/h'})
+    """
     pairs = [split_unit(cell) for cell in header]
     bare = [name for name, _ in pairs]
     if len(set(bare)) < len(bare):
