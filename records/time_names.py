@@ -24,7 +24,7 @@ _UNIT_WORDS = {
 }
 _UNIT_OF = {word: unit for unit, words in _UNIT_WORDS.items() for word in words.split()}
 # Alone, without "time" before them, only words that can mean nothing else are taken as a time.
-_UNIT_ALONE = {word for word in _UNIT_OF if len(word) > 4 and word not in ("timer", "excel", "labview", "ticks")}
+_UNIT_ALONE = {word for word in _UNIT_OF if len(word) > 3 and word not in ("timer", "excel", "labview", "ticks")}
 _TIMES = {
     "time", "timestamp", "datetime", "timestamps", "t", "ts", "dateandtime", "sampletime", "times", "utc",
     "localtime", "timeutc", "sourcetime", "sourcetimestamp", "servertime", "serverts", "datum", "clock", "dt",
