@@ -128,8 +128,10 @@ def _reason(word: Word, verdicts: Sequence[Verdict], record: LoopRecord) -> str:
 def _next_step(word: Word, verdicts: Sequence[Verdict], record: LoopRecord) -> str:
     codes = {v.code for v in verdicts}
     test = "step the OP in manual by 0.5 to 1 % at a time, both ways, and watch for moves that fail to show in PV"
+    logged = record.mv is not None
+    stem = "see where the logged stem rests while OP moves" if logged else "log the stem position"
     if word == "stiction":
-        return f"To prove it and size it: log the stem position, or {test}."
+        return f"To prove it and size it: {stem}, or {test}."
     if word == "no_stiction":
         return (
             "To tell tight tuning from an outside wave: put the loop in manual for a few periods; "
@@ -149,7 +151,7 @@ def _next_step(word: Word, verdicts: Sequence[Verdict], record: LoopRecord) -> s
         return f"A sticky valve need not cycle; to check: {test}."
     if "too_few_cycles" in codes:
         return "To settle it: log ten periods at a fixed set point."
-    return f"To settle it: log the stem position for ten periods, or {test}."
+    return f"To settle it: {stem} for ten periods, or {test}."
 
 
 def _assumptions(record: LoopRecord) -> tuple[str, ...]:

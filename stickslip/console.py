@@ -34,8 +34,8 @@ class Speaker:
         self.json_file = json_file
         self.to_error = json_file == "-"
 
-    def __call__(self, text: str = "", **style: Any) -> None:
-        self._out(f"{click.style(text, **style)}\n" if style else f"{text}\n", self.to_error)
+    def __call__(self, text: str = "", *, nl: bool = True, **style: Any) -> None:
+        self._out((click.style(text, **style) if style else text) + "\n" * nl, self.to_error)
 
     def paragraph(self, text: str, bullet: str = "") -> None:
         """Print a text wrapped at words, under a bullet if one is given."""
