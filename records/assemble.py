@@ -181,6 +181,7 @@ def _is_text(column: pl.Series) -> bool:
     """Whether the column is of words that are no states, or of nothing: a comment, a unit, a tag."""
     import polars as pl
 
+    column = column.alias("")
     if column.dtype != pl.String:
         return column.dtype.is_temporal() or column.null_count() == len(column)
     if column.str.contains(r"^[-+]?[\d.,]").any():

@@ -40,8 +40,9 @@ def decimal_mark(frame: pl.DataFrame) -> str:
     commas = points = 0
     for name in head.columns:
         if head[name].dtype == pl.String:
-            commas += int(head[name].str.contains(r"^[-+]?\d*,\d+([eE][-+]?\d+)?$").sum())
-            points += int(head[name].str.contains(r"^[-+]?\d*\.\d+([eE][-+]?\d+)?$").sum())
+            cells = head[name].alias("")
+            commas += int(cells.str.contains(r"^[-+]?\d*,\d+([eE][-+]?\d+)?$").sum())
+            points += int(cells.str.contains(r"^[-+]?\d*\.\d+([eE][-+]?\d+)?$").sum())
     return "," if commas > points else "."
 
 
@@ -65,7 +66,7 @@ def numbers(
         return Numbers(values if keep_infinite else np.where(np.isfinite(values), values, np.nan), None)
     if column.dtype.is_temporal():
         raise ReadError(f"column {name!r} holds times, not numbers; name another column")
-    text = column.cast(pl.String).fill_null("")
+    text = column.alias("").cast(pl.String).fill_null("")
     plain = text.str.replace(",", ".", literal=True) if decimal == "," else text
     parsed = plain.cast(pl.Float64, strict=False)
     values = parsed.fill_null(float("nan")).to_numpy().astype(np.float64)
@@ -110,7 +111,7 @@ def modes(column: pl.Series, name: str) -> Numbers:
     """
     import polars as pl
 
-    text = column.cast(pl.String).fill_null("")
+    text = column.alias("").cast(pl.String).fill_null("")
     words = [word for word in text.unique().sort().to_list() if not is_blank(word)]
     figures = pl.Series(words, dtype=pl.String).cast(pl.Float64, strict=False)
     notes = []

@@ -7,9 +7,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from records.errors import ReadError
-from records.names import ROLES, numbers_in, plain, role_of
+from records.names import ROLES, numbers_in, plain, role_of, same_numbers
 
 __all__ = ["Roles", "choose_columns", "loop_names"]
+
+# Valves that are open or shut by their tag letters: no controller moves them, whatever their number.
+_SHUT_OFF = re.compile(r"(?<![A-Za-z])(X[A-Z]?|HV|MOV|BDV|E?SDV)(?=[-_ ]?\d)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -125,18 +128,18 @@ def _stem_elsewhere(free: Iterable[str], hints: Iterable[str | None], notes: lis
     Taken if it has the loop's number, or if there is only one and it has no number. Without a number in the loop's
     own names, the only one in the file is taken.
     """
-    found: dict[str, str] = {}
+    found: dict[str, tuple[str, ...]] = {}
     for _, (shown, parts) in _grouped(free).items():
         stem = parts.get("STEM") or (parts.get("MV") if not {"PV", "OP", "SP"} & set(parts) else None)
-        if stem:
+        if stem and not _SHUT_OFF.search(shown):
             found[stem] = numbers_in(shown)
-    wanted = {numbers_in(hint) for hint in hints if hint} - {""}
-    fitting = [stem for stem, number in found.items() if number in wanted]
-    if not fitting and (not wanted or set(found.values()) == {""}):
-        fitting = list(found)
+    wanted = [numbers_in(hint) for hint in hints if hint and numbers_in(hint)]
+    fitting = [stem for stem, number in found.items() if any(same_numbers(number, other) for other in wanted)]
+    why = "its number is the loop's"
+    if not fitting and (not wanted or not any(found.values())):
+        fitting, why = list(found), "it is the only one in the file"
     if len(fitting) != 1:
         return None
-    why = "its number is the loop's" if wanted & {found[fitting[0]]} else "it is the only one in the file"
     notes.append(f"{fitting[0]!r} is taken as the stem position: {why}.")
     return fitting[0]
 

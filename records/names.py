@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["ROLES", "numbers_in", "plain", "role_of"]
+__all__ = ["ROLES", "numbers_in", "plain", "role_of", "same_numbers"]
 
 # Names without case, spaces and punctuation. STEM is a position by its own name; MV is ambiguous: the
 # literature calls the stem position so, some products the controller output.
@@ -103,14 +103,23 @@ def _loop_part(text: str) -> str:
     return text
 
 
-def numbers_in(name: str) -> str:
-    """The number that ends the tag in `name`, which a loop's instruments share: 211 in FIC211 and ZT-211.
+def numbers_in(name: str) -> tuple[str, ...]:
+    """The numbers in a tag, the last of which a loop's instruments share: 211 in FIC211 and ZT-211.
 
     >>> numbers_in("12-FIC-211"), numbers_in("FV1203a/POS"), numbers_in("stem")
-    ('211', '1203a', '')
+    (('12', '211'), ('1203a',), ())
     """
-    found = re.findall(r"\d+[A-Za-z]?(?![A-Za-z\d])", name)
-    return found[-1].casefold().lstrip("0") if found else ""
+    return tuple(found.casefold().lstrip("0") for found in re.findall(r"\d+[A-Za-z]?(?![A-Za-z\d])|\d+", name))
+
+
+def same_numbers(one: tuple[str, ...], other: tuple[str, ...]) -> bool:
+    """Whether two tags have the same number, and the same area before it where both tell one.
+
+    >>> same_numbers(("12", "211"), ("211",)), same_numbers(("12", "211"), ("13", "211"))
+    (True, False)
+    """
+    both = min(len(one), len(other))
+    return both > 0 and one[-both:] == other[-both:]
 
 
 def plain(name: str) -> str:

@@ -18,6 +18,8 @@ __all__ = ["CONFIDENT", "bad_values", "qualities", "quality_columns"]
 
 CONFIDENT = 50.0  # % of confidence from which a value counts as good; PHD gives 100 to good and 0 to bad
 
+_MOST_CODES = 40  # more different ones are measurements
+
 _WORDS = ("statuscode", "qualitycode", "confidence", "opcquality", "qualitydetail", "quality", "qual", "status", "good")
 _SHORT = ("conf", "stat", "sts", "st", "qc", "q", "validity", "valid", "ok")
 _VALUES = ("", "cv", "value", "val")
@@ -59,7 +61,7 @@ def _targets(name: str, names: list[str], by_plain: dict[str, str]) -> tuple[str
                 if rest + value in by_plain and by_plain[rest + value] != name:
                     return (by_plain[rest + value],)
             own = tuple(other for other in names if other != name and _loop_of(other) == rest)
-            if own:
+            if own and word in _WORDS:  # a bare FIC1.Q may be a total
                 return own
     return ()
 
@@ -85,7 +87,7 @@ def qualities(column: pl.Series, name: str = "", *, flags: bool = False) -> npt.
     """
     import polars as pl
 
-    text = column.cast(pl.String).fill_null("")
+    text = column.alias("").cast(pl.String).fill_null("")
     blank = text.is_in(["", "nan", "NaN"])
     codes = _codes(text)
     if not blank.all() and (codes.is_not_null() | blank).all():
@@ -118,6 +120,8 @@ def _good_codes(codes: npt.NDArray[np.float64], name: str, *, flags: bool) -> tu
         return None
     if "conf" in name:
         return (CONFIDENT if top > 1 else CONFIDENT / 100.0), np.inf
+    if (codes != np.floor(codes)).any() or len(np.unique(codes)) > _MOST_CODES:
+        return None
     if top >= 2**30 or (name.endswith("statuscode") and top == 0):
         return 0.0, 2.0**30
     if top == 100:

@@ -60,7 +60,7 @@ def find_times(
             chosen = time
         elif by_name:
             # OPC UA gives the time of the source and that of the server: the source's is when it happened.
-            chosen = next((name for name in by_name if "source" in name.casefold()), by_name[0])
+            chosen = min(by_name, key=lambda name: ("source" not in name.casefold(), unit_in_name(name) != ""))
         elif _could_be_time(frame[names[0]], decimal):
             chosen = names[0]
             notes.append(f"The first column, {chosen!r}, is taken as the time.")
@@ -73,7 +73,11 @@ def find_times(
     stated = table.units.get(next(iter(used)), "") or (unit_in_name(next(iter(used))) if len(used) == 1 else "")
     times = parse_times(column, table.lines, stated, decimal, time_format, time_unit)
     taken = " and ".join(repr(name) for name in names if name in used)
-    aside |= {name: f"the time is {taken}" for name in by_name if name not in used}
+    # Numbers under such a name may be a signal: T a temperature, hours those of a pump.
+    stamps = [
+        name for name in by_name if frame[name].dtype.is_temporal() or _is_date(frame[name]) or _is_clock(frame[name])
+    ]
+    aside |= {name: f"the time is {taken}" for name in stamps if name not in used}
     return times, used, aside, notes
 
 
@@ -86,7 +90,9 @@ def _date_and_clock(frame: pl.DataFrame, dates: list[str]) -> tuple[str, str] | 
 def _is_date(column: pl.Series) -> bool:
     import polars as pl
 
-    return column.dtype == pl.Date or (column.dtype == pl.String and bool(column.str.contains(_STAMP.pattern).any()))
+    return column.dtype == pl.Date or (
+        column.dtype == pl.String and bool(column.alias("").str.contains(_STAMP.pattern).any())
+    )
 
 
 def _is_clock(column: pl.Series) -> bool:
@@ -94,7 +100,11 @@ def _is_clock(column: pl.Series) -> bool:
 
     if column.dtype == pl.Time:
         return True
-    return column.dtype == pl.String and bool(column.str.contains(r"^\d{1,2}:\d{2}").any())
+    return column.dtype == pl.String and bool(column.alias("").str.contains(r"^\d{1,2}:\d{2}").any())
+
+
+def _is_moment(column: pl.Series) -> bool:
+    return column.dtype.is_temporal() or _is_date(column) or _is_clock(column)
 
 
 def _joined(frame: pl.DataFrame, date: str, clock: str) -> pl.Series:

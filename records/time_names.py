@@ -27,12 +27,14 @@ _UNIT_OF = {word: unit for unit, words in _UNIT_WORDS.items() for word in words.
 _UNIT_ALONE = {word for word in _UNIT_OF if len(word) > 3 and word not in ("timer", "excel", "labview", "ticks")}
 _TIMES = {
     "time", "timestamp", "datetime", "timestamps", "t", "ts", "dateandtime", "sampletime", "times", "utc",
-    "localtime", "timeutc", "sourcetime", "sourcetimestamp", "servertime", "serverts", "datum", "clock", "dt",
-    "elapsedtime", "seconds", "timelocal", "tid", "zeit", "eventtime", "timeofday", "tstamp", "timeseconds",
+    "localtime", "timeutc", "sourcetime", "sourcetimestamp", "servertime", "servertimestamp", "serverts", "datum",
+    "clock",
+    "dt", "elapsedtime", "seconds", "timelocal", "tid", "zeit", "eventtime", "timeofday", "tstamp",
+    "timeseconds",
     "timestamputc", "utctime", "utctimestamp", "timestamplocal", "localtimestamp", "datetimeutc", "datetimelocal",
-    "logtime", "recordtime", "valuetime", "timestring", "elapsed", "runtime", "relativetime", "epoch", "epochtime",
+    "logtime", "recordtime", "valuetime", "timestring", "elapsed", "relativetime", "epoch", "epochtime",
     "unix", "unixtime", "unixtimestamp", "posix", "posixtime", "zeitstempel", "uhrzeit", "datumuhrzeit", "datumzeit",
-    "horodatage", "horodate", "dateheure", "heure", "temps", "fechahora", "fecha", "hora", "tiempo", "marcadetiempo",
+    "horodatage", "horodate", "dateheure", "heure", "fechahora", "fecha", "hora", "tiempo", "marcadetiempo",
     "datahora", "dataora", "tempo", "tidspunkt", "tidsstempel", "tidsstampel", "dato", "datotid", "tijd", "tijdstip",
     "aikaleima", "aika", "czas", "indexlevel0",
 }  # fmt: skip

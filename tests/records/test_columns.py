@@ -2,7 +2,7 @@
 
 import pytest
 
-from records import ReadError, read_loop
+from records import ReadError, read_log, read_loop
 from records.columns import choose_columns, loop_names
 from records.names import role_of
 
@@ -145,7 +145,7 @@ def test_columns_without_a_tag_are_the_only_loops(write):
 def test_every_column_not_used_is_named_with_its_reason(write):
     text = (
         "time,timestamp,FIC1.PV,FIC1.OP,FIC1.OUT,LIC2.PV,LIC2.PV.Quality,remark,T7\n"
-        "0,0,1,51,51,9,Good,x,3\n1,1,2,52,52,9,Good,,3\n"
+        "0,00:00:00,1,51,51,9,Good,x,3\n1,00:00:01,2,52,52,9,Good,,3\n"
     )
     note = next(note for note in read_loop(write(text), loop="FIC1").notes if "not used" in note)
     assert note == (
@@ -171,3 +171,15 @@ def test_hundreds_of_columns_do_not_flood_the_notes(write):
     head, row = ",".join(f"TI{i}.PV" for i in range(400)), ",".join("1" for _ in range(400))
     note = next(n for n in read_loop(write(f"time,FIC1.PV,FIC1.OP,{head}\n0,1,50,{row}\n")).notes if "not used" in n)
     assert note.endswith("and 385 more.") and len(note) < 700
+
+
+@pytest.mark.parametrize("other", ["XV101.POS", "HV-101 position", "13-ZT-101", "ZT102"])
+def test_other_valves_are_not_the_stem(write, other):
+    loop = read_loop(write(f"time,12-FIC-101.PV,12-FIC-101.OP,{other}\n0,1,51,49\n1,2,52,49\n"))
+    assert loop.mv is None
+
+
+def test_a_signal_may_have_a_name_that_times_have(write):
+    path = write("time,T,hours,OP\n0,80,7,50\n1,81,7,51\n2,82,7,50\n")
+    assert read_loop(path, pv="T").pv.tolist() == [80, 81, 82]
+    assert read_log(path).names == ("T", "hours", "OP")

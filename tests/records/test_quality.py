@@ -103,3 +103,11 @@ def test_one_bad_cell_is_one_gap(write):
         assert np.flatnonzero(np.isnan(loop.pv)).tolist() == [7]
         assert np.flatnonzero(~loop.good).tolist() == [7]
         assert loop.op.tolist() == OP[1]
+
+
+def test_measurements_are_never_read_as_codes(write):
+    total = [100 + 2 * i for i in range(N)]
+    log = read_log(write(table(PV, OP, ("FIC1.Q", total))))
+    assert log["FIC1.Q"].tolist() == total
+    odd = [100.5 + i for i in range(N)]
+    assert read_loop(write(table(PV, OP, ("FIC1.PV.Q", odd)))).good.all()
