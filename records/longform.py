@@ -22,7 +22,7 @@ __all__ = ["LongColumns", "Pivot", "find_long_form", "pivot"]
 
 _TAGS = {
     "tag", "tagname", "name", "point", "pointname", "variable", "signal", "sensor", "tagid", "item", "path", "varname",
-    "itemid", "tagpath", "field", "nodeid", "pointid", "kks", "messstelle",
+    "itemid", "datasource", "tagpath", "field", "nodeid", "pointid", "kks", "messstelle",
 }  # fmt: skip
 _VALUES = {"value", "val", "data", "reading", "v", "varvalue", "wert", "valeur", "valor", "verdi"}
 _QUALITIES = {

@@ -25,6 +25,7 @@ _CLOCK = (
 _DATES = {
     "year-month-day": r"^(?P<Y>\d{4})[-/.](?P<M>\d{1,2})[-/.](?P<D>\d{1,2})",
     "day-month name-year": r"^(?P<D>\d{1,2})[- /](?P<M>\p{L}{3})\p{L}*\.?[- /,]+(?P<Y>\d{4}|\d{2})",
+    "month name day, year": r"^(?P<M>\p{L}{3})\p{L}*\.? +(?P<D>\d{1,2}),? +(?P<Y>\d{4})",
     "day.month.year": r"^(?P<D>\d{1,2})\.(?P<M>\d{1,2})\.(?P<Y>\d{4}|\d{2})",
     "month/day/year": r"^(?P<M>\d{1,2})[-/](?P<D>\d{1,2})[-/](?P<Y>\d{4}|\d{2})",
     "day/month/year": r"^(?P<D>\d{1,2})[-/](?P<M>\d{1,2})[-/](?P<Y>\d{4}|\d{2})",
@@ -153,7 +154,8 @@ def _time_of_day(text: pl.Series) -> Times:
     parts = text.str.replace(",", ".", literal=True).str.split(":").to_list()
     t = np.array([sum(float(part) * _HOUR / 60.0**i for i, part in enumerate(row)) for row in parts])
     wraps = np.diff(t) < -43200.0
-    notes = ["Time is a time of day without a date."]
+    short = text[0].count(":") == 1
+    notes = [f"Time is a time of day without a date{', read as hours:minutes' * short}."]
     if wraps.any():
         t[1:] += 86400.0 * np.cumsum(wraps)
         notes.append(f"Midnight is passed {int(wraps.sum())} time{'s' * (int(wraps.sum()) > 1)}.")

@@ -25,6 +25,10 @@ _WORD_ROWS, _LONGEST_UNIT = 4, 20  # rows of words under a header; a longer word
 _NUMBER = re.compile(r"^[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$")
 _STAMP = re.compile(r"\d{1,4}[-/. ](\d{1,2}|[A-Za-z]{3,9})[-/. ,]+\d{1,4}|\d{1,2}:\d{2}|^\d{8}[T ]?\d{4}")
 _UNIT = re.compile(r"^(?P<name>.*\S)\s*(?:[\[(](?P<unit>[^\[\]()]{0,20})[\])]|\u2028(?P<below>.{0,20}))$")
+# Behind a space and without brackets only what can be nothing else.
+_BARE_UNIT = re.compile(
+    r"^(?P<name>.*\S)\s+(?P<unit>%|°[CF]|m?barg?|[kM]?Pa|psig?|mA|(?:m3|m³|Nm3|k?g|t|l)/(?:h|min|s|d))$"
+)
 
 
 @dataclass(frozen=True)
@@ -58,8 +62,8 @@ def split_unit(header: str) -> tuple[str, str]:
     >>> split_unit("FIC211.PV [m3/h]"), split_unit("OP (%)"), split_unit("PV")
     (('FIC211.PV', 'm3/h'), ('OP', '%'), ('PV', ''))
     """
-    found = _UNIT.match(header.strip())
-    return (found["name"], (found["unit"] or found["below"] or "").strip("[]() ")) if found else (header.strip(), "")
+    found = _UNIT.match(header.strip()) or _BARE_UNIT.match(header.strip())
+    return (found["name"], next(filter(None, found.groups()[1:]), "").strip("[]() ")) if found else (header.strip(), "")
 
 
 def parse_table(text: str, separator: str | None = None, *, split_units: bool = True) -> Table:

@@ -72,6 +72,17 @@ EXPORTS = {  # name -> (text, words that a note must hold)
         ),
         "not used",
     ),
+    "month name first": (lines("Time;FIC1.PV;FIC1.OP\n", "{t};{pv};{op}\n", "%b %d, %Y %I:%M:%S %p"), ""),
+    "units without brackets": (lines("Time,FIC1.PV m3/h,FIC1.OP %\n", PLAIN[1]), ""),
+    "descriptions in the names": (lines("Time,FIC1.PV - Feed flow,FIC1.OP - Feed valve\n", PLAIN[1]), ""),
+    "PI Vision": (
+        lines('"Data Source","Time","Value","Units"\n', '"FIC1.PV",{t},{pv},"m3/h"\n"FIC1.OP",{t},{op},"%"\n'),
+        "'Units' (no part of a long table)",
+    ),
+    "Yokogawa": (
+        lines("Date,Time,FIC1.PV,FIC1.MV,FIC1.MODE\n", "{t},{pv},{op},AUT\n", "%Y/%m/%d,%H:%M:%S"),
+        "'FIC1.MV' is taken as OP",
+    ),
     "source and server time": (
         lines("ServerTimestamp,SourceTimestamp,FIC1.PV,FIC1.OP\n", "2024-10-13 23:00:00,{t},{pv},{op}\n"),
         "'ServerTimestamp' (the time is 'SourceTimestamp')",
@@ -127,3 +138,9 @@ def test_names_that_look_like_patterns_are_names(tmp_path, name, ending):
     again = read_log(tmp_path / "log")
     assert again.names == (name, "abc")
     assert np.array_equal(again[name], [0.0, np.nan], equal_nan=True) and again["abc"].tolist() == [1, 2]
+
+
+def test_a_clock_of_two_figures_says_how_it_is_read(write):
+    loop = read_loop(write("time,PV,OP\n00:00,1,50\n00:01,2,51\n00:02,1,50\n"))
+    assert loop.dt == 60.0
+    assert "Time is a time of day without a date, read as hours:minutes." in loop.notes
