@@ -95,7 +95,7 @@ def diagnose(record: LoopRecord, methods: Sequence[Method] | None = None) -> Dia
         loop=record.name,
         verdict=word,
         probability=None,
-        reason=" ".join([_reason(word, votes), *trials, _next_step(word, votes)]),
+        reason=" ".join([_reason(word, votes), *trials, _next_step(word, votes, record)]),
         assumptions=_assumptions(record),
         methods=verdicts,
         conditions=examine(record),
@@ -148,11 +148,13 @@ def _sentence(v: Verdict) -> str:
     return v.reason if v.reason.endswith(".") else v.reason + "."
 
 
-def _next_step(word: Word, votes: Sequence[Verdict]) -> str:
+def _next_step(word: Word, votes: Sequence[Verdict], record: LoopRecord) -> str:
     codes = {v.code for v in votes}
     test = "step the OP in manual by 0.5 to 1 % at a time, both ways, and watch for moves that fail to show in PV"
+    logged = record.mv is not None
+    stem = "see where the logged stem rests while OP moves" if logged else "log the stem position"
     if word == "stiction":
-        return f"To prove it and size it: log the stem position, or {test}."
+        return f"To prove it and size it: {stem}, or {test}."
     if word == "no_stiction":
         return (
             "To tell tight tuning from an outside wave: put the loop in manual for a few periods; "
@@ -174,10 +176,10 @@ def _next_step(word: Word, votes: Sequence[Verdict]) -> str:
         return "To settle it: log ten periods at a fixed set point."
     if word == "inconclusive":
         return (
-            "To settle it: log the stem position for ten periods; or put the loop in manual for a few periods (a wave "
-            f"that stays comes from outside), then {test}."
+            f"To settle it: {stem} for ten periods; or put the loop in manual for a few periods (a wave that stays "
+            f"comes from outside), then {test}."
         )
-    return f"To settle it: log the stem position for ten periods, or {test}."
+    return f"To settle it: {stem} for ten periods, or {test}."
 
 
 def _assumptions(record: LoopRecord) -> tuple[str, ...]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime, timedelta
+
 import numpy as np
 import numpy.typing as npt
 
 from records.errors import LogError
 
-__all__ = ["Mask", "Values", "check_time", "checked_mask", "checked_span", "frozen_array"]
+__all__ = ["Mask", "Values", "check_time", "checked_mask", "checked_span", "frozen_array", "seconds_and_start"]
 
 Values = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -26,6 +28,39 @@ def frozen_array(values: npt.ArrayLike, what: str) -> Values:
     if array.ndim != 1:
         raise LogError(f"{what} has shape {array.shape}; it must have one dimension, one value a sample")
     return array
+
+
+def seconds_and_start(t: npt.ArrayLike) -> tuple[npt.ArrayLike, datetime | None]:
+    """Seconds from the first sample, and its wall-clock time, if `t` holds moments; else `t` as it is and None.
+
+    Moments are datetime64, datetime objects and what pandas and polars make of them; stamps with a time zone give a
+    start in UTC. Durations (timedelta64) become seconds.
+
+    Raises LogError for a moment that is not a time (NaT).
+
+    >>> t, start = seconds_and_start(np.array(["2024-06-13T21:55:00", "2024-06-13T21:55:10"], dtype="datetime64[ns]"))
+    >>> t.tolist(), start.isoformat()
+    ([0.0, 10.0], '2024-06-13T21:55:00')
+    """
+    array = np.asarray(t)
+    zone = None
+    if array.dtype == object and array.ndim == 1 and len(array):
+        first = array[0]
+        if isinstance(first, timedelta):
+            array = array.astype("m8[us]")
+        elif isinstance(first, datetime):
+            if first.tzinfo is not None:
+                array, zone = np.array([moment.astimezone(UTC).replace(tzinfo=None) for moment in array]), UTC
+            array = array.astype("M8[us]")
+    if array.dtype.kind not in "Mm" or array.ndim != 1 or len(array) == 0:
+        return t, None
+    gone = np.isnat(array)
+    if gone.any():
+        raise LogError(f"t[{int(np.argmax(gone))}] is no time (NaT); drop the rows without a time")
+    if array.dtype.kind == "m":
+        return array / np.timedelta64(1, "s"), None
+    start: datetime = array[0].astype("M8[us]").item().replace(tzinfo=zone)
+    return (array - array[0]) / np.timedelta64(1, "s"), start
 
 
 def check_time(t: Values) -> None:

@@ -9,13 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from records.errors import ReadError
-from records.modes import MANUAL, mode_number
-from records.states import is_blank, is_state, quality_is_good
+from records.modes import MANUAL, mode_number, says_manual
+from records.states import is_blank, is_state
 
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["Numbers", "decimal_mark", "modes", "numbers", "qualities"]
+__all__ = ["Numbers", "decimal_mark", "modes", "numbers"]
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,9 @@ def decimal_mark(frame: pl.DataFrame) -> str:
     commas = points = 0
     for name in head.columns:
         if head[name].dtype == pl.String:
-            commas += int(head[name].str.contains(r"^[-+]?\d*,\d+([eE][-+]?\d+)?$").sum())
-            points += int(head[name].str.contains(r"^[-+]?\d*\.\d+([eE][-+]?\d+)?$").sum())
+            cells = head[name].alias("")
+            commas += int(cells.str.contains(r"^[-+]?\d*,\d+([eE][-+]?\d+)?$").sum())
+            points += int(cells.str.contains(r"^[-+]?\d*\.\d+([eE][-+]?\d+)?$").sum())
     return "," if commas > points else "."
 
 
@@ -65,7 +66,7 @@ def numbers(
         return Numbers(values if keep_infinite else np.where(np.isfinite(values), values, np.nan), None)
     if column.dtype.is_temporal():
         raise ReadError(f"column {name!r} holds times, not numbers; name another column")
-    text = column.cast(pl.String).fill_null("")
+    text = column.alias("").cast(pl.String).fill_null("")
     plain = text.str.replace(",", ".", literal=True) if decimal == "," else text
     parsed = plain.cast(pl.Float64, strict=False)
     values = parsed.fill_null(float("nan")).to_numpy().astype(np.float64)
@@ -110,7 +111,7 @@ def modes(column: pl.Series, name: str) -> Numbers:
     """
     import polars as pl
 
-    text = column.cast(pl.String).fill_null("")
+    text = column.alias("").cast(pl.String).fill_null("")
     words = [word for word in text.unique().sort().to_list() if not is_blank(word)]
     figures = pl.Series(words, dtype=pl.String).cast(pl.Float64, strict=False)
     notes = []
@@ -124,40 +125,9 @@ def modes(column: pl.Series, name: str) -> Numbers:
     else:
         # A state ends what was held before it: infinite here, unknown in the end.
         known = {word: np.inf if is_state(word) else mode_number(word) for word in words}
-        odd = [w for w, mode in known.items() if mode == MANUAL and w.strip().upper() not in {"MAN", "MANUAL"}]
+        odd = [w for w, mode in known.items() if mode == MANUAL and not says_manual(w)]
         if odd:
             notes.append(f"{name}: {', '.join(map(repr, odd[:5]))} counted as manual.")
     held = text.replace_strict(known, default=None, return_dtype=pl.Float64).forward_fill()
     values = held.fill_null(float("nan")).to_numpy()
     return Numbers(np.where(np.isinf(values), np.nan, values), None, tuple(notes))
-
-
-def qualities(column: pl.Series, *, flags: bool = False) -> npt.NDArray[np.bool_] | None:
-    """True for good; None if the column cannot be told to be a quality.
-
-    Understood are words, 1 and 0, OPC DA codes (192 and above good) and OPC UA status codes (below 2^30 good).
-    With `flags`, numbers are 1 and 0 and nothing else: zeros alone will do.
-
-    >>> import polars as pl
-    >>> qualities(pl.Series(["192", "0", "64"])).tolist()
-    [True, False, False]
-    """
-    import polars as pl
-
-    text = column.cast(pl.String).fill_null("")
-    parsed = text.cast(pl.Float64, strict=False)
-    if parsed.null_count() == 0:
-        codes = parsed.to_numpy()
-        if flags:
-            return np.asarray(codes == 1)
-        if codes.max() >= 2**30:
-            return np.asarray(codes < 2**30)
-        if codes.max() >= 2 and codes.max() < 256:
-            return np.asarray(codes >= 192)
-        if codes.max() == 1 and np.isin(codes, (0, 1)).all():
-            return np.asarray(codes == 1)
-        return None
-    verdicts = {word: quality_is_good(word) for word in text.unique().to_list()}
-    if any(v is None and not is_blank(w) for w, v in verdicts.items()):
-        return None
-    return np.array([bool(verdicts[word]) for word in text.to_list()])

@@ -1,4 +1,4 @@
-"""Which column is what: the names that control systems and historians give to SP, PV, OP, MV and MODE."""
+"""Which columns make up one loop, and why the others do not."""
 
 from __future__ import annotations
 
@@ -7,48 +7,17 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from records.errors import ReadError
+from records.names import ROLES, numbers_in, plain, role_of, same_numbers
 
-__all__ = ["Roles", "choose_columns", "is_time_name", "loop_names", "role_of"]
+__all__ = ["Roles", "choose_columns", "loop_names"]
 
-# Names without case, spaces and punctuation. STEM is a position by its own name; MV is ambiguous: the
-# literature calls the stem position so, some products the controller output.
-_ROLES = {
-    "SP": (
-        "sp", "spt", "setpoint", "setpt", "setp", "setpointvalue", "sv", "setvalue", "wsp", "spvalue",
-        "reference", "ref", "r", "target", "spv", "spwrk", "currentsp", "spout", "workingsetpoint",
-    ),
-    "PV": (
-        "pv", "processvalue", "processvariable", "processvar", "procval", "measurement", "meas", "measuredvalue",
-        "measured", "y", "pvvalue", "pvin", "actualvalue", "pvcurrent", "controlledvariable",
-    ),
-    "OP": (
-        "op", "out", "output", "co", "cout", "controlleroutput", "controloutput", "ctrlout", "controllerout",
-        "opvalue", "u", "outvalue", "controlsignal", "outputvalue", "lmn", "cvout", "demand", "command", "cmd",
-        "valvecommand", "controlout", "valvedemand", "outputpercent",
-    ),
-    "MV": ("mv", "manipulatedvariable", "manipulatedvalue", "manipvar"),
-    "STEM": (
-        "stem", "stemposition", "valveposition", "position", "pos", "travel", "valvetravel", "vp", "zt",
-        "feedback", "positionfeedback", "actualposition", "valvepos", "stempos", "lift", "valvefeedback",
-        "positionerfeedback", "mvposition",
-    ),
-    "MODE": ("mode", "md", "actmode", "modeactual", "modeact", "actualmode", "controllermode", "loopmode",
-             "controlmode", "modeactualmode"),
-}  # fmt: skip
-_ROLE_BY_NAME = {name: role for role, names in _ROLES.items() for name in names}
-_LETTERS_ALONE = {"r", "y", "u", "ref", "pos", "target", "command", "demand", "md", "measured", "position"}
-_NOISE = {"cv", "val", "value", "fcv", "act", "actual", "pida", "pid", "pid1a", "st", "read", "current", "last"}
-_TIMES = {
-    "time", "timestamp", "datetime", "timestamps", "t", "ts", "dateandtime", "sampletime", "times", "utc",
-    "localtime", "timeutc", "sourcetime", "sourcetimestamp", "servertime", "serverts", "datum", "clock", "dt",
-    "elapsedtime", "seconds", "timelocal", "tid", "zeit", "eventtime", "timeofday", "tstamp", "timeseconds",
-}  # fmt: skip
-_SUFFIX = re.compile(r"^(?P<loop>.*\d[A-Za-z]?)(?P<role>pv|sp|op|co|mv|out|mode)$", re.IGNORECASE)
+# Valves that are open or shut by their tag letters: no controller moves them, whatever their number.
+_SHUT_OFF = re.compile(r"(?<![A-Za-z])(X[A-Z]?|HV|MOV|BDV|E?SDV)(?=[-_ ]?\d)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Roles:
-    """The columns of one loop and what was assumed in choosing them."""
+    """The columns of one loop, what was assumed in choosing them, and the reason why others are not used."""
 
     pv: str
     op: str
@@ -57,46 +26,7 @@ class Roles:
     mode: str | None = None
     loop: str = ""
     notes: tuple[str, ...] = ()
-
-
-def is_time_name(name: str) -> bool:
-    """Whether a column of this name holds the time.
-
-    >>> is_time_name("Time Stamp"), is_time_name("PV")
-    (True, False)
-    """
-    return _plain(name) in _TIMES
-
-
-def role_of(column: str) -> tuple[str, str] | None:
-    """Loop and role ("SP", "PV", "OP", "MV", "STEM", "MODE") that a column name tells, None if none.
-
-    >>> [role_of(name) for name in ("FIC211.PIDA.OP", "PID1/OUT.CV", "FIC-211 Sp", "TIC_1203A_PV")]
-    [('FIC211', 'OP'), ('PID1', 'OP'), ('FIC-211', 'SP'), ('TIC_1203A', 'PV')]
-    >>> role_of("Controller Output"), role_of("PV FIC211"), role_of("flow_t_h")
-    (('', 'OP'), ('FIC211', 'PV'), None)
-    """
-    pieces = [(found.start(), found.group()) for found in re.finditer(r"[^\s._/\\:|\-]+", column)]
-    words = [word.casefold() for _, word in pieces]
-    end = len(words)
-    while end:
-        for first in range(max(0, end - 3), end):
-            role = _role("".join(words[first:end]), alone=first == 0)
-            if role:
-                if role == "MODE" and words[-1] in {"target", "normal", "permitted"}:
-                    return None
-                return _loop_part(column[: pieces[first][0]]), role
-        if words[end - 1] not in _NOISE or end == 1:
-            break
-        end -= 1
-    if len(words) > 1:  # the role in front: "PV FIC211", "OP_FIC211"
-        role = _role(words[0], alone=False)
-        if role and any(char.isdigit() for char in column[pieces[1][0] :]):
-            return _loop_part(column[pieces[1][0] :]), role
-    run_on = _SUFFIX.match(column.strip())
-    if run_on:
-        return _loop_part(run_on["loop"]), _ROLE_BY_NAME[run_on["role"].casefold()]
-    return None
+    unused: tuple[tuple[str, str], ...] = ()
 
 
 def loop_names(columns: Iterable[str]) -> tuple[str, ...]:
@@ -142,6 +72,9 @@ def choose_columns(
             "if it is the stem position, name OP."
         )
     stem = picked.pop("stem", None)
+    if not stem and "mv" not in picked and "mv" not in named:
+        rest = [name for name in free if name not in picked.values()]
+        stem = _stem_elsewhere(rest, (shown, picked.get("op"), named.get("op"), named.get("pv")), notes)
     if stem and "mv" not in named:
         picked["mv"] = stem
     picked.update({part: column or None for part, column in named.items()})
@@ -160,7 +93,7 @@ def choose_columns(
     if len(set(used)) < len(used):
         twice = next(column for column in used if used.count(column) > 1)
         raise ReadError(f"column {twice!r} is named for two signals; name one column for each")
-    if picked.get("mv") and "mv" not in named and stem is None:
+    if picked.get("mv") and "mv" not in named and not stem:
         notes.append(f"{picked['mv']!r} is taken as the stem position, for {op!r} is the controller output.")
     return Roles(
         pv=pv,
@@ -170,21 +103,59 @@ def choose_columns(
         mode=picked.get("mode"),
         loop=shown,
         notes=tuple(notes),
+        unused=tuple((name, _why_not(name, shown, picked, named)) for name in names if name not in used),
     )
+
+
+def _why_not(column: str, loop: str, picked: Mapping[str, str | None], named: Mapping[str, str]) -> str:
+    told = role_of(column)
+    if told is None:
+        return "its name tells no part of the loop"
+    tag, role = told
+    part = "mv" if role == "STEM" else role.casefold()
+    if named.get(part) == "":
+        return "left out as told"
+    what = "stem position" if role == "STEM" else role
+    if tag and plain(tag) != plain(loop):
+        remedy = "; name it with mv= (--mv) if it is this valve" if role == "STEM" and not picked.get("mv") else ""
+        return f"{what} of {tag}{remedy}"
+    return f"{part.upper()} is {picked[part]!r}" if picked.get(part) else f"{what} of no loop of the file"
+
+
+def _stem_elsewhere(free: Iterable[str], hints: Iterable[str | None], notes: list[str]) -> str | None:
+    """The stem position under a tag of its own: ZT211 or FV211.POS beside FIC211.
+
+    Taken if it has the loop's number, or if there is only one and it has no number. Without a number in the loop's
+    own names, the only one in the file is taken.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for _, (shown, parts) in _grouped(free).items():
+        stem = parts.get("STEM") or (parts.get("MV") if not {"PV", "OP", "SP"} & set(parts) else None)
+        if stem and not _SHUT_OFF.search(shown):
+            found[stem] = numbers_in(shown)
+    wanted = [numbers_in(hint) for hint in hints if hint and numbers_in(hint)]
+    fitting = [stem for stem, number in found.items() if any(same_numbers(number, other) for other in wanted)]
+    why = "its number is the loop's"
+    if not fitting and (not wanted or not any(found.values())):
+        fitting, why = list(found), "it is the only one in the file"
+    if len(fitting) != 1:
+        return None
+    notes.append(f"{fitting[0]!r} is taken as the stem position: {why}.")
+    return fitting[0]
 
 
 def _one_loop(free: list[str], named: Mapping[str, str], loop: str | None) -> tuple[str, dict[str, str], list[str]]:
     groups = _grouped(free)
     if loop is not None:
         for shown, parts in groups.values():
-            if _plain(shown) == _plain(loop):
+            if plain(shown) == plain(loop):
                 return shown, parts, []
         found = loop_names(free)
         raise ReadError(f"no loop {loop!r}; the file has {_listed(found) if found else 'no named loop'}")
     for part in ("pv", "op"):  # a column the user named tells the loop
         told = role_of(named[part]) if named.get(part) else None
-        if told and _plain(told[0]) in groups:
-            shown, parts = groups[_plain(told[0])]
+        if told and plain(told[0]) in groups:
+            shown, parts = groups[plain(told[0])]
             return shown, parts, []
     if named.get("pv") and named.get("op"):
         return "", groups.get("", ("", {}))[1], []
@@ -194,19 +165,21 @@ def _one_loop(free: list[str], named: Mapping[str, str], loop: str | None) -> tu
             f"the file has {len(whole)} loops: {_listed([shown for shown, _ in whole])}; "
             "choose one with loop= (--loop NAME)"
         )
-    if whole:
-        return whole[0][0], whole[0][1], []
+    if whole:  # a column without a tag can only be the loop's
+        return whole[0][0], {**groups.get("", ("", {}))[1], **whole[0][1]}, []
     # No tag has both: a transmitter and a controller of different names are a loop if they are the only ones.
     merged: dict[str, str] = {}
     for _, parts in groups.values():
         for role, column in parts.items():
+            if role == "STEM":
+                continue  # `_stem_elsewhere` knows which of several belongs here
             if role in merged:
                 raise ReadError(
                     f"several columns may be the {role} ({merged[role]!r}, {column!r}) and no tag has both PV "
                     f"and OP; the columns are {_listed(free)}: name them with pv= and op= (--pv NAME --op NAME)"
                 )
             merged[role] = column
-    several = sum(bool(parts) for _, parts in groups.values()) > 1
+    several = sum(bool(parts.keys() - {"STEM"}) for _, parts in groups.values()) > 1
     notes = [f"Columns of different tags are taken as one loop: {_listed(merged.values())}."] if several else []
     shown = next((name for name, parts in groups.values() if "OP" in parts and name), "")
     return shown, merged, notes
@@ -220,10 +193,10 @@ def _grouped(columns: Iterable[str]) -> dict[str, tuple[str, dict[str, str]]]:
         if told is None:
             continue
         shown, role = told
-        _, parts = groups.setdefault(_plain(shown), (shown, {}))
+        _, parts = groups.setdefault(plain(shown), (shown, {}))
         if role in parts:
             # "OP" beside "OUT" in one loop: the first in the rule table is the usual name.
-            order = _ROLES[role]
+            order = ROLES[role]
             rank = [order.index(name) if name in order else len(order) for name in _tails(parts[role], column)]
             if rank[0] <= rank[1]:
                 continue
@@ -237,25 +210,6 @@ def _tails(*columns: str) -> list[str]:
 
 def _is_loop(parts: Mapping[str, str]) -> bool:
     return "PV" in parts and ("OP" in parts or "MV" in parts)
-
-
-def _role(word: str, *, alone: bool) -> str | None:
-    if word in _LETTERS_ALONE and not alone:
-        return None
-    return _ROLE_BY_NAME.get(word)
-
-
-def _loop_part(text: str) -> str:
-    """The loop in what is left of a name: without punctuation at the ends and without noise words."""
-    text = text.strip(" ._/\\:|-'\"")
-    pieces = re.split(r"[._/\\:|\s]+", text)
-    while len(pieces) > 1 and pieces[-1].casefold() in _NOISE:
-        text = text[: -len(pieces.pop())].rstrip(" ._/\\:|-")
-    return text
-
-
-def _plain(name: str) -> str:
-    return re.sub(r"[^a-z0-9]", "", name.casefold())
 
 
 def _listed(names: Iterable[str], most: int = 20) -> str:

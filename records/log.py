@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from records.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array
+from records.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array, seconds_and_start
 from records.errors import LogError
 
 if TYPE_CHECKING:
@@ -32,7 +32,8 @@ class Log:
     Parameters
     ----------
     t : (n,) array [s]
-        Finite, strictly increasing, n >= 1; it may start anywhere and need not be evenly spaced.
+        Finite, strictly increasing, n >= 1; it may start anywhere and need not be evenly spaced. Moments (datetime64,
+        datetime objects) become seconds from the first one, which is then `start`.
     signals : mapping of name to (n,) array
         Values in the signal's own unit; NaN means missing. Arrays are copied unless they are read-only.
     units : mapping of name to str
@@ -70,7 +71,8 @@ class Log:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        t = frozen_array(self.t, "time")
+        seconds, start = seconds_and_start(self.t)
+        t = frozen_array(seconds, "time")
         check_time(t)
         signals = {name: frozen_array(values, f"signal {name!r}") for name, values in self.signals.items()}
         for name, values in signals.items():
@@ -86,6 +88,7 @@ class Log:
                     raise LogError(f"{kind} name a signal {name!r} that is not logged; {_offer(name, signals)}")
         set_field = object.__setattr__
         set_field(self, "t", t)
+        set_field(self, "start", self.start if start is None else start)
         set_field(self, "signals", MappingProxyType(signals))
         set_field(self, "units", MappingProxyType({name: str(u) for name, u in self.units.items() if u}))
         set_field(self, "spans", MappingProxyType({n: checked_span(n, s) for n, s in self.spans.items()}))

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from records.clean import modes, numbers, qualities
-from records.columns import role_of
-from records.errors import ReadError
+from records.clean import modes, numbers
+from records.names import role_of
+from records.order import ordered_times
+from records.quality import bad_values, qualities
 from records.stamps import Times
 
 if TYPE_CHECKING:
@@ -19,9 +20,15 @@ if TYPE_CHECKING:
 
 __all__ = ["LongColumns", "Pivot", "find_long_form", "pivot"]
 
-_TAGS = {"tag", "tagname", "name", "point", "pointname", "variable", "signal", "sensor", "tagid", "item", "path"}
-_VALUES = {"value", "val", "data", "reading", "v"}
-_QUALITIES = {"quality", "status", "qual", "statuscode", "confidence", "good", "q"}
+_TAGS = {
+    "tag", "tagname", "name", "point", "pointname", "variable", "signal", "sensor", "tagid", "item", "path", "varname",
+    "itemid", "datasource", "tagpath", "field", "nodeid", "pointid", "kks", "messstelle",
+}  # fmt: skip
+_VALUES = {"value", "val", "data", "reading", "v", "varvalue", "wert", "valeur", "valor", "verdi"}
+_QUALITIES = {
+    "quality", "status", "qual", "statuscode", "confidence", "conf", "good", "q", "validity", "opcquality",
+    "qualitydetail", "qualitycode", "opcqualityid",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -31,6 +38,11 @@ class LongColumns:
     tag: str
     value: str
     quality: str | None
+
+    @property
+    def columns(self) -> tuple[str | None, ...]:
+        """All of them."""
+        return self.tag, self.value, self.quality
 
 
 @dataclass(frozen=True)
@@ -70,8 +82,11 @@ def pivot(
     Raises ReadError if one tag has two values at one time or its rows are not in time order.
     """
     which = np.array(frame[long.tag].to_list(), dtype=object)
+    told = None if long.quality is None else qualities(frame[long.quality], long.quality)
     series: dict[str, tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.bool_]]] = {}
     notes: list[str] = []
+    if long.quality is not None and told is None:
+        notes.append(f"The quality in {long.quality!r} cannot be told and is not used.")
     for tag in tags:
         rows = np.flatnonzero(which == tag)
         own_lines = [lines[row] for row in rows]
@@ -82,13 +97,11 @@ def pivot(
         else:
             parsed = numbers(part[long.value], tag, own_lines, decimal)
         good = parsed.good if parsed.good is not None else np.ones(len(rows), dtype=bool)
-        if long.quality is not None:
-            told = qualities(part[long.quality])
-            if told is not None:
-                good = good & told
-        t, keep, dropped = ordered_times(times.t[rows], own_lines, [parsed.values, good.astype(float)], tag)
-        if dropped:
-            notes.append(f"{tag}: {dropped} repeated row{'s' * (dropped > 1)} dropped.")
+        if told is not None:
+            good = good & told[rows]
+            notes += bad_values(tag, str(long.quality), told[rows], parsed.values)
+        t, keep, found = ordered_times(times.t[rows], own_lines, [parsed.values, good.astype(float)], tag)
+        notes += [f"{tag}: {note}" for note in found]
         notes += parsed.notes
         series[tag] = (t, parsed.values[keep], good[keep])
     axis = np.unique(np.concatenate([t for t, _, _ in series.values()]))
@@ -102,42 +115,6 @@ def pivot(
             how = "held from the report before" if held else "on the line between reports"
             notes.append(f"{tag}: reported at {len(t)} of {len(axis)} times, {how} at the others.")
     return Pivot(axis, values, masks, tuple(notes))
-
-
-def ordered_times(
-    t: npt.NDArray[np.float64],
-    lines: list[int],
-    columns: list[npt.NDArray[np.float64]],
-    what: str = "",
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.intp], int]:
-    """Times that increase strictly, the rows kept and the number of repeated rows dropped.
-
-    A row is dropped if it repeats the row before it, time and values alike. Raises ReadError if the time
-    falls, or stands still while a value changes.
-    """
-    of = f" of {what!r}" if what else ""
-    steps = np.diff(t)
-    if (steps < 0).any():
-        row = int(np.argmax(steps < 0)) + 1
-        raise ReadError(
-            f"line {lines[row]}{of} is earlier than the line before it ({t[row]:g} s after {t[row - 1]:g} s); "
-            "sort the rows by time, or export in UTC if the clock was set back"
-        )
-    same = np.concatenate([[False], steps == 0])
-    for values in columns:
-        changed = same & ~_equal(values, np.roll(values, 1))
-        if changed.any():
-            row = int(np.argmax(changed))
-            raise ReadError(
-                f"lines {lines[row - 1]} and {lines[row]}{of} have the same time ({t[row]:g} s) and different "
-                "values; export with a finer time stamp or give interval= if the rows are evenly spaced"
-            )
-    keep = np.flatnonzero(~same)
-    return t[keep], keep, int(same.sum())
-
-
-def _equal(a: npt.NDArray[np.float64], b: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-    return np.asarray((a == b) | (np.isnan(a) & np.isnan(b)))
 
 
 def _carried(

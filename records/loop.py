@@ -101,6 +101,7 @@ class LoopRecord:
         Parameters
         ----------
         t : (n,) [s]
+            Or moments: datetime64, datetime objects, a DatetimeIndex; seconds then count from the first.
         pv, sp : (n,) [unit_pv]
         op, mv : (n,) [unit of op_span]
             Controller output and, if measured, the stem position, both on the same span.
@@ -113,6 +114,7 @@ class LoopRecord:
         """
         given = {"SP": sp, "PV": pv, "OP": op, "MV": mv, "MODE": mode}
         # Log converts and checks them; the cast only tells the type checker so.
+        times: Any = t
         signals: dict[str, Any] = {key: values for key, values in given.items() if values is not None}
         units: dict[str, str] = {key: unit_pv for key in ("SP", "PV") if key in signals}
         if op_span is not None and tuple(op_span) == (0, 100):
@@ -121,7 +123,7 @@ class LoopRecord:
             key: op_span for key in ("OP", "MV") if key in signals and op_span is not None
         }
         return cls(
-            log=Log(t=np.asarray(t, dtype=float), signals=signals, units=units, spans=spans, origin="arrays"),
+            log=Log(t=times, signals=signals, units=units, spans=spans, origin="arrays"),
             name=name,
             sp_name="SP" if sp is not None else None,
             pv_name="PV",

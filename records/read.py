@@ -1,4 +1,4 @@
-"""Reading records: a CSV, text or Parquet file becomes a log or one control loop."""
+"""Reading records: a CSV, text or Parquet file, or a data frame, becomes a log or one control loop."""
 
 from __future__ import annotations
 
@@ -8,25 +8,34 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from records.assemble import assemble, layout_of
-from records.columns import choose_columns
+from records.assemble import Layout, assemble, layout_of
+from records.columns import Roles, choose_columns
 from records.errors import LogError, ReadError
+from records.frames import frame_kind, polars_frame
 from records.heading import Heading, parse_heading
 from records.log import Log
 from records.loop import LoopRecord
 from records.source import decoded, file_bytes, is_parquet
 from records.spans import guess_op_span
-from records.table import Table, parse_table
+from records.table import Table, names_and_units, parse_table
 from records.tags import Process, measurement_of, process_of, tag_in
+
+if TYPE_CHECKING:
+    import polars as pl
 
 __all__ = ["ReadError", "read_log", "read_loop"]
 
+_UNUSED_SHOWN = 15
+# A path, or a frame of any library: frames are known by what they can do, so no type names them all.
+Source: TypeAlias = Any
+
 
 def read_log(
-    path: str | os.PathLike[str],
+    source: Source,
     *,
     columns: Mapping[str, str] | None = None,
     time: str | None = None,
@@ -34,13 +43,15 @@ def read_log(
     separator: str | None = None,
     time_format: str | None = None,
     interval: float | None = None,
+    time_unit: str | None = None,
 ) -> Log:
-    """Read a CSV, text or Parquet file as a log.
+    """Read a CSV, text or Parquet file, or a data frame, as a log.
 
     Parameters
     ----------
-    path : path
-        The file. Parquet is told by its content, not by its name.
+    source : path or data frame
+        The file; Parquet is told by its content, not by its name. Or a frame of pandas, polars, pyarrow or any library
+        that speaks Arrow; an index of pandas that is not just a count of the rows becomes a column.
     columns : mapping, optional
         Name in the log -> column (or tag of a long table) in the file; only these are read. Otherwise every
         column with numbers is read under its own name.
@@ -52,6 +63,10 @@ def read_log(
         strptime format of the time stamps.
     interval : float, optional
         Seconds between rows [s], for files without a usable time.
+    time_unit : {"s", "ms", "us", "ns", "min", "h", "d", "filetime", "datenum", "excel", "labview", "ticks"}, optional
+        Unit of a time of numbers; otherwise told from its name, its size or its interval, and noted. "filetime" is
+        100 ns since 1601, "ticks" 100 ns since the year 1, "datenum" MATLAB's days, "excel" a spreadsheet's days,
+        "labview" seconds since 1904; "s" to "ns" may count from 1970.
 
     Returns a Log whose notes say what was assumed. A clock time becomes seconds from the first row and `start`.
 
@@ -64,14 +79,14 @@ def read_log(
     >>> log.names, log.units["FIC211.PV"], log.good("FIC211.PV").tolist()
     (('FIC211.PV', 'FIC211.OP'), 'm3/h', [True, False])
     """
-    with _named(path):
-        table, heading = _opened(path, separator)
-        layout = layout_of(table, heading, time, decimal, time_format, interval)
-        return _with_origin(assemble(layout, columns), path, heading)
+    with _named(source):
+        table, heading = _opened(source, separator)
+        layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
+        return _with_origin(assemble(layout, columns), source, heading)
 
 
 def read_loop(
-    path: str | os.PathLike[str],
+    source: Source,
     *,
     sp: str | None = None,
     pv: str | None = None,
@@ -87,22 +102,25 @@ def read_loop(
     separator: str | None = None,
     time_format: str | None = None,
     interval: float | None = None,
+    time_unit: str | None = None,
 ) -> LoopRecord:
-    """Read one control loop from a CSV, text or Parquet file.
+    """Read one control loop from a CSV, text or Parquet file, or from a data frame.
 
     Parameters
     ----------
+    source : path or data frame
+        As for `read_log`.
     sp, pv, op, mv, mode : str, optional
         Columns (or tags) of the signals; guessed from their names when not given, "" leaves one out.
     loop : str, optional
         Tag of the loop, for a file with several.
     name : str, optional
-        Name to give the loop; otherwise its tag, or the name of the file.
+        Name to give the loop; otherwise its tag, or the name of the file (of a frame: "loop").
     process : {"self_regulating", "integrating", "unknown"}, optional
         Otherwise told from the first letter of the tag: levels integrate.
     op_span : (low, high), optional
         Span of OP in its unit; otherwise told from its unit or its values.
-    time, decimal, separator, time_format, interval
+    time, decimal, separator, time_format, interval, time_unit
         As for `read_log`.
 
     Returns a LoopRecord whose signals are called SP, PV, OP, MV and MODE and whose notes say what was assumed.
@@ -116,24 +134,25 @@ def read_loop(
     >>> record.name, record.measurement, record.process, record.op_percent
     ('LIC7', 'level', 'integrating', array([55.5, 55. , 54.5]))
     """
-    with _named(path):
+    with _named(source):
         if op_span is not None:
             _check_span(op_span)
-        table, heading = _opened(path, separator)
-        layout = layout_of(table, heading, time, decimal, time_format, interval)
+        table, heading = _opened(source, separator)
+        layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
         given = {"sp": sp, "pv": pv, "op": op, "mv": mv, "mode": mode}
         roles = choose_columns(layout.names, given, loop)
         parts = {"SP": roles.sp, "PV": roles.pv, "OP": roles.op, "MV": roles.mv, "MODE": roles.mode}
         wanted = {part: column for part, column in parts.items() if column is not None}
         log = assemble(layout, wanted, [roles.mode] if roles.mode else [])
-        log = _with_origin(log, path, heading)
+        log = _with_origin(log, source, heading)
         notes = [f"{c!r} is read as {part}." for part, c in wanted.items() if _differs(c, part, roles.loop)]
         notes += roles.notes
+        notes += _about_unused(layout, roles)
         if "MODE" in log and not np.isfinite(log["MODE"]).any():
             log = _without(log, "MODE")
         log, found = _with_spans(log, op_span, own=heading is not None)
         notes += found
-        stem = Path(path).stem
+        stem = "" if frame_kind(source) else Path(source).stem
         tag = roles.loop or tag_in(stem)
         measurement = measurement_of(tag) or measurement_of(roles.pv)
         if process is None:
@@ -141,7 +160,7 @@ def read_loop(
             notes.append(_about_process(measurement, tag, process))
         return LoopRecord(
             log=replace(log, notes=(*log.notes, *(note for note in notes if note not in log.notes))),
-            name=name or roles.loop or stem,
+            name=name or roles.loop or stem or "loop",
             sp_name="SP" if "SP" in log else None,
             pv_name="PV",
             op_name="OP",
@@ -152,17 +171,40 @@ def read_loop(
         )
 
 
+def _about_unused(layout: Layout, roles: Roles) -> list[str]:
+    """The sentence that names the columns (or tags) that are not used, each with the reason."""
+    reasons = {**layout.aside, **dict(roles.unused)}
+    taken = {roles.pv, roles.op, roles.sp, roles.mv, roles.mode}
+    for column, signals in layout.marks.items():
+        if not taken & set(signals):
+            reasons[column] = f"quality of {signals[0]!r}"
+    if not reasons or layout.heading is not None:
+        return []
+    shown = [f"{column!r} ({why})" for column, why in list(reasons.items())[:_UNUSED_SHOWN]]
+    more = len(reasons) - len(shown)
+    rest = f" and {more} more" if more else ""
+    return [f"Columns not used: {', '.join(shown)}{rest}."]
+
+
 @contextmanager
-def _named(path: str | os.PathLike[str]) -> Iterator[None]:
+def _named(source: Source) -> Iterator[None]:
     """Put the file's name in front of a complaint."""
+    kind = frame_kind(source)
+    if not kind and not isinstance(source, str | os.PathLike):
+        raise ReadError(
+            f"{type(source).__name__} is neither a path nor a data frame; "
+            "give one of these, or build a LoopRecord.from_arrays"
+        )
     try:
         yield
     except (ReadError, LogError) as fault:
-        raise ReadError(f"{os.fspath(path)}: {fault}") from None
+        raise ReadError(f"{f'{kind} frame' if kind else os.fspath(source)}: {fault}") from None
 
 
-def _opened(path: str | os.PathLike[str], separator: str | None) -> tuple[Table, Heading | None]:
-    raw = file_bytes(path)
+def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | None]:
+    if frame_kind(source):
+        return _typed(polars_frame(source)), None
+    raw = file_bytes(source)
     if is_parquet(raw):
         return _parquet(raw)
     text = decoded(raw)
@@ -186,17 +228,24 @@ def _parquet(raw: bytes) -> tuple[Table, Heading | None]:
     if frame.width < 2:
         raise ReadError(f"the file has only {frame.width} column; a record needs a time and a signal")
     heading = parse_heading(text.split("\n"))
-    units: dict[str, str] = {}
-    if heading is not None:
-        frame = frame.rename({frame.columns[0]: "time"})
-        units = {"time": "s"}
-    return Table(frame, list(range(1, frame.height + 1)), units), heading
+    if heading is None:
+        return _typed(frame), None
+    frame = frame.rename({frame.columns[0]: "time"})
+    return Table(frame, list(range(1, frame.height + 1)), {"time": "s"}), heading
 
 
-def _with_origin(log: Log, path: str | os.PathLike[str], heading: Heading | None) -> Log:
+def _typed(frame: pl.DataFrame) -> Table:
+    """The table in a frame whose columns have types; units are in their names, as in a file of text."""
+    names, units = names_and_units(frame.columns)
+    frame = frame.rename(dict(zip(frame.columns, names, strict=True)))
+    return Table(frame, list(range(1, frame.height + 1)), units)
+
+
+def _with_origin(log: Log, source: Source, heading: Heading | None) -> Log:
     if heading is not None:
         return replace(log, origin=heading.origin, notes=(*heading.notes, *log.notes))
-    return replace(log, origin=f"read from {Path(path).name}")
+    kind = frame_kind(source)
+    return replace(log, origin=f"read from {f'a {kind} frame' if kind else Path(source).name}")
 
 
 def _differs(column: str, part: str, loop: str) -> bool:

@@ -1,8 +1,7 @@
-"""Time columns: seconds, other units, epochs, spreadsheet days and the clock stamps of historians."""
+"""Time columns: numbers, date-times and the clock stamps of historians."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
@@ -10,49 +9,44 @@ import numpy as np
 import numpy.typing as npt
 
 from records.errors import ReadError
+from records.numeric_time import Times, times_from_numbers, told_unit
 
 if TYPE_CHECKING:
     import polars as pl
 
 __all__ = ["Times", "parse_times", "repaired_clock_change"]
 
-_UNITS = {
-    "s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3,
-    "millisecond": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0,
-    "mins": 60.0, "minute": 60.0, "minutes": 60.0, "h": 3600.0, "hr": 3600.0, "hour": 3600.0,
-    "hours": 3600.0, "d": 86400.0, "day": 86400.0, "days": 86400.0,
-}  # fmt: skip
-
 _CLOCK = (
-    r"(?:[T ,]+(?P<h>\d{1,2}):(?P<m>\d{2})(?::(?P<s>\d{2})(?:[.,:](?P<f>\d{1,9}))?)?\s*(?P<ap>[AaPp])?(?:\.?[Mm]\.?)?)?"
-    r"\s*(?P<z>Z|z|UTC|GMT|[+-]\d{2}:?\d{2})?$"
+    r"(?:[T ,]+(?P<h>\d{1,2}):(?P<m>\d{2})(?::(?P<s>\d{2})(?:[.,:](?P<f>\d{1,9}))?)?"
+    r"\s*(?P<ap>[AaPp])?(?:\.?\s*[Mm]\.?)?)?"
+    # Names of zones, such as CEST, are passed over: the stamps are then local time.
+    r"\s*(?:(?P<z>Z|z|UTC|GMT|[+-]\d{2}(?::?\d{2})?)|ME?S?Z|[A-Z]{1,3}[DS]?T)?$"
 )
 _DATES = {
     "year-month-day": r"^(?P<Y>\d{4})[-/.](?P<M>\d{1,2})[-/.](?P<D>\d{1,2})",
-    "day-month name-year": r"^(?P<D>\d{1,2})[- /](?P<M>[A-Za-z]{3})[a-z]*\.?[- /,]+(?P<Y>\d{4}|\d{2})",
+    "day-month name-year": r"^(?P<D>\d{1,2})[- /](?P<M>\p{L}{3})\p{L}*\.?[- /,]+(?P<Y>\d{4}|\d{2})",
+    "month name day, year": r"^(?P<M>\p{L}{3})\p{L}*\.? +(?P<D>\d{1,2}),? +(?P<Y>\d{4})",
     "day.month.year": r"^(?P<D>\d{1,2})\.(?P<M>\d{1,2})\.(?P<Y>\d{4}|\d{2})",
     "month/day/year": r"^(?P<M>\d{1,2})[-/](?P<D>\d{1,2})[-/](?P<Y>\d{4}|\d{2})",
     "day/month/year": r"^(?P<D>\d{1,2})[-/](?P<M>\d{1,2})[-/](?P<Y>\d{4}|\d{2})",
 }
-_MONTHS = {
-    name: i + 1
-    for i, name in enumerate(("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"))
-}
+# English first, then German, Nordic, Dutch, French, Spanish, Italian and Portuguese, where they differ. French "jui"
+# may be June or July: not told.
+_MONTH_WORDS = (
+    "jan ene gen", "feb fév fev", "mar mär mrz mrt maa", "apr avr abr", "may mai maj mei mag", "jun giu",
+    "jul lug", "aug aoû aou ago", "sep set", "oct okt ott out", "nov", "dec dez des déc dic",
+)  # fmt: skip
+_MONTHS = {name: i for i, names in enumerate(_MONTH_WORDS, start=1) for name in names.split()}
 _HOUR = 3600.0
-_SERIAL_EPOCH = datetime(1899, 12, 30)
-
-
-@dataclass(frozen=True)
-class Times:
-    """Seconds of every row and the wall-clock time of second 0, if the file tells it."""
-
-    t: npt.NDArray[np.float64]
-    start: datetime | None = None
-    notes: tuple[str, ...] = ()
 
 
 def parse_times(
-    column: pl.Series, lines: list[int], unit: str = "", decimal: str = ".", time_format: str | None = None
+    column: pl.Series,
+    lines: list[int],
+    unit: str = "",
+    decimal: str = ".",
+    time_format: str | None = None,
+    time_unit: str | None = None,
 ) -> Times:
     """The times in `column`; order and repeats are not looked at here.
 
@@ -63,11 +57,13 @@ def parse_times(
     lines : list of int
         Line of the file of each row, for messages.
     unit : str
-        Unit of a numeric column; "" means seconds unless the numbers are plainly an epoch or day serials.
+        Unit that the file states for a column of numbers, "" for none (see `records.numeric_time`).
     decimal : str
         Decimal mark of numbers.
     time_format : str, optional
         strptime format of the stamps, for what is not recognised by itself.
+    time_unit : str, optional
+        Unit of a column of numbers, said by the caller.
 
     Raises ReadError if a row has no time, or one that cannot be read.
 
@@ -81,7 +77,7 @@ def parse_times(
     if column.dtype.is_temporal():
         return _from_datetimes(column, lines)
     if column.dtype.is_numeric():
-        return _from_numbers(column.cast(pl.Float64), lines, unit)
+        return _from_numbers(column, lines, unit, time_unit)
     text = column.cast(pl.String)
     missing = text.is_null() | (text.str.strip_chars() == "")
     if missing.any():
@@ -91,7 +87,14 @@ def parse_times(
     plain = text.str.replace(",", ".", literal=True) if decimal == "," else text
     numbers = plain.cast(pl.Float64, strict=False)
     if numbers.null_count() == 0:
-        return _from_numbers(numbers, lines, unit)
+        whole = plain.cast(pl.Int64, strict=False)
+        return _from_numbers(whole if whole.null_count() == 0 else numbers, lines, unit, time_unit)
+    if time_unit is not None:
+        row = _first(numbers.is_null())
+        raise ReadError(
+            f"line {lines[row]} has the time {text[row]!r}, which is not a number in {time_unit}; "
+            "leave time_unit (--time-unit) out for clock times"
+        )
     if numbers.null_count() < len(numbers) / 2:
         row = _first(numbers.is_null())
         raise ReadError(f"line {lines[row]} has the time {text[row]!r}, which is not a number; mend the row")
@@ -105,29 +108,14 @@ def _first(mask: pl.Series) -> int:
     return 0 if found is None else found
 
 
-def _from_numbers(numbers: pl.Series, lines: list[int], unit: str) -> Times:
-    t = numbers.to_numpy().astype(np.float64)
-    if not np.isfinite(t).all():
-        row = int(np.argmin(np.isfinite(t)))
-        raise ReadError(f"line {lines[row]} has a time that is not finite ({t[row]}); delete the row")
-    word = unit.strip().casefold()
-    if word in _UNITS:
-        scale = _UNITS[word]
-        notes = () if scale == 1.0 else (f"Time is read in {unit.strip()} and given in seconds.",)
-        return Times(t * scale if scale != 1.0 else t, notes=notes)
-    low, high = float(t.min()), float(t.max())
-    for name, scale in (("seconds", 1.0), ("milliseconds", 1e3), ("nanoseconds", 1e9)):
-        if 8e8 * scale < low and high < 4.1e9 * scale:
-            start = datetime.fromtimestamp(t[0] / scale, tz=UTC)
-            return Times((t - t[0]) / scale, start, (f"Time is read as {name} since 1970 (UTC).",))
-    # Days since 1900 go up by less than 0.02 (half an hour) a row; seconds from 30000 up would not.
-    usual = float(np.median(np.abs(np.diff(t)))) if len(t) > 1 else 0.0
-    if low > 25000 and high < 75000 and 0 < usual < 0.02:
-        start = _SERIAL_EPOCH + timedelta(days=float(t[0]))
-        # Day serials hold 1e-6 s or worse; milliseconds are what they can tell.
-        return Times(np.round((t - t[0]) * 86400.0, 3), start, ("Time is read as spreadsheet day serials.",))
-    notes = () if not word else (f"The unit {unit!r} of the time is not known: it is read as seconds.",)
-    return Times(t, notes=notes)
+def _from_numbers(column: pl.Series, lines: list[int], unit: str, time_unit: str | None) -> Times:
+    import polars as pl
+
+    if column.null_count():
+        raise ReadError(f"line {lines[_first(column.is_null())]} has no time; delete the row or fill in the time")
+    whole = column.cast(pl.Int64, strict=False) if column.dtype.is_integer() else None
+    numbers = whole if whole is not None and whole.null_count() == 0 else column.cast(pl.Float64)
+    return times_from_numbers(numbers, lines, unit, None if time_unit is None else told_unit(time_unit))
 
 
 def _from_datetimes(column: pl.Series, lines: list[int]) -> Times:
@@ -166,7 +154,8 @@ def _time_of_day(text: pl.Series) -> Times:
     parts = text.str.replace(",", ".", literal=True).str.split(":").to_list()
     t = np.array([sum(float(part) * _HOUR / 60.0**i for i, part in enumerate(row)) for row in parts])
     wraps = np.diff(t) < -43200.0
-    notes = ["Time is a time of day without a date."]
+    short = text[0].count(":") == 1
+    notes = [f"Time is a time of day without a date{', read as hours:minutes' * short}."]
     if wraps.any():
         t[1:] += 86400.0 * np.cumsum(wraps)
         notes.append(f"Midnight is passed {int(wraps.sum())} time{'s' * (int(wraps.sum()) > 1)}.")
@@ -193,13 +182,14 @@ def _from_stamps(text: pl.Series, lines: list[int]) -> Times:
     # The order of day and month: what runs forward wins, then what takes less time, then month/day.
     def unlikely(name: str) -> tuple[bool, int]:
         steps = fits[name].dt.epoch("us")
-        return not steps.is_sorted(), int(steps.max()) - int(steps.min())  # type: ignore[arg-type]
+        runs = steps.is_sorted() or steps.is_sorted(descending=True)  # some systems write the newest row first
+        return not runs, int(steps.max()) - int(steps.min())  # type: ignore[arg-type]
 
     chosen = min(fits, key=unlikely)
     if "month/day/year" in fits and "day/month/year" in fits:
         notes = (f"Dates such as {text[0]!r} are read as {chosen}; give time_format if that is wrong.",)
     times = _from_datetimes(fits[chosen], lines)
-    zoned = bool(text.str.contains(r"(?:Z|z|UTC|GMT|:\d{2}(?:\.\d+)?\s*[+-]\d{2}:?\d{2})$")[0])
+    zoned = bool(text.str.contains(r"(?:Z|z|UTC|GMT|:\d{2}(?:\.\d+)?\s*[+-]\d{2}(?::?\d{2})?)$")[0])
     start = times.start.replace(tzinfo=UTC) if zoned and times.start else times.start
     return Times(times.t, start, notes)
 
@@ -223,11 +213,11 @@ def _moments(text: pl.Series, pattern: str) -> pl.Series:
         number = month.replace_strict(_MONTHS, default=None, return_dtype=pl.Int32)
     century = pl.when(pl.col("Y") < 100).then(pl.when(pl.col("Y") < 70).then(2000).otherwise(1900)).otherwise(0)
     afternoon = parts["ap"].str.to_lowercase().fill_null("")
-    offset = parts["z"].fill_null("").str.extract_groups(r"([+-])(\d{2}):?(\d{2})").struct.unnest()
+    offset = parts["z"].fill_null("").str.extract_groups(r"([+-])(\d{2}):?(\d{2})?").struct.unnest()
     frame = pl.DataFrame(whole | {"M": number, "ap": afternoon}).with_columns(
         us=parts["f"].fill_null("").str.pad_end(6, "0").str.slice(0, 6).cast(pl.Int32, strict=False).fill_null(0),
         minutes=(
-            (offset[:, 1].cast(pl.Int64, strict=False) * 60 + offset[:, 2].cast(pl.Int64, strict=False))
+            (offset[:, 1].cast(pl.Int64, strict=False) * 60 + offset[:, 2].cast(pl.Int64, strict=False).fill_null(0))
             * (offset[:, 0] == "-").replace_strict({True: -1, False: 1}, default=0, return_dtype=pl.Int64)
         ).fill_null(0),
     )

@@ -6,7 +6,9 @@ import re
 
 __all__ = ["is_blank", "is_state", "quality_is_good"]
 
-_BLANKS = {"", "nan", "null", "none", "na", "n/a", "#n/a", "-", "--", "\\n", "<null>", "(null)", "missing"}
+_BLANKS = {
+    "", "nan", "null", "none", "na", "n/a", "#n/a", "\\n", "<null>", "(null)", "missing", "n.a.", "<no data>",
+}  # fmt: skip
 
 # Without case and without the spaces and underscores that come and go between versions.
 _STATES = {
@@ -24,6 +26,8 @@ _STATES = {
     "connectionlost", "timeout", "notavailable", "unavailable", "unknown", "offline", "undefined",
 }  # fmt: skip
 
+_GOOD = {"ok", "true", "valid", "g", "normal", "nrm", "accepted", "gut", "bon", "bueno"}
+_NOT_GOOD = ("bad", "uncer", "questionable", "substitut", "doubt", "schlecht", "unsicher", "mauvais", "malo")
 _ERROR_NUMBER = re.compile(r"^\[-\d+\]\s*")
 
 
@@ -33,7 +37,8 @@ def is_blank(text: str) -> bool:
     >>> is_blank(" "), is_blank("NaN"), is_blank("0")
     (True, True, False)
     """
-    return text.strip().casefold() in _BLANKS
+    word = text.strip().casefold()
+    return word in _BLANKS or not word.strip("*?-#.")  # "****" and "####": a number too wide for its cell
 
 
 def is_state(text: str) -> bool:
@@ -55,9 +60,9 @@ def quality_is_good(text: str) -> bool | None:
     [True, True, False, False, None]
     """
     word = text.strip().casefold()
-    if word.startswith("good") or word in {"ok", "true", "valid", "g", "normal", "accepted"}:
+    if word.startswith("good") or word in _GOOD:
         return True
-    if word.startswith(("bad", "uncertain", "questionable", "substitut", "doubt")):
+    if word.startswith(_NOT_GOOD):
         return False
     if word in {"false", "invalid", "b", "u", "error", "stale"} or is_state(word):
         return False

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import re
 from collections import Counter
@@ -10,19 +9,26 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from records.errors import ReadError
+from records.lines import LOOK, cells_of, numbered_lines, width_of, without_frame
+from records.pairs import is_paired, long_from_pairs, numbered_pairs
 from records.states import is_blank, is_state
+from records.time_names import is_date_name, is_time_name
 
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["Table", "parse_table", "split_unit"]
+__all__ = ["Table", "names_and_units", "parse_table", "split_unit"]
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SEPARATOR_NAMES = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", " ": "space"}
-_LOOK = 200  # lines looked at to find the separator and the header
+_WORD_ROWS, _LONGEST_UNIT = 4, 20  # rows of words under a header; a longer word is a description
 _NUMBER = re.compile(r"^[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$")
 _STAMP = re.compile(r"\d{1,4}[-/. ](\d{1,2}|[A-Za-z]{3,9})[-/. ,]+\d{1,4}|\d{1,2}:\d{2}|^\d{8}[T ]?\d{4}")
-_UNIT = re.compile(r"^(?P<name>.*\S)\s*[\[(](?P<unit>[^\[\]()]{0,20})[\])]$")
+_UNIT = re.compile(r"^(?P<name>.*\S)\s*(?:[\[(](?P<unit>[^\[\]()]{0,20})[\])]|\u2028(?P<below>.{0,20}))$")
+# Behind a space and without brackets only what can be nothing else.
+_BARE_UNIT = re.compile(
+    r"^(?P<name>.*\S)\s+(?P<unit>%|°[CF]|m?barg?|[kM]?Pa|psig?|mA|(?:m3|m³|Nm3|k?g|t|l)/(?:h|min|s|d))$"
+)
 
 
 @dataclass(frozen=True)
@@ -56,8 +62,8 @@ def split_unit(header: str) -> tuple[str, str]:
     >>> split_unit("FIC211.PV [m3/h]"), split_unit("OP (%)"), split_unit("PV")
     (('FIC211.PV', 'm3/h'), ('OP', '%'), ('PV', ''))
     """
-    found = _UNIT.match(header.strip())
-    return (found["name"], found["unit"].strip()) if found else (header.strip(), "")
+    found = _UNIT.match(header.strip()) or _BARE_UNIT.match(header.strip())
+    return (found["name"], next(filter(None, found.groups()[1:]), "").strip("[]() ")) if found else (header.strip(), "")
 
 
 def parse_table(text: str, separator: str | None = None, *, split_units: bool = True) -> Table:
@@ -80,38 +86,34 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
     """
     if separator is not None and len(separator) != 1:
         raise ReadError(f"separator = {separator!r} is not one character; give for example ';'")
-    comments: list[str] = []
-    numbered: list[tuple[int, str]] = []
-    for number, line in enumerate(text.split("\n"), start=1):
-        if line.startswith("#"):
-            comments.append(line[1:].strip())
-        elif re.match(r"sep=.$", line) and not numbered:
-            separator = separator or line[4]  # a spreadsheet's own hint
-        elif line.strip():
-            numbered.append((number, line))
-    if not numbered:
-        raise ReadError("the file has no header and no rows, only blank or comment lines; export it again")
+    numbered, comments, hint = numbered_lines(text)
+    separator = separator or hint
     notes: list[str] = []
-    chosen = separator or _find_separator([line for _, line in numbered[:_LOOK]])
+    chosen = separator or _find_separator([line for _, line in numbered[:LOOK]] or [""])
     if chosen == " ":
         numbered = [(number, "\t".join(line.split())) for number, line in numbered]
         chosen = "\t"
-    numbered = _without_preamble(numbered, chosen, notes)
-    header = [cell.strip() for cell in _cells(*numbered[0], chosen)]
+    numbered = without_frame(numbered, chosen, notes)
+    if not numbered:
+        raise ReadError("the file has no header and no rows, only blank or comment lines; export it again")
+    header = [cell.strip() for cell in cells_of(*numbered[0], chosen)]
     rows = numbered[1:]
     if not rows:
         raise ReadError(f"the file has a header ({', '.join(header)}) and no rows; export a range that holds data")
     header, rows = _without_trailing_separator(header, rows, chosen)
+    paired = split_units and is_paired(header)
+    if paired:
+        header = numbered_pairs(header)
     _check_header(header, numbered[0][0], chosen)
     _check_widths(rows, len(header), chosen)
-    names, units = _names_and_units(header) if split_units else (header, {})
-    row = [cell.strip() for cell in _cells(*rows[0], chosen)]
-    if split_units and _is_units_row(row):
-        units |= {name: cell.strip("[]() ") for name, cell in zip(names, row, strict=True) if cell}
-        rows = rows[1:]
-        if not rows:
-            raise ReadError("the file has a header and a row of units and no rows of data; export it again")
-    return Table(_frame(names, rows, chosen), [n for n, _ in rows], units, tuple(comments), tuple(notes))
+    names, units = names_and_units(header) if split_units else (header, {})
+    if split_units:
+        rows = _without_word_rows(rows, names, units, chosen, notes)
+    frame, lines = _frame(names, rows, chosen), [n for n, _ in rows]
+    if paired:
+        frame, lines = long_from_pairs(frame, lines)
+        notes.append("Every signal has a time of its own.")
+    return Table(frame, lines, units, tuple(comments), tuple(notes))
 
 
 def _find_separator(lines: list[str]) -> str:
@@ -121,7 +123,7 @@ def _find_separator(lines: list[str]) -> str:
     """
     best, best_share = "", 0.0
     for candidate in _SEPARATORS:
-        widths = Counter(len(line.split()) if candidate == " " else _width(line, candidate) for line in lines)
+        widths = Counter(len(line.split()) if candidate == " " else width_of(line, candidate) for line in lines)
         width, count = widths.most_common(1)[0]
         share = count / len(lines)
         # Spaces stand in time stamps and titles: they count only when nothing else cuts the lines.
@@ -131,38 +133,13 @@ def _find_separator(lines: list[str]) -> str:
     return best or ","
 
 
-def _width(line: str, separator: str) -> int:
-    if '"' not in line:
-        return line.count(separator) + 1
-    return len(next(csv.reader([line], delimiter=separator)))
-
-
-def _cells(number: int, line: str, separator: str) -> list[str]:
-    try:
-        return next(csv.reader([line], delimiter=separator, strict=True))
-    except (csv.Error, StopIteration):
-        raise ReadError(f"line {number} has a quotation mark that is not closed; mend the line") from None
-
-
-def _without_preamble(numbered: list[tuple[int, str]], separator: str, notes: list[str]) -> list[tuple[int, str]]:
-    """Drop title lines above the header: lines of one cell, or narrower than the table by two and more."""
-    widths = [_width(line, separator) for _, line in numbered[:_LOOK]]
-    usual = Counter(widths).most_common(1)[0][0]
-    # One cell short is a header without the separator that ends every row.
-    narrow = [width < usual - 1 or (width == 1 < usual) for width in widths]
-    first = narrow.index(False)
-    if first:
-        notes.append(f"{first} line{'s' * (first > 1)} above the header passed over.")
-    return numbered[first:]
-
-
 def _without_trailing_separator(
     header: list[str], rows: list[tuple[int, str]], separator: str
 ) -> tuple[list[str], list[tuple[int, str]]]:
     """Undo a separator at the end of every row, which some exports write, with or without it in the header."""
     if not all(line.rstrip(" ").endswith(separator) for _, line in rows):
         return header, rows
-    width = _width(rows[0][1], separator)
+    width = width_of(rows[0][1], separator)
     if header[-1] == "" and len(header) == width:
         header = header[:-1]
     elif len(header) != width - 1:
@@ -194,7 +171,7 @@ def _check_header(header: list[str], number: int, separator: str) -> None:
 
 def _check_widths(rows: list[tuple[int, str]], width: int, separator: str) -> None:
     for number, line in rows:
-        cells = len(_cells(number, line, separator)) if '"' in line else line.count(separator) + 1
+        cells = len(cells_of(number, line, separator)) if '"' in line else line.count(separator) + 1
         if cells != width:
             hint = ""
             if separator == "," and cells > width:
@@ -204,25 +181,49 @@ def _check_widths(rows: list[tuple[int, str]], width: int, separator: str) -> No
             )
 
 
-def _names_and_units(header: list[str]) -> tuple[list[str], dict[str, str]]:
+def names_and_units(header: list[str]) -> tuple[list[str], dict[str, str]]:
+    """The names of a header without their units, and the unit of a name that has one.
+
+    >>> names_and_units(["time [s]", "PV (m3/h)", "OP"])
+    (['time', 'PV', 'OP'], {'time': 's', 'PV': 'm3/h'})
+    """
     pairs = [split_unit(cell) for cell in header]
     bare = [name for name, _ in pairs]
     if len(set(bare)) < len(bare):
         return header, {}  # "PV (raw)" and "PV (filtered)" are names, not units
-    names = [name or "time" for name in bare]  # a spreadsheet's index column has no name
+    # A spreadsheet's index column has no name: it is the time, or the number of the row where there is a time.
+    nameless = "row" if any(is_time_name(name) or is_date_name(name) for name in bare) else "time"
+    names = [name or nameless for name in bare]
     if len(set(names)) < len(names):
         names = bare
     return names, {name: unit for name, (_, unit) in zip(names, pairs, strict=True) if unit}
 
 
-def _is_units_row(row: list[str]) -> bool:
-    """Whether the first row under the header holds units: short words, no number, no stamp, no state."""
+def _without_word_rows(
+    rows: list[tuple[int, str]], names: list[str], units: dict[str, str], separator: str, notes: list[str]
+) -> list[tuple[int, str]]:
+    """The rows without descriptions and units under the header; units, the last such row of short words, are kept."""
+    first = 0
+    while first < len(rows) and first < _WORD_ROWS:
+        row = [cell.strip() for cell in cells_of(*rows[first], separator)]
+        if not _is_words_row(row):
+            break
+        if max(map(len, row)) <= _LONGEST_UNIT:
+            units |= {name: cell.strip("[]() ") for name, cell in zip(names, row, strict=True) if cell}
+        else:
+            notes.append(f"Line {rows[first][0]} holds words, not data, and is passed over.")
+        first += 1
+    if first == len(rows):
+        raise ReadError("the file has a header and a row of units and no rows of data; export it again")
+    return rows[first:]
+
+
+def _is_words_row(row: list[str]) -> bool:
+    """Whether a row under the header holds words only: no number, no stamp, no state."""
     filled = [cell for cell in row if cell]
     if not filled or any(_NUMBER.match(cell) or _STAMP.search(cell) for cell in filled):
         return False
-    if any(is_state(cell) or (is_blank(cell) and cell != "-") for cell in filled):
-        return False
-    return all(len(cell) <= 20 for cell in filled)
+    return not any(is_state(cell) or (is_blank(cell) and cell != "-") for cell in filled)
 
 
 def _frame(names: list[str], rows: list[tuple[int, str]], separator: str) -> pl.DataFrame:
@@ -245,4 +246,5 @@ def _frame(names: list[str], rows: list[tuple[int, str]], separator: str) -> pl.
         raise ReadError(
             f"{len(rows)} lines give {frame.height} rows of {frame.width} cells; look for quotation marks inside cells"
         )
-    return frame.with_columns(pl.all().str.strip_chars())
+    # Nameless while it is worked on: polars takes a series called "^a.*$" for a pattern.
+    return pl.DataFrame([frame[name].alias("").str.strip_chars().alias(name) for name in names])

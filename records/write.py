@@ -31,7 +31,7 @@ def write_csv(log: Log, path: str | os.PathLike[str]) -> None:
     text = "".join(f"# {line}\n" for line in heading.lines())
     with replacing(path) as part, open(part, "xb") as file:
         file.write(text.encode("utf-8"))
-        _frame(log, heading).fill_nan(None).write_csv(file, quote_style="necessary")
+        _frame(log, heading, nan_to_null=True).write_csv(file, quote_style="necessary")
 
 
 def write_parquet(log: Log, path: str | os.PathLike[str]) -> None:
@@ -44,12 +44,12 @@ def write_parquet(log: Log, path: str | os.PathLike[str]) -> None:
         _frame(log, heading).write_parquet(part, metadata={"stickslip": "\n".join(heading.lines())})
 
 
-def _frame(log: Log, heading: Heading) -> pl.DataFrame:
+def _frame(log: Log, heading: Heading, *, nan_to_null: bool = False) -> pl.DataFrame:
     import polars as pl
 
     columns = {TIME_COLUMN: pl.Series(TIME_COLUMN, log.t)}
     for name in log.names:
-        columns[name] = pl.Series(name, log[name])
+        columns[name] = pl.Series(name, log[name], nan_to_null=nan_to_null)
     for name, column in heading.quality.items():
         columns[column] = pl.Series(column, log.quality[name].astype("int8"))
     return pl.DataFrame(columns)

@@ -29,6 +29,7 @@ WORDS = {
 @click.option("--mode", help="Name of the controller mode column.")
 @click.option("--time", help="Name of the time column.")
 @click.option("--time-format", metavar="FORMAT", help="Format of the time stamps, e.g. '%d/%m/%y %H:%M:%S'.")
+@click.option("--time-unit", metavar="UNIT", help="Unit of a time of numbers: s, ms, us, ns, min, h, d, filetime, ...")
 @click.option("--interval", type=float, metavar="SECONDS", help="Time between rows, for a file without time.")
 @click.option("--separator", metavar="CHAR", help="Character between the cells, if the guess is wrong.")
 @click.option("--decimal", metavar="CHAR", help="Decimal mark, '.' or ',', if the guess is wrong.")

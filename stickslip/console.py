@@ -24,14 +24,18 @@ json_option = click.option(
 
 
 class Speaker:
-    """Prints for people; steps aside to standard error when standard output carries the JSON document."""
+    """Prints for people; steps aside to standard error when standard output carries the JSON document.
+
+    A reader that has seen enough (``| head -1``) is no fault: the rest is not printed, and the command goes on to
+    its files and to the exit code that its result has.
+    """
 
     def __init__(self, json_file: str | None) -> None:
         self.json_file = json_file
         self.to_error = json_file == "-"
 
-    def __call__(self, text: str = "", **style: Any) -> None:
-        click.secho(text, err=self.to_error, **style)
+    def __call__(self, text: str = "", *, nl: bool = True, **style: Any) -> None:
+        self._out((click.style(text, **style) if style else text) + "\n" * nl, self.to_error)
 
     def paragraph(self, text: str, bullet: str = "") -> None:
         """Print a text wrapped at words, under a bullet if one is given."""
@@ -50,7 +54,10 @@ class Speaker:
             table.add_row(*row)
         # Markup off: "[s]" is a unit here, and names come from the user's file.
         stream = sys.stderr if self.to_error else sys.stdout
-        Console(file=stream, markup=False, emoji=False, highlight=False).print(table)
+        console = Console(file=stream, markup=False, emoji=False, highlight=False)
+        with console.capture() as drawn:  # printed by us: rich would end the process when the reader has gone
+            console.print(table)
+        self._out(drawn.get(), self.to_error)
 
     def document(self, content: dict[str, Any]) -> None:
         """Write the JSON document where it was asked for, if it was."""
@@ -58,9 +65,27 @@ class Speaker:
             return
         text = json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
         if self.to_error:
-            click.echo(text.encode(), nl=False)  # bytes: JSON is UTF-8 whatever the terminal's encoding
+            self._out(text.encode(), False)  # bytes: JSON is UTF-8 whatever the terminal's encoding
         else:
             write_whole(Path(self.json_file), text.encode())
+
+    def _out(self, text: str | bytes, to_error: bool) -> None:
+        try:
+            click.echo(text, nl=False, err=to_error, color=coloured())
+        except BrokenPipeError:
+            _leave_unread(sys.stderr if to_error else sys.stdout)
+
+
+def coloured() -> bool | None:
+    """Whether to colour: never when ``NO_COLOR`` is set and not empty (no-color.org), else on terminals only."""
+    return False if os.environ.get("NO_COLOR") else None
+
+
+def _leave_unread(stream: Any) -> None:
+    """Send what is still to be written to nowhere, or Python would complain of the closed pipe at its end."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
 
 
 def user_errors(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -76,7 +101,7 @@ def user_errors(command: Callable[..., Any]) -> Callable[..., Any]:
         except click.ClickException:
             raise  # click says it well itself, with exit code 2
         except BrokenPipeError:  # the reader, e.g. ``head``, has seen enough
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            _leave_unread(sys.stdout)
             raise SystemExit(0) from None
         except KeyboardInterrupt:
             complain("stopped by the keyboard")
@@ -101,4 +126,7 @@ def complain(message: str) -> None:
     """Print one error message, shortened in the middle if it is huge."""
     if len(message) > LONGEST_MESSAGE:
         message = f"{message[: LONGEST_MESSAGE - 300]} ... {message[-250:]}"
-    click.secho(f"Error: {message}", fg="red", err=True)
+    try:
+        click.secho(f"Error: {message}", fg="red", err=True, color=coloured())
+    except BrokenPipeError:
+        _leave_unread(sys.stderr)

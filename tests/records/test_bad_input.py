@@ -61,7 +61,6 @@ FILES = [
     ("thousands marks", 'time,PV,OP\n0,"1,234.5",50\n1,4,51\n', {}, ["line 2", "'PV'", "1,234.5"]),
     ("unit in the cells", "time,PV,OP\n0,4,50 %\n1,4,51 %\n", {}, ["line 2", "'OP'", "'50 %'"]),
     ("falling time", "time,PV,OP\n0,4,50\n2,4,51\n1,4,52\n", {}, ["line 4", "earlier", "sort"]),
-    ("newest first", "time,PV,OP\n2,4,50\n1,4,51\n0,4,52\n", {}, ["line 3", "earlier", "sort"]),
     ("same time, other values", "time,PV,OP\n0,4,50\n1,4,51\n1,9,51\n", {}, ["lines 3 and 4", "same time"]),
     ("time not finite", "time,PV,OP\n0,4,50\nnan,4,51\n2,4,52\n", {}, ["line 3", "not finite"]),
     ("time missing", "time,PV,OP\n0,4,50\n,4,51\n2,4,52\n", {}, ["line 3", "no time"]),

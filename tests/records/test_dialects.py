@@ -120,6 +120,7 @@ def test_assumptions_are_noted(write, name, words):
 def test_plain_file_needs_few_notes(write):
     notes = read_loop(write("time,SP,PV,OP\n0,5,4.5,50\n10,5,4.25,50.5\n20,5,4,51\n", "FIC7.csv")).notes
     assert notes == (
+        "Time has no unit: it is read as seconds, 10 s apart.",
         "OP is taken as % of its span (values 50 to 51).",
         "The process is taken as self-regulating: FIC7 is a flow loop.",
     )

@@ -13,10 +13,37 @@ CELLS = st.sampled_from(
         "0", "1", "2", "3.5", "-1", "1e3", "1,5", "", " ", "nan", "inf", "Bad Input", "AUTO", "x", '"', "'", "#", "%",
         "13-Jun-24 21:55:00", "2024-06-13", "13.06.2024 21:55", "6/13/2024 9:55 PM", "21:55:00", "99999999999999",
         "99-Foo-99 99:99:99", "2024-13-45 25:61:61", "31.12.9999 23:59:59", "01/01/0000", "45456.9", "\u00b0C", "\t",
+        "133627965000000000", "1718315700000", "739416.5", "-9223372036854775809", "16#80", "Good", "100", "m3/h",
+        "Okt",
     )
 )  # fmt: skip
 NAMES = st.sampled_from(
-    ["time", "PV", "OP", "SP", "MV", "MODE", "FIC1.PV", "FIC1.OP", "PV.quality", "tag", "value", "Date", "", "PV [%]"]
+    (
+        "time",
+        "PV",
+        "OP",
+        "SP",
+        "MV",
+        "MODE",
+        "FIC1.PV",
+        "FIC1.OP",
+        "PV.quality",
+        "tag",
+        "value",
+        "Date",
+        "",
+        "PV [%]",
+        "Quality",
+        "FIC1.PV.ST",
+        "Confidence",
+        "ZT1",
+        "FV1.POS",
+        "time_ms",
+        "Datum",
+        "Uhrzeit",
+        "T",
+        "timestamp",
+    )
 )
 
 

@@ -1,6 +1,7 @@
 """The loop record: parts of a log, quality, segments."""
 
 import pickle
+from datetime import UTC, datetime, timedelta, timezone
 
 import numpy as np
 import pytest
@@ -122,3 +123,28 @@ def test_text_of_a_loop():
     assert repr(log().loop(name="FIC211")) == (
         "<LoopRecord FIC211: 6 samples, dt 1 s, PV, OP, SP, MV, MODE; flow, unknown>"
     )
+
+
+MOMENTS = [datetime(2024, 6, 13, 21, 55) + i * timedelta(seconds=10) for i in range(5)]
+
+
+@pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
+def test_moments_become_seconds(unit):
+    loop = LoopRecord.from_arrays(np.array(MOMENTS, dtype=f"datetime64[{unit}]"), pv=range(5), op=range(5))
+    assert loop.t.tolist() == [0, 10, 20, 30, 40]
+    assert loop.log.start == MOMENTS[0]
+
+
+def test_datetime_objects_and_durations_become_seconds():
+    assert LoopRecord.from_arrays(MOMENTS, pv=range(5), op=range(5)).dt == 10.0
+    berlin = timezone(timedelta(hours=2))
+    zoned = LoopRecord.from_arrays([moment.replace(tzinfo=berlin) for moment in MOMENTS], pv=range(5), op=range(5))
+    assert zoned.log.start == datetime(2024, 6, 13, 19, 55, tzinfo=UTC)
+    passed = np.array([0, 500, 1000], dtype="timedelta64[ms]")
+    assert LoopRecord.from_arrays(passed, pv=[1, 2, 3], op=[1, 2, 3]).t.tolist() == [0, 0.5, 1.0]
+    assert Log(t=np.array(MOMENTS, dtype="M8[ns]"), signals={}).start == MOMENTS[0]
+
+
+def test_a_moment_that_is_none_is_refused():
+    with pytest.raises(LogError, match=r"t\[1\] is no time \(NaT\)"):
+        LoopRecord.from_arrays(np.array(["2024-01-01", "NaT"], dtype="M8[s]"), pv=[1, 2], op=[1, 2])

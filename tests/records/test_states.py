@@ -32,6 +32,7 @@ def test_states_are_missing(write, state):
 def test_states_are_counted_by_kind(write):
     log = read_log(write("time,PV\n0,1\n1,Bad Input\n2,Bad Input\n3,No Data\n4,\n"))
     assert log.notes == (
+        "Time has no unit: it is read as seconds, 1 s apart.",
         "PV: 2 cells say 'Bad Input': missing, of bad quality.",
         "PV: 1 cell says 'No Data': missing, of bad quality.",
         "PV: 1 cell is blank: missing.",
@@ -85,3 +86,24 @@ def test_unknown_mode_numbers_leave_the_mode_out(write):
     assert loop.mode is None
     assert loop.good.all()
     assert any("16, 8 are not known as modes" in note for note in loop.notes)
+
+
+WORDS = {
+    1.0: "AUTO Aut automatic Automatik AUTOMATISCH Automatique Automático automatico Automatisk Automaatti 自动 Авто",
+    2.0: "CAS RCAS Cascade Kaskade KASK Cascada Cascata Kaskad Каскад",
+    0.0: "MAN Manual Hand Handbetrieb Manuell Manuel Manuale Ручной 手动",
+}
+
+
+@pytest.mark.parametrize(("number", "word"), [(number, w) for number, words in WORDS.items() for w in words.split()])
+def test_modes_in_the_words_of_other_languages(write, number, word):
+    loop = read_loop(write(f"time,PV,OP,MODE\n0,1,50,{word}\n1,1,50,{word}\n"))
+    assert loop.mode.tolist() == [number, number]
+    assert not any("counted as manual" in note for note in loop.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"), [("16 AUTO", 1), ("AUTO (2)", 1), ("P-AUTO", 1), ("AUT IMAN", 0), ("Auto tune", 0), ("LO", 0)]
+)
+def test_modes_with_something_beside_them(write, text, number):
+    assert read_loop(write(f"time,PV,OP,MODE\n0,1,50,{text}\n1,1,50,{text}\n")).mode[0] == number

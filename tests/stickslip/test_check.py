@@ -121,3 +121,37 @@ def test_json_into_a_pipe(shell, good):
     done = shell("check", good, "--json", "/dev/stdout")
     assert done.returncode == 0
     assert b'"schema": "stickslip.check/1"' in done.stdout
+
+
+def sticky_with_stem(tmp_path, exports, *, stem):
+    """The sticky example as a table, with the stem under the valve's own tag."""
+    from records import read_loop
+
+    loop = read_loop(exports / "FIC101_pi_export.csv")
+    held = loop.op.copy()
+    for i in range(1, len(held)):  # a stem that moves once OP is 1 % away
+        held[i] = held[i - 1] if abs(loop.op[i] - held[i - 1]) < 1 else loop.op[i]
+    rows = zip(loop.t, loop.sp, loop.pv, loop.op, held, strict=True)
+    path = tmp_path / "export.csv"
+    path.write_text(
+        f"time [s],FIC101.SP,FIC101.PV,FIC101.OP,{stem},TI9.PV\n"
+        + "".join(f"{t},{sp},{pv},{op},{mv},20\n" for t, sp, pv, op, mv in rows)
+    )
+    return path
+
+
+def test_a_logged_stem_is_not_asked_for_and_unused_columns_are_named(call, exports, tmp_path):
+    plain = call("check", exports / "FIC101_pi_export.csv").stdout
+    assert "log the stem position" in " ".join(plain.split()), "the advice is there without a stem"
+    said = " ".join(call("check", sticky_with_stem(tmp_path, exports, stem="ZT101.PV")).stdout.split())
+    assert "log the stem position" not in said and "the logged stem" in said
+    assert "Columns not used: 'TI9.PV' (PV of TI9)." in said
+
+
+def test_time_unit_reaches_the_reader(call, tmp_path):
+    path = tmp_path / "export.csv"
+    path.write_text("time,PV,OP\n" + "".join(f"{250 * i},{4 + i % 3},{50 + i % 2}\n" for i in range(50)))
+    assert "read as seconds, 250 s apart" in " ".join(call("check", path).stdout.split())
+    assert "Time is read in milliseconds" in " ".join(call("check", path, "--time-unit", "ms").stdout.split())
+    refused = call("check", path, "--time-unit", "fortnight")
+    assert refused.exit_code == 2 and "'fortnight' is not known" in refused.stderr

@@ -1,10 +1,18 @@
 """What every command shares, without any command."""
 
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
 import click
 import pytest
 from click.testing import CliRunner
 
 from stickslip.console import LONGEST_MESSAGE, Speaker, json_option, user_errors
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def command_that_raises(error):
@@ -66,3 +74,67 @@ def test_paragraphs_wrap_at_words():
     lines = CliRunner().invoke(command, []).stdout.splitlines()
     assert len(lines) > 2 and max(map(len, lines)) <= 100
     assert lines[0].startswith("  - word") and lines[1].startswith("    word")
+
+
+def first_line_of(*arguments):
+    """Exit code, first line and complaints when the reader closes the pipe after one line."""
+    command = [sys.executable, "-m", "stickslip", *map(str, arguments)]
+    env = dict(os.environ, PYTHONPATH=str(ROOT), PYTHONUNBUFFERED="1")
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=env) as process:
+        line = process.stdout.readline()
+        process.stdout.close()
+        complaints = process.stderr.read().decode()
+        return process.wait(timeout=120), line.decode().rstrip(), complaints
+
+
+@pytest.mark.parametrize(
+    ("export", "code", "line"),
+    [
+        ("FIC101_pi_export.csv", 1, "FIC101: STICTION"),
+        ("PIC305_long_form.csv", 0, "PIC305: NO STICTION"),
+        ("LIC410_level.csv", 0, "LIC410: NOT APPLICABLE"),
+    ],
+)
+def test_a_closed_pipe_leaves_the_exit_code_to_the_verdict(exports, tmp_path, export, code, line):
+    page = tmp_path / "report.html"
+    assert first_line_of("check", exports / export, "--html", page) == (code, line, "")
+    assert page.is_file(), "what was asked for is written all the same"
+
+
+def test_a_closed_pipe_is_no_fault_of_a_table():
+    code, line, complaints = first_line_of("blocks")
+    assert (code, complaints) == (0, "") and line
+
+
+def seen_on_a_terminal(path, **environment):
+    """What a command prints where standard output is a terminal."""
+    pty = pytest.importorskip("pty", reason="NO TERMINAL TESTED: this system has no pseudo-terminals")
+    leader, follower = pty.openpty()
+    env = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "TERM")}
+    env |= {"PYTHONPATH": str(ROOT), "TERM": "xterm"} | environment
+    command = [sys.executable, "-m", "stickslip", "check", str(path)]
+    process = subprocess.Popen(command, stdout=follower, stderr=follower, env=env)
+    os.close(follower)
+    seen = b""
+    while True:
+        try:
+            part = os.read(leader, 4096)
+        except OSError:  # how Linux says that the other end is closed
+            break
+        if not part:
+            break
+        seen += part
+    os.close(leader)
+    process.wait(timeout=120)
+    return seen
+
+
+COLOUR = re.compile(rb"\x1b\[[\d;]*m")
+
+
+@pytest.mark.parametrize("name", ["FIC101_pi_export.csv", "absent.csv"])
+def test_no_color_is_obeyed_on_a_terminal(exports, name):
+    assert COLOUR.search(seen_on_a_terminal(exports / name)), "the test sees colours where there are any"
+    assert COLOUR.search(seen_on_a_terminal(exports / name, NO_COLOR="")), "empty means not set (no-color.org)"
+    plain = seen_on_a_terminal(exports / name, NO_COLOR="1")
+    assert plain and not re.search(rb"\x1b\[[\d;]*3[0-7]", plain)
