@@ -7,11 +7,11 @@ CAPTIONS = {
         "count its ripple alone."
     ),
     "5.2": (
-        "Flat: the stem sticks while OP travels the stickband. Steep: it jumps. As in the thesis, but for (b), where "
-        "it jumps twice each way: the thesis says that both valves draw the same rectangle."
+        "Flat: the stem sticks while OP travels the stickband. Steep: it jumps. As in the thesis, both valves draw the "
+        "same rectangle; from other starts VPCS1 jumps twice each way (the case plant_1_high_two_jumps)."
     ),
     "5.3": "The pressure draws an ellipse, the level a narrow loop: it integrates, which turns the phase by 90°.",
-    "B.1": "Between two jumps of the stem OP has to travel the stickband. In (d) the stem jumps twice each way.",
+    "B.1": "Between two jumps of the stem OP has to travel the stickband.",
     "5.4": (
         "The sine moves everything. With high stiction ripples ride on it while VPCS1 is in charge (pressure error "
         "near zero); with normal stiction the stem takes a few steps as OP falls. Compressor 2 comes near surge when "

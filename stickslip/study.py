@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -154,9 +155,11 @@ def subject_of(case: "Case") -> "Subject":
     if case.name not in production.CASES_BY_NAME:
         diagram = case.build()
         return like_the_plant(diagram) or as_subject(diagram)
-    _, number, F_s = case.name.split("_")
+    _, number, F_s, *other = case.name.split("_")
     subject = production_subject(production.SET, F_s, int(number), name=case.name)
-    return subject if number == "2" or F_s == "none" else replace(subject, start=production.started)
+    kick = production.TWO_JUMPS if other else production.KICK
+    kicked = partial(production.started, kick=kick)
+    return subject if number == "2" or F_s == "none" else replace(subject, start=kicked)
 
 
 def _axes(option: str, given: Sequence[str]) -> dict[str, object]:
