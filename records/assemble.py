@@ -198,7 +198,7 @@ def _times(
     else:
         raise ReadError(
             f"no column is plainly the time; the columns are {', '.join(map(repr, names[:20]))}: name it with "
-            "time= (--time NAME), or give interval= if the rows are evenly spaced"
+            "time= (--time NAME), or give interval= (--interval) if the rows are evenly spaced"
         )
     times = parse_times(frame[chosen], table.lines, table.units.get(chosen, ""), decimal, time_format)
     return times, {chosen}, notes

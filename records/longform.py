@@ -130,7 +130,7 @@ def ordered_times(
             row = int(np.argmax(changed))
             raise ReadError(
                 f"lines {lines[row - 1]} and {lines[row]}{of} have the same time ({t[row]:g} s) and different "
-                "values; export with a finer time stamp or give interval= if the rows are evenly spaced"
+                "values; export with a finer time stamp or give interval= (--interval) if the rows are evenly spaced"
             )
     keep = np.flatnonzero(~same)
     return t[keep], keep, int(same.sum())
