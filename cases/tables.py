@@ -31,8 +31,8 @@ SPREAD = (
     "between starts than a tolerance on it could allow"
 )
 LEVEL_R = (
-    "the sine asks the level for four swings only, so a mean of R is one of some eight values; none of the sets comes "
-    "near the printed 0.89 with high stiction"
+    "the sine asks the level for four swings only, so R is a mean of some eight values; with high stiction set B comes "
+    "nearest to the printed 0.89, with 1.05"
 )
 GROUPS = (
     "starts end on no jump, one jump or two jumps of the stem a half cycle, and the median moves where a group begins: "

@@ -28,8 +28,8 @@ CAPTIONS = {
     "7.1": "Shifting PV opens the loop of an integrating process, but makes it a rectangle, as in the thesis.",
     "7.2": "A high-pass filter opens it to an ellipse; too short a time constant distorts it (d), as in the thesis.",
     "7.3": (
-        "The same on the plant's level: short time constants amplify every break in it; here the pressure makes three "
-        "a period, in the thesis one."
+        "The same on the plant's level: short time constants amplify every break in it; here the pressure makes two a "
+        "period, in the thesis one."
     ),
     "B.4": "OP travels the stickband to and fro, and the stem jumps at each end.",
     "choice": "Each dot is a start. Where dots form two groups, the median depends on which is the larger.",

@@ -61,7 +61,11 @@ def test_a_terminal_without_our_signs_still_gets_the_answer(shell):
 
 
 def options(command):
-    return {option for parameter in cli.get_command(None, command).params for option in parameter.opts}
+    return {
+        option
+        for parameter in cli.get_command(None, command).params
+        for option in (*parameter.opts, *parameter.secondary_opts)
+    }
 
 
 def texts(source):
