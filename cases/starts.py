@@ -36,10 +36,11 @@ class Pooled:
 
 @dataclass(frozen=True)
 class Fresh:
-    """Rows over all starts, and for every set of starts by itself which of the judged rows it meets."""
+    """Rows over all starts, and for every set of ``starts`` starts by itself which of the judged rows it meets."""
 
     rows: tuple[Row, ...]
     sets: tuple[Mapping[Key, bool], ...]
+    starts: int = KICKS
 
     def met(self, keys: Collection[Key] | None = None) -> tuple[float, int, int]:
         """Return how many rows (of ``keys``, default all) a set of starts meets: median, least, most.
@@ -78,7 +79,7 @@ def fresh(plant: Any, seeds: Sequence[int] = FRESH, kicks: int = KICKS, told: To
     for row in plant_rows(Pooled(parts)):
         own = [one[row.table, row.row] for one in sets if (row.table, row.row) in one]
         rows.append(replace(row, held=sum(own) / len(own) if own else None))
-    return Fresh(tuple(rows), sets)
+    return Fresh(tuple(rows), sets, kicks)
 
 
 def telling(sets: Sequence[Mapping[Key, bool]]) -> tuple[set[Key], set[Key], set[Key]]:
