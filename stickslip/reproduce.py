@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip.captions import CAPTIONS
+from stickslip.captions import BANDS, CAPTIONS, FIGURES, GUIDE, LEAD, TITLES
 from stickslip.console import Speaker, json_option, user_errors
 from stickslip.targets import check_folder, check_targets, write_whole
 
@@ -24,35 +24,6 @@ if TYPE_CHECKING:
 
 FOLDER = "stickslip-reproduce"
 QUICK = 24  # starts
-TITLES = {
-    "5.4": "Table 5.4: periods and amplitudes, constant feed",
-    "6.1": "Table 6.1: index R, constant feed",
-    "6.2": "Table 6.2: index R, sinusoidal methane fraction",
-    "case 2": "What VPCS1 does under the sine (figures 5.4 and B.2)",
-    "ideal": "Ideal loops (figures 6.1, B.3 and chapter 7)",
-    "choice": "How the drop over VPCS1 was chosen",
-}
-FIGURES = {
-    "5.4": ("5.1", "5.2", "5.3", "B.1"), "6.2": ("5.4",), "case 2": ("5.5", "5.6", "B.2"),
-    "ideal": ("6.1", "B.3", "7.1", "7.2", "7.3", "B.4"), "choice": ("choice",),
-}  # fmt: skip
-BANDS = {"ideal": "± 1 s.d.", "": "5 to 95 %"}  # what the band of a table is: within one run, or over the starts
-LEAD = (
-    "The plant of the thesis, rebuilt from its equations with set E of parameters, and the ideal loops: published "
-    "beside reproduced. Plant numbers are medians over many starts, separator 1's contents moved by up to 3 %, with "
-    "the 5 to 95 % band: this plant has several limit cycles, and the start decides which one it finds. None of these "
-    "starts was used to find the parameters."
-)
-GUIDE = (
-    "Met: the median lies inside the stated tolerance of the published value; sets: share of the sets of "
-    "starts whose own median does. Rows without tolerance are shown for "
-    "comparison, and say why. The plant's unknowns were fitted to these tables in part (set E: five numbers; set C: "
-    "one, the drop over VPCS1), so agreement there is a fit and no prediction, and many rows are met by any plant of "
-    "this kind. Here are tables 5.4, 6.1 and 6.2 and figures 5.1 to 5.6, 6.1, 7.1 to 7.3 and B.1 to B.4. Table 6.3 and "
-    "figure 6.2 are of real data that were never published. Figures 1.1 to 4.2 draw no results: structures, and "
-    "pictures from other papers; they are not drawn again."
-)
-
 Told = Callable[[str], None]
 
 
@@ -67,7 +38,7 @@ Told = Callable[[str], None]
 @json_option
 @user_errors
 def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
-    """Regenerate tables 5.4, 6.1, 6.2, the ideal loops and figures 5.1 to 7.3 and B.1 to B.4, as one HTML page.
+    """Regenerate tables 5.4, 6.1, 6.2, the ideal loops and figures 4.1 to 7.3 and B.1 to B.4, as one HTML page.
 
     \b
     Examples:
@@ -185,11 +156,12 @@ def _scan(told: Told) -> list["Point"]:
 
 def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
     """Return what draws each picture, by its number in the thesis."""
-    from cases import choice, curves, ideas
+    from cases import choice, curves, ideas, valve_pictures
 
     return {
         "5.1": lambda: curves.key_variables(1), "5.2": lambda: curves.mv_op(1), "5.3": lambda: curves.pv_op(1),
         "5.4": lambda: curves.key_variables(2), "5.5": lambda: curves.mv_op(2), "5.6": lambda: curves.pv_op(2),
+        "4.1": valve_pictures.figure_4_1, "4.2": valve_pictures.figure_4_2,
         "6.1": ideas.figure_6_1, "7.1": ideas.figure_7_1, "7.2": ideas.figure_7_2, "7.3": ideas.figure_7_3,
         "B.1": lambda: curves.valve_trends(1), "B.2": lambda: curves.valve_trends(2),
         "B.3": ideas.figure_B_3, "B.4": ideas.figure_B_4,

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cases import curves, ideas
+from cases import curves, ideas, valve_pictures
 from cases.kicks import Study, case_1_numbers
 from cases.tables import Row, between, relative, table_5_4, table_6_1, table_6_2, table_case_2, table_ideal
 from plant.oscillation import Band, band, oscillation, without_trend
@@ -189,6 +189,7 @@ def test_thinning_keeps_corners():
 @pytest.mark.parametrize(
     ("draw", "number", "panels"),
     [
+        (valve_pictures.figure_4_1, "4.1", 1), (valve_pictures.figure_4_2, "4.2", 1),
         (lambda: curves.key_variables(1), "5.1", 4), (lambda: curves.mv_op(1), "5.2", 4),
         (lambda: curves.pv_op(1), "5.3", 4), (lambda: curves.key_variables(2), "5.4", 4),
         (lambda: curves.mv_op(2), "5.5", 4), (lambda: curves.pv_op(2), "5.6", 4),
@@ -203,6 +204,16 @@ def test_every_picture(draw, number, panels):
     assert len(figure.axes) == panels
     for ax in figure.axes:
         assert ax.lines and all(np.isfinite(line.get_ydata()).all() for line in ax.lines)
+
+
+def test_the_characteristic_has_the_bands_of_the_valve():
+    """Analytic: S = (F_s + F_c)/k, J = (F_s - F_c)/k; the stem follows F_c/k away from OP."""
+    ax = valve_pictures.figure_4_1().axes[0]
+    op, mv = map(np.asarray, next(line for line in ax.lines if len(line.get_xdata()) > 9).get_data())
+    waits = op[np.abs(mv - mv.min()) < 1e-3]  # the stem lies at its lowest from A to C
+    assert np.ptp(waits) == pytest.approx(100.0 * 3500.0 / 52500.0, abs=0.05)
+    assert (op - mv).max() == pytest.approx(100.0 * 2250.0 / 52500.0, abs=0.05)  # at C, just before the slip
+    assert np.median(np.abs(op - mv)[np.gradient(mv) != 0.0]) == pytest.approx(100.0 * 1250.0 / 52500.0, abs=0.05)
 
 
 def test_the_ideas_widen_the_picture():
