@@ -1,7 +1,12 @@
-"""What all benchmarks share: the options, the printed table, the flat JSON object of figures."""
+"""What all benchmarks share: the options, the printed table, the flat JSON object of figures.
+
+What is required of a figure stands in its note, e.g. "(required: at most 4)" or "(goal: at least 300)", and is judged
+from there.  A quick run is too short to judge, and says so.
+"""
 
 import argparse
 import json
+import re
 import statistics
 import time
 from collections.abc import Callable, Mapping
@@ -9,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 Figures = dict[str, float | str | None]
+REQUIREMENT = re.compile(r"\((?:required|goal): (at most|at least|below) ([-+.\de]+)\b")
 
 
 def options(description: str) -> argparse.Namespace:
@@ -30,14 +36,52 @@ def median_seconds(action: Callable[[], Any], repeats: int) -> float:
     return statistics.median(taken)
 
 
-def publish(figures: Figures, notes: Mapping[str, str], json_file: str | None) -> None:
-    """Print the figures with their meaning, and write the JSON object if asked for."""
+def meets(value: float | str | None, note: str) -> bool | None:
+    """Return whether a figure is what its note requires; None without requirement or without a number.
+
+    Raises ``ValueError`` for a requirement that cannot be read.
+
+    >>> meets(3.1, "our time over C's (required: at most 4)"), meets(11.3, "our time over C's (required: at most 4)")
+    (True, False)
+    >>> meets(372.0, "their time over ours (goal: at least 300)"), meets(0.7, "seconds")
+    (True, None)
+    """
+    if "(required:" not in note and "(goal:" not in note:
+        return None
+    found = REQUIREMENT.search(note)
+    if found is None:
+        raise ValueError(f"'{note}' requires something, but not '(required: at most NUMBER)', 'at least' or 'below'")
+    if not isinstance(value, (int, float)):
+        return None
+    limit = float(found[2])
+    return {"at most": value <= limit, "at least": value >= limit, "below": value < limit}[found[1]]
+
+
+def publish(figures: Figures, notes: Mapping[str, str], json_file: str | None, quick: bool = False) -> bool:
+    """Print the figures with their meaning and whether each meets what is required; write the JSON object if asked for.
+
+    Returns whether no requirement is missed; a quick run judges none and misses none.
+    """
+    judged = {name: None if quick else meets(value, notes.get(name, "")) for name, value in figures.items()}
     if json_file == "-":
         print(json.dumps(figures, indent=2))
-        return
-    width = max(len(name) for name in figures)
-    for name, value in figures.items():
-        shown = f"{value:.4g}" if isinstance(value, float) else str(value)
-        print(f"{name:{width}}  {shown:>12}  {notes.get(name, '')}")
-    if json_file:
-        Path(json_file).write_text(json.dumps(figures, indent=2) + "\n")
+    else:
+        width = max(len(name) for name in figures)
+        for name, value in figures.items():
+            shown = f"{value:.4g}" if isinstance(value, float) else str(value)
+            mark = {True: "PASS", False: "MISS", None: ""}[judged[name]]
+            print(f"{name:{width}}  {shown:>12}  {mark:4}  {notes.get(name, '')}")
+        print(_summary(judged, quick))
+        if json_file:
+            Path(json_file).write_text(json.dumps(figures, indent=2) + "\n")
+    return False not in judged.values()
+
+
+def _summary(judged: Mapping[str, bool | None], quick: bool) -> str:
+    if quick:
+        return "a quick run is too short to judge what is required: run it without --quick"
+    verdicts = [met for met in judged.values() if met is not None]
+    missed = [name for name, met in judged.items() if met is False]
+    return f"requirements met: {sum(verdicts)} of {len(verdicts)}" + (
+        f"; missed: {', '.join(missed)}" if missed else ""
+    )

@@ -1,6 +1,6 @@
 """How fast and how right is the engine, with its peers in the same run.
 
-    python -m benchmarks.simulate [--quick] [--json FILE]
+    python -m benchmarks.simulate [--quick] [--json FILE]         exit code 1 if a requirement is missed
 
 The subject is ``ideal_high``: the thesis's loop with the full-mass stem, 600 s, 6001 log rows, one in-process
 call of ``plant.simulate`` at rtol 1e-8.  Peers solve the same problem: hand-written C, python-control's own
@@ -30,7 +30,7 @@ NOTES = {
     "ideal_s": "one simulation with its log, median [s]",
     "default_error": "the same at the default tolerance, rtol 1e-6",
     "default_s": "the same at the default tolerance [s]",
-    "ideal_over_c": "our time over hand-written C's (required: at most 4)",
+    "ideal_over_c": "our time over hand-written C's (required: at most 4; runs differ: 3.1 to 4.04 were measured)",
     "c_error": "the C program's largest error in e",
     "dead_time_over_c": "ten coupled loops with dead times, 200 s: our time over C's (required: at most 3)",
     "dead_time_error": "our largest error in the ten PVs, rtol 1e-3",
@@ -102,7 +102,7 @@ def main() -> None:
     figures["simulate_process_s"] = process_seconds(["simulate", "ideal_high"], 3 if chosen.quick else 7)
     figures["help_process_s"] = process_seconds(["--help"], 3 if chosen.quick else 7)
     figures["cores"] = os.cpu_count()
-    publish(figures, NOTES, chosen.json)
+    raise SystemExit(0 if publish(figures, NOTES, chosen.json, chosen.quick) else 1)
 
 
 def c_figures(ideal: float, exact_e: np.ndarray, repeats: int) -> Figures:

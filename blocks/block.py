@@ -248,11 +248,14 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         return other
 
     def relabelled(self, name: str, inputs: list[str], outputs: list[str]) -> Self:
-        """Return a copy under another name with other port labels (what nesting does)."""
+        """Return a copy under another name with other port labels (what nesting does).
+
+        Raises ``BlockError`` for labels too many or too few, or one given twice.
+        """
         other = self._copy()
         other.name = name
-        other.set_inputs(inputs)
-        other.set_outputs(outputs)
+        other.set_inputs(labelled(name, "input", self.ports_in, inputs))
+        other.set_outputs(labelled(name, "output", self.ports_out, outputs))
         return other
 
     def _copy(self) -> Self:

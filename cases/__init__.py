@@ -5,7 +5,9 @@
 ('ideal_high', 'ideal_normal', 'ideal_half_gain', 'ideal_integrating', 'sine')
 >>> names()[5:11]
 ('plant_1_none', 'plant_1_normal', 'plant_1_high', 'plant_2_none', 'plant_2_normal', 'plant_2_high')
->>> names()[11:15]
+>>> names()[11]
+'plant_1_high_two_jumps'
+>>> names()[12:16]
 ('cascade_flow', 'split_range', 'own_map', 'plant_own_map')
 >>> find("sine").duration
 600.0

@@ -8,6 +8,7 @@ One run says all only from rest without stiction: ``rest_amplitudes``.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-KICKS, SEED, SIZE = 100, 2009, 0.03
+KICKS, SIZE = 100, 0.03
+FRESH = tuple(range(9001, 9011))  # seeds of starts drawn after every search; set E was found on those of seed 2009
+SEED = FRESH[0]
 DURATION, EVERY, SETTLED = 2000.0, 0.1, 1000.0  # s; thesis section 5.1: steady after about 1000 s
 BAR, RPM = 1e5, 2.0 * math.pi / 60.0
 SIGNALS = ("V_1", "p_1", "p_out2", "w", "OP_VPCS1", "MV_VPCS1", "F_flare1", "F_flare2")
@@ -132,6 +135,7 @@ def study(
     return Study(numbers, kicks, int(np.sum(~result.ok)))
 
 
+@lru_cache(maxsize=16)
 def rest_amplitudes(plant: Any) -> tuple[float, float, float, float]:
     """Return half of peak to peak of level [m3], pressure, outlet pressure [bar] and speed [rpm] from rest, 2000 s.
 

@@ -1,11 +1,12 @@
 """The thesis's tables again: published beside reproduced, one flat list of rows.
 
-A row's ``within`` says whether the published value lies inside the tolerance on the reproduced one; it is None where
-no tolerance was set, and ``note`` then says why.  Nothing that is missed is left out.
+Every number of tables 5.4, 6.1 and 6.2 has a tolerance or a ``note`` that says why it has none: 10 % of a period, 15 %
+of an amplitude, 25 % of the amplitudes of pressure and speed, and of an R its printed spread, but at most a factor
+sqrt(10).  A row's ``within`` says whether the reproduced median meets it; None without one.  No miss is left out.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,6 +24,15 @@ PERIOD_RATIO = (
 LEVEL_PERIOD = (
     "PI with an integrator gives about 4 S/(K_p g J), g = 0.98 m3/s: 245 s normal and 143 s high when symmetric; the "
     "printed 77 s is twice the pressure period, so ripple from there may have been counted"
+)
+SAME_PERIOD = "that of the separator pressure, see there"
+SPREAD = (
+    "not judged: it is the spread of the few R within one run, serves as the tolerance of the mean, and changes more "
+    "between starts than a tolerance on it could allow"
+)
+LEVEL_R = (
+    "the sine asks the level for four swings only, so R is a mean of some eight values; with high stiction set B comes "
+    "nearest to the printed 0.89, with 1.05"
 )
 GROUPS = (
     "starts end on no jump, one jump or two jumps of the stem a half cycle, and the median moves where a group begins: "
@@ -52,6 +62,7 @@ class Row:
     within: bool | None
     tolerance: str = ""
     note: str = ""
+    held: float | None = None  # share of several sets of starts whose own median meets the tolerance
 
     @property
     def deviation(self) -> float | None:
@@ -93,16 +104,30 @@ def _open(low: float, high: float) -> str:
     return f"median at least {low:g}" if math.isfinite(low) else f"median at most {high:g}"
 
 
-# quantity, number in the study, unit, published (normal, high), tolerance, note
-_TABLE_5_4: tuple[tuple[str, str, str, tuple[float, float], float | None, str], ...] = (
-    ("level period", "level T", "s", (339.0, 77.0), None, LEVEL_PERIOD),
-    ("level amplitude", "level A", "m3", (0.30, 0.30), 0.15, "half of S/K_p: 0.286 normal, 0.333 high"),
-    ("pressure period", "pressure T", "s", (101.0, 37.0), 0.10, ""),
-    ("pressure amplitude", "pressure A", "bar", (0.26, 0.44), 0.25, ""),
-    ("outlet pressure period", "outlet T", "s", (100.0, 39.0), None, "that of the separator pressure, see there"),
-    ("outlet pressure amplitude", "outlet A", "bar", (0.12, 0.29), 0.15, ""),
-    ("speed period", "fast speed T", "s", (100.0, 40.0), None, "that of the separator pressure, see there"),
-    ("speed amplitude", "fast speed A", "rpm", (0.13, 0.39), None, SPEED),
+# number in the study -> published (normal, high)
+PUBLISHED_5_4 = {
+    "level T": (339.0, 77.0), "level A": (0.30, 0.30), "pressure T": (101.0, 37.0), "pressure A": (0.26, 0.44),
+    "outlet T": (100.0, 39.0), "outlet A": (0.12, 0.29), "fast speed T": (100.0, 40.0), "fast speed A": (0.13, 0.39),
+}  # fmt: skip
+# (loop, stiction) -> published mean and spread of R
+PUBLISHED_6_1 = {
+    ("level", "normal"): (0.94, 0.71), ("level", "high"): (1.74, 1.36),
+    ("pressure", "normal"): (14.63, 17.13), ("pressure", "high"): (4.09, 1.80),
+}  # fmt: skip
+PUBLISHED_6_2 = {
+    ("level", "none"): (1.80, 0.63), ("level", "normal"): (1.63, 0.40), ("level", "high"): (0.89, 0.12),
+    ("pressure", "none"): (0.46, 0.59), ("pressure", "normal"): (0.87, 0.89), ("pressure", "high"): (3.06, 2.25),
+}  # fmt: skip
+# quantity, number in the study, unit, tolerance, note
+_TABLE_5_4 = (
+    ("level period", "level T", "s", 0.10, LEVEL_PERIOD),
+    ("level amplitude", "level A", "m3", 0.15, "half of S/K_p: 0.286 normal, 0.333 high"),
+    ("pressure period", "pressure T", "s", 0.10, ""),
+    ("pressure amplitude", "pressure A", "bar", 0.25, ""),
+    ("outlet pressure period", "outlet T", "s", 0.10, SAME_PERIOD),
+    ("outlet pressure amplitude", "outlet A", "bar", 0.15, ""),
+    ("speed period", "fast speed T", "s", 0.10, SAME_PERIOD),
+    ("speed amplitude", "fast speed A", "rpm", 0.25, SPEED),
 )
 
 
@@ -114,10 +139,10 @@ def table_5_4(studies: Studies, sizes: Sequence[str] = SIZES) -> list[Row]:
             rows += _without_stiction(studies)
             continue
         found = studies(size, 1)
-        for quantity, name, unit, published, tolerance, note in _TABLE_5_4:
-            value = published[size == "high"]
+        for quantity, name, unit, tolerance, note in _TABLE_5_4:
+            value = PUBLISHED_5_4[name][size == "high"]
             row = relative("5.4", f"{quantity}, {size}", unit, value, found.band(name), tolerance, note)
-            if row.within is False:
+            if row.within is False and not (note and name.startswith(("level T", "fast speed"))):
                 why = PERIOD_RATIO if name == "pressure T" else GROUPS
                 row = replace(row, note="; ".join(part for part in (note, why) if part))
             rows.append(row)
@@ -138,8 +163,8 @@ def _by_jumps(found: Study, size: str) -> list[Row]:
             f"groups{_failures(found)}"
         )
         for quantity, name, unit, value in (
-            ("period", "pressure T", "s", {"normal": 101.0, "high": 37.0}[size]),
-            ("amplitude", "pressure A", "bar", {"normal": 0.26, "high": 0.44}[size]),
+            ("period", "pressure T", "s", PUBLISHED_5_4["pressure T"][size == "high"]),
+            ("amplitude", "pressure A", "bar", PUBLISHED_5_4["pressure A"][size == "high"]),
         ):
             middle = band(float(found.numbers[name][i]) for i in chosen)
             rows.append(relative("5.4", f"pressure {quantity}, {size}, {words}", unit, value, middle, None, note))
@@ -159,9 +184,12 @@ def _failures(found: Study) -> str:
 def _without_stiction(studies: Studies) -> list[Row]:
     """Return the no-stiction column: at rest nothing moves; once kicked the deadband alone keeps the level going."""
     rows = []
-    for (quantity, _, unit, _, _, _), amplitude in zip(_TABLE_5_4[1::2], rest_amplitudes(studies.plant), strict=True):
+    for (quantity, _, unit, _, _), amplitude in zip(_TABLE_5_4[1::2], rest_amplitudes(studies.plant), strict=True):
         found = Band(amplitude, amplitude, amplitude, 1)
-        note = "one run, from rest; no oscillation, so no period either (printed as infinite)"
+        note = (
+            "one run, from rest; the printed infinite period has no tolerance of its own: it says the same, that "
+            "nothing oscillates. Every set of parameters meets this"
+        )
         rows.append(between("5.4", f"{quantity}, none", unit, 0.0, found, -math.inf, 1e-3, note))
     kicked = studies("none", 1)
     for quantity, name, unit in (("level", "level A", "m3"), ("pressure", "pressure A", "bar")):
@@ -173,22 +201,29 @@ def _without_stiction(studies: Studies) -> list[Row]:
     return rows
 
 
+def index_range(mean: float, spread: float) -> tuple[float, float]:
+    """Return where a median R must lie: within the printed spread, and within a factor sqrt(10), of the printed mean.
+
+    >>> [round(edge, 2) for edge in index_range(14.63, 17.13)], [round(edge, 2) for edge in index_range(4.09, 1.80)]
+    ([4.63, 31.76], [2.29, 5.89])
+    """
+    root = math.sqrt(10.0)
+    return max(mean - spread, mean / root), min(mean + spread, mean * root)
+
+
 def _index_rows(
-    table: str, studies: Studies, case: int, published: dict[tuple[str, str], tuple[float, float]],
-    sizes: Sequence[str], judge: Callable[[float, float], tuple[float, float]] | None, note: str,
+    table: str, studies: Studies, case: int, published: Mapping[tuple[str, str], tuple[float, float]],
+    sizes: Sequence[str], notes: Mapping[str, str],
 ) -> list[Row]:  # fmt: skip
+    """Return two rows an R: its mean, judged, and its spread, which is not."""
     rows = []
-    for (loop, size), (mean, std) in published.items():
+    for (loop, size), (mean, spread) in published.items():
         if size not in sizes:
             continue
-        found = studies(size, case)
-        own = found.band(f"{loop} std").median
-        said = f"printed {mean:g} +- {std:g}, here typically +- {own:.2g} within a run; {note}"
-        name, middle = f"R of {loop}, {size}", found.band(f"{loop} R")
-        if judge is None:
-            rows.append(relative(table, name, "-", mean, middle, None, said))
-        else:
-            rows.append(between(table, name, "-", mean, middle, *judge(mean, std), said))
+        found, name = studies(size, case), f"R of {loop}, {size}"
+        note = f"printed {mean:g} +- {spread:g}" + (f"; {notes[loop]}" if loop in notes else "")
+        rows.append(between(table, name, "-", mean, found.band(f"{loop} R"), *index_range(mean, spread), note))
+        rows.append(relative(table, f"spread of {name}", "-", spread, found.band(f"{loop} std"), None, SPREAD))
     return rows
 
 
@@ -201,26 +236,16 @@ def _ordering(table: str, studies: Studies, case: int, above: str, below: str, p
 
 
 def table_6_1(studies: Studies, sizes: Sequence[str] = SIZES) -> list[Row]:
-    """Return table 6.1: mean R of Algorithm 1 with constant feed, 1000 to 2000 s; order of magnitude and ordering."""
-    published = {
-        ("level", "normal"): (0.94, 0.71), ("level", "high"): (1.74, 1.36),
-        ("pressure", "normal"): (14.63, 17.13), ("pressure", "high"): (4.09, 1.80),
-    }  # fmt: skip
-    root = math.sqrt(10.0)
-    note = "the printed spread allows no finer test than the order of magnitude"
-    rows = _index_rows("6.1", studies, 1, published, sizes, lambda mean, _: (mean / root, mean * root), note)
+    """Return table 6.1: mean and spread of R of Algorithm 1 with constant feed, 1000 to 2000 s, and the ordering."""
+    rows = _index_rows("6.1", studies, 1, PUBLISHED_6_1, sizes, {"pressure": GROUPS})
     if {"normal", "high"} <= set(sizes):
         rows.append(_ordering("6.1", studies, 1, "normal", "high", 14.63 / 4.09))
     return rows
 
 
 def table_6_2(studies: Studies, sizes: Sequence[str] = SIZES) -> list[Row]:
-    """Return table 6.2: mean R of Algorithm 1 under the sine, the whole 2000 s; tested by ordering."""
-    published = {
-        ("level", "none"): (1.80, 0.63), ("level", "normal"): (1.63, 0.40), ("level", "high"): (0.89, 0.12),
-        ("pressure", "none"): (0.46, 0.59), ("pressure", "normal"): (0.87, 0.89), ("pressure", "high"): (3.06, 2.25),
-    }  # fmt: skip
-    rows = _index_rows("6.2", studies, 2, published, sizes, None, "tested by ordering")
+    """Return table 6.2: mean and spread of R of Algorithm 1 under the sine, the whole 2000 s, and the ordering."""
+    rows = _index_rows("6.2", studies, 2, PUBLISHED_6_2, sizes, {"level": LEVEL_R})
     for above, below, ratio in (("normal", "none", 0.87 / 0.46), ("high", "normal", 3.06 / 0.87)):
         if {above, below} <= set(sizes):
             rows.append(_ordering("6.2", studies, 2, above, below, ratio))

@@ -24,7 +24,8 @@ HINTS: dict[Status, str] = {
     Status.DELAY_FULL: "the delay line is full; start again with a longer one",
     Status.STEP_TOO_SMALL: (
         "the step size fell below what the clock can resolve: the model is singular here, or far stiffer than "
-        "its tolerances; loosen rtol, choose method='stiff', or look at the last logged values"
+        "its tolerances; loosen rtol (--rtol), choose method='stiff' (--method stiff), or look at the last logged "
+        "values"
     ),
     Status.NOT_FINITE: (
         "a rate or signal became infinite or not a number: look at the last logged values for a division by "
@@ -34,7 +35,9 @@ HINTS: dict[Status, str] = {
         "modes switch back and forth without time passing: two transitions of a block undo each other; "
         "check its event functions, or add hysteresis"
     ),
-    Status.TOO_MANY_STEPS: "the step budget is spent; raise max_steps, loosen rtol, or shorten the run",
+    Status.TOO_MANY_STEPS: (
+        "the step budget is spent; loosen rtol (--rtol), shorten the run (--duration), or in Python raise max_steps"
+    ),
     Status.MODEL_ENDED: "a block's equations hold no further",
     Status.INTERRUPTED: "interrupted; what was simulated so far is kept",
 }

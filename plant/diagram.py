@@ -194,10 +194,17 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         return Diagram(kept, list(inputs), None, name)
 
     def without(self, *names: str) -> "Diagram":
-        """Return the diagram without some blocks; what they drove becomes an open input where it is read."""
+        """Return the diagram without some blocks; what they drove becomes an open input where it is read.
+
+        A source that only they read, e.g. the set point of a controller, goes with them.
+        """
         for n in names:
             self.block_index(n)
-        return self.part([block.name for block in self.blocks if block.name not in names], self.name)
+        kept = [block for block in self.blocks if block.name not in names]
+        gone = {signal for block in self.blocks if block.name in names for signal in block.input_labels}
+        read = {signal for block in kept for signal in block.input_labels}
+        idle = gone - read
+        return self.part([b.name for b in kept if b.ports_in or not idle.issuperset(b.output_labels)], self.name)
 
     def named(self, name: str, **inputs: str) -> "Diagram":
         """Return the diagram under another name, its open inputs relabelled (``SP="SP1"``), for nesting.

@@ -11,9 +11,9 @@ from stickslip import __version__
 COMMANDS = {
     "demo": "five short stories with known truth, and two real loops, as one HTML page",
     "check": "read one loop from a file and say whether its valve sticks",
-    "simulate": "run a named case and compare its numbers with the published ones",
+    "simulate": "run a named case, save its log, draw it; --numbers shows published beside reproduced",
     "linearise": "find where a case rests; its poles, loops and relative gains",
-    "reproduce": "regenerate every table and picture of the thesis, published beside reproduced",
+    "reproduce": "regenerate the thesis's results, tables 5.4 to 6.2 and their figures, published beside reproduced",
     "study": "sweep parameters in parallel and draw how oscillation spreads from valve to shaft",
     "blocks": "list all blocks with ports and units, or show the page of one",
 }
@@ -26,7 +26,7 @@ Start here:
   stickslip demo                      see what this is about (writes stickslip-demo/index.html)
   stickslip check my_loop.csv         is the valve sticking? in words first
   stickslip check my_loop.csv --op OUT.CV --pv PV.CV --process integrating
-  stickslip simulate ideal_high       the thesis's loop: published beside reproduced
+  stickslip simulate ideal_high --numbers   the thesis's loop: published beside reproduced
 
 \b
 A file for 'check' is CSV or Parquet with a time column and OP (controller output),

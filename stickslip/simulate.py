@@ -1,4 +1,4 @@
-"""``stickslip simulate``: run a named case, save what it gives, show published beside reproduced."""
+"""``stickslip simulate``: run a named case, save what it gives, show published beside reproduced if asked."""
 
 import math
 from pathlib import Path
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from cases import Case
     from records import Log
 
+METHODS = ("auto", "explicit", "stiff")  # of plant.simulate, named here so that help stays quick
 LOGS, PICTURES = (".csv", ".parquet"), (".png", ".svg", ".pdf")
 MOST_ROWS = 10_000_000  # some 500 MB of log
 
@@ -26,12 +27,15 @@ MOST_ROWS = 10_000_000  # some 500 MB of log
 @click.option("--set", "settings", multiple=True, metavar="BLOCK.PARAM=VALUE", help="Change a parameter; repeatable.")
 @click.option("--duration", type=float, help="Seconds to simulate instead of the case's own.")
 @click.option("--every", type=float, help="Log interval in seconds instead of the case's own.")
+@click.option("--method", type=click.Choice(METHODS), default="auto", show_default=True, help="How to integrate.")
+@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative error allowed per step.")
 @click.option("--numbers/--no-numbers", default=False, help="Also reproduce the case's published numbers.")
 @json_option
 @user_errors
 def command(
     case: str | None, listed: bool, out: Path | None, picture: Path | None, diagram: Path | None,
-    settings: tuple[str, ...], duration: float | None, every: float | None, numbers: bool, json_file: str | None,
+    settings: tuple[str, ...], duration: float | None, every: float | None, method: str, rtol: float, numbers: bool,
+    json_file: str | None,
 ) -> None:  # fmt: skip
     """Run a named CASE; 'stickslip simulate --list' shows them all.
 
@@ -63,7 +67,7 @@ def command(
     from plant import simulate
 
     built = chosen.build()
-    run = simulate(built, span, every=step, params=params or None)
+    run = simulate(built, span, every=step, params=params or None, method=method, rtol=rtol, atol=1e-3 * rtol)
     say(f"{chosen.name}: {chosen.title}", bold=True)
     say(chosen.about)
     cost = run.statistics

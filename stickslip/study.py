@@ -4,12 +4,14 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from stickslip.console import Speaker, complain, json_option, user_errors
+from stickslip.simulate import METHODS
 from stickslip.targets import check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
@@ -57,6 +59,10 @@ TITLES = {
     "--out", type=click.Path(path_type=Path), default=Path("stickslip-study"), show_default=True, help="Folder."
 )
 @click.option("--workers", type=int, metavar="N", help="Threads (default: all cores).")
+@click.option(
+    "--method", type=click.Choice(METHODS), help="How to integrate (default: as the case is best integrated)."
+)
+@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative error allowed per step.")
 @click.option("--fresh", is_flag=True, help="Throw away what another study left in the folder.")
 @click.option("--longest", type=float, default=24.0, show_default=True, help="Hours the study may take.")
 @json_option
@@ -65,7 +71,7 @@ def command(
     case: str, vary: tuple[str, ...], plant: tuple[str, ...], start: tuple[str, ...], random: int | None,
     kicks: int | None, kick_size: float, seed: int, duration: float | None, every: float | None,
     measure_from: float | None, signals: str | None, out: Path, workers: int | None, fresh: bool, longest: float,
-    json_file: str | None,
+    method: str | None, rtol: float, json_file: str | None,
 ) -> None:  # fmt: skip
     """Sweep parameters of a CASE in parallel and draw how oscillation spreads from valve to shaft.
 
@@ -99,7 +105,7 @@ def command(
         kicks=kicks, kick_size=kick_size, seed=seed, duration=chosen.duration if duration is None else duration,
         every=_interval(chosen, every), measure_from=measure_from,
         signals=None if signals is None else [s.strip() for s in signals.split(",") if s.strip()],
-        workers=workers, out=out, fresh=fresh, longest=3600.0 * longest,
+        method=method, rtol=rtol, atol=1e-3 * rtol, workers=workers, out=out, fresh=fresh, longest=3600.0 * longest,
     )  # fmt: skip
     if not result.complete:
         complain(f"stopped by the keyboard; {len(result)} finished runs are kept in '{out}', the same command goes on")
@@ -154,9 +160,11 @@ def subject_of(case: "Case") -> "Subject":
     if case.name not in production.CASES_BY_NAME:
         diagram = case.build()
         return like_the_plant(diagram) or as_subject(diagram)
-    _, number, F_s = case.name.split("_")
+    _, number, F_s, *other = case.name.split("_")
     subject = production_subject(production.SET, F_s, int(number), name=case.name)
-    return subject if number == "2" or F_s == "none" else replace(subject, start=production.started)
+    kick = production.TWO_JUMPS if other else production.KICK
+    kicked = partial(production.started, kick=kick)
+    return subject if number == "2" or F_s == "none" else replace(subject, start=kicked)
 
 
 def _axes(option: str, given: Sequence[str]) -> dict[str, object]:

@@ -20,38 +20,39 @@ LEAST_GAIN, MOST_GAIN = 1e-3, 1e3  # of a Bode plot: what lies beyond says nothi
 
 
 def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
-    """Return the poles, one line each: time constant 1/|p| on a log axis, and the states it is made of.
+    """Return the poles, one line each: time constant 1/|Re p| on a log axis, and the states it is made of.
 
-    Filled: real; open ring: oscillating, with its damping; red: unstable; a bar at the left: held.
+    Filled: real; open ring: oscillating, with its damping; red: unstable; a bar at the right: held, or without decay.
     """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 1.0 + 0.27 * len(poles)), layout="constrained")
     ax = figure.subplots()
-    moving = [1.0 / pole.frequency for pole in poles if pole.frequency > 0.0]
+    moving = [pole.time_constant for pole in poles if pole.value.real]
     low, high = (min(moving) / 3.0, max(moving) * 3.0) if moving else (0.1, 10.0)
     for row, pole in enumerate(poles):
-        if pole.held or pole.frequency == 0.0:
+        if pole.held or not pole.value.real:
             ax.plot([high], [row], marker="|", color=HELD, markersize=11, clip_on=False)
-            told = f"{pole.made_of()}   {'held' if pole.held else 'integrates'}"
+            why = "held" if pole.held else f"undamped, {pole.frequency:.3g} rad/s" if pole.value.imag else "integrates"
+            told = f"{pole.made_of()}   {why}"
             ax.annotate(told, (high, row), (-8, 0), textcoords="offset points", va="center", ha="right", color=HELD,
                         fontsize=8)  # fmt: skip
             continue
-        colour = UNSTABLE if pole.value.real >= 0.0 else STABLE
+        colour = UNSTABLE if pole.value.real > 0.0 else STABLE
         swings = pole.value.imag != 0.0
-        ax.plot([low, 1.0 / pole.frequency], [row, row], color=GRID, linewidth=0.8, zorder=0.5)
-        ax.plot([1.0 / pole.frequency], [row], "o", color=colour, markersize=6.5, zorder=3,
+        ax.plot([low, pole.time_constant], [row, row], color=GRID, linewidth=0.8, zorder=0.5)
+        ax.plot([pole.time_constant], [row], "o", color=colour, markersize=6.5, zorder=3,
                 markerfacecolor="white" if swings else colour, markeredgewidth=1.6)  # fmt: skip
         said = pole.made_of() + (f"   damping {pole.damping:.2g}" if swings else "")
-        left = np.log(pole.frequency * high) < 0.45 * np.log(high / low)  # slow ones are told on their left
-        ax.annotate(said, (1.0 / pole.frequency, row), (-9 if left else 9, 0), textcoords="offset points", va="center",
+        left = np.log(high / pole.time_constant) < 0.45 * np.log(high / low)  # slow ones are told on their left
+        ax.annotate(said, (pole.time_constant, row), (-9 if left else 9, 0), textcoords="offset points", va="center",
                     ha="right" if left else "left", fontsize=8, color="#1d2733", zorder=4,
                     bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"})  # fmt: skip
     ax.set_xscale("log")
     ax.set_xlim(low, high)
     ax.set_ylim(len(poles) - 0.4, -0.6)
     ax.set_yticks([])
-    ax.set_xlabel("time constant 1/|p| [s]")
+    ax.set_xlabel("time constant 1/|Re p| [s]")
     tidy(ax)
     ax.spines["left"].set_visible(False)
     _head(figure, f"{title}: poles" if title else "poles")

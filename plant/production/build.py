@@ -12,13 +12,13 @@ from blocks.sources import Constant
 from plant.diagram import Diagram, wire
 from plant.production import feed as feeds
 from plant.production import parts
-from plant.production.parameters import SETS, Production
+from plant.production.parameters import DEFAULT, SETS, Production
 from plant.production.steady_state import Rest, steady_state
 from plant.wiring import WiringError
 
 
 def production_plant(
-    set: str | Production = "B",
+    set: str | Production = DEFAULT,
     sticky: Sequence[str] = ("VLCS1", "VPCS1"),
     F_s: float | str | Mapping[str, float | str] = "high",
     case: int = 1,
@@ -33,12 +33,14 @@ def production_plant(
 ) -> Diagram:
     """Return the plant at rest; it stays there until a kick, a slug or another set point moves it.
 
-    Parameters: ``set`` "A", "B", "C", "E" or a ``Production``; ``sticky`` the valves that stick; ``F_s`` their static
-    friction [N], or "none", "normal", "high"; ``case`` 1 constant feed, 2 sinusoidal methane fraction about 0.25;
+    Parameters: ``set`` "A", "B", "C", "E" (default, as in the cases) or a ``Production``; ``sticky`` the valves that
+    stick; ``F_s`` their static friction [N], or "none", "normal", "high"; ``case`` 1 constant feed, 2 sinusoidal
+    methane fraction about 0.25;
     ``feed`` other blocks that give F_in and Z_I; ``stem`` "quasi_static" or "full" (with mass); ``turbine`` "direct"
     (torque at once, as in the thesis) or "lag" (a GasTurbine); ``anti_surge`` True, False (recycle valves stay as they
     are) or "gradient" (opens faster when the flow falls fast: sets A and C then stand a feed trip); ``F_in`` [mol/s]
-    and ``Z_I`` where the plant rests at first (default: the design feed, 0.25 in case 2).
+    and ``Z_I`` where the plant rests at first (default: what ``feed`` gives at the start, else the design feed, with
+    Z_I = 0.25 in case 2).
 
     Raises ``InfeasibleFeed`` with the numbers if the plant cannot rest there, ``WiringError`` for unknown names.
 
@@ -52,8 +54,9 @@ def production_plant(
         raise WiringError(
             f"case = {case!r}, but there are case 1 (constant feed) and case 2 (sine); give feed= for others"
         )
-    F_0 = plant.F_in if F_in is None else F_in
-    Z_0 = (plant.Z_I if case == 1 else 0.25) if Z_I is None else Z_I
+    at_first = feeds.start(feed or ())
+    F_0 = at_first.get("F_in", plant.F_in) if F_in is None else F_in
+    Z_0 = at_first.get("Z_I", plant.Z_I if case == 1 else 0.25) if Z_I is None else Z_I
     rest = steady_state(plant, F_0, Z_0)
     if feed is None:
         feed = feeds.constant(F_0, Z_0) if case == 1 else feeds.sine(F_0, Z_0)
@@ -76,7 +79,7 @@ def plant_blocks(
     ]
 
 
-def separator_1(set: str | Production = "B", F_s: float | str | Mapping[str, float | str] = "high") -> Diagram:
+def separator_1(set: str | Production = DEFAULT, F_s: float | str | Mapping[str, float | str] = "high") -> Diagram:
     """Return separator 1 alone with its loops; its surroundings stand still at their pressures.
 
     >>> separator_1().signals[:4]
@@ -90,7 +93,7 @@ def separator_1(set: str | Production = "B", F_s: float | str | Mapping[str, flo
     return wire([*crude, *around, *parts.separator(plant, rest, 1, sticky)], name="separator_1")
 
 
-def compressor_2(set: str | Production = "B", *, anti_surge: bool | str = True) -> Diagram:
+def compressor_2(set: str | Production = DEFAULT, *, anti_surge: bool | str = True) -> Diagram:
     """Return compressor 2 alone with anti-surge control, at constant speed; inputs open: ``m_G1`` [kg/s].
 
     >>> compressor_2().open_inputs
@@ -107,7 +110,7 @@ def compressor_2(set: str | Production = "B", *, anti_surge: bool | str = True) 
     return wire([*around, *blocks], inputs=["m_G1"], name="compressor_2")
 
 
-def turbine_and_shaft(set: str | Production = "B", *, turbine: str = "direct") -> Diagram:
+def turbine_and_shaft(set: str | Production = DEFAULT, *, turbine: str = "direct") -> Diagram:
     """Return the shaft alone with its speed control; inputs open: ``OP_VPCS2``, ``tau_2``, ``tau_3`` [N m].
 
     >>> turbine_and_shaft().open_inputs

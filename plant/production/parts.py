@@ -99,7 +99,15 @@ def separator(plant: Production, rest: Rest, number: int, F_s: Friction, kind: s
 
     Needs the signals ``F_in``, ``Z_I`` (1) or ``F_L1``, ``z_1`` (2), ``p_2`` (1) or ``p_atm`` (2), and the suction
     pressure ``p_in2`` (1) or ``p_in3`` (2); gives ``p_1``, ``V_1``, ``z_1``, ``F_L1``, ``F_G1``, ``m_G1`` and so on.
+    Raises ``WiringError`` for another number.
+
+    >>> from plant.production import SET_E, steady_state
+    >>> separator(SET_E, steady_state(SET_E), 3, {})
+    Traceback (most recent call last):
+    ...
+    plant.wiring.WiringError: separator: number = 3, but the plant has separators 1 and 2; give one of them
     """
+    _one_of("separator", number, (1, 2))
     i, first = number, number == 1
     data, at = (plant.S1, rest.S1) if first else (plant.S2, rest.S2)
     fluids = plant.fluids
@@ -156,8 +164,9 @@ def compressor(
     discharges to, ``p_C1`` (2) or ``p_in2`` (3).  Gives ``p_in2``, ``p_out2``, ``m_2``, ``tau_2``, ``q_2``, ``m_out2``
     (of C3: ``m_link``).  Without anti-surge control the recycle valve stays as it is at rest; ``anti_surge="gradient"``
     adds gradient action.
-    Raises ``WiringError`` for another ``anti_surge``.
+    Raises ``WiringError`` for another number or another ``anti_surge``.
     """
+    _one_of("compressor", number, (2, 3))
     if isinstance(anti_surge, str) and anti_surge != "gradient":
         raise WiringError(f"anti_surge = {anti_surge!r}, but it is True, False or 'gradient'")
     i, second = number, number == 2
@@ -235,6 +244,13 @@ def shaft(
         *drive,
         Shaft(plant.J, start=rest.w, loads=loads, outputs="w"),
     ]  # fmt: skip
+
+
+def _one_of(part: str, number: int, known: tuple[int, int]) -> None:
+    if number not in known:
+        raise WiringError(
+            f"{part}: number = {number!r}, but the plant has {part}s {known[0]} and {known[1]}; give one of them"
+        )
 
 
 def boundaries(plant: Production) -> list[Block]:

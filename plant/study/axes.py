@@ -136,7 +136,7 @@ def axes_of(kind: Kind, given: Mapping[str, object] | None) -> list[Axis]:
         if not chosen:
             raise StudyError(f"'{name}' has no values; give at least one")
         if len(set(chosen)) < len(chosen):
-            raise StudyError(f"'{name}' has a value twice; give each once (kicks= repeats a point)")
+            raise StudyError(f"'{name}' has a value twice; give each once (kicks=, --kicks, repeats a point)")
         for value in chosen:
             if isinstance(value, str) and kind != "plant":
                 raise StudyError(

@@ -16,7 +16,7 @@ from typing import Any
 from plant.diagram import Diagram
 from plant.production import feed as feeds
 from plant.production import kicked, production_plant
-from plant.production.parameters import SETS, Production
+from plant.production.parameters import DEFAULT, SETS, Production
 from plant.production.parts import VALVES
 from plant.study.axes import StudyError, Value
 from plant.study.subject import Subject
@@ -39,7 +39,7 @@ SINE = {"sine.amplitude": 0.1, "sine.period": 500.0}
 
 
 def production_subject(
-    plant: str | Production = "B", F_s: float | str = "high", case: int = 1, name: str | None = None
+    plant: str | Production = DEFAULT, F_s: float | str = "high", case: int = 1, name: str | None = None
 ) -> Subject:
     """Return the production plant as a subject; arguments as of ``production_plant``.
 

@@ -94,7 +94,7 @@ def study(
     plan = design(axes, random, seed, kicks)
     casting = Casting(chosen, plan, kicks, kick_size, seed)
     if kicks and not chosen.kicked:
-        raise StudyError(f"'{chosen.name}' has no states that a kick could move; give start= values instead")
+        raise StudyError(f"'{chosen.name}' has no states that a kick could move; give start= values (--start) instead")
     wanted = _signals(chosen, first, signals)
     request: dict[str, Any] = {
         "subject": chosen.name, "fingerprint": fingerprint(plain), "code": code(), **spelt(axes), "random": random,

@@ -29,6 +29,18 @@ def test_six_cases_are_registered():
     assert find("plant_2_high").duration == 2000.0 and find("plant_2_high").every == 0.1  # published: section 5.1
 
 
+@pytest.mark.parametrize(
+    ("name", "size", "jumps"), [("plant_1_normal", "normal", 1), ("plant_1_high", "high", 1),
+                                ("plant_1_high_two_jumps", "high", 2)],
+)  # fmt: skip
+def test_the_stem_of_a_case_jumps_once_or_twice_a_half_cycle(name, size, jumps):
+    """Published: figure 5.2, a rectangle of the stickband and one jump; the variant has two."""
+    log = find(name).run(method="stiff").log
+    late = log.t >= 1000.0
+    assert np.ptp(log["MV_VPCS1"][late]) == pytest.approx(jumps * J[size], rel=0.02)  # analytic
+    assert name in names()
+
+
 @pytest.mark.parametrize("size", ["none", "normal", "high"])
 def test_at_rest_nothing_moves_whatever_the_stiction(size):
     log = simulate(production_plant("E", F_s=size), 2000.0, every=10.0, method="stiff").log
@@ -73,7 +85,9 @@ def test_constant_feed(studies, size):
     found = studies(size, 1)
     assert found.failed == 0
     assert found.band("level A").median == pytest.approx(0.30, rel=0.15)  # published: table 5.4
-    assert found.band("level A").median == pytest.approx(S[size] / 2.0 / 0.1, rel=0.06)  # analytic: S/(2 K_p)
+    assert found.band("level A").median == pytest.approx(
+        S[size] / 2.0 / 0.1, rel=0.10
+    )  # analytic: S/(2 K_p), and the pressure moves it a little
     jumps = found.numbers["stem travel"] / J[size]
     assert np.abs(jumps - np.round(jumps)).max() < 0.02  # analytic: the stem stands on whole jumps
     assert set(np.round(jumps)) <= {0.0, 1.0, 2.0} and jumps.max() > 0.5

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blocks import TabulatedMap
+from blocks import Step, TabulatedMap
 from cases import find, names
 from cases.topologies import cascade_flow, own_map, split_range
 from cases.topologies.map_plane import map_plane
+from detect import diagnose
 from plant import simulate
 from plant.production import SET_B, production_plant, steady_state
 
@@ -172,3 +173,16 @@ def test_page_shows_the_code_that_runs(builder):
     source = re.sub(r'    """.*?"""\n', "", inspect.getsource(builder), count=1, flags=re.S).rstrip()
     assert source in PAGE
     assert len(source.splitlines()) < 60
+
+
+def test_what_the_detector_says_of_the_cascade():
+    """The words of docs/topologies.md, and why none of them is 'stiction'."""
+    log = find("cascade_flow").run().log
+    inner = diagnose(log.loop(sp="cascade/SP_F", pv="cascade/F", op="cascade/OP"))
+    assert inner.verdict == "not_applicable" and "SP moves" in inner.methods[0].reason
+    outer = log.loop(sp="SP_L", pv="cascade/L", op="cascade/SP_F")
+    assert diagnose(replace(outer, process="integrating")).methods[0].verdict == "not_applicable"
+    alone = cascade_flow.cascade_loop().part(["FC", "valve", "pipe"])
+    run = simulate(alone, 7200.0, every=1.0, inputs={"SP_F": Step("SP_F", 0.508, 0.5, at=10.0)})
+    said = diagnose(run.log.loop(sp="SP_F", pv="F", op="OP"))
+    assert said.verdict == "inconclusive" and "flat-topped" in said.methods[0].reason

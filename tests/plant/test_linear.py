@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from blocks import PI, Constant, FirstOrder, Gain, Integrator, Sum
 from plant import WiringError, wire
 from plant.linear import linearise, open_loop, operating_point, rga
+from plant.linear.plots import plot_poles
 from plant.linear.poles import poles_of, table
 from plant.linear.rga import relative_gains
 from plant.linear.slopes import slopes
@@ -314,6 +315,19 @@ def test_singular_gains_are_refused():
     )  # fmt: skip
     with pytest.raises(ValueError, match=r"gains are singular"):
         rga(same)
+
+
+def test_a_pole_has_one_time_constant():
+    """Analytic: 1/|Re p|, in the table as in the picture; sqrt(0.5) of damping makes 1/|p| another number."""
+    A = np.array([[-0.1, 0.1, 0.0, 0.0, 0.0], [-0.1, -0.1, 0.0, 0.0, 0.0], [0.0, 0.0, -3.0, 0.0, 0.0],
+                  [0.0, 0.0, 0.0, 0.0, 2.0], [0.0, 0.0, 0.0, -2.0, 0.0]])  # fmt: skip
+    poles = poles_of(A, list("abcde"), np.ones(5))
+    told = [float(row[1]) for row in table(poles)]
+    assert told == [pytest.approx(1 / 3, rel=1e-3), float("inf"), pytest.approx(10.0)]
+    axes = plot_poles(poles).axes[0]
+    dots = [float(line.get_xdata()[0]) for line in axes.lines if line.get_marker() == "o"]
+    assert dots == [pytest.approx(1 / 3), pytest.approx(10.0)]
+    assert any(text.get_text() == "d, e   undamped, 2 rad/s" for text in axes.texts)
 
 
 def test_pictures_show_what_was_found():

@@ -65,7 +65,7 @@ def test_from_kicked_starts():
 
 @pytest.mark.parametrize("stem", ["quasi_static", "full"])
 def test_the_diagram_returned_rests_with_its_sticky_stems(stem):
-    plant = production_plant("B", stem=stem, F_s="high", feed=constant(7600.0, 0.36))
+    plant = production_plant("B", stem=stem, F_s="high", feed=constant(7600.0, 0.36), F_in=8000.0, Z_I=0.37)
     point = operating_point(plant)
     assert point.diagram["VPCS1"].mode == "stuck"
     run = simulate(point.diagram, 500.0, every=10.0, method="stiff")
@@ -124,7 +124,7 @@ def test_open_inputs_are_given_or_asked_for():
 )
 def test_infeasible_feeds_say_what_is_at_its_limit(F_in, Z_I, says):
     with pytest.raises(NoOperatingPoint, match=says):
-        operating_point(production_plant("B", feed=constant(F_in, Z_I)))
+        operating_point(production_plant("B", feed=constant(F_in, Z_I), F_in=8000.0, Z_I=0.37))
 
 
 def test_a_tank_with_nothing_to_balance_it_has_no_rest():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from blocks import PI, Constant, FirstOrder, IdealValve, Step, StickSlip, Sum
+from blocks.ports import BlockError
 from plant import WiringError, simulate, wire
 
 
@@ -48,6 +49,28 @@ WRONG = {
     ),
     "label of named": (lambda: wire(parts()[1:], inputs=["SP"]).named("a", Sp="x"), ["did you mean 'SP'"]),
 }
+
+
+@pytest.mark.parametrize(
+    ("inputs", "outputs", "says"),
+    [
+        (["SP"], ["OP"], r"has 2 inputs \(SP, PV\), but 1 labels were given"),
+        (["SP", "PV", "x"], ["OP"], r"has 2 inputs \(SP, PV\), but 3 labels were given"),
+        (["SP", "PV"], [], r"has 1 outputs \(OP\), but 0 labels were given"),
+        (["SP", "SP"], ["OP"], r"two inputs labelled 'SP'"),
+    ],
+)
+def test_labels_too_many_or_too_few_are_refused(inputs, outputs, says):
+    with pytest.raises(BlockError, match=says):
+        PI(0.4, 10.0).relabelled("PI", inputs, outputs)
+
+
+def test_what_only_a_removed_block_reads_goes_with_it():
+    loop = wire([Step("SP", 0.5), *parts()[1:]])
+    left = loop.without("controller")
+    assert [block.name for block in left.blocks] == ["valve", "process"] and left.open_inputs == ("OP",)
+    shared = wire([Step("SP", 0.5), *parts()[1:], Sum("e", {"SP": 1.0, "PV": -1.0})]).without("controller")
+    assert "SP" in shared.signals  # another block still reads it
 
 
 @pytest.mark.parametrize("what", WRONG)

@@ -1,5 +1,7 @@
 """The group of commands: help that teaches, nearest names, exit codes that mean what they say."""
 
+import ast
+import re
 import sys
 import tomllib
 from pathlib import Path
@@ -7,7 +9,8 @@ from pathlib import Path
 import pytest
 
 import stickslip
-from stickslip.cli import COMMANDS
+from engine.status import HINTS
+from stickslip.cli import COMMANDS, cli
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -55,3 +58,69 @@ def test_a_terminal_without_our_signs_still_gets_the_answer(shell):
     done = shell("simulate", "sine", "--numbers", environment={"PYTHONIOENCODING": "ascii"})
     assert done.returncode == 0
     assert b"1.03 (figure 6.1(a))" in done.stdout
+
+
+def options(command):
+    return {
+        option
+        for parameter in cli.get_command(None, command).params
+        for option in (*parameter.opts, *parameter.secondary_opts)
+    }
+
+
+def texts(source):
+    """Return every string that a source file holds, the pieces of f-strings joined."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.JoinedStr):
+            yield "".join(str(part.value) for part in node.values if isinstance(part, ast.Constant))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def test_messages_name_options_that_there_are():
+    known = set().union(*map(options, COMMANDS)) | {"--help", "--version"}
+    others = {"--markdown"} | {"--json", "--quick"}  # of `stickslip blocks`, and of benchmarks
+    for room in ("blocks", "records", "detect", "engine", "plant", "online", "cases", "stickslip"):
+        for path in (ROOT / room).rglob("*.py"):
+            for text in texts(path.read_text()):
+                named = set(
+                    re.findall(r"(?<![\w(-])--[a-z][a-z-]+(?![\w:-])", text)
+                )  # not those of the page's style sheet
+                assert named <= known | others, (path.name, named - known - others)
+
+
+@pytest.mark.parametrize("command", ["simulate", "study"])
+def test_what_a_failed_run_advises_can_be_done_here(command):
+    """The hints of the engine end on the terminal of these commands."""
+    for hint in HINTS.values():
+        assert set(re.findall(r"--[a-z-]+", hint)) <= options(command)
+        bare = re.sub(r"in Python raise max_steps", "", hint)
+        for word in re.findall(r"rtol|method=|max_steps|atol", bare):  # a keyword of Python alone helps nobody here
+            assert word not in ("max_steps", "atol") and f"--{word.rstrip('=')}" in hint
+
+
+def test_advice_that_says_how_to_integrate_works(call):
+    import json
+
+    plain, stiff, loose = (
+        json.loads(call("simulate", "ideal_high", *more, "--json", "-").stdout)
+        for more in ((), ("--method", "stiff"), ("--rtol", "1e-3"))
+    )
+    assert stiff["final"]["PV"] == pytest.approx(plain["final"]["PV"], abs=1e-4)
+    assert loose["steps"] < plain["steps"] != stiff["steps"]
+    assert call("simulate", "ideal_high", "--rtol", "7").exit_code == 2
+    assert call("simulate", "ideal_high", "--method", "euler").exit_code == 2
+
+
+def test_the_methods_named_here_are_the_engines():
+    from engine.run import METHODS as OF_ENGINE
+    from stickslip.simulate import METHODS
+
+    assert set(METHODS) == set(OF_ENGINE)
+
+
+def test_help_promises_published_numbers_only_where_they_are_shown(call):
+    promised = "published beside reproduced"
+    assert promised not in call("simulate", "sine").stdout
+    lines = [line for line in call("--help").stdout.splitlines() if promised in line or "published numbers" in line]
+    assert lines and all("--numbers" in line or "reproduce" in line for line in lines)

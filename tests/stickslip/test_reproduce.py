@@ -1,9 +1,13 @@
 """`stickslip reproduce`: the document, the page, and folders that cannot be."""
 
+import html
 import json
+import re
+from pathlib import Path
 
 import pytest
 
+from cases.starts import Fresh
 from cases.tables import Row
 from stickslip import reproduce
 from stickslip.captions import CAPTIONS
@@ -41,6 +45,48 @@ def test_document(done):
     assert rows["pressure amplitude, high"]["published"] == 0.44  # published: table 5.4
     assert rows["level amplitude, none"]["within"] is True  # published: no oscillation
     assert len({(row["table"], row["row"]) for row in answer["rows"]}) == len(answer["rows"])
+
+
+def test_the_headline_says_what_holds_on_fresh_starts(done):
+    result, page = done
+    answer = json.loads(result.stdout)
+    plants = [row for row in answer["rows"] if row["within"] is not None and row["table"] != "ideal"]
+    first = answer["headline"][0]
+    met = sum(row["within"] for row in plants)  # one set of starts: its count is that of the rows
+    assert "starts that were not used to find it" in first and f"{met} of the plant's {len(plants)} rows" in first
+    assert first[0].upper() + first[1:] in html.unescape(page.read_text()) and first in result.stderr.replace("\n", " ")
+    assert all(row["held"] in (0.0, 1.0) for row in plants)
+
+
+def test_headline_of_several_sets_counts_the_rows_that_tell_them_apart():
+    def row(table, name, within):
+        return Row(table, name, "s", 1.0, 1.0, 0.5, 1.5, within, "median within 10 %", "")
+
+    found = [row("5.4", "a", True), row("5.4", "b", True), row("5.4", "c", False), row("ideal", "i", False)]
+    found += [row("5.4, set A", name, within) for name, within in (("a", True), ("b", False), ("c", False))]
+    keys = [("5.4", name) for name in "abc"]
+    sets = tuple(dict(zip(keys, one, strict=True)) for one in ((1, 1, 0), (1, 0, 0), (1, 1, 1)))
+    said = reproduce._headline(found, Fresh(tuple(found[:3]), sets, 100))
+    assert "2 of the plant's 3 rows" in said[0] and "the median of 3 sets of 100 (1 to 3)" in said[0]
+    assert said[1].startswith("1 of these rows every set of parameters meets and 1 none; of the 1 that tell them apart")
+    assert said[1].endswith("E meets 1 (0 to 1), A 0")
+    assert said[2] == "ideal loops: 0 of 1 rows with a tolerance are met"
+
+
+def test_columns_say_what_a_band_is():
+    assert "± 1 s.d." in reproduce._columns("ideal") and "5 to 95 %" in reproduce._columns("5.4")
+    assert reproduce._cells(Row("ideal", "x", "s", 1.0, 2.0, 2.0, 2.0, None))[3] == "-"  # one number has no band
+
+
+def test_what_is_not_drawn_is_not_promised(done):
+    """No claim of every table and figure: table 6.3 and figure 6.2 are of data that were never published."""
+    _, page = done
+    text = " ".join(page.read_text().split())
+    assert "Table 6.3 and figure 6.2 are of real data that were never published" in text
+    root = Path(__file__).parents[2]
+    for file in [*root.glob("*.md"), *root.glob("docs/*.md"), *root.glob("stickslip/*.py")]:
+        if file.name != "CHANGELOG.md":
+            assert not re.search(r"every (table|figure|picture)[^.;]{0,30}thesis", file.read_text(), re.I), file.name
 
 
 def test_page_has_tables_and_pictures_and_needs_no_network(done):

@@ -14,10 +14,11 @@ from blocks.sampled_pi import SampledPI
 from blocks.sources import Constant, Step
 from blocks.tabulated_map import TabulatedMap
 from plant import WiringError, simulate, wire
-from plant.production import SET_B, SETS, kicked, production_plant
+from plant.production import SET_B, SETS, kicked, parts, production_plant, steady_state
 from plant.production.books import booked, contents
 from plant.production.build import compressor_2, separator_1, turbine_and_shaft
 from plant.production.parts import VALVES
+from plant.study import production_subject
 
 READINGS = ("p_1", "V_1", "z_1", "p_2", "V_2", "p_in2", "p_out2", "p_in3", "p_out3", "m_2", "m_3", "w", "tau_d")
 
@@ -217,6 +218,36 @@ def test_misuse_is_explained():
     with pytest.raises(BlockError, match=r"block 'S1' has no state 'N_met_gas'"):
         production_plant().starting_at({"S1.N_met_gas": 1.0})
     assert production_plant(SET_B.changed(D=7e5)).name == "production_plant"
+
+
+@pytest.mark.parametrize("number", [0, 1, 4])
+def test_parts_that_the_plant_has_not_are_refused(number):
+    rest = steady_state(SET_B)
+    with pytest.raises(WiringError, match=rf"compressor: number = {number}, but the plant has compressors 2 and 3"):
+        parts.compressor(SET_B, rest, number, {})
+    with pytest.raises(WiringError, match=r"separator: number = 3, but the plant has separators 1 and 2; give one"):
+        parts.separator(SET_B, rest, 3, {})
+
+
+def test_the_plant_and_the_cases_have_the_same_parameters():
+    from cases.production import SET
+
+    assert production_plant().params == production_plant(SET).params
+    for build in (separator_1, compressor_2, turbine_and_shaft):
+        assert build().params == build(SET).params
+    assert production_subject().quantities == production_subject(SET).quantities
+
+
+@pytest.mark.parametrize("controller", ["LCS11", "PCS11", "LCS21", "PCS12"])
+def test_a_controller_is_taken_out_with_the_set_point_that_only_it_reads(controller):
+    plant = production_plant("B", sticky=())
+    without = plant.without(controller)
+    gone = {block.name for block in plant.blocks} - {block.name for block in without.blocks}
+    assert gone == {controller, f"SP_{controller}"}
+    rest = dict(zip(plant[controller].output_labels, [float(plant[controller].x0[-1])], strict=True))
+    assert set(without.open_inputs) == set(rest)
+    run = simulate(without, 20.0, every=5.0, method="stiff", inputs=rest)
+    np.testing.assert_allclose(run.log["p_1"], 30e5, rtol=1e-9)  # analytic: OP stays where it rested
 
 
 def test_one_valve_may_be_named_without_a_list():

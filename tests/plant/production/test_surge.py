@@ -9,6 +9,11 @@ from plant.production import SETS, kicked, production_plant
 from plant.production.build import compressor_2
 from plant.production.feed import trip
 
+
+def from_design(name):
+    return trip(SETS[name].F_in, SETS[name].Z_I)
+
+
 GAS = 0.016 * 2283.7189819065397  # kg/s at rest
 
 
@@ -16,7 +21,9 @@ GAS = 0.016 * 2283.7189819065397  # kg/s at rest
 @pytest.mark.parametrize("method", ["auto", "stiff"])
 def test_feed_trip_with_gradient_action(name, method):
     """The promise: right of the surge line all the time, both compressors."""
-    run = simulate(production_plant(name, feed=trip(), anti_surge="gradient"), 200.0, every=0.01, method=method)
+    run = simulate(
+        production_plant(name, feed=from_design(name), anti_surge="gradient"), 200.0, every=0.01, method=method
+    )
     assert run.ok
     line = SETS[name].C2.map.surge()  # measured: at least 1.03 times the line, in C
     assert run.log["q_2"].min() > line and run.log["q_3"].min() > line
@@ -27,7 +34,7 @@ def test_feed_trip_with_the_growing_gain_alone():
     """Set B stands it; the others cross the line, since at it the gain is only twice what it is at the margin."""
     lowest = {}
     for name in SETS:
-        run = simulate(production_plant(name, feed=trip()), 200.0, every=0.01, method="stiff")
+        run = simulate(production_plant(name, feed=from_design(name)), 200.0, every=0.01, method="stiff")
         assert run.ok
         lowest[name] = run.log["q_2"].min()
     assert lowest["B"] > 0.59 and max(lowest["A"], lowest["C"], lowest["E"]) < 0.0  # snapshot
@@ -35,7 +42,7 @@ def test_feed_trip_with_the_growing_gain_alone():
 
 @pytest.mark.parametrize("name", SETS)
 def test_feed_trip_without_anti_surge(name):
-    run = simulate(production_plant(name, feed=trip(), anti_surge=False), 40.0, every=0.01, method="stiff")
+    run = simulate(production_plant(name, feed=from_design(name), anti_surge=False), 40.0, every=0.01, method="stiff")
     assert run.ok  # deep surge is integrated, not refused
     assert run.log["m_2"].min() < -5.0
     reversals = int(np.sum(np.diff(np.sign(run.log["m_2"])) != 0))
