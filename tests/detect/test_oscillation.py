@@ -44,7 +44,7 @@ COLOURS = ["white", 0.5, 0.8, 0.95, 0.99, -0.5, -0.8, "walk", "two lags", "loop"
 
 @pytest.mark.parametrize("kind", COLOURS)
 def test_noise_of_any_colour_is_no_oscillation(noise, kind):
-    """Measured rates are below 1.6 % (docstring of the module); 9 of 120 at 1.6 % have a chance below 1 in 3000."""
+    """Measured rates are at most 1.6 % (docstring of the module); 9 of 120 at 1.6 % have a chance below 1 in 3000."""
     fired = sum(
         oscillation.find_in(np.arange(float(n)), noise(kind, n, seed)).oscillating
         for n in (200, 1000)
