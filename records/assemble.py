@@ -64,7 +64,7 @@ def layout_of(
     own = heading is not None
     if own and interval is None:
         time = "time"
-    times, used, aside, found = find_times(table, time, mark, time_format, interval, time_unit)
+    table, times, used, aside, found = find_times(table, time, mark, time_format, interval, time_unit)
     if own:  # whatever its name, every other column is a signal
         aside = {name: why for name, why in aside.items() if name == "time"}
     notes += [*found, *times.notes]

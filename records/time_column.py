@@ -21,6 +21,8 @@ __all__ = ["find_times", "oldest_first"]
 
 _STAMP = re.compile(r"\d{1,4}[-/.](\d{1,2}|[^\W\d_]{3,9})[-/.]\d{1,4}|\d{1,2}:\d{2}")
 
+_FEW = 0.02  # share of rows without a time that a record can do without
+
 
 def find_times(
     table: Table,
@@ -29,8 +31,10 @@ def find_times(
     time_format: str | None,
     interval: float | None,
     time_unit: str | None,
-) -> tuple[Times, set[str], dict[str, str], list[str]]:
-    """Times, the columns they are read from, other columns of time with the reason they are not used, and notes.
+) -> tuple[Table, Times, set[str], dict[str, str], list[str]]:
+    """Rows with a time, their times, the columns these are read from, other times with why not, and notes.
+
+    A few rows without a time are left out: the record has a gap there, as for any missing row.
 
     Raises ReadError if no column is plainly the time, or the one that is cannot be read.
     """
@@ -49,7 +53,7 @@ def find_times(
             raise ReadError(f"interval = {interval!r} s is not positive; give the seconds between rows")
         note = f"Time is not read: rows are {interval:g} s apart, as told."
         aside |= dict.fromkeys(by_name, "the interval is told instead")
-        return Times(np.arange(frame.height, dtype=np.float64) * interval), set(), aside, [note]
+        return table, Times(np.arange(frame.height, dtype=np.float64) * interval), set(), aside, [note]
     notes = []
     both = None if time is not None else _date_and_clock(frame, dates)
     if both is not None:
@@ -71,14 +75,31 @@ def find_times(
             )
         used, column = {chosen}, frame[chosen]
     stated = table.units.get(next(iter(used)), "") or (unit_in_name(next(iter(used))) if len(used) == 1 else "")
+    table, column, found = _with_time(table, column)
+    notes += found
     times = parse_times(column, table.lines, stated, decimal, time_format, time_unit)
     taken = " and ".join(repr(name) for name in names if name in used)
     # Numbers under such a name may be a signal: T a temperature, hours those of a pump.
-    stamps = [
-        name for name in by_name if frame[name].dtype.is_temporal() or _is_date(frame[name]) or _is_clock(frame[name])
-    ]
-    aside |= {name: f"the time is {taken}" for name in stamps if name not in used}
-    return times, used, aside, notes
+    stamps = (name for name in by_name if name not in used and _is_moment(frame[name]))
+    aside |= dict.fromkeys(stamps, f"the time is {taken}")
+    return table, times, used, aside, notes
+
+
+def _with_time(table: Table, column: pl.Series) -> tuple[Table, pl.Series, list[str]]:
+    """Table and times without the rows whose time is blank, if they are few."""
+    import polars as pl
+
+    blank = column.is_null()
+    if column.dtype == pl.String:
+        blank = blank | (column.alias("").str.strip_chars() == "").fill_null(True)
+    count = int(blank.sum())
+    if not 0 < count <= _FEW * len(column):
+        return table, column, []
+    kept = [line for line, gone in zip(table.lines, blank, strict=True) if not gone]
+    which = f"{count} rows have" if count > 1 else "1 row has"
+    first = table.lines[blank.to_list().index(True)]
+    note = f"{which} no time (first in line {first}): left out."
+    return replace(table, frame=table.frame.filter(~blank), lines=kept), column.filter(~blank), [note]
 
 
 def _date_and_clock(frame: pl.DataFrame, dates: list[str]) -> tuple[str, str] | None:

@@ -86,3 +86,18 @@ def test_newest_first_is_read_the_other_way_round(write):
 def test_newest_first_in_a_long_table(write):
     rows = [f"FIC1.PV,{i},{i}\nFIC1.OP,{i},50\n" for i in range(20)]
     assert read_loop(write("tag,time,value\n" + "".join(reversed(rows)))).pv.tolist() == list(range(20))
+
+
+@pytest.mark.parametrize("stamp", ["{i}", "2024-06-13 21:{m:02d}:{s:02d}"])
+def test_a_row_without_a_time_is_a_missing_row(write, stamp):
+    rows = [stamp.format(i=i, m=i // 60, s=i % 60) if i != 70 else "" for i in range(200)]
+    loop = read_loop(write("time,PV,OP\n" + "".join(f"{t},{i},50\n" for i, t in enumerate(rows))))
+    assert loop.pv.tolist() == loop.t.tolist() == [i for i in range(200) if i != 70]
+    assert "1 row has no time (first in line 72): left out." in loop.notes
+    assert "1 row is missing in 1 place (1 s is the rule)." in loop.notes
+
+
+def test_many_rows_without_a_time_are_refused(write):
+    rows = ["" if i % 10 == 3 else str(i) for i in range(100)]
+    with pytest.raises(ReadError, match="line 5 has no time"):
+        read_loop(write("time,PV,OP\n" + "".join(f"{t},{i},50\n" for i, t in enumerate(rows))))
