@@ -78,7 +78,7 @@ def fresh(plant: Any, seeds: Sequence[int] = FRESH, kicks: int = KICKS, told: To
     rows = []
     for row in plant_rows(Pooled(parts)):
         own = [one[row.table, row.row] for one in sets if (row.table, row.row) in one]
-        rows.append(replace(row, held=sum(own) / len(own) if own else None))
+        rows.append(replace(row, held=sum(own) / len(own) if own and len(sets) > 1 else None))
     return Fresh(tuple(rows), sets, kicks)
 
 

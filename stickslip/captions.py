@@ -12,7 +12,8 @@ FIGURES = {
     "5.4": ("5.1", "5.2", "5.3", "B.1"), "6.2": ("5.4",), "case 2": ("5.5", "5.6", "B.2"),
     "ideal": ("4.1", "4.2", "6.1", "B.3", "7.1", "7.2", "7.3", "B.4"), "choice": ("choice",),
 }  # fmt: skip
-BANDS = {"ideal": "± 1 s.d.", "": "5 to 95 %"}  # what the band of a table is: within one run, or over the starts
+# What the band of a table is: of the values of R within one run, or over the starts.
+BANDS = {"ideal": "± 1 s.d.", "": "5 to 95 %", "all": "5 to 95 % (ideal loops: ± 1 s.d.)"}
 LEAD = (
     "The plant of the thesis, rebuilt from its equations with set E of parameters, and the ideal loops: published "
     "beside reproduced. Plant numbers are medians over many starts, separator 1's contents moved by up to 3 %, with "

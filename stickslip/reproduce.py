@@ -224,7 +224,7 @@ def _missed(own: Sequence["Row"]) -> "Section":
     for row in missed:
         name, *others, _verdict = _cells(row)
         cells.append([f"{name} ({title(row.table).partition(':')[0].partition(' (')[0].lower()})", *others])
-    section.figures.append(table_to_html(_columns("")[:-1], cells, [_plain(row.note) for row in missed]))
+    section.figures.append(table_to_html(_columns("all")[:-1], cells, [_plain(row.note) for row in missed]))
     return section
 
 

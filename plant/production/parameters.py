@@ -9,7 +9,7 @@ prediction.  Set C serves both cases with one number fitted: it reads both press
 (5e-7 and 3e-7 /Pa: table 5.1 then is in kmol or kPa), which leaves the drop D over VPCS1.  Set E serves both cases
 best, with five numbers found by search; ``cases.choice`` shows how, and what hangs on it; it is the ``DEFAULT``.  Its
 map gives no head at the flow that the thesis prints as C2's design, q = 1 (psi = -0.03), which a compressor bought for
-that flow would not do: the plant works at q = 0.5 to 0.9, rests at 0.68, and only that was fitted.  Limit cycles
+that flow would not do: the plant works at q = 0.49 to 0.78, rests at 0.68, and only that was fitted.  Limit cycles
 of this plant depend on where they start: compare bands over many starts, not one run.
 """
 
