@@ -71,7 +71,8 @@ def publish(figures: Figures, notes: Mapping[str, str], json_file: str | None, q
             shown = f"{value:.4g}" if isinstance(value, float) else str(value)
             mark = {True: "PASS", False: "MISS", None: ""}[judged[name]]
             print(f"{name:{width}}  {shown:>12}  {mark:4}  {notes.get(name, '')}")
-        print(_summary(judged, quick))
+        if any(REQUIREMENT.search(notes.get(name, "")) for name in figures):
+            print(_summary(judged, quick))
         if json_file:
             Path(json_file).write_text(json.dumps(figures, indent=2) + "\n")
     return False not in judged.values()

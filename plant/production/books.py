@@ -55,7 +55,7 @@ def contents(plant: Diagram) -> NDArray[np.float64]:
     """Return what the plant holds by its states, shape (5,), as the accounts above.
 
     >>> from plant.production import production_plant
-    >>> contents(production_plant()).round(-2).tolist()
+    >>> contents(production_plant("B")).round(-2).tolist()
     [88500.0, 302000.0, 810600.0, 0.0, 9897000.0]
     """
     S1, S2 = plant["S1"].x0, plant["S2"].x0

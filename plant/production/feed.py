@@ -80,6 +80,7 @@ def start(blocks: Sequence[Block]) -> dict[str, float]:
 
     >>> start(slugs(7800.0, 0.36))
     {'F_in': 7800.0, 'Z_I': 0.36}
+    >>> from blocks import Step
     >>> start([Step("F_in", after=8000.0, before=7500.0)])
     {'F_in': 7500.0}
     """
