@@ -278,7 +278,7 @@ static void note(double t, int g) { /* what happens at t leaves every dead time 
         double at = t + B[k].theta;
         long i = n_pending;
         while (i > 0 && pending[i - 1] > at) i--;
-        if ((i > 0 && pending[i - 1] > at - 1e-13) || (i < n_pending && pending[i] < at + 1e-13)) continue;
+        if (i > 0 && pending[i - 1] == at) continue; /* only the very same: what is left out is stepped over */
         if (n_pending == room_pending) {
             room_pending = 2 * room_pending + 64;
             pending = realloc(pending, room_pending * sizeof *pending);
@@ -434,7 +434,7 @@ int main(void) {
                 if (B[k].fast > 0 && !(B[k].kind == STEM && B[k].mode == 0)) fast = fmin(fast, B[k].fast);
                 if (B[k].theta > 0) theta = fmin(theta, B[k].theta);
             }
-            double h = fmin(share * fmin(fast, 4.0), 0.5 * theta);
+            double h = share * fmin(fmin(fast, 1.0), 3.0 * theta);
             for (int k = 0; k < NB; k++) { /* what moved fast when it entered a dead time does so when it leaves it */
                 const double *r = B[k].theta > 0 ? record_at(&B[k], t) : 0;
                 if (r && r[1] - r[0] < h) h = fmax(r[1] - r[0], fmin(h, share * fastest));
