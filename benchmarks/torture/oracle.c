@@ -35,14 +35,18 @@ static double *pending; static int *generation; static long n_pending, room_pend
 
 static double clip(double v, double low, double high) { return v < low ? low : v > high ? high : v; }
 
-static double delayed(const Block *b, double t) {
-    long low = 0, high = b->n_hist; /* last record with start + theta <= t */
+static const double *record_at(const Block *b, double t) { /* the last one with start + theta <= t, 0 if none */
+    long low = 0, high = b->n_hist;
     while (low < high) {
         long mid = (low + high) / 2;
         if (b->hist[5 * mid] + b->theta <= t) low = mid + 1; else high = mid;
     }
-    if (low == 0) return b->before;
-    const double *h = b->hist + 5 * (low - 1);
+    return low ? b->hist + 5 * (low - 1) : 0;
+}
+
+static double delayed(const Block *b, double t) {
+    const double *h = record_at(b, t);
+    if (!h) return b->before;
     double r = h[1] > h[0] ? (t - b->theta - h[0]) / (h[1] - h[0]) : 0.0;
     return h[2] * (1 - r) * (1 - 2 * r) + h[3] * 4 * r * (1 - r) + h[4] * r * (2 * r - 1);
 }
@@ -274,7 +278,7 @@ static void note(double t, int g) { /* what happens at t leaves every dead time 
         double at = t + B[k].theta;
         long i = n_pending;
         while (i > 0 && pending[i - 1] > at) i--;
-        if ((i > 0 && pending[i - 1] > at - 1e-13) || (i < n_pending && pending[i] < at + 1e-13)) continue;
+        if (i > 0 && pending[i - 1] == at) continue; /* only the very same: what is left out is stepped over */
         if (n_pending == room_pending) {
             room_pending = 2 * room_pending + 64;
             pending = realloc(pending, room_pending * sizeof *pending);
@@ -424,12 +428,17 @@ int main(void) {
         t_left = nextafter(stop, -INFINITY);
         int event = 0;
         while (!event && t < stop) {
-            double fast = INFINITY, theta = INFINITY;
+            double fast = INFINITY, theta = INFINITY, fastest = INFINITY;
             for (int k = 0; k < NB; k++) {
+                if (B[k].fast > 0) fastest = fmin(fastest, B[k].fast);
                 if (B[k].fast > 0 && !(B[k].kind == STEM && B[k].mode == 0)) fast = fmin(fast, B[k].fast);
                 if (B[k].theta > 0) theta = fmin(theta, B[k].theta);
             }
-            double h = fmin(share * fmin(fast, 4.0), 0.5 * theta);
+            double h = share * fmin(fmin(fast, 1.0), 3.0 * theta);
+            for (int k = 0; k < NB; k++) { /* what moved fast when it entered a dead time does so when it leaves it */
+                const double *r = B[k].theta > 0 ? record_at(&B[k], t) : 0;
+                if (r && r[1] - r[0] < h) h = fmax(r[1] - r[0], fmin(h, share * fastest));
+            }
             if (t + 1.01 * h >= stop) h = stop - t;
             t_begin = t;
             if (++steps > MOST_STEPS) { puts("failed"); return 1; }
