@@ -15,12 +15,12 @@ Source: Astrom and Hagglund, Advanced PID Control, ISA 2006, sections 3.5 (windu
 conditional integration).  Valid for continuous measurements; not for a loop that computes at scan times, whose
 lag matters as soon as the scan time is a noticeable share of T_i (see sampled_pi).
 
-Modes.  Reaching and leaving a limit are located events, so no integration step crosses them.  Conditional
-integration has a right-hand side that jumps at the limit: where the integrator would drive v out (e > 0) while
-the falling error draws it back, a plain switch would chatter.  That sliding along the limit is a mode of its own,
-"riding high limit": OP stays at the limit exactly and z = limit - K_p e, Filippov's solution of the equations
-above.  It ends when K_p (de/dt + e/T_i) points inwards, or when the error grows again.  A band of 1e-12 (relative)
-around the limit keeps rounding from switching modes.  While riding, the stored state z is not updated.
+Modes.  Reaching and leaving a limit are located events, so no integration step crosses them; a band of 1e-12
+(relative) around the limit keeps rounding from switching modes.  Conditional integration has a right-hand side that
+jumps at the limit: where the integrator would drive v out (e > 0) while the falling error draws it back, a plain
+switch would chatter.  That sliding along the limit is a mode of its own, "riding high limit": OP stays at the limit
+exactly and z = limit - K_p e, Filippov's solution of the equations above.  It ends when K_p (de/dt + e/T_i) points
+inwards, or when the error grows again.  While riding, the stored state z is not updated.
 """
 
 import math
@@ -29,11 +29,10 @@ from typing import Any
 
 from blocks.block import Floats, Kernels
 from blocks.limited_pi import LimitedController, limited_output, output_events, tracking_rate
-from blocks.limits import MODES, limit_transition
+from blocks.limits import BAND, MODES, limit_transition
 from blocks.ports import BlockError, Labels, Port, nearest, require
 from blocks.rules import check_limits, finite
 
-BAND = 1e-12  # half width of the switching band around a limit, relative
 NEAR = 1e-9  # an event this close to its limit (relative) was located there; farther away, an input has jumped
 RATE_BAND = 1e-4  # a ride goes on until the error grows faster than this share of e / T_i: rates near 0 are noisy
 ACTIONS = {"reverse": 1.0, "direct": -1.0}

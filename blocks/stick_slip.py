@@ -10,8 +10,11 @@ x    position [fraction of travel]                   v    speed [travel/s]
 k    spring, and actuator force per unit of OP [N per travel]     M    moving mass [kg, one travel = 1 m]
 F_v  viscous friction [N s per travel]               F_c, F_s  Coulomb and static friction [N], F_s >= F_c
 low, high  end stops [fraction of travel]; -inf and inf lift them
-v_stop     a braking stem slower than this sticks [travel/s]; 0 is the equation as it stands.  Where OP is held between
-           scans, an overdamped stem only ever approaches rest, and with 0 rounding decides when it sticks: give 1e-4
+v_stop     a stem slower than this that comes to rest sticks, where it would creep to [travel/s].  The equations let an
+           overdamped stem only ever approach rest while OP is held, as it is between the scans of a controller; a stem
+           that has stuck needs F_s to move again, one that creeps only F_c, so that with 0 rounding would decide
+           whether a loop cycles.  In a plant it sticks: the default, 1e-6, is slower than any stem is seen to move
+           (a travel in 12 days), and moves where it rests by F_v v_stop/k = 1e-8 of travel at most
 
 What the MV-OP figure of the block shows (all in fractions of OP):
     J = (F_s - F_c)/k        jump when it breaks away
@@ -36,7 +39,14 @@ from blocks.ports import Port, number, require
 from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem, check_stops, started_between
 from blocks.rules import not_negative, positive
 
-TIE = 1e-6  # with F_s = F_c a stem creeps to rest exactly at breakaway, where rounding would start it again and again
+TIE = 1e-6  # with F_s = F_c a stem comes to rest exactly at breakaway, where rounding would start it again and again;
+NOISE = 1e-9  # so it breaks away only with this share more, and with a spring force of this share of travel if F_s is 0
+V_STOP = 1e-6
+
+
+def slack(k: float, M: float, F_v: float) -> float:
+    """Return half the force per speed that the inertia of a stem needs which comes to rest under a held OP."""
+    return min(0.5 * k * M / F_v, 0.5 * F_v) if F_v > 0.0 else 0.0
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -58,14 +68,14 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
     g[0] = -1.0
     g[1] = -1.0
     if d[0] == STUCK:  # away from a stop only
-        breakaway = p[4] if p[4] > p[3] * (1.0 + TIE) else p[3] * (1.0 + TIE)
+        breakaway = max(p[4], p[3] + max(TIE * p[3], NOISE * p[0]))
         if spring > 0.0:
             g[0] = spring - breakaway if x[0] < p[6] else -1.0
         else:
             g[0] = -spring - breakaway if x[0] > p[5] else -1.0
     elif d[0] != IDEAL:
         forward = d[0] * x[1]
-        braking = d[0] * spring < p[3] + p[2] * forward
+        braking = d[0] * spring < p[3] + (p[2] - slack(p[0], p[1], p[2])) * forward  # not one that follows a slow OP
         g[0] = (p[7] if braking else 0.0) - forward
         g[1] = x[0] - p[6] if d[0] == UP else p[5] - x[0]
 
@@ -76,6 +86,8 @@ def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
     else:
         if k[0] == 1.0:
             x[0] = p[6] if d[0] == UP else p[5]
+        elif d[0] * p[0] * (u[0] - x[0]) > p[3]:  # it would creep on, to where spring and Coulomb friction balance
+            x[0] = min(max(u[0] - d[0] * p[3] / p[0], p[5]), p[6])
         d[0] = STUCK
     x[1] = 0.0
 
@@ -111,7 +123,7 @@ class StickSlip(Block):
         F_v: float = 612.0,
         low: float = 0.0,
         high: float = 1.0,
-        v_stop: float = 0.0,
+        v_stop: float = V_STOP,
         start: float = 0.0,
         name: str = "valve",
         **labels: Any,

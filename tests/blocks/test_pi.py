@@ -9,12 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from blocks.arithmetic import Sum
+from blocks.first_order import FirstOrder
 from blocks.periodic import Sine, Square, Triangle
 from blocks.pi import PI
 from blocks.ports import BlockError
 from blocks.recorded import Recorded, Staircase
 from blocks.sensor import SampledSensor, Sensor
-from blocks.sources import Ramp
+from blocks.sources import Constant, Ramp, Step
 from plant import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
@@ -320,3 +321,17 @@ def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
         make()
     for word in words:
         assert word in str(error.value)
+
+
+@pytest.mark.parametrize("coupling", [1e-3, -1e-3, 0.01, 0.1])
+def test_weakly_coupled_controllers_that_rest_on_their_limit_do_not_chatter(coupling):
+    n = 12
+    blocks = [Step("SP0", 0.5, at=1.0), *(Constant(f"SP{i}", 0.0) for i in range(1, n))]
+    for i in range(n):
+        blocks += [
+            PI(0.4, 10.0, name=f"C{i}", inputs=[f"SP{i}", f"PV{i}"], outputs=f"OP{i}"),
+            Sum(f"u{i}", {f"OP{i}": 1.0, f"PV{i - 1 if i else n - 1}": coupling}),
+            FirstOrder(1.0, 10.0 + i, name=f"P{i}", inputs=f"u{i}", outputs=f"PV{i}"),
+        ]
+    run = simulate(wire(blocks), 200.0)
+    assert run.ok and len(run.events) < 2 * n  # was CHATTERING at -1e-3 and 0.01

@@ -14,6 +14,7 @@ from blocks.periodic import Sine
 from blocks.pi import PI
 from blocks.ports import BlockError
 from blocks.recorded import Recorded
+from blocks.sampled_pi import SampledPI
 from blocks.sources import Ramp, Step
 from blocks.stick_slip import StickSlip
 from plant import drive, simulate, wire
@@ -127,13 +128,42 @@ def test_closing_fully_needs_less_than_zero():
     assert run.log["MV"][-1] == pytest.approx(F_C / K, abs=1e-5)
 
 
-def test_v_stop_ends_the_creep():
+@pytest.mark.parametrize("v_stop", [1e-3, 1e-4, 1e-6])
+def test_v_stop_ends_the_creep_where_it_leads_to(v_stop):
     step = Step("OP", 0.05)
-    end = simulate(wire([step, StickSlip.high(v_stop=1e-3)]), 1.0, every=0.01, **EXACT)
+    end = simulate(wire([step, StickSlip.high(v_stop=v_stop)]), 1.0, every=0.01, **EXACT)
     assert [e.after for e in end.events] == ["sliding up", "stuck"]
-    # analytic: with the fast mode gone v = a (x - x_end), a the slow pole
+    assert end.log["MV"][-1] == pytest.approx(
+        0.05 - F_C / K, abs=1e-12
+    )  # analytic: spring and Coulomb friction balance
+    # analytic: with the fast mode gone v = a (x - x_end), a the slow pole; the stem jumps over what is left then
     slow = (-F_V + math.sqrt(F_V**2 - 4 * M * K)) / (2 * M)
-    assert end.log["MV"][-1] == pytest.approx(0.05 - F_C / K + 1e-3 / slow, rel=1e-4)
+    plain = simulate(wire([step, StickSlip.high(v_stop=0.0)]), end.events[-1].t, **EXACT)
+    assert plain.log["MV"][-1] == pytest.approx(0.05 - F_C / K + v_stop / slow, abs=1e-4 * v_stop / -slow + 1e-9)
+
+
+@pytest.mark.parametrize("v_stop", [0.0, 1e-6, 1e-4, 1e-3])
+def test_a_stem_with_equal_frictions_rests_once_a_move(v_stop):
+    moves = Recorded("OP", [0.0, 5.0, 10.0, 15.0], [0.0, 0.2, 0.2, 0.5])
+    run = simulate(wire([moves, StickSlip.none(v_stop=v_stop)]), 20.0)
+    assert run.ok and len(run.events) == 4  # was 60 with 1e-4, 96 with 1e-3
+
+
+@pytest.mark.parametrize("v_stop", [0.0, 1e-6, 1e-4])
+def test_a_stem_without_friction_settles(v_stop):
+    run = simulate(wire([Step("OP", 0.5, at=1.0), StickSlip(0.0, 0.0, v_stop=v_stop)]), 30.0, max_steps=2000)
+    assert run.ok and len(run.events) <= 2
+    assert run.log["MV"][-1] == pytest.approx(0.5, abs=2e-9)  # analytic
+
+
+@pytest.mark.parametrize("scan", [0.1, 0.15, 0.2])
+def test_behind_a_scanning_controller_rounding_does_not_decide_whether_a_loop_cycles(scan):
+    # with v_stop = 0 this loop slips once, 3, 10 or 17 times, as the tolerance has it
+    loop = wire([Step("SP", 0.5, at=1.0), SampledPI(0.4, 10.0, dt=scan), StickSlip(1750.0), FirstOrder(1.5, 10.0)])
+    runs = [simulate(loop, 400.0, every=1.0, rtol=rtol, atol=1e-3 * rtol) for rtol in (1e-6, 1e-7, 1e-8)]
+    slips = [[event.t for event in run.events if event.before == "stuck"] for run in runs]
+    assert len(slips[0]) == len(slips[1]) == len(slips[2]) > 5
+    np.testing.assert_allclose(slips[0], slips[2], atol=1e-9)  # a stem breaks away at a scan
 
 
 @given(
