@@ -13,6 +13,7 @@ Nothing is kept inside a block, so a call never changes it.
 
 import copy
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
@@ -21,7 +22,7 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.ports import BlockError, Labels, Port, labelled, nearest, number, require
+from blocks.ports import BlockError, Labels, Params, Port, check_names, labelled, nearest, number, require
 
 Floats = NDArray[np.float64]
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
@@ -90,13 +91,14 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         spans: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
         states, memory = dict(states or {}), dict(memory or {})
+        check_names(name, self.ports_in, self.ports_out, [*states, *memory])
         self.param_names = tuple(params)
         self.state_names = tuple(states)
         self.memory_names = tuple(memory)
         named = np.array([number(name, key, value) for key, value in params.items()], dtype=float)
         self.p: Floats = np.concatenate([named, np.asarray(table, dtype=float).ravel()])
         self.y0: Floats = (
-            np.zeros(len(self.ports_out)) if start_output is None else np.array(start_output, dtype=float).ravel()
+            np.zeros(len(self.ports_out)) if start_output is None else self._checked_outputs(start_output, name)
         )
         self.units: dict[str, str] = {port.name: port.unit for port in (*self.ports_in, *self.ports_out)}
         for key, unit in (units or {}).items():
@@ -114,13 +116,13 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         super().__init__(
             self._update,
             self._output,
-            params=dict(zip(self.param_names, (float(v) for v in named), strict=True)),
             inputs=labelled(name, "input", self.ports_in, inputs),
             outputs=labelled(name, "output", self.ports_out, outputs),
             states=list(self.seen_states()),
             dt=self.period if self.sampled else 0,
             name=name,
         )
+        self.params = Params(name, zip(self.param_names, named.tolist(), strict=True))
 
     # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod
@@ -182,7 +184,7 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             p[self.param_index(key)] = number(self.name, key, value)
         other = self._copy()
         other.p = other._p_now = p
-        other.params = dict(zip(self.param_names, (float(v) for v in p), strict=False))
+        other.params = Params(self.name, zip(self.param_names, p.tolist(), strict=False))
         other.check(other.params, self.name)
         if self.sampled:
             other.dt = other.period
@@ -221,18 +223,28 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         return other
 
     def holding(self, outputs: ArrayLike) -> Self:
-        """Return a copy of a sampled block whose outputs stand at ``outputs`` until its first sample."""
+        """Return a copy of a sampled block whose outputs stand at ``outputs`` until its first sample.
+
+        Raises ``BlockError`` unless there is one value per output.
+        """
         other = self._copy()
-        other.y0 = np.array(outputs, dtype=float).ravel()
+        other.y0 = self._checked_outputs(outputs, self.name)
         return other
 
     def relabelled(self, name: str, inputs: list[str], outputs: list[str]) -> Self:
         """Return a copy under another name with other port labels (what nesting does)."""
         other = self._copy()
         other.name = name
+        other.params = Params(name, self.params.items())
         other.set_inputs(inputs)
         other.set_outputs(outputs)
         return other
+
+    def _checked_outputs(self, given: ArrayLike, name: str) -> Floats:
+        outputs = np.array(given, dtype=float).ravel()
+        rule, n = len(outputs) == len(self.ports_out), len(self.ports_out)
+        require(rule, name, "start_output", outputs.tolist(), f"the block has {n} outputs", "give one value per output")
+        return outputs
 
     def _copy(self) -> Self:
         other = copy.copy(self)
@@ -248,13 +260,25 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
 
     # --- python-control -----------------------------------------------------------------------------------
     def _update_params(self, params: Mapping[str, float] | None) -> None:
-        """Take parameters by their own name, or as ``block.name`` inside a diagram."""
-        p = self.p
-        for key, value in (params or {}).items():
-            owner, _, short = key.rpartition(".")
-            if owner in ("", self.name):
-                p = p.copy() if p is self.p else p
-                p[self.param_index(short)] = value
+        """Take parameters as ``block.name``, and by their own name where no other system can mean them.
+
+        Python-control hands every system of an interconnection the parameters of all: others' are not ours, even
+        where they are called alike.
+        """
+        given, prefix = params or {}, self.params.prefix
+        joined = all(prefix + key in given for key in self.param_names)
+        p = self.p.copy()
+        for key, value in given.items():
+            if key.startswith(prefix):
+                p[self.param_index(key.removeprefix(prefix))] = value
+            elif not joined:
+                p[self.param_index(key)] = value
+            elif key in self.param_names:
+                warnings.warn(
+                    f"parameter '{key}' of an interconnection is not taken by block '{self.name}', because every system "
+                    f"has its own; to change the block's write '{prefix}{key}'",
+                    stacklevel=2,
+                )
         self._p_now = p
 
     def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:

@@ -3,6 +3,7 @@
 import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 Labels = str | Sequence[str] | Mapping[str, str] | None
 
@@ -30,6 +31,47 @@ def nearest(wrong: object, names: Sequence[str]) -> str:
     hint = f"did you mean '{close[0]}'? " if close else ""
     known = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
     return f"{hint}known: {known or 'none'}"
+
+
+class Params(dict[str, float]):
+    """The parameters of one system by name; what python-control collects of an interconnection cannot mix them up.
+
+    Python-control joins the parameters of all systems in one dictionary, so that the last ``K`` would hold for all.
+    Hence a copy bears the full names, ``block.K``, and nothing is added to what is collected: the values are ours.
+
+    >>> Params("process", {"K": 3.0}).copy()
+    {'process.K': 3.0}
+    >>> {"K": 2.0} | Params("process", {"K": 3.0})
+    {'K': 2.0}
+    """
+
+    def __init__(self, owner: str = "", values: Any = ()) -> None:
+        super().__init__(values)
+        self.prefix = f"{owner}." if owner else ""
+
+    def copy(self) -> dict[str, float]:
+        """Return the values under their full names."""
+        return {self.prefix + key: value for key, value in self.items()}
+
+    def __ror__(self, other: Any) -> Any:
+        return dict(other)
+
+
+def check_names(block: str, inputs: Sequence[Port], outputs: Sequence[Port], starts: Sequence[str]) -> None:
+    """Raise ``BlockError`` if two ports, or two states or memories, that a caller may mean have one name."""
+    unit: dict[str, str] = {}
+    for side in (inputs, outputs):
+        names = [port.name for port in side]
+        for port in side:
+            if names.count(port.name) > 1 or unit.get(port.name, port.unit) != port.unit:
+                raise BlockError(
+                    f"block '{block}' has two ports called '{port.name}'; ports of one block must differ: rename one, "
+                    "and give it the signal as label"
+                )
+        unit |= {port.name: port.unit for port in side}
+    for key in starts:
+        if starts.count(key) > 1:
+            raise BlockError(f"block '{block}' has a state and a memory called '{key}'; rename one of them")
 
 
 def labelled(block: str, side: str, ports: Sequence[Port], given: Labels) -> list[str]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
-from blocks.ports import nearest, number
+from blocks.ports import Params, nearest, number
 from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
 if TYPE_CHECKING:
@@ -51,8 +51,8 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
         super().__init__(
             seen, inputs=list(self.open_inputs), outputs=list(self.chosen_outputs), states=states, name=name, dt=0,
-            params={f"{b.name}.{k}": v for b in seen for k, v in b.params.items()},
         )  # fmt: skip
+        self.params = _all_params(seen)
         self._connect()
 
     def _connect(self) -> None:
@@ -239,15 +239,18 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         other = copy.copy(self)
         other.blocks = tuple(blocks)
         other.syslist = seen
-        other.params = {f"{b.name}.{k}": v for b in seen for k, v in b.params.items()}
+        other.params = _all_params(seen)
         other.updfcn, other.outfcn = other._update, other._output
         return other
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
-        for key in params or {}:
-            if key not in self.params:
+        """Take the diagram's own parameters; inside an interconnection python-control hands over those of others too."""
+        given = params or {}
+        joined = self.params.keys() <= given.keys()
+        for key in given.keys() - self.params.keys():
+            if not joined or any(key.startswith(f"{block.name}.") for block in self.blocks):
                 raise WiringError(f"the diagram has no parameter '{key}'; {nearest(key, list(self.params))}")
-        super()._update_params(params)
+        super()._update_params({key: value for key, value in given.items() if key in self.params})
 
     def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)
@@ -256,6 +259,10 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
     def _output(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)
         return self._out(t, x, u)
+
+
+def _all_params(blocks: Iterable[Block]) -> Params:
+    return Params("", {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()})
 
 
 def wire(
