@@ -275,8 +275,8 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
                 p[self.param_index(key)] = value
             elif key in self.param_names:
                 warnings.warn(
-                    f"parameter '{key}' of an interconnection is not taken by block '{self.name}', because every system "
-                    f"has its own; to change the block's write '{prefix}{key}'",
+                    f"parameter '{key}' of an interconnection is not taken by block '{self.name}', because every "
+                    f"system has its own; to change the block's write '{prefix}{key}'",
                     stacklevel=2,
                 )
         self._p_now = p

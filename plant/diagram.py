@@ -244,7 +244,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         return other
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
-        """Take the diagram's own parameters; inside an interconnection python-control hands over those of others too."""
+        """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""
         given = params or {}
         joined = self.params.keys() <= given.keys()
         for key in given.keys() - self.params.keys():

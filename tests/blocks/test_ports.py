@@ -14,9 +14,10 @@ def _out(t, x, d, u, p, y):
 class Twice(Block):
     """A block whose port names, states and memories a test chooses."""
 
+    ports_out = (Port("y"),)
     kernels = Kernels(out=_out)
 
-    def __init__(self, inputs=(), outputs=(Port("y"),), **given):
+    def __init__(self, inputs=(), outputs=ports_out, **given):
         self.ports_in, self.ports_out = inputs, outputs
         super().__init__(name="twice", params={}, **given)
 
