@@ -53,6 +53,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
             seen, inputs=list(self.open_inputs), outputs=list(self.chosen_outputs), states=states, name=name, dt=0,
         )  # fmt: skip
         self.params = _all_params(seen)
+        self.updfcn, self.outfcn = self._update, self._output
         self._connect()
 
     def _connect(self) -> None:
@@ -237,11 +238,16 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
             return type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
         other = copy.copy(self)
+        other._plan = self._plan
         other.blocks = tuple(blocks)
         other.syslist = seen
         other.params = _all_params(seen)
         other.updfcn, other.outfcn = other._update, other._output
         return other
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave the plan behind: it holds addresses of compiled code, which are worth nothing in another process."""
+        return self.__dict__ | {"_plan": None}
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""

@@ -9,10 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from threading import Lock
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from blocks.ports import nearest
 from engine import layout as at
@@ -22,7 +21,7 @@ from engine.table import Component
 from plant.diagram import Diagram
 from plant.flatten import DELAY_RECORDS, Plan, plan
 from plant.members import Floats, Members, Places, members
-from plant.portfolio import Ensemble
+from plant.portfolio import Ensemble, freeze
 from plant.progress import Progress, told
 from plant.simulate import check_settings, log_times, set_up, troubles
 
@@ -228,9 +227,7 @@ class _Crew:
             values[missing] = np.nan
         names = dict.fromkeys(name for one in self.summaries for name in one)
         table = {name: np.array([float(one.get(name, np.nan)) for one in self.summaries]) for name in names}
-        arrays: list[NDArray[Any]] = [self.grid, self.status, self.ended, *self.values.values(), *table.values()]
-        for array in arrays:
-            array.flags.writeable = False
+        freeze([self.grid, self.status, self.ended, *self.values.values(), *table.values()])
         total = dict(zip(COUNTERS, self.counts.sum(axis=0).tolist(), strict=True))
         cost = Statistics(components=len(self.layouts[0].parts), **total)
         return Ensemble(

@@ -42,7 +42,7 @@ class Run:
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
     ``final`` is the diagram at the end of the run: simulate it with ``t0`` = that time to go on (only blocks that run
-    in Python begin anew).  ``ends`` are the engine's arrays there.
+    in Python begin anew).  ``ends`` are the engine's arrays there; a run that was pickled has none, but has ``final``.
     """
 
     log: Log
@@ -52,6 +52,10 @@ class Run:
     statistics: Statistics
     diagram: Diagram
     ends: Ends
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Keep the end as values: the engine's arrays hold addresses of compiled code, good in this process only."""
+        return self.__dict__ | {"final": self.final, "ends": ()}
 
     @cached_property
     def final(self) -> Diagram:
