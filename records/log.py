@@ -69,11 +69,6 @@ class Log:
     start: datetime | None = None
     notes: tuple[str, ...] = ()
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle plain dictionaries, because the read-only ones kept here cannot be pickled."""
-        mappings = (dict(self.signals), dict(self.units), dict(self.spans), dict(self.quality))
-        return type(self), (self.t, *mappings, self.origin, self.start, self.notes)
-
     def __post_init__(self) -> None:
         t = frozen_array(self.t, "time")
         check_time(t)
