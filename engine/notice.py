@@ -38,7 +38,7 @@ def told() -> Iterator[None]:
             sys.stderr.write(LINE)
             sys.stderr.flush()
         elif sys.stderr is not None and sys.stderr.isatty():
-            words = f"compiling the simulation engine, once per machine: {min(begun, total)} of {total} functions"
+            words = f"compiling the simulation engine, once per machine: {begun} of {max(begun, total)} functions"
             if status is None:
                 from rich.console import Console
 

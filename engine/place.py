@@ -1,4 +1,4 @@
-"""Where compiled code is kept when neither the installation nor a home folder can be written: a folder for temporary files.
+"""Where compiled code is kept when neither installation nor home folder can be written: among temporary files.
 
 Numba refuses at import to keep code that it has no place for, so the place is chosen before the engine is loaded.
 """

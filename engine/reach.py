@@ -1,7 +1,7 @@
 """What the code of a kernel depends on besides its own text: helpers and constants, wherever they stand.
 
 Compiled code has the values of global names frozen in, and those of the helpers it calls.  Numba notices a change in
-the file of the kernel only; a constant from another file would keep its old value, in this process and in all later ones.
+the file of the kernel only; a constant from another file would keep its old value, in this and in all later processes.
 So compiled kernels are kept under a fingerprint of all they reach.
 """
 

@@ -32,7 +32,7 @@ def test_nothing_writable_but_a_folder_for_temporary_files(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    kept = [path for path in (tmp_path / "tmp").rglob("*.nbc")]
+    kept = list((tmp_path / "tmp").rglob("*.nbc"))
     assert kept
     own = tmp_path / "tmp" / kept[0].relative_to(tmp_path / "tmp").parts[0]
     assert own.name.startswith("stickslip") and stat.S_IMODE(own.stat().st_mode) == 0o700
@@ -63,8 +63,6 @@ def test_compiling_is_told_once_and_only_if_it_happens(monkeypatch):
     def four_times(x):
         return inner(inner(x))
 
-    inner = njit(twice)
-    outer = njit(four_times)
     for stream, words in ((io.StringIO(), "once per machine; this takes"), (Terminal(), "1 of")):
         inner, outer = njit(twice), njit(four_times)
         monkeypatch.setattr(sys, "stderr", stream)
