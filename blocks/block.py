@@ -169,6 +169,11 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
         return float(self.p[self.param_names.index(self.period_param)]) if self.period_param else 0.0
 
     @property
+    def dead_time(self) -> float:
+        """Dead time of all inputs [s]; 0 if there is none."""
+        return float(self.p[self.param_names.index(self.dead_time_param)]) if self.dead_time_param else 0.0
+
+    @property
     def mode(self) -> str | None:
         """Name of the present mode, if the block has modes."""
         return next((m for m, value in self.modes.items() if self.d0[0] == value), None) if self.modes else None

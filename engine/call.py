@@ -25,7 +25,7 @@ _POINTER = types.CPointer(types.float64)
 SIGNATURE = types.void(types.float64, _POINTER, _POINTER, _POINTER, _POINTER, _POINTER)
 BACK_TO_PYTHON = "numba_gil_ensure"  # what compiled code calls first on its way back into Python
 OPTIONS = {"error_model": "numpy", "forceinline": True}
-_compiled: dict[Kernel, CFunc] = {}
+_compiled: dict[Kernel, Any] = {}
 
 
 class KernelError(ValueError):
@@ -64,8 +64,10 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         return (*super()._index_key(sig, codegen), self.made_from)
 
 
-class _Compiled(CFunc):  # type: ignore[misc]
+class _Compiled(CFunc):
     """A compiled kernel."""
+
+    _pyfunc: Any
 
     def enable_caching(self) -> None:
         self._cache = _Cache(self._pyfunc)
@@ -83,7 +85,7 @@ class _Compiled(CFunc):  # type: ignore[misc]
         code = self._pyfunc.__code__
         told = f"kernel '{code.co_name}' ({Path(code.co_filename).name}, line {code.co_firstlineno})"
         try:
-            made = super()._compile_uncached()
+            made = super()._compile_uncached()  # type: ignore[misc]
         except Exception as error:  # numba's own errors, and plain ones for what it did not expect
             raise KernelError(
                 f"{told} cannot be compiled: {_first_words(error)}; a kernel is made of numbers, arithmetic, math "

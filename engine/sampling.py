@@ -87,11 +87,15 @@ def run_step(I, W, row):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def begin_run(I, W):  # type: ignore[no-untyped-def]
-    """Count the samples that lie before the start, or at it if the run continues one that has taken them."""
+    """Count the samples that lie before the start, or at it if the run continues one that has taken them.
+
+    A block that joins such a run has none at first (COUNT below zero) and takes the one at the start.
+    """
     for b in range(I[N_BLOCKS]):
         row = H + b * R
         if I[row + KIND] == SAMPLED:
+            joins = I[row + COUNT] < 0
             I[row + COUNT] = max(0, int(np.ceil((W[T] - W[I[row + OFFSET]]) / W[I[row + PERIOD]] - 1e-9)))
-            if due(I, W, row) <= W[SEEN] + clock(W):
+            if not joins and due(I, W, row) <= W[SEEN] + clock(W):
                 I[row + COUNT] += 1
     I[EVENTS_SEEN] = -2

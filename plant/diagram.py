@@ -15,12 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
 from blocks.ports import Params, nearest, number
+from plant.past import Past, together
 from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from plant.flatten import Past, Plan
+    from plant.flatten import Plan
 
 
 class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
@@ -46,7 +47,7 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None
-        self._past: Past | None = None  # what a run that ended here left under way
+        self._past: Past | None = None
         seen = [block.smooth() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
         super().__init__(
@@ -104,6 +105,11 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         """Start state as python-control counts states, shape (nstates,)."""
         return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
 
+    @property
+    def past(self) -> Past | None:
+        """What a run that ended here left under way (dead times, samples taken); None if the diagram starts afresh."""
+        return self._past
+
     def plot(self) -> "Figure":
         """Draw the diagram: one box per block, one arrow per signal."""
         from plant.draw import draw
@@ -111,6 +117,15 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         return draw(self)
 
     # --- change -------------------------------------------------------------------------------------------
+    def with_past(self, past: Past | None) -> Self:
+        """Return the diagram going on from a run with this past (``run.final.past``), or starting afresh with None.
+
+        Changed copies keep what still fits: what is in the dead times of blocks of the same name, samples taken.
+        """
+        other = self._copy()
+        other._past = past
+        return other
+
     def with_params(self, changes: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
         return self._with_blocks(self._changed(changes, "with_params"))
@@ -172,15 +187,19 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
                 f"'{block.name}' {len(block.ports_in)} and {len(block.ports_out)}; they must agree"
             )
         new = block.relabelled(name, list(old.input_labels), list(old.output_labels))
+        past = self._past
+        if past is not None and new.sampled:
+            new = new.holding(old.y0) if old.sampled else new  # until the next sample
+            past = past if old.sampled else past.without(name)
         changed = [*self.blocks[:b], new, *self.blocks[b + 1 :]]
-        return Diagram(changed, self.open_inputs, self.declared_outputs, self.name)
+        return Diagram(changed, self.open_inputs, self.declared_outputs, self.name).with_past(past)
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""
         kept = [self[n] for n in ([names] if isinstance(names, str) else names)]
         driven = {s for block in kept for s in block.output_labels}
         inputs = dict.fromkeys(s for block in kept for s in block.input_labels if s not in driven)
-        return Diagram(kept, list(inputs), None, name)
+        return Diagram(kept, list(inputs), None, name).with_past(self._past)
 
     def without(self, *names: str) -> "Diagram":
         """Return the diagram without some blocks; what they drove becomes an open input where it is read."""
@@ -202,7 +221,8 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
             block.relabelled(block.name, [inputs.get(s, s) for s in block.input_labels], list(block.output_labels))
             for block in self.blocks
         ]
-        return Diagram(blocks, [inputs.get(s, s) for s in self.open_inputs], self.declared_outputs, name)
+        opened = [inputs.get(s, s) for s in self.open_inputs]
+        return Diagram(blocks, opened, self.declared_outputs, name).with_past(self._past)
 
     def leaves(self) -> list[Block]:
         """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
@@ -236,12 +256,18 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         seen = [block.smooth() for block in blocks]
         same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
         if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
-            return type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
-        other = copy.copy(self)
-        other._plan = self._plan
+            other = type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
+            other._past = self._past
+            return other
+        other = self._copy()
         other.blocks = tuple(blocks)
         other.syslist = seen
         other.params = _all_params(seen)
+        return other
+
+    def _copy(self) -> Self:
+        other = copy.copy(self)
+        other._plan = self._plan
         other.updfcn, other.outfcn = other._update, other._output
         return other
 
@@ -293,13 +319,15 @@ def wire(
     ('SP', 'MV', 'PV')
     """
     leaves: list[Block] = []
+    pasts: list[Past] = []
     for item in items:
         if isinstance(item, Diagram):
             leaves += item.leaves()
+            pasts += [item.past.inside(item.name)] if item.past is not None else []
         elif isinstance(item, Block):
             leaves.append(item)
         else:
             raise WiringError(
                 f"{item!r} is neither a block nor a diagram; wrap a python-control system in a Block subclass"
             )
-    return Diagram(leaves, inputs, outputs, name)
+    return Diagram(leaves, inputs, outputs, name).with_past(together(pasts))

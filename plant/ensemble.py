@@ -21,6 +21,7 @@ from engine.table import Component
 from plant.diagram import Diagram
 from plant.flatten import DELAY_RECORDS, Plan, plan
 from plant.members import Floats, Members, Places, members
+from plant.past import resumed
 from plant.portfolio import Ensemble, freeze
 from plant.progress import Progress, told
 from plant.simulate import check_settings, log_times, set_up, troubles
@@ -74,6 +75,7 @@ def ensemble(
     [[0.0, 0.5, 1.0], [0.0, 1.0, 2.0], [0.0, 2.0, 4.0]]
     """
     ready = set_up(diagram, inputs)
+    resumed(ready, 0.0)  # refuses what would be lost: members start afresh
     wanted = _wanted(ready, signals)
     grid = log_times(duration, every, None, 0.0)
     settings = check_settings(Settings(rtol, atol, method, max_steps))

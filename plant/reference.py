@@ -18,6 +18,7 @@ from blocks.ports import nearest
 from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
 from plant.interpreter import Interpreter
+from plant.past import resumed
 from plant.simulate import Event, Run, log_times, set_up
 from records import Log
 
@@ -89,6 +90,9 @@ def simulate_reference(
         raise ValueError(f"method = {method!r}; {nearest(method, list(SCIPY))}")
     ready = set_up(diagram, inputs, params, start)
     grid = log_times(duration, every, times, t0)
+    past = resumed(ready, t0)
+    if past is not None and (past.delays or past.sampled):
+        raise ValueError("the reference goes on from no run; start afresh with diagram.with_past(None), or simulate")
     world = Interpreter(ready, t0)
     settings = Settings(backend, method, rtol, atol, min([max_step, *(0.5 * th for th in world.thetas)]), max_steps)
     status, rows = _run(world, grid, t0 + duration, settings)

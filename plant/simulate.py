@@ -14,8 +14,9 @@ from engine import layout as at
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
-from plant.flatten import DELAY_RECORDS, Ends, Past, Plan, plan
+from plant.flatten import DELAY_RECORDS, Ends, Plan, plan
 from plant.inputs import close
+from plant.past import Past, resumed
 from plant.wiring import WiringError
 from records import Log
 
@@ -41,8 +42,8 @@ class Run:
     """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
-    ``final`` is the diagram at the end of the run: simulate it with ``t0`` = that time to go on (only blocks that run
-    in Python begin anew).  ``ends`` are the engine's arrays there; a run that was pickled has none, but has ``final``.
+    ``final`` is the diagram at the end of the run: simulate it, changed or not, with ``t0`` = that time to go on (only
+    blocks that run in Python begin anew).  ``ends`` are the engine's arrays there; they are lost in a pickle.
     """
 
     log: Log
@@ -55,7 +56,7 @@ class Run:
 
     def __getstate__(self) -> dict[str, Any]:
         """Keep the end as values: the engine's arrays hold addresses of compiled code, good in this process only."""
-        return self.__dict__ | {"final": self.final, "ends": ()}
+        return self.__dict__ | ({"final": self.final, "ends": ()} if self.ends else {})
 
     @cached_property
     def final(self) -> Diagram:
@@ -98,6 +99,8 @@ def simulate(
     ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
     ends the run with status INTERRUPTED, and what is simulated so far is kept.
 
+    A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
+
     Raises ``ValueError`` for a request that makes no sense; numerical failure is a status, not an exception.
 
     >>> from blocks import Step, FirstOrder
@@ -109,7 +112,7 @@ def simulate(
     ready = set_up(diagram, inputs, params, start)
     grid = log_times(duration, every, times, t0)
     settings = check_settings(Settings(rtol, atol, method, max_steps))
-    past = ready._past if ready._past is not None and ready._past.ends_at(t0) else None
+    past = resumed(ready, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     while True:
         laid = plan(ready, records)
@@ -190,7 +193,7 @@ def _run(
     I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
     laid.fill(component, W, diagram.blocks)
     if past is not None:
-        past.put_back(component, I, W)
+        past.put_back(diagram, laid, component, I, W)
     return run(component, laid.flat, I, W, grid, t_end, on_progress)
 
 
@@ -282,6 +285,4 @@ def _final(diagram: Diagram, ends: Ends) -> Diagram:
             if b < len(blocks) and blocks[b].sampled:
                 y = component.signals[first[blocks[b].output_labels[0]]]
                 blocks[b] = blocks[b].holding(W[y : y + len(blocks[b].y0)])
-    final = diagram._with_blocks(blocks)
-    final._past = Past.of(ends)
-    return final
+    return diagram._with_blocks(blocks).with_past(Past.of(diagram, plan(diagram), ends))
