@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
+from blocks.dry_run import dry_run
 from blocks.ports import Params, nearest, number
 from plant.past import Past, together
 from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
@@ -28,7 +29,8 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
-    ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  As a python-control system its inputs are
+    ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  Every kernel is tried once, see
+    ``blocks.dry_run``.  As a python-control system its inputs are
     the open inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
 
@@ -39,6 +41,8 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         self.blocks = tuple(blocks)
         self.open_inputs = (inputs,) if isinstance(inputs, str) else tuple(inputs)
         outputs = [outputs] if isinstance(outputs, str) else outputs
+        for block in self.blocks:
+            dry_run(block)
         self.driven = drivers(self.blocks, self.open_inputs)
         self.declared_outputs = None if outputs is None else tuple(outputs)
         self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
