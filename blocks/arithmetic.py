@@ -20,9 +20,10 @@ from blocks.rules import check_limits, finite
 
 
 def _sum_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    total = p[1]
-    for i in range(int(p[0])):
-        total += p[2 + i] * u[i]
+    total, i = p[0], 1
+    while p[i] == p[i]:  # NaN ends the weights, which are finite: no parameter need say how many there are
+        total += p[i] * u[i - 1]
+        i += 1
     y[0] = total
 
 
@@ -41,11 +42,14 @@ def _limit_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
 class Sum(Block):
     """A weighted sum of signals: ``weights`` maps each input signal to its factor.
 
-    The parameters are ``offset`` and one weight per input, under the name of the signal.
+    The parameters are ``offset`` and one weight per input, ``w_`` and the name of the signal.
+    Raises ``BlockError`` without inputs, or for an offset or weight that is not finite.
 
     >>> e = Sum("e", {"SP": 1.0, "PV": -1.0})
     >>> round(float(e.output(0.0, [], [0.5, 0.2])[0]), 6)
     0.3
+    >>> round(float(e.with_params(w_PV=0.0).output(0.0, [], [0.5, 0.2])[0]), 6)
+    0.5
     """
 
     ports_out = (Port("out"),)
@@ -60,18 +64,16 @@ class Sum(Block):
         by_name(name or signal, "weights", weights or {}, {"SP": 1.0, "PV": -1.0})
         require(bool(weights), name or signal, "weights", weights, "a sum needs at least one input", "name one")
         self.ports_in = tuple(Port(key) for key in weights)
+        self.ports_out = (Port(signal, unit),)  # under its own name, because an input may be called "out"
         super().__init__(
             name=name or signal,
-            params={"n": len(weights), "offset": offset, **weights},
-            outputs=signal,
-            units={"out": unit},
+            params={"offset": offset, **{f"w_{key}": weight for key, weight in weights.items()}},
+            table=[math.nan],
         )
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
-        """Raise ``BlockError`` unless offset and weights are finite and ``n`` is as built."""
-        n, given = len(params) - 2, float(params["n"])
-        require(given == n, name, "n", given, f"the sum has {n} inputs", "make another Sum")
+        """Raise ``BlockError`` unless offset and weights are finite."""
         finite(params, name, *params)
 
 

@@ -13,6 +13,7 @@ Nothing is kept inside a block, so a call never changes it.
 
 import copy
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
@@ -23,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import by_name, checked, text
 from blocks.parameters import Parametrised
-from blocks.ports import BlockError, Labels, Port, labelled, nearest, number, require
+from blocks.ports import BlockError, Labels, Port, check_names, labelled, nearest, number, require
 
 Floats = NDArray[np.float64]
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
@@ -100,13 +101,14 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         by_name(name, "units", units or {}, {"PV": "bar"})
         by_name(name, "spans", spans or {}, {"PV": (0.0, 1.0)})
         states, memory = dict(states or {}), dict(memory or {})
+        check_names(name, self.ports_in, self.ports_out, [*states, *memory])
         self.param_names = tuple(params)
         self.state_names = tuple(states)
         self.memory_names = tuple(memory)
         named = np.array([number(name, key, value) for key, value in params.items()], dtype=float)
         self.p: Floats = np.concatenate([named, np.asarray(table, dtype=float).ravel()])
         self.y0: Floats = (
-            np.zeros(len(self.ports_out)) if start_output is None else np.array(start_output, dtype=float).ravel()
+            np.zeros(len(self.ports_out)) if start_output is None else self._checked_outputs(start_output, name)
         )
         self.units: dict[str, str] = {port.name: port.unit for port in (*self.ports_in, *self.ports_out)}
         for key, unit in (units or {}).items():
@@ -126,13 +128,16 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         super().__init__(
             self._update,
             self._output,
-            params=dict(zip(self.param_names, (float(v) for v in named), strict=True)),
             inputs=labelled(name, "input", self.ports_in, inputs),
             outputs=labelled(name, "output", self.ports_out, outputs),
             states=list(self.seen_states()),
             dt=self.period if self.sampled else 0,
             name=name,
         )
+        self._fix_params(dict(zip(self.param_names, named.tolist(), strict=True)))
+
+    def _owner(self) -> str:
+        return str(self.name)
 
     def _span(self, name: str, key: str, span: Any) -> tuple[float, float]:
         """Return low and high end of an instrument's span, refusing what is none."""
@@ -188,6 +193,11 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         return float(self.p[self.param_names.index(self.period_param)]) if self.period_param else 0.0
 
     @property
+    def dead_time(self) -> float:
+        """Dead time of all inputs [s]; 0 if there is none."""
+        return float(self.p[self.param_names.index(self.dead_time_param)]) if self.dead_time_param else 0.0
+
+    @property
     def mode(self) -> str | None:
         """Name of the present mode, if the block has modes."""
         return next((m for m, value in self.modes.items() if self.d0[0] == value), None) if self.modes else None
@@ -203,7 +213,7 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
             p[self.param_index(key)] = number(self.name, key, value)
         other = self._copy()
         other.p = other._p_now = p
-        other._fix_params(dict(zip(self.param_names, (float(v) for v in p), strict=False)))
+        other._fix_params(dict(zip(self.param_names, p.tolist(), strict=False)))
         other.check(other.params, self.name)
         if self.sampled:
             other.dt = other.period
@@ -242,9 +252,12 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         return other
 
     def holding(self, outputs: ArrayLike) -> Self:
-        """Return a copy of a sampled block whose outputs stand at ``outputs`` until its first sample."""
+        """Return a copy of a sampled block whose outputs stand at ``outputs`` until its first sample.
+
+        Raises ``BlockError`` unless there is one value per output.
+        """
         other = self._copy()
-        other.y0 = np.array([number(self.name, "output held", value) for value in np.ravel(outputs).tolist()])
+        other.y0 = self._checked_outputs(outputs, self.name)
         return other
 
     def relabelled(self, name: str, inputs: list[str], outputs: list[str]) -> Self:
@@ -254,9 +267,16 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         """
         other = self._copy()
         other.name = name
+        other._fix_params(self.params)
         other.set_inputs(labelled(name, "input", self.ports_in, inputs))
         other.set_outputs(labelled(name, "output", self.ports_out, outputs))
         return other
+
+    def _checked_outputs(self, given: ArrayLike, name: str) -> Floats:
+        outputs = np.array([number(name, "output held", value) for value in np.ravel(given).tolist()])
+        rule, n = len(outputs) == len(self.ports_out), len(self.ports_out)
+        require(rule, name, "start_output", outputs.tolist(), f"the block has {n} outputs", "give one value per output")
+        return outputs
 
     def _copy(self) -> Self:
         other = copy.copy(self)
@@ -272,13 +292,25 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
 
     # --- python-control -----------------------------------------------------------------------------------
     def _update_params(self, params: Mapping[str, float] | None) -> None:
-        """Take parameters by their own name, or as ``block.name`` inside a diagram."""
-        p = self.p
-        for key, value in (params or {}).items():
-            owner, _, short = key.rpartition(".")
-            if owner in ("", self.name):
-                p = p.copy() if p is self.p else p
-                p[self.param_index(short)] = value
+        """Take parameters as ``block.name``, and by their own name where no other system can mean them.
+
+        Python-control hands every system of an interconnection the parameters of all: others' are not ours, even
+        where they are called alike.
+        """
+        given, prefix = params or {}, self.params.prefix
+        joined = all(prefix + key in given for key in self.param_names)
+        p = self.p.copy()
+        for key, value in given.items():
+            if key.startswith(prefix):
+                p[self.param_index(key.removeprefix(prefix))] = value
+            elif not joined:
+                p[self.param_index(key)] = value
+            elif key in self.param_names:
+                warnings.warn(
+                    f"parameter '{key}' of an interconnection is not taken by block '{self.name}', because every "
+                    f"system has its own; to change the block's write '{prefix}{key}'",
+                    stacklevel=2,
+                )
         self._p_now = p
 
     def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:

@@ -9,26 +9,39 @@ from typing import Any, NoReturn
 
 
 class FixedParams(dict[str, float]):
-    """Parameters by name, read-only; ``copy()`` and ``|`` give plain dicts, as python-control needs them.
+    """The parameters of one system by name, read-only; python-control joins those of several without mixing them up.
 
-    ``dotted``: whether the names are those of a diagram, ``block.name``.
+    It collects the parameters of all systems in one dictionary, so that the last ``K`` would hold for all.  Hence a
+    copy bears the full names, ``block.K``, and nothing is added to what is collected: the values are ours.
+    ``owner``: the block's name; "" in a diagram, whose names are full ones already.
 
     >>> params = FixedParams({"K": 3.0})
     >>> params["K"] = 4.0
     Traceback (most recent call last):
     ...
-    TypeError: params['K'] = 4.0 would change nothing that runs; with_params(K=4.0) returns a changed copy
+    TypeError: params['K'] = 4.0 would change nothing that runs; with_params({'K': 4.0}) returns a changed copy
+    >>> FixedParams({"K": 3.0}, "process").copy()
+    {'process.K': 3.0}
+    >>> {"K": 2.0} | FixedParams({"K": 3.0}, "process")
+    {'K': 2.0}
     """
 
-    def __init__(self, values: Mapping[str, float], dotted: bool = False) -> None:
+    def __init__(self, values: Mapping[str, float], owner: str = "") -> None:
         super().__init__(values)
-        self.dotted = dotted
+        self.prefix = f"{owner}." if owner else ""
+
+    def copy(self) -> dict[str, float]:
+        """Return the values under their full names."""
+        return {self.prefix + key: value for key, value in self.items()}
+
+    def __ror__(self, other: Any) -> Any:
+        return dict(other)
 
     def refuse(self, what: str, key: object = None, value: object = None) -> NoReturn:
         """Raise ``TypeError``: what was tried, and how to change a parameter."""
         if key is None:
             key, value = next(iter(self.items()), ("K", 1.0))
-        remedy = f"{{{key!r}: {value!r}}}" if self.dotted else f"{key}={value!r}"
+        remedy = f"{{{key!r}: {value!r}}}" if not self.prefix else f"{key}={value!r}"
         raise TypeError(f"{what} would change nothing that runs; with_params({remedy}) returns a changed copy")
 
     def __setitem__(self, key: str, value: float) -> None:
@@ -60,15 +73,18 @@ class FixedParams(dict[str, float]):
         """Refuse, with the remedy."""
         self.refuse("params.clear()")
 
-    def __reduce__(self) -> tuple[type["FixedParams"], tuple[dict[str, float], bool]]:
-        return FixedParams, (dict(self), self.dotted)
+    def __reduce__(self) -> tuple[type["FixedParams"], tuple[dict[str, float], str]]:
+        return FixedParams, (dict(self), self.prefix.removesuffix("."))
 
 
 class Parametrised:
     """A system whose ``params`` are fixed once they are given."""
 
-    params_dotted = False
     _params: FixedParams
+
+    def _owner(self) -> str:
+        """Return the name that stands before each parameter; "" where the names are full ones."""
+        raise NotImplementedError
 
     @property
     def params(self) -> FixedParams:
@@ -82,4 +98,4 @@ class Parametrised:
         self._fix_params(values)
 
     def _fix_params(self, values: Mapping[str, float]) -> None:
-        self._params = FixedParams(values, self.params_dotted)
+        self._params = FixedParams(values, self._owner())

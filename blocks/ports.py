@@ -32,6 +32,23 @@ def nearest(wrong: object, names: Sequence[str]) -> str:
     return f"{hint}known: {known or 'none'}"
 
 
+def check_names(block: str, inputs: Sequence[Port], outputs: Sequence[Port], starts: Sequence[str]) -> None:
+    """Raise ``BlockError`` if two ports, or two states or memories, that a caller may mean have one name."""
+    unit: dict[str, str] = {}
+    for side in (inputs, outputs):
+        names = [port.name for port in side]
+        for port in side:
+            if names.count(port.name) > 1 or unit.get(port.name, port.unit) != port.unit:
+                raise BlockError(
+                    f"block '{block}' has two ports called '{port.name}'; ports of one block must differ: rename one, "
+                    "and give it the signal as label"
+                )
+        unit |= {port.name: port.unit for port in side}
+    for key in starts:
+        if starts.count(key) > 1:
+            raise BlockError(f"block '{block}' has a state and a memory called '{key}'; rename one of them")
+
+
 def labelled(block: str, side: str, ports: Sequence[Port], given: Labels) -> list[str]:
     """Return the labels of all ports: their own names unless the caller gave others.
 

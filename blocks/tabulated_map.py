@@ -66,7 +66,7 @@ def edge(n: float, which: int, p: Any) -> float:
 def hermite(r: float, at: int, slopes: int, N: int, p: Any) -> float:
     """Return the cubic through the values at ``p[at:]`` with the slopes at ``p[slopes:]``, straight beyond r = 1."""
     step = 1.0 / (N - 1)
-    if r >= 1.0:
+    if not r < 1.0:  # NaN too, which has no place between the values
         last: float = p[at + N - 1] + (r - 1.0) * p[slopes + N - 1]
         return last
     j = min(int(r / step), N - 2)

@@ -1,0 +1,5 @@
+"""The compiled simulator: arrays and kernel addresses, no names."""
+
+from engine import place
+
+place.choose()

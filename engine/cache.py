@@ -5,6 +5,7 @@ from pathlib import Path
 from numba import types
 
 from engine.advance import advance
+from engine.notice import told
 from engine.stamp import fresh
 
 _FLOATS, _ROWS = types.float64[::1], types.float64[:, ::1]
@@ -18,8 +19,9 @@ def ensure_compiled() -> None:
     if _ready:
         return
     try:
-        with fresh(Path(advance.stats.cache_path), Path(__file__).parent):
+        with fresh(Path(advance.stats.cache_path), Path(__file__).parent), told():
             advance.compile(SIGNATURE)
     except OSError:  # a cache that cannot be written is no reason not to run
-        advance.compile(SIGNATURE)
+        with told():
+            advance.compile(SIGNATURE)
     _ready = True

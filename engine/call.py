@@ -7,48 +7,107 @@ The same Python function runs interpreted, with numpy arrays in place of the poi
 
 from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType
 from typing import Any
 
 from llvmlite import ir
-from numba import cfunc, types
+from numba import types
 from numba.core import cgutils
 from numba.core.caching import FunctionCache
-from numba.extending import intrinsic, register_jitable
+from numba.core.ccallback import CFunc
+from numba.extending import intrinsic
 
-from engine.stamp import fresh
+from engine.reach import fingerprint, make_callable
+from engine.stamp import locked
 
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 
 _POINTER = types.CPointer(types.float64)
 SIGNATURE = types.void(types.float64, _POINTER, _POINTER, _POINTER, _POINTER, _POINTER)
+BACK_TO_PYTHON = "numba_gil_ensure"  # what compiled code calls first on its way back into Python
+OPTIONS = {"error_model": "numpy", "forceinline": True}
 _compiled: dict[Kernel, Any] = {}
-_reached: set[FunctionType] = set()
+
+
+class KernelError(ValueError):
+    """A kernel cannot be compiled, or could not be trusted if it were."""
 
 
 def address(kernel: Kernel | None) -> int:
-    """Return the address of the compiled kernel (0 for none), compiling it or loading it from the cache."""
+    """Return the address of the compiled kernel (0 for none), compiling it or loading it from the cache.
+
+    Raises ``KernelError`` if it cannot be compiled, or if it could go back into Python when it runs (to raise an
+    error, to print): the engine hears nothing of an error, and would go on with what was never written.
+    """
     if kernel is None:
         return 0
     if kernel not in _compiled:
-        _reach(kernel)
-        source = Path(kernel.__code__.co_filename)
+        make_callable(kernel)
+        made = _Compiled(kernel, (SIGNATURE.args, SIGNATURE.return_type), {}, dict(OPTIONS))
         try:
-            with fresh(Path(FunctionCache(kernel).cache_path), source.parent):
-                _compiled[kernel] = cfunc(SIGNATURE, cache=True, error_model="numpy", forceinline=True)(kernel)
+            made.enable_caching()
         except (RuntimeError, OSError):  # defined at a prompt, or nowhere to keep the cache
-            _compiled[kernel] = cfunc(SIGNATURE, error_model="numpy", forceinline=True)(kernel)
+            made.compile()
+        else:
+            made.compile_under_lock()
+        _compiled[kernel] = made
     return int(_compiled[kernel].address)
 
 
-def _reach(function: Any) -> None:
-    """Let compiled code call the plain Python functions of its module that ``function`` names."""
-    for name in function.__code__.co_names:
-        helper = function.__globals__.get(name)
-        if isinstance(helper, FunctionType) and helper not in _reached:
-            _reached.add(helper)
-            register_jitable(helper)
-            _reach(helper)
+class _Cache(FunctionCache):  # type: ignore[misc]
+    """Keeps compiled code under a fingerprint of all it was made from."""
+
+    def __init__(self, kernel: Any) -> None:
+        super().__init__(kernel)
+        self.made_from = fingerprint(kernel)
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        return (*super()._index_key(sig, codegen), self.made_from)
+
+
+class _Compiled(CFunc):
+    """A compiled kernel."""
+
+    _pyfunc: Any
+
+    def enable_caching(self) -> None:
+        self._cache = _Cache(self._pyfunc)
+
+    def compile_under_lock(self) -> None:
+        """Compile or load; processes that start together wait for the first one."""
+        try:
+            with locked(Path(self._cache.cache_path)):
+                self.compile()
+        except OSError:  # a cache that cannot be written is no reason not to run
+            self._cache.disable()
+            self.compile()
+
+    def _compile_uncached(self) -> Any:
+        code = self._pyfunc.__code__
+        told = f"kernel '{code.co_name}' ({Path(code.co_filename).name}, line {code.co_firstlineno})"
+        try:
+            made = super()._compile_uncached()  # type: ignore[misc]
+        except Exception as error:  # numba's own errors, and plain ones for what it did not expect
+            raise KernelError(
+                f"{told} cannot be compiled: {_first_words(error)}; a kernel is made of numbers, arithmetic, math "
+                "functions, conditions, loops, and helpers made of the same"
+            ) from error
+        made.library.finalize()
+        if BACK_TO_PYTHON in made.library.get_llvm_str():
+            raise KernelError(
+                f"{told} could raise an error or print while it runs, which compiled code cannot: take out raise, "
+                "assert, print, and lists or tuples with an index that is not constant; refuse bad parameters in "
+                "check(), and write NaN where there is no answer, which ends a run with status NOT_FINITE"
+            )
+        return made
+
+
+def _first_words(error: Exception) -> str:
+    """Return what a compiler's message says, without its tour of the sources."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    told = [
+        line for line in lines if not line.startswith(("Failed in", "During:", "File ", "- ", "Overload", "There "))
+    ]
+    return (told or lines or ["no reason given"])[0].rstrip(".:")
 
 
 @intrinsic

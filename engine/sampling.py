@@ -93,14 +93,16 @@ def run_step(I, W, row):  # type: ignore[no-untyped-def]
 def begin_run(I, W):  # type: ignore[no-untyped-def]
     """Count the samples that lie before the start, or at it if the run continues one that has taken them.
 
-    So are the breakpoints that a continued run has let out of its dead times.
+    So are the breakpoints that a continued run has let out of its dead times.  A block that joins such a run has no
+    sample at first (COUNT below zero) and takes the one at the start.
     """
     for k in range(I[N_DELAYS]):
         let_out(I, W, I[I[L_DELAYS] + k], W[T] + clock(W))
     for b in range(I[N_BLOCKS]):
         row = H + b * R
         if I[row + KIND] == SAMPLED:
+            joins = I[row + COUNT] < 0
             I[row + COUNT] = max(0, int(np.ceil((W[T] - W[I[row + OFFSET]]) / W[I[row + PERIOD]] - 1e-9)))
-            if due(I, W, row) <= W[SEEN] + clock(W):
+            if not joins and due(I, W, row) <= W[SEEN] + clock(W):
                 I[row + COUNT] += 1
     I[EVENTS_SEEN] = -2

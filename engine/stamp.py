@@ -1,9 +1,9 @@
 """Keep compiled code and its sources together.
 
 Numba keeps compiled code per source file and does not notice when another file that it took a constant or a
-helper from has changed: a changed layout beside an unchanged sweep would run into foreign memory.  So all
-compiled files of a folder carry one stamp of all its sources and are thrown away together, under a lock, because
-tests and workers start side by side.
+helper from has changed: a changed layout beside an unchanged sweep would run into foreign memory.  So all compiled
+files of the engine carry one stamp of all its sources and are thrown away together, under a lock, because tests and
+workers start side by side.  Kernels reach beyond their folder: see ``reach``.
 """
 
 import hashlib
@@ -27,13 +27,23 @@ def stamp_of(sources: Path) -> str:
 
 
 @contextmanager
-def fresh(cache: Path, sources: Path) -> Iterator[None]:
-    """Hold the lock of a cache folder, after deleting what does not belong to the present sources.
+def locked(cache: Path) -> Iterator[None]:
+    """Hold the lock of a cache folder.
 
     Raises ``OSError`` if the cache cannot be written.
     """
     cache.mkdir(parents=True, exist_ok=True)
     with FileLock(cache / "stickslip.lock", timeout=300):
+        yield
+
+
+@contextmanager
+def fresh(cache: Path, sources: Path) -> Iterator[None]:
+    """Hold the lock of a cache folder, after deleting what does not belong to the present sources.
+
+    Raises ``OSError`` if the cache cannot be written.
+    """
+    with locked(cache):
         if cache not in _checked:
             mark, stamp = cache / "stickslip.stamp", stamp_of(sources)
             if not mark.exists() or mark.read_text() != stamp:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from engine import layout as at
-from engine.call import address
+from engine.call import KernelError, address
 from engine.elimination import eliminate
 from engine.flat import FlatBlock, Floats, Ints
 from engine.program import Programs
@@ -110,9 +110,12 @@ class _Table:
         """Write the row of one block, ``index`` in the diagram, and reserve its parameters and memories."""
         block, row, header = self.blocks[number], self.rows[number], self.header
         row[at.KIND], row[at.GLOBAL] = block.kind, index
-        row[at.A_OUT], row[at.A_DER] = address(block.out), address(block.der)
-        row[at.A_ZC], row[at.A_JUMP] = address(block.zc), address(block.jump)
-        row[at.A_STEP], row[at.A_NEXT] = address(block.step), address(block.next_time)
+        try:
+            row[at.A_OUT], row[at.A_DER] = address(block.out), address(block.der)
+            row[at.A_ZC], row[at.A_JUMP] = address(block.zc), address(block.jump)
+            row[at.A_STEP], row[at.A_NEXT] = address(block.step), address(block.next_time)
+        except KernelError as error:
+            raise KernelError(f"block '{block.name}': {error}") from error
         row[at.NU], row[at.NY], row[at.NX] = len(block.wires), len(block.y0), len(block.x0)
         row[at.ND], row[at.NG] = len(block.d0), block.n_events
         row[at.RATES], row[at.FEEDS], row[at.LOGGED] = block.rates, block.feeds, block.logged

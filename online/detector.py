@@ -11,6 +11,7 @@ block that always answers 0.
 """
 
 from dataclasses import dataclass
+from importlib import import_module
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -41,6 +42,16 @@ class DetectorHost:
     params: Any
     facts: LoopFacts
     verdict_every: int
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Name the module of the method, which cannot be pickled itself."""
+        named = {"method": self.method.__name__} if isinstance(self.method, ModuleType) else {}
+        return self.__dict__ | named
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if isinstance(state["method"], str):
+            state = state | {"method": import_module(state["method"])}
+        self.__dict__.update(state)
 
     def init(self, p: NDArray[np.float64]) -> DetectorState:
         """Return the state before the first sample."""

@@ -15,25 +15,29 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import by_name, text, texts
 from blocks.block import Block
+from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
 from blocks.ports import nearest, number
+from plant.past import Past, together
 from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from plant.flatten import Past, Plan
+    from plant.flatten import Plan
 
 
 class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
-    ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  As a python-control system its inputs are
+    ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  Every kernel is tried once, see
+    ``blocks.dry_run``.  As a python-control system its inputs are
     the open inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
 
-    params_dotted = True
+    def _owner(self) -> str:
+        return ""
 
     def __init__(
         self, blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequence[str] | None = None,
@@ -43,6 +47,8 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         text("diagram", "name", name)
         self.open_inputs = texts(name, "inputs", inputs)
         outputs = None if outputs is None else texts(name, "outputs", outputs)
+        for block in self.blocks:
+            dry_run(block)
         self.driven = drivers(self.blocks, self.open_inputs)
         self.declared_outputs = None if outputs is None else tuple(outputs)
         self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
@@ -51,13 +57,14 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None
-        self._past: Past | None = None  # what a run that ended here left under way
+        self._past: Past | None = None
         seen = [block.smooth() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
         super().__init__(
             seen, inputs=list(self.open_inputs), outputs=list(self.chosen_outputs), states=states, name=name, dt=0,
-            params={f"{b.name}.{k}": v for b in seen for k, v in b.params.items()},
         )  # fmt: skip
+        self._fix_params(_all_params(seen))
+        self.updfcn, self.outfcn = self._update, self._output
         self._connect()
 
     def _connect(self) -> None:
@@ -108,6 +115,11 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """Start state as python-control counts states, shape (nstates,)."""
         return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
 
+    @property
+    def past(self) -> Past | None:
+        """What a run that ended here left under way (dead times, samples taken); None if the diagram starts afresh."""
+        return self._past
+
     def plot(self) -> "Figure":
         """Draw the diagram: one box per block, one arrow per signal."""
         from plant.draw import draw
@@ -115,6 +127,15 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         return draw(self)
 
     # --- change -------------------------------------------------------------------------------------------
+    def with_past(self, past: Past | None) -> Self:
+        """Return the diagram going on from a run with this past (``run.final.past``), or starting afresh with None.
+
+        Changed copies keep what still fits: what is in the dead times of blocks of the same name, samples taken.
+        """
+        other = self._copy()
+        other._past = past
+        return other
+
     def with_params(self, changes: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
         by_name(self.name, "params", changes, {"valve.F_s": 1750.0})
@@ -183,15 +204,19 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
                 f"'{block.name}' {len(block.ports_in)} and {len(block.ports_out)}; they must agree"
             )
         new = block.relabelled(name, list(old.input_labels), list(old.output_labels))
+        past = self._past
+        if past is not None and new.sampled:
+            new = new.holding(old.y0) if old.sampled else new  # until the next sample
+            past = past if old.sampled else past.without(name)
         changed = [*self.blocks[:b], new, *self.blocks[b + 1 :]]
-        return Diagram(changed, self.open_inputs, self.declared_outputs, self.name)
+        return Diagram(changed, self.open_inputs, self.declared_outputs, self.name).with_past(past)
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""
         kept = [self[n] for n in texts(self.name, "names", names if isinstance(names, str) else _listed(names))]
         driven = {s for block in kept for s in block.output_labels}
         inputs = dict.fromkeys(s for block in kept for s in block.input_labels if s not in driven)
-        return Diagram(kept, list(inputs), None, name)
+        return Diagram(kept, list(inputs), None, name).with_past(self._past)
 
     def without(self, *names: str) -> "Diagram":
         """Return the diagram without some blocks; what they drove becomes an open input where it is read.
@@ -221,7 +246,8 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
             block.relabelled(block.name, [inputs.get(s, s) for s in block.input_labels], list(block.output_labels))
             for block in self.blocks
         ]
-        return Diagram(blocks, [inputs.get(s, s) for s in self.open_inputs], self.declared_outputs, name)
+        opened = [inputs.get(s, s) for s in self.open_inputs]
+        return Diagram(blocks, opened, self.declared_outputs, name).with_past(self._past)
 
     def leaves(self) -> list[Block]:
         """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
@@ -255,19 +281,33 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         seen = [block.smooth() for block in blocks]
         same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
         if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
-            return type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
-        other = copy.copy(self)
+            other = type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
+            other._past = self._past
+            return other
+        other = self._copy()
         other.blocks = tuple(blocks)
         other.syslist = seen
-        other._fix_params({f"{b.name}.{k}": v for b in seen for k, v in b.params.items()})
+        other._fix_params(_all_params(seen))
+        return other
+
+    def _copy(self) -> Self:
+        other = copy.copy(self)
+        other._plan = self._plan
         other.updfcn, other.outfcn = other._update, other._output
         return other
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave the plan behind: it holds addresses of compiled code, which are worth nothing in another process."""
+        return self.__dict__ | {"_plan": None}
+
     def _update_params(self, params: Mapping[str, float] | None) -> None:
-        for key in params or {}:
-            if key not in self.params:
+        """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""
+        given = params or {}
+        joined = self.params.keys() <= given.keys()
+        for key in given.keys() - self.params.keys():
+            if not joined or any(key.startswith(f"{block.name}.") for block in self.blocks):
                 raise WiringError(f"the diagram has no parameter '{key}'; {nearest(key, list(self.params))}")
-        super()._update_params(params)
+        super()._update_params({key: value for key, value in given.items() if key in self.params})
 
     def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)
@@ -276,6 +316,10 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     def _output(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)
         return self._out(t, x, u)
+
+
+def _all_params(blocks: Iterable[Block]) -> dict[str, float]:
+    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
 
 
 def _listed(items: Any) -> list[Any]:
@@ -307,13 +351,15 @@ def wire(
     ('SP', 'MV', 'PV')
     """
     leaves: list[Block] = []
+    pasts: list[Past] = []
     for item in _listed(items):
         if isinstance(item, Diagram):
             leaves += item.leaves()
+            pasts += [item.past.inside(item.name)] if item.past is not None else []
         elif isinstance(item, Block):
             leaves.append(item)
         else:
             raise WiringError(
                 f"{item!r} is neither a block nor a diagram; wrap a python-control system in a Block subclass"
             )
-    return Diagram(leaves, inputs, outputs, name)
+    return Diagram(leaves, inputs, outputs, name).with_past(together(pasts))

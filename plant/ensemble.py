@@ -10,10 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from threading import Lock
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from engine import layout as at
 from engine.run import Outcome, Settings, prepare, run
@@ -24,7 +23,8 @@ from plant.diagram import Diagram
 from plant.flatten import DELAY_RECORDS, Plan, plan
 from plant.kept import log_times, logging_only, wanted_signals
 from plant.members import Floats, Members, Places, members
-from plant.portfolio import Ensemble
+from plant.past import resumed
+from plant.portfolio import Ensemble, freeze
 from plant.progress import Progress, told
 from plant.simulate import check_settings, set_up, troubles
 
@@ -76,6 +76,7 @@ def ensemble(
     [[0.0, 0.5, 1.0], [0.0, 1.0, 2.0], [0.0, 2.0, 4.0]]
     """
     ready = set_up(diagram, inputs)
+    resumed(ready, 0.0)  # refuses what would be lost: members start afresh
     wanted = wanted_signals(ready, signals)
     settings = check_settings(rtol, atol, method, max_steps)
     cast = members(ready, params, start, seeds)
@@ -231,9 +232,7 @@ class _Crew:
             values[missing] = np.nan
         names = dict.fromkeys(name for one in self.summaries for name in one)
         table = {name: np.array([float(one.get(name, np.nan)) for one in self.summaries]) for name in names}
-        arrays: list[NDArray[Any]] = [self.grid, self.status, self.ended, *self.values.values(), *table.values()]
-        for array in arrays:
-            array.flags.writeable = False
+        freeze([self.grid, self.status, self.ended, *self.values.values(), *table.values()])
         self._doubt()
         total = dict(zip(COUNTERS, self.counts.sum(axis=0).tolist(), strict=True))
         cost = Statistics(components=len(self.layouts[0].parts), **total)

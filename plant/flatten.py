@@ -54,50 +54,9 @@ class Plan:
                     W[component.params[f] : component.params[f] + 2] = _delay_params(blocks[b])
 
 
-@dataclass(frozen=True)
-class Past:
-    """What a run left behind besides states and memories: its end [s] and the contents of the dead times.
-
-    ``delays[f]``: the records under way in flat delay ``f``, oldest first (records, engine.layout.D_SIZE).
-    """
-
-    t: float
-    delays: Mapping[int, Floats]
-
-    @staticmethod
-    def of(ends: Ends) -> "Past":
-        """Collect what the components leave behind."""
-        delays = {}
-        for component, I, W in ends:
-            for number, f in enumerate(component.blocks):
-                row = at.H + number * at.R
-                if I[row + at.KIND] == at.DEAD_TIME:
-                    ring = W[I[row + at.DELAY] :][: I[row + at.CAPACITY] * at.D_SIZE].reshape(-1, at.D_SIZE)
-                    delays[f] = ring[np.arange(I[row + at.TAIL], I[row + at.HEAD]) % len(ring)]
-        return Past(min(float(W[at.T]) for _, _, W in ends), delays)
-
-    def ends_at(self, t: float) -> bool:
-        """Return whether this is the past of ``t`` [s], rounding allowed for."""
-        return abs(t - self.t) <= 4.0 * float(np.spacing(max(1.0, abs(t))))
-
-    def put_back(self, component: Component, I: Ints, W: Floats) -> None:
-        """Fill the dead times of a component that is about to start."""
-        for number, f in enumerate(component.blocks):
-            row = at.H + number * at.R
-            records = self.delays.get(f)
-            if I[row + at.KIND] == at.DEAD_TIME and records is not None:
-                W[I[row + at.DELAY] :][: records.size] = records.ravel()
-                I[row + at.HEAD] = len(records)
-
-    @property
-    def records(self) -> int:
-        """Length of the longest history."""
-        return max((len(records) for records in self.delays.values()), default=0)
-
-
 def plan(diagram: "Diagram", records: int = DELAY_RECORDS) -> Plan:
     """Return the plan of a diagram, made once and shared by all diagrams that differ only in values."""
-    shape = tuple(_delayed(block) for block in diagram.blocks)
+    shape = tuple(block.dead_time > 0.0 for block in diagram.blocks)
     known = diagram._plan
     if known is None or known.shape != shape or known.records < records:
         diagram._plan = known = _make(diagram, shape, records)
@@ -188,10 +147,6 @@ def _upstream(flat: list[FlatBlock], group: Iterable[int], driver: Mapping[int, 
                 found.add(f)
                 waiting.append(f)
     return found
-
-
-def _delayed(block: Block) -> bool:
-    return block.dead_time_param is not None and _delay_params(block)[0] > 0.0
 
 
 def _delay_params(block: Block) -> Floats:

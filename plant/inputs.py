@@ -41,4 +41,5 @@ def close(diagram: Diagram, inputs: Mapping[str, Any]) -> Diagram:
             raise WiringError(f"the diagram has no open input '{signal}'; {nearest(signal, list(diagram.open_inputs))}")
     sources = [source(signal, given) for signal, given in inputs.items()]
     still_open = [s for s in diagram.open_inputs if s not in inputs]
-    return Diagram([*sources, *diagram.blocks], still_open, diagram.declared_outputs, diagram.name)
+    closed = Diagram([*sources, *diagram.blocks], still_open, diagram.declared_outputs, diagram.name)
+    return closed.with_past(diagram.past)

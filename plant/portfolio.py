@@ -2,9 +2,9 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,12 @@ from records.write import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+def freeze(arrays: Iterable[NDArray[Any]]) -> None:
+    """Make arrays read-only."""
+    for array in arrays:
+        array.flags.writeable = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,6 +55,11 @@ class Ensemble:
     settings: Settings
     duration: float
     raw_events: tuple[Floats, ...]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Make the arrays read-only again, which a pickle forgets."""
+        self.__dict__.update(state)
+        freeze([self.t, self.status, self.ended, *self.values.values(), *self.summary.values()])
 
     def __len__(self) -> int:
         return len(self.status)

@@ -19,6 +19,7 @@ from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
 from plant.interpreter import Interpreter
 from plant.kept import log_times
+from plant.past import resumed
 from plant.simulate import Event, Run, set_up
 from records import Log
 
@@ -98,6 +99,9 @@ def simulate_reference(
     ready = set_up(diagram, inputs, params, start)
     grid = log_times(duration, every, times, t0, len(ready.signals))
     duration, t0 = float(duration), float(t0)
+    past = resumed(ready, t0)
+    if past is not None and (past.delays or past.sampled):
+        raise ValueError("the reference goes on from no run; start afresh with diagram.with_past(None), or simulate")
     world = Interpreter(ready, t0)
     settings = Settings(backend, method, rtol, atol, min([max_step, *(0.5 * th for th in world.thetas)]), max_steps)
     status, rows = _run(world, grid, t0 + duration, settings)

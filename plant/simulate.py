@@ -17,9 +17,10 @@ from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.status import HINTS, Statistics, Status
 from plant.coarse import ToleranceWarning, too_coarse
 from plant.diagram import Diagram
-from plant.flatten import DELAY_RECORDS, Ends, Past, Plan, plan
+from plant.flatten import DELAY_RECORDS, Ends, Plan, plan
 from plant.inputs import close
 from plant.kept import log_times, logging_only, wanted_signals
+from plant.past import Past, resumed
 from plant.wiring import WiringError
 from records import Log
 
@@ -46,8 +47,8 @@ class Run:
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
     ``notes`` say what to doubt in a run that is OK (``plant.coarse``).
-    ``final`` is the diagram at the end of the run: simulate it with ``t0`` = that time to go on (only blocks that run
-    in Python begin anew).  ``ends`` are the engine's arrays there.
+    ``final`` is the diagram at the end of the run: simulate it, changed or not, with ``t0`` = that time to go on (only
+    blocks that run in Python begin anew).  ``ends`` are the engine's arrays there; they are lost in a pickle.
     """
 
     log: Log
@@ -58,6 +59,10 @@ class Run:
     diagram: Diagram
     ends: Ends
     notes: tuple[str, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Keep the end as values: the engine's arrays hold addresses of compiled code, good in this process only."""
+        return self.__dict__ | ({"final": self.final, "ends": ()} if self.ends else {})
 
     @cached_property
     def final(self) -> Diagram:
@@ -101,6 +106,8 @@ def simulate(
     ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
     ends the run with status INTERRUPTED, and what is simulated so far is kept.
 
+    A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
+
     Raises ``ValueError`` for a request that makes no sense or a log beyond the machine's memory; numerical failure is
     a status, not an exception.  Warns (``ToleranceWarning``) if ``atol`` is too large for some blocks.
 
@@ -117,7 +124,7 @@ def simulate(
     if on_progress is not None and not callable(on_progress):
         raise ValueError(f"on_progress = {on_progress!r}, but it is called with the time reached; give a function of t")
     t0, t_end = float(t0), float(t0) + float(duration)  # the engine is compiled for these and no other numbers
-    past = ready._past if ready._past is not None and ready._past.ends_at(t0) else None
+    past = resumed(ready, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     while True:
         laid = plan(ready, records)
@@ -193,7 +200,7 @@ def _run(
     I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
     laid.fill(component, W, diagram.blocks)
     if past is not None:
-        past.put_back(component, I, W)
+        past.put_back(diagram, laid, component, I, W)
     return run(component, laid.flat, I, W, grid, t_end, on_progress)
 
 
@@ -304,6 +311,4 @@ def _final(diagram: Diagram, ends: Ends) -> Diagram:
             if b < len(blocks) and blocks[b].sampled:
                 y = component.signals[first[blocks[b].output_labels[0]]]
                 blocks[b] = blocks[b].holding(W[y : y + len(blocks[b].y0)])
-    final = diagram._with_blocks(blocks)
-    final._past = Past.of(ends)
-    return final
+    return diagram._with_blocks(blocks).with_past(Past.of(diagram, plan(diagram), ends))

@@ -97,9 +97,7 @@ def check_units(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) 
 
 def feeds_now(block: Block) -> bool:
     """Return whether a block's outputs depend on its inputs at the same instant."""
-    if block.dead_time_param and block.p[block.param_index(block.dead_time_param)] > 0.0:
-        return False
-    return block.kernels.feeds and bool(block.ports_in)
+    return block.dead_time == 0.0 and block.kernels.feeds and bool(block.ports_in)
 
 
 def flow_order(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) -> list[int]:

@@ -89,7 +89,7 @@ def operating_point(
     if closed.open_inputs:
         name = closed.open_inputs[0]
         raise ValueError(f"the diagram's input '{name}' is open; give it a value: inputs={{'{name}': 0.0}}")
-    closed = closed.starting_at(_values(closed, start))
+    closed = closed.starting_at(_values(closed, start)).with_past(None)  # at rest nothing is under way
     point, settled, ended = still(closed, t), 0.0, ""
     found = _solved(point, t, tolerance)
     for duration in SETTLE:

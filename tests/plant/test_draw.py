@@ -19,15 +19,20 @@ from plant.routes import sheet
 LOOP = self_regulating_loop()
 
 
+def _nothing(t, x, d, u, p, y):
+    for i in range(int(p[1])):
+        y[i] = 0.0
+
+
 class Any(Block):
     """A block with any number of ports whose outputs follow no input at once."""
 
-    kernels = Kernels(feeds=False)
+    kernels = Kernels(out=_nothing, feeds=False)
 
     def __init__(self, name, inputs, outputs):
         self.ports_in = tuple(Port(f"u{i}") for i in range(len(inputs)))
         self.ports_out = tuple(Port(f"y{i}") for i in range(len(outputs)))
-        super().__init__(name=name, params={"K_p": 1.0}, inputs=inputs, outputs=outputs)
+        super().__init__(name=name, params={"K_p": 1.0}, table=[len(outputs)], inputs=inputs, outputs=outputs)
 
 
 def cascade():

@@ -1,0 +1,54 @@
+"""Say on standard error that something is being compiled, because nothing else would be seen for half a minute."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from numba.core import event
+from numba.core.dispatcher import Dispatcher
+
+LINE = "stickslip: compiling the simulation engine, once per machine; this takes about half a minute\n"
+
+
+class _Counter(event.Listener):  # type: ignore[misc]
+    """Counts the functions that numba begins to compile; what it finds in its cache it does not compile."""
+
+    def __init__(self, tell: Callable[[int], None]) -> None:
+        self.begun, self.tell = 0, tell
+
+    def on_start(self, event: Any) -> None:
+        self.begun += 1
+        self.tell(self.begun)
+
+    def on_end(self, event: Any) -> None:
+        pass
+
+
+@contextmanager
+def told() -> Iterator[None]:
+    """While the engine is being compiled, say so: on a terminal how far it has got, elsewhere one line."""
+    total = len({id(f) for name, module in [*sys.modules.items()] if name.startswith("engine.")
+                 for f in vars(module).values() if isinstance(f, Dispatcher)})  # fmt: skip
+    status: Any = None
+
+    def tell(begun: int) -> None:
+        nonlocal status
+        if begun == 1 and sys.stderr is not None and not sys.stderr.isatty():
+            sys.stderr.write(LINE)
+            sys.stderr.flush()
+        elif sys.stderr is not None and sys.stderr.isatty():
+            words = f"compiling the simulation engine, once per machine: {begun} of {max(begun, total)} functions"
+            if status is None:
+                from rich.console import Console
+
+                status = Console(stderr=True).status(words)
+                status.start()
+            status.update(words)
+
+    try:
+        with event.install_listener("numba:compile", _Counter(tell)):
+            yield
+    finally:
+        if status is not None:
+            status.stop()
