@@ -3,7 +3,7 @@
     python -m benchmarks.plant [--quick] [--json FILE]         exit code 1 if a goal is missed
 
 The subject is set B with high stiction in VLCS1 and VPCS1 (quasi-static stems), kicked: 2000 s, 0.1 s log of all 61
-signals, rtol 1e-6, atol 1e-9, one in-process call of ``plant.simulate``.  Peers have the same start, tolerances and
+signals, rtol 1e-6, atol 1e-9, one in-process call of ``diagram.simulation``.  Peers have the same start, tolerances and
 log times: scipy's LSODA and SUNDIALS CVODE on flat compiled equations that share nothing with ``blocks``, and
 python-control's own response of its best twin, which knows no events and therefore has stems with mass and smooth
 friction.  Ours and the compiled peers run in turn; a ratio is the median over these rounds.
@@ -27,10 +27,10 @@ import numpy as np
 
 from benchmarks.peers import production_control, production_equations, production_lsoda
 from benchmarks.report import Figures, options, publish
-from plant import simulate
-from plant.oscillation import oscillation
-from plant.production import SET_B, kicked, production_plant, steady_state
-from plant.study import production_subject, study
+from diagram import simulate
+from logs.oscillation import oscillation
+from plant import SET_B, kicked, production_plant, steady_state
+from study import production_subject, study
 
 DURATION, EVERY = 2000.0, 0.1  # s
 EARLY, LATE = 200.0, 1000.0  # s: errors are taken before, period and amplitude after
@@ -60,7 +60,7 @@ NOTES = {
     "lsoda_error": "solve_ivp's largest error in p_1 over 200 s [bar]",
     "cvode_over_plant": "CVODE with compiled equations and Jacobian, its time over ours",
     "cvode_error": "CVODE's largest error in p_1 over 200 s [bar]",
-    "cvode_reference_error": "our error in p_1 over 100 s against plant.reference with CVODE, rtol 1e-8 [bar]",
+    "cvode_reference_error": "our error in p_1 over 100 s against diagram.reference.integration with CVODE, rtol 1e-8 [bar]",
     "control_over_plant": "python-control's own response of its best twin, its time over ours (goal: at least 300)",
     "control_over_full": "the same over our time for the same physics, stems with mass",
     "control_s": "python-control's time for it, both of the processor [s]",
@@ -207,7 +207,7 @@ def cvode_figures(subject: Subject, rounds: int, quick: bool) -> Figures:
     except ImportError as reason:
         print(f"CVODE is SKIPPED: {reason}; install the extra 'bench'", file=sys.stderr)
         return {"cvode_over_plant": None, "cvode_error": None}
-    from plant.reference import simulate_reference
+    from diagram.reference.integration import simulate_reference
 
     taken = in_turn(rounds, ours=subject.ours, cvode=lambda: production_cvode.run(subject.flat, DURATION, EVERY))
     run = production_cvode.run(subject.flat, DURATION, EVERY)

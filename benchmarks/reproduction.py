@@ -16,8 +16,8 @@ from benchmarks.report import Figures, options, publish
 from cases.kicks import FRESH, KICKS, Studies
 from cases.random_plants import draw
 from cases.starts import Key, fresh, judged, plant_rows, telling
-from plant.production import SETS, InfeasibleFeed
-from plant.production.parameters import DEFAULT, Stem
+from plant import SETS, InfeasibleFeed
+from plant.parameters import DEFAULT, Stem
 
 PLANTS, STARTS, SEED = 9, 24, 77
 

@@ -49,7 +49,7 @@ class ChenValve(TwoBandValve):
     ``start`` is where OP and MV stand before the first sample.  Raises ``BlockError`` unless
     0 <= J <= S <= high - low and dt > 0.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> valve = ChenValve(S=0.06, J=0.02, dt=1.0, start=0.5)
     >>> drive(valve, 4.0, every=1.0, OP=([0, 1, 2, 3, 4], [0.5, 0.53, 0.56, 0.59, 0.54])).log["MV"].round(3).tolist()
     [0.5, 0.5, 0.54, 0.57, 0.57]

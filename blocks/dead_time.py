@@ -113,7 +113,7 @@ class DeadTime(Delayed):
 
     Raises ``BlockError`` for a negative or infinite dead time.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> late = DeadTime(1.5, inputs="flow", outputs="late")
     >>> drive(late, 4.0, every=1.0, flow=([0, 4], [0.0, 4.0])).log["late"].round(6).tolist()
     [0.0, 0.0, 0.5, 1.5, 2.5]

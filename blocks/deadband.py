@@ -23,7 +23,7 @@ from blocks.quasi_static_stem import STUCK, QuasiStaticStem, started_between
 class Deadband(Block):
     """Backlash of the given ``width`` [fraction of OP]; raises ``BlockError`` for a negative one.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> drive(Deadband(0.1), 3.0, every=1.0, OP=([0, 1, 2, 3], [0.0, 0.5, 0.42, 0.3])).log["MV"].round(3).tolist()
     [0.0, 0.45, 0.45, 0.35]
     """

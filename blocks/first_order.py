@@ -33,7 +33,7 @@ class FirstOrder(Delayed):
 
     Raises ``BlockError`` unless K is finite, tau > 0 and theta >= 0.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> process = FirstOrder(K=3.0, tau=10.0, theta=2.0)
     >>> drive(process, 12.0, every=4.0, MV=1.0).log["PV"].round(4).tolist()  # 3 (1 - exp(-(t - 2)/10))
     [0.0, 0.5438, 1.3536, 1.8964]

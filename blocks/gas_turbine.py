@@ -50,7 +50,7 @@ class GasTurbine(Block):
 
     Raises ``BlockError`` unless T, tau_max and P_max are positive and start lies within 0 ... tau_max.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> turbine = GasTurbine(T=0.5, start=10e3)
     >>> drive(turbine, 1.0, every=0.5, tau_SP=12e3, w=994.838).log["tau_d"].round(1).tolist()  # 12e3 - 2e3 exp(-t/T)
     [10000.0, 11264.2, 11729.3]

@@ -36,7 +36,7 @@ class Integrator(Delayed):
 
     Raises ``BlockError`` unless K and u_0 are finite, T > 0 and theta >= 0.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> drive(Integrator(K=3.0, T=10.0), 4.0, every=2.0, MV=1.0).log["PV"].round(6).tolist()
     [0.0, 0.6, 1.2]
     """

@@ -70,7 +70,7 @@ class PID(LimitedController):
     >>> pid = PID(K_p=0.4, T_i=10.0, T_d=2.5, start_op=0.5)
     >>> [round(float(pid.output(0.0, pid.x0, [SP, 0.0])[0]), 6) for SP in (0.0, 0.1)]  # c = 0: no kick
     [0.5, 0.54]
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> drive(pid, 20.0, every=10.0, SP=0.1, PV=0.0).log["OP"].round(6).tolist()  # 0.4 x 0.1 (1 + t/10) on top
     [0.54, 0.58, 0.62]
     """

@@ -41,7 +41,7 @@ class Plenum(Block):
 
     Raises ``BlockError`` unless V, c_01 and start are positive and some flow is named.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> vessel = Plenum(0.6, start=20e5, inflows=["m_in"], outflows=["m_out"])
     >>> drive(vessel, 1.0, every=1.0, m_in=2.0, m_out=1.0).log["p"].round(0).tolist()  # + c_01^2/V Pa
     [2000000.0, 2342665.0]

@@ -76,7 +76,7 @@ class QuasiStaticStem(Block):
 
     Raises ``BlockError`` unless 0 <= J <= S and the stops are in order.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> valve = QuasiStaticStem(S=0.06, J=0.02)  # f_s = 0.04, f_c = 0.02
     >>> drive(valve, 3.0, every=1.0, OP=([0, 1, 2, 3], [0.0, 0.039, 0.1, 0.05])).log["MV"].round(3).tolist()
     [0.0, 0.0, 0.08, 0.08]

@@ -35,7 +35,7 @@ class SecondOrder(Delayed):
 
     Raises ``BlockError`` unless K is finite, omega > 0, zeta >= 0 and theta >= 0.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> process = SecondOrder.from_lags(K=2.0, tau1=10.0, tau2=10.0)
     >>> drive(process, 20.0, every=10.0, MV=1.0).log["PV"].round(4).tolist()  # 2 (1 - (1 + t/10) exp(-t/10))
     [0.0, 0.5285, 1.188]

@@ -37,7 +37,7 @@ class Shaft(Block):
 
     Raises ``BlockError`` unless J and start are positive and a load is named.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> shaft = Shaft(20.0, start=994.838, loads=["tau_2", "tau_3"])
     >>> drive(shaft, 2.0, every=1.0, tau_d=100.0, tau_2=50.0, tau_3=40.0).log["w"].round(3).tolist()
     [994.838, 995.338, 995.838]

@@ -33,7 +33,7 @@ class StenmanValve(SampledValve):
     ``start`` is where MV stands before the first sample.  Raises ``BlockError`` unless 0 <= d <= high - low and
     dt > 0.
 
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> valve = StenmanValve(d=0.04, dt=1.0, start=0.5)
     >>> drive(valve, 3.0, every=1.0, OP=([0, 1, 2, 3], [0.5, 0.53, 0.56, 0.59])).log["MV"].round(3).tolist()
     [0.5, 0.5, 0.56, 0.56]

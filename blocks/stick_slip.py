@@ -101,7 +101,7 @@ class StickSlip(Block):
     >>> valve = StickSlip.high()
     >>> round(100 * valve.J, 2), round(100 * valve.S, 2), round(100 * valve.deadband, 2)
     (1.9, 6.67, 4.76)
-    >>> from plant import drive
+    >>> from diagram import drive
     >>> drive(valve, 1.0, every=1.0, OP=0.04).log["MV"].round(4).tolist()  # 2100 N: stuck
     [0.0, 0.0]
     >>> drive(valve, 1.0, every=1.0, OP=0.05).log["MV"].round(4).tolist()  # 2625 N: slips to OP - F_c/k

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from plant.diagram import Diagram
-    from plant.simulate import Run
+    from diagram.diagram import Diagram
+    from diagram.simulation import Run
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Case:
     signals: tuple[str, ...] = ()
 
     def run(self, **changes: Any) -> "Run":
-        """Simulate the case; keywords go to ``plant.simulate`` (e.g. ``params={"valve.F_s": 1750.0}``)."""
-        from plant import simulate
+        """Simulate the case; keywords go to ``diagram.simulation`` (e.g. ``params={"valve.F_s": 1750.0}``)."""
+        from diagram import simulate
 
         return simulate(self.build(), self.duration, every=self.every, **changes)

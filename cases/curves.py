@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.kicks import BAR, RPM, Floats
-from records.style import tidy
+from logs.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from plant.simulate import Run
+    from diagram.simulation import Run
 
 # From light to dark, so that grey paper keeps the order.
 COLOURS = {"none": "#9aa7b4", "normal": "#4a90d0", "high": "#a3281a"}

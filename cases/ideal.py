@@ -16,8 +16,8 @@ from cases.exact.closed_form import closed_form_R, cycle_period, symmetric_start
 from cases.exact.parameters import ExactLoop
 
 if TYPE_CHECKING:
-    from plant.diagram import Diagram
-    from plant.simulate import Run
+    from diagram.diagram import Diagram
+    from diagram.simulation import Run
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ _PRINTED_MODEL = (
 
 def index(t: Floats, e: Floats) -> tuple[float, float, int]:
     """Return mean, standard deviation and count of R by Algorithm 1 as printed, [-]."""
-    from detect.algorithm1 import ratios
+    from detect.methods.algorithm1 import ratios
 
     result = ratios(t, e)
     return result.mean, result.std, len(result.R)
@@ -48,7 +48,7 @@ def on_symmetric_cycle(loop: "Diagram", exact: ExactLoop) -> "Diagram":
 
 
 def _simulate(loop: "Diagram", duration: float) -> "Run":
-    from plant import simulate
+    from diagram import simulate
 
     return simulate(loop, duration, every=0.1, rtol=1e-8, atol=1e-11)
 
@@ -63,7 +63,7 @@ def valve_figure(loop: "Diagram", run: "Run") -> tuple[float, float]:
     The deadband is the distance between OP - MV at the stops after upward and after downward moves; the jump
     is the median distance between successive rests.
     """
-    from plant import simulate
+    from diagram import simulate
 
     stops = [event for event in run.events if event.block == "valve" and event.after == "stuck" and event.t > 0.0]
     log = simulate(loop, run.log.duration, times=[event.t for event in stops], rtol=1e-8, atol=1e-11).log
@@ -186,7 +186,7 @@ def _half_gain() -> "Diagram":
 
 def _sine() -> "Diagram":
     from blocks import Sine
-    from plant import wire
+    from diagram import wire
 
     return wire([Sine("e", amplitude=0.075, period=50.0)], outputs=["e"], name="sine")
 

@@ -16,7 +16,7 @@ from cases.ideal import GAIN_READING, HIGH, NORMAL
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from records import Log
+    from logs import Log
 
 Floats = NDArray[np.float64]
 
@@ -124,7 +124,7 @@ def _loop_error(F_s: float, K_p: float, gain: float) -> tuple[Floats, Floats]:
     """Return time [s] and control error of eq. 6.2's loop on its symmetric cycle, 600 s."""
     from cases.exact.parameters import ExactLoop
     from cases.ideal import on_symmetric_cycle
-    from plant import simulate
+    from diagram import simulate
     from plant.loops import self_regulating_loop
 
     exact = ExactLoop(F_s=F_s, K_p=K_p, K=3.0 * gain, SP=0.5)
@@ -142,7 +142,7 @@ def _sine() -> tuple[Floats, Floats]:
 
 def _areas(cells: list[tuple[tuple[Floats, Floats], str]], title: str) -> "Figure":
     from cases.ideal import index
-    from detect.plots import AFTER, BEFORE
+    from detect.figures.verdict import AFTER, BEFORE
 
     figure, axes = panels(len(cells), 1, title, 1.9)
     for ax, ((t, e), words), letter in zip(axes, cells, "abcd", strict=False):

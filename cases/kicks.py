@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plant.oscillation import Band, band, oscillation, without_trend
+from logs.oscillation import Band, band, oscillation, without_trend
 
 if TYPE_CHECKING:
-    from plant.diagram import Diagram
+    from diagram.diagram import Diagram
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class Study:
 def start_kicks(diagram: "Diagram", count: int = KICKS, seed: int = SEED, size: float = SIZE) -> dict[str, Floats]:
     """Return start values of separator 1 [mol], each (count,): its contents times independent uniform factors.
 
-    >>> from plant.production import production_plant
+    >>> from plant import production_plant
     >>> starts = start_kicks(production_plant(), 3)
     >>> [key for key in starts], starts["S1.N_oil"].shape
     (['S1.N_oil', 'S1.N_metL', 'S1.N_metG'], (3,))
@@ -100,7 +100,7 @@ def case_2_numbers(t: Floats, log: Mapping[str, Floats]) -> dict[str, float]:
 
 def indices(t: Floats, V_1: Floats, p_1: Floats) -> dict[str, float]:
     """Return mean and standard deviation of R by Algorithm 1 as printed, for level and pressure."""
-    from detect.algorithm1 import ratios
+    from detect.methods.algorithm1 import ratios
 
     found: dict[str, float] = {}
     for name, e in (("level", 40.95 - V_1), ("pressure", 30e5 - p_1)):
@@ -121,8 +121,8 @@ def study(
     >>> found.failed, 0.25 < found.band("level A").median < 0.35
     (0, True)
     """
-    from plant.ensemble import ensemble
-    from plant.production import production_plant
+    from diagram.ensembles.running import ensemble
+    from plant import production_plant
 
     diagram = production_plant(plant, F_s=F_s, case=case)
     result = ensemble(
@@ -141,8 +141,8 @@ def rest_amplitudes(plant: Any) -> tuple[float, float, float, float]:
 
     No stiction; ``plant`` is a set's name or a ``Production``.
     """
-    from plant import simulate
-    from plant.production import production_plant
+    from diagram import simulate
+    from plant import production_plant
 
     log = simulate(production_plant(plant, F_s="none"), DURATION, every=1.0, method="stiff").log
     scales = {"V_1": 1.0, "p_1": BAR, "p_out2": BAR, "w": RPM}

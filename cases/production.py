@@ -3,17 +3,17 @@
 A seventh, ``plant_1_high_two_jumps``, differs from ``plant_1_high`` by its start alone, which leads to the other cycle.
 
 Parameter set B was fitted for constant feed, A for the sine; C and E serve both, and E, the nearest to the print,
-stands behind the cases.  ``plant.production.parameters`` says what they are, ``cases.choice`` how E was chosen.
+stands behind the cases.  ``plant.parameters`` says what they are, ``cases.choice`` how E was chosen.
 """
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from cases.case import Case, Number
-from plant.production.parameters import DEFAULT
+from plant.parameters import DEFAULT
 
 if TYPE_CHECKING:
-    from plant.diagram import Diagram
+    from diagram.diagram import Diagram
 
 SET = DEFAULT  # the parameter set behind the cases
 KICK = (1.02, 1.03)  # gas and liquid of separator 1 at the start: from here VPCS1's stem jumps once a half cycle
@@ -32,7 +32,7 @@ def diagram(F_s: str, case: int, kick: tuple[float, float] = KICK, name: str = "
     >>> diagram("high", 2).name
     'plant_2_high'
     """
-    from plant.production import production_plant
+    from plant import production_plant
 
     plant = production_plant(SET, F_s=F_s, case=case, name=name or f"plant_{case}_{F_s}")
     return started(plant, kick) if case == 1 and F_s != "none" else plant
@@ -44,7 +44,7 @@ def started(plant: "Diagram", kick: tuple[float, float] = KICK) -> "Diagram":
     From ``KICK`` the stem of VPCS1 jumps once a half cycle, which draws the rectangle of figure 5.2 and, with high
     stiction, gives R near table 6.1; so it does from all starts within 0.3 % of it.
     """
-    from plant.production import kicked
+    from plant import kicked
 
     return kicked(plant, *kick)
 
@@ -57,7 +57,7 @@ def own_numbers(F_s: str, kick: tuple[float, float] = KICK) -> Sequence[Number]:
     """Return what the run of a kicked case itself gives, 1000 to 2000 s, beside tables 5.4 and 6.1."""
     from cases.kicks import DURATION, EVERY, case_1_numbers
     from cases.tables import PUBLISHED_5_4, PUBLISHED_6_1
-    from plant import simulate
+    from diagram import simulate
 
     log = simulate(diagram(F_s, 1, kick), DURATION, every=EVERY, method="stiff").log
     found, high = case_1_numbers(log.t, log.signals), F_s == "high"

@@ -12,9 +12,9 @@ import numpy as np
 
 if TYPE_CHECKING:
     from blocks.block import Block
-    from plant.diagram import Diagram
-    from plant.production import Production
-    from plant.simulate import Run
+    from diagram.diagram import Diagram
+    from plant import Production
+    from diagram.simulation import Run
 
 SHARE = 0.2  # how far every parameter is moved
 KICK = 0.05  # how far the contents of separator 1 are moved
@@ -44,7 +44,7 @@ class RandomPlant:
 
     def build(self) -> "Diagram":
         """Return the plant, kicked; raise ``InfeasibleFeed`` or ``BlockError`` if it cannot be."""
-        from plant.production import production_plant
+        from plant import production_plant
 
         plant = production_plant(
             self.plant, tuple(self.F_s), self.F_s, feed=self._feed(), stem=self.stem, turbine=self.turbine,
@@ -54,7 +54,7 @@ class RandomPlant:
         return plant.starting_at(dict(zip(("S1.N_oil", "S1.N_metL", "S1.N_metG"), contents.tolist(), strict=True)))
 
     def _feed(self) -> "list[Block]":
-        from plant.production import feed
+        from plant import feed
 
         if self.feed == "sine":
             return feed.sine(self.F_in, self.Z_I, **self.values)
@@ -76,7 +76,7 @@ class RandomPlant:
 def varied(data: Any, rng: np.random.Generator, share: float = SHARE) -> Any:
     """Return a dataclass with each of its numbers times an independent uniform factor, in nested ones too.
 
-    >>> from plant.production import SET_B
+    >>> from plant import SET_B
     >>> other = varied(SET_B, np.random.default_rng(1))
     >>> 0.8 <= other.S1.V_sep / SET_B.S1.V_sep <= 1.2, other.S1.V_sep != SET_B.S1.V_sep
     (True, True)
@@ -97,8 +97,8 @@ def draw(number: int, seed: int = 2009) -> RandomPlant:
     >>> draw(3).told() == draw(3).told(), draw(3).told() == draw(4).told()
     (True, False)
     """
-    from plant.production import SETS
-    from plant.production.parts import VALVES
+    from plant import SETS
+    from plant.parts import VALVES
 
     rng = np.random.default_rng([seed, number])
     plant = varied(SETS[str(rng.choice(FROM))], rng)
@@ -135,7 +135,7 @@ def draw(number: int, seed: int = 2009) -> RandomPlant:
 def feasible(count: int, seed: int = 2009) -> Iterator[tuple[RandomPlant, "Diagram | str"]]:
     """Yield random plants until ``count`` could be built: each with its diagram, or with why it was refused."""
     from blocks.ports import BlockError
-    from plant.production import InfeasibleFeed
+    from plant import InfeasibleFeed
 
     built = number = 0
     while built < count:
@@ -187,8 +187,8 @@ def run(asked: RandomPlant, plant: "Diagram", duration: float = DURATION, every:
     >>> run(asked, plant, 20.0).integrated
     True
     """
-    from plant import simulate
-    from plant.production.books import booked, contents
+    from diagram import simulate
+    from plant.balances import booked, contents
 
     result = simulate(booked(plant), duration, every=every, method=asked.method)
     error = np.abs(contents(result.final) / result.final["books"].x0 - 1.0)

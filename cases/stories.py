@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from records import Log
+    from logs import Log
 
 EXPORTS = Path(__file__).parent / "exports"
 START = datetime(2026, 3, 2, 6, 0, 0)
@@ -44,7 +44,7 @@ class Story:
 
 
 def _loop(items: list[Any], duration: float, every: float) -> "Log":
-    from plant import simulate, wire
+    from diagram import simulate, wire
 
     run = simulate(wire(items), duration, every=every)
     if not run.ok:
@@ -181,7 +181,7 @@ def sticky_level() -> str:
 
 def compressed_flow() -> str:
     """The sticky flow valve again, after a historian's swinging door: too little is left to judge."""
-    from records.dirt import swinging_door
+    from logs.dirt import swinging_door
 
     rebuilt = swinging_door(_sticky_flow_log(seed=12), {"PV_m": 0.012, "OP": 0.01})
     lines = ["t,FIC512.SP,FIC512.PV,FIC512.OP"]

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from cases.kicks import Studies, Study, rest_amplitudes
-from plant.oscillation import Band, band
-from plant.production.parameters import STICTION, Stem
+from logs.oscillation import Band, band
+from plant.parameters import STICTION, Stem
 
 SIZES = tuple(STICTION)  # none, normal, high
 

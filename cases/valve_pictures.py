@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.curves import COLOURS, COMMAND, label, panels
-from plant.production.parameters import STICTION, Stem
+from plant.parameters import STICTION, Stem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +21,7 @@ PERIOD, LOW, HIGH = 400.0, 0.3, 0.5  # s; OP goes up and down between these
 def figure_4_1() -> "Figure":
     """Return figure 4.1: MV over OP, with deadband, stickband and slip jump."""
     from blocks import StickSlip, Triangle
-    from plant import simulate, wire
+    from diagram import simulate, wire
 
     F_s, stem = STICTION["high"], Stem()
     middle, swing = 0.5 * (LOW + HIGH), 0.5 * (HIGH - LOW)

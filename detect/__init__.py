@@ -4,7 +4,7 @@ One loop in five lines:
 
 >>> import numpy as np
 >>> from detect import diagnose
->>> from records import LoopRecord
+>>> from logs import LoopRecord
 >>> t = np.arange(1000.0)
 >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
 >>> answer = diagnose(loop)
@@ -20,10 +20,11 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from detect import area_ratio, hagglund1995, oscillation
+from detect.methods import area_ratio
+from detect.oscillation import hagglund1995, acf_crossings as oscillation
 from detect.card import Card
-from detect.diagnose import Diagnosis, diagnose
-from detect.gate import Gate
+from detect.diagnosis import Diagnosis, diagnose
+from detect.oscillation.gate import Gate
 from detect.method import Method
 from detect.verdict import Verdict
 

@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 
 from detect.card import Card
 from detect.verdict import Verdict
-from records import LoopRecord
+from logs import LoopRecord
 
 __all__ = ["Method"]
 
@@ -18,7 +18,7 @@ class Method(Protocol):
     Optional beside them: `draw(verdict, figure)`, the picture of its evidence, and for streaming `Params`, `init`,
     `update` and `verdict` (see `stream`). A method whose card says `experimental` is shown, but has no vote.
 
-    >>> from detect import area_ratio
+    >>> from detect.methods import area_ratio
     >>> isinstance(area_ratio, Method)
     True
     """

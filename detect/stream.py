@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from records import Log, LoopRecord
+from logs import Log, LoopRecord
 
 __all__ = ["Buffer", "LoopFacts", "Sample", "replay"]
 

@@ -171,7 +171,7 @@ class Verdict:
 
     def plot(self) -> Figure:
         """The evidence as the method draws it, with the reason below."""
-        from detect.plots import plot_verdict
+        from detect.figures.verdict import plot_verdict
 
         return plot_verdict(self)
 

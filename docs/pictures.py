@@ -37,8 +37,8 @@ def topologies() -> None:
 
 def linear() -> None:
     """Poles, Bode plots and relative gains of set B, as in ``docs/linearise.md``."""
-    from plant.linear import linearise
-    from plant.production import production_plant
+    from diagram.linear import linearise
+    from plant import production_plant
 
     model = linearise(production_plant("B", F_s="high"))
     keep("linearise_poles", model.plot())
@@ -48,7 +48,7 @@ def linear() -> None:
 
 def spread() -> None:
     """The study of ``docs/study.md``: 1000 runs."""
-    from plant.study import production_subject, study
+    from study import production_subject, study
 
     with tempfile.TemporaryDirectory() as folder:
         found = study(
@@ -65,7 +65,7 @@ def judged() -> None:
     from cases import find
     from cases.stories import EXPORTS
     from detect import diagnose
-    from records import read_loop
+    from logs import read_loop
 
     keep("sticky_flow", diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv")).plot())
     keep("loop", find("ideal_high").build().plot())

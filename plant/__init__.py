@@ -1,16 +1,23 @@
-"""Join blocks into diagrams and run them.
+"""The offshore production plant of the thesis: two separators, two compressors on one shaft, sticky valves.
 
-wire       blocks and diagrams joined by signal names      Diagram    what it returns, a python-control system
-simulate   the compiled engine                             drive      one block alone
-ensemble   one diagram over thousands of parameter sets    reference  slow, independent integrators
-linear     operating points, poles, loops, relative gains  study      sweeps, and what oscillates in them
+production_plant   the whole plant, wired by names, at rest       parts        what it is made of, to use alone
+SETS               the parameter sets A, B, C and E                steady_state where it rests for a given feed
 """
 
-from plant.diagram import Diagram, wire
-from plant.drive import drive
-from plant.ensemble import ensemble
-from plant.portfolio import Ensemble
-from plant.simulate import Event, Run, simulate
-from plant.wiring import WiringError
+from plant.build import kicked, production_plant
+from plant.parameters import SET_A, SET_B, SET_C, SET_E, SETS, Production
+from plant.rest import InfeasibleFeed, Rest, steady_state
 
-__all__ = ["Diagram", "Ensemble", "Event", "Run", "WiringError", "drive", "ensemble", "simulate", "wire"]
+__all__ = [
+    "SETS",
+    "SET_A",
+    "SET_B",
+    "SET_C",
+    "SET_E",
+    "InfeasibleFeed",
+    "Production",
+    "Rest",
+    "kicked",
+    "production_plant",
+    "steady_state",
+]

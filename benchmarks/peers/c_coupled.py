@@ -13,8 +13,8 @@ import numpy as np
 
 from benchmarks.peers.c_library import library
 from blocks import PI, FirstOrder, Step, Sum
-from plant import wire
-from plant.diagram import Diagram
+from diagram import wire
+from diagram.diagram import Diagram
 
 A, B = 0.2, -0.1  # how the next two loops are felt
 STEP_AT = 1.0  # [s]

@@ -23,7 +23,7 @@ from benchmarks.peers import production_equations as equations
 from benchmarks.peers.production_lsoda import Problem
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from plant.diagram import Diagram
+from diagram.diagram import Diagram
 
 V_S = 1e-6  # [1/s], width of the Stribeck peak
 SHARPNESS = 100.0

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.block import Block
-from plant import Diagram
+from diagram import Diagram
 
 SOURCE = Path(__file__).with_name("oracle.c")
 PI = ("K_p", "T_i", "low", "high", "T_t", "action")

@@ -18,10 +18,10 @@ from blocks.noise import Noise
 from blocks.periodic import Sine, Square
 from blocks.sensor import SampledSensor, Sensor
 from blocks.sources import Ramp
-from plant import Diagram, wire
+from diagram import Diagram, wire
 
 ROWS = 150
-SLOW = 8  # every so many diagrams may have a PI with conditional integration, which only plant.reference knows
+SLOW = 8  # every so many diagrams may have a PI with conditional integration, which only diagram.reference.integration knows
 SCANS = (0.1, 0.25, 0.3, 0.5, 0.7, 1.0, 2.0)
 
 

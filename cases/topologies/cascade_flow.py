@@ -20,7 +20,7 @@ import numpy as np
 from cases.case import Case, Number
 
 if TYPE_CHECKING:
-    from plant.diagram import Diagram
+    from diagram.diagram import Diagram
 
 K_L, T_L = 4.0, 400.0  # level controller: gain [-], integral time [s]
 K_F, T_F = 0.5, 3.0  # flow controller; T_F equals the lag of the flow
@@ -36,7 +36,7 @@ def direct_loop() -> "Diagram":
     ('OP', 'MV', 'F', 'net', 'L')
     """
     from blocks import PI, FirstOrder, Integrator, StickSlip, Sum
-    from plant import wire
+    from diagram import wire
 
     return wire(
         [
@@ -58,7 +58,7 @@ def cascade_loop() -> "Diagram":
     ('SP_F', 'OP', 'MV', 'F', 'net', 'L')
     """
     from blocks import PI
-    from plant import wire
+    from diagram import wire
 
     direct = direct_loop()
     level = direct["LC"].relabelled("LC", ["SP_L", "L"], ["SP_F"])
@@ -69,7 +69,7 @@ def cascade_loop() -> "Diagram":
 def both() -> "Diagram":
     """Return both loops side by side, fed alike: the inflow rises from 0.5 to 0.55 after a minute."""
     from blocks import Constant, Step
-    from plant import wire
+    from diagram import wire
 
     feed = Step("F_in", after=0.55, before=0.5, at=60.0)
     return wire([Constant("SP_L", 0.5), feed, direct_loop(), cascade_loop()], name="cascade_flow")

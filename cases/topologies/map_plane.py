@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.topologies.own_map import own_map
-from records.style import tidy
+from logs.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from plant.simulate import Run
+    from diagram.simulation import Run
 
 CURVE, SURGE = "#8896a5", "#b00020"
 WAYS = {"bare": ("#c55a11", 0.9), "guarded": ("#1f4e79", 2.4)}

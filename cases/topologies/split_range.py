@@ -18,7 +18,7 @@ import numpy as np
 from cases.case import Case, Number
 
 if TYPE_CHECKING:
-    from plant.diagram import Diagram
+    from diagram.diagram import Diagram
 
 F_S, F_C, SPRING = 2250.0, 1250.0, 52500.0  # N, N, N per travel: high stiction, thesis table A.1
 P_SP, P_ATM, P_SUPPLY = 2.0e5, 1.013e5, 6.0e5  # Pa
@@ -36,7 +36,7 @@ def split_range(F_s: float = F_S) -> "Diagram":
     """
     from blocks import PI, Characteristic, Constant, ControlValveFlow, Gain, IdealValve, Limit, Plenum, Square
     from blocks import StickSlip as Sticky
-    from plant import wire
+    from diagram import wire
 
     return wire(
         [

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.peers import production_control, production_equations, production_lsoda
 from benchmarks.plant import in_turn, largest, ratio
-from plant import simulate
-from plant.production import SETS, kicked, production_plant, steady_state
+from diagram import simulate
+from plant import SETS, kicked, production_plant, steady_state
 
 F_S = 2250.0
 

@@ -13,7 +13,7 @@ from benchmarks.torture.c_program import NoCompiler, covers, program, solve
 from benchmarks.torture.draw import Drawn, draw
 from blocks import DeadTime, FirstOrder, Gain, Noise, QuasiStaticStem, Recorded, SampledPI, SecondOrder, Step, StickSlip
 from blocks.sources import Ramp
-from plant import simulate, wire
+from diagram import simulate, wire
 
 CLEAN = 22  # a seed whose diagram has no sampled block: everybody agrees on it
 
@@ -117,7 +117,7 @@ def test_a_diagram_on_which_an_oracle_differs_from_itself_is_undecided(monkeypat
 
 
 def test_every_block_of_the_search_has_an_oracle():
-    # what the C program does not know goes to plant.reference
+    # what the C program does not know goes to diagram.reference.integration
     asked = {covers(draw(seed).diagram) for seed in range(60)}
     assert asked == {"", "PI with conditional integration"}
 

@@ -6,7 +6,7 @@ import pytest
 from blocks.anti_surge import AntiSurge
 from blocks.ports import BlockError
 from blocks.sources import Ramp, Step
-from plant import drive
+from diagram import drive
 
 
 def test_gain_grows_towards_surge():

@@ -9,7 +9,7 @@ from blocks.arithmetic import Gain, Limit, Sum
 from blocks.periodic import Sine
 from blocks.ports import BlockError
 from blocks.sources import Constant
-from plant import drive, ensemble, simulate, wire
+from diagram import drive, ensemble, simulate, wire
 
 
 def test_sum_weighs_its_inputs():

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from blocks.characteristic import Characteristic
 from blocks.ports import BlockError
 from blocks.sources import Ramp
-from plant import drive
+from diagram import drive
 
 
 def flow(block, x):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from blocks.check_valve import CheckValve
 from blocks.periodic import Sine
 from blocks.ports import BlockError
-from plant import drive
+from diagram import drive
 
 
 @given(st.floats(0.0, 1e8), st.floats(0.0, 1e8), st.floats(0.0, 1e5))

@@ -11,7 +11,7 @@ from blocks.plenum import Plenum
 from blocks.ports import BlockError
 from blocks.sources import Constant
 from blocks.tabulated_map import TabulatedMap
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 W_D = 994.838
 

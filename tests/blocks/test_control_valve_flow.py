@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from blocks.control_valve_flow import ControlValveFlow, drop_for, root
 from blocks.ports import BlockError
 from blocks.sources import Ramp
-from plant import drive
+from diagram import drive
 
 
 @given(st.floats(1e3, 1e8))

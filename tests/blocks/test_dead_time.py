@@ -9,7 +9,7 @@ import pytest
 from blocks.dead_time import ORDER, DeadTime, pade
 from blocks.periodic import Sine, Square
 from blocks.ports import BlockError
-from plant import drive
+from diagram import drive
 
 LABELS = {"inputs": "u", "outputs": "y"}
 

@@ -17,7 +17,7 @@ from blocks.ports import BlockError
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.recorded import Recorded
 from blocks.sources import Step
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 

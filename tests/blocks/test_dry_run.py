@@ -16,7 +16,7 @@ from blocks.block import Block, Kernels
 from blocks.dry_run import dry_run
 from blocks.ports import Port
 from engine.status import Status
-from plant import simulate, wire
+from diagram import simulate, wire
 
 RIGHT = {
     "out": "out[0] = x[0]",

@@ -11,7 +11,7 @@ from blocks.periodic import Sine
 from blocks.ports import BlockError
 from blocks.recorded import Recorded
 from blocks.sources import Step
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 TIGHT = {"rtol": 1e-9, "atol": 1e-12}
 

@@ -5,7 +5,7 @@ import pytest
 
 from blocks.flare import Flare
 from blocks.sources import Step
-from plant import drive
+from diagram import drive
 
 
 def test_pi_above_the_limit():

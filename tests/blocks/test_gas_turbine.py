@@ -9,7 +9,7 @@ from blocks.pi import PI
 from blocks.ports import BlockError
 from blocks.shaft import Shaft
 from blocks.sources import Constant, Ramp, Step
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 W = 994.838
 

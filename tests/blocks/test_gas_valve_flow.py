@@ -12,9 +12,9 @@ from blocks.gas_valve_flow import GasValveFlow
 from blocks.ports import BlockError
 from blocks.sizing import size_gas_valve
 from blocks.sources import Ramp, Step
-from plant import drive, simulate
-from plant.production import production_plant, steady_state
-from plant.production.parameters import SET_B
+from diagram import drive, simulate
+from plant import production_plant, steady_state
+from plant.parameters import SET_B
 
 MOST = 1.3067 / 1.4 * 0.7  # drop ratio at choking of the default gas
 

@@ -5,7 +5,7 @@ import numpy as np
 from blocks.ideal_valve import IdealValve
 from blocks.periodic import Sine
 from blocks.stick_slip import StickSlip
-from plant import drive
+from diagram import drive
 
 
 def test_passes_op_and_takes_a_place():

@@ -8,7 +8,7 @@ from blocks.integrator import Integrator
 from blocks.periodic import Sine
 from blocks.ports import BlockError
 from blocks.sources import Step
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 
 @pytest.mark.parametrize("theta", [0.0, 2.5])

@@ -5,7 +5,7 @@ import pytest
 
 from blocks.kano_valve import KanoValve
 from blocks.ports import BlockError
-from plant import drive
+from diagram import drive
 from tests.blocks.test_valves_agree import sampled
 
 

@@ -10,7 +10,7 @@ from blocks.noise import Noise, seeded, uniform
 from blocks.ports import BlockError
 from blocks.sensor import SampledSensor
 from blocks.sources import Constant
-from plant import simulate, wire
+from diagram import simulate, wire
 
 N = 20_000
 

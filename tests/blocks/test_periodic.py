@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from blocks.periodic import Sine, Slug, Square, Triangle, whole
 from blocks.ports import BlockError
-from plant import simulate, wire
+from diagram import simulate, wire
 
 
 def at(block, t):

@@ -16,7 +16,7 @@ from blocks.ports import BlockError
 from blocks.recorded import Recorded, Staircase
 from blocks.sensor import SampledSensor, Sensor
 from blocks.sources import Constant, Ramp, Step
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 

@@ -8,7 +8,7 @@ import pytest
 
 from blocks import PI, PID, FirstOrder, SecondOrder, Staircase, Step
 from blocks.ports import BlockError
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 

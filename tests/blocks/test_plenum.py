@@ -6,7 +6,7 @@ import pytest
 from blocks.flow_resistance import FlowResistance
 from blocks.plenum import Plenum
 from blocks.ports import BlockError
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 
 def test_every_flow_counts_with_its_sign():

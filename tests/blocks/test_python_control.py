@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from blocks import PI, BlockError, FirstOrder
-from plant import WiringError, wire
+from diagram import WiringError, wire
 
 
 def foreign(name="other", **ports):

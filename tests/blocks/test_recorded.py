@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from blocks.ports import BlockError
 from blocks.recorded import Recorded, Staircase
-from plant import simulate, wire
+from diagram import simulate, wire
 
 
 def at(block, t):

@@ -13,7 +13,7 @@ from blocks.pi import PI
 from blocks.ports import BlockError
 from blocks.recorded import Staircase
 from blocks.sampled_pi import SampledPI
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 KINDS = ["none", "conditional", "back_calculation"]

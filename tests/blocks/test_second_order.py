@@ -9,7 +9,7 @@ import pytest
 from blocks.ports import BlockError
 from blocks.second_order import SecondOrder
 from blocks.sources import Step
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 TIGHT = {"rtol": 1e-9, "atol": 1e-12}
 

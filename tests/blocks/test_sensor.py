@@ -13,7 +13,7 @@ from blocks.periodic import Sine
 from blocks.ports import BlockError
 from blocks.sensor import SampledSensor, Sensor
 from blocks.sources import Constant, Ramp
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 
 def drive_at(block, times, rtol=1e-6, atol=1e-9, **inputs):

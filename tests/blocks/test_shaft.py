@@ -5,7 +5,7 @@ import pytest
 
 from blocks.ports import BlockError
 from blocks.shaft import Shaft
-from plant import drive
+from diagram import drive
 
 
 def test_torque_balance():

@@ -7,7 +7,7 @@ import pytest
 
 from blocks.ports import BlockError
 from blocks.sources import Constant, Ramp, Step
-from plant import simulate, wire
+from diagram import simulate, wire
 
 
 def at(block, t):

@@ -17,7 +17,7 @@ from blocks.recorded import Recorded
 from blocks.sampled_pi import SampledPI
 from blocks.sources import Ramp, Step
 from blocks.stick_slip import StickSlip
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 K, M, F_V, F_C = 52500.0, 1.36, 612.0, 1250.0
 LAG = F_V / K  # analytic: a stem that slides at the rate r of OP stands F_v r/k behind

@@ -13,7 +13,7 @@ from blocks.kano_valve import KanoValve
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.stenman_valve import StenmanValve
 from blocks.stick_slip import StickSlip
-from plant import drive
+from diagram import drive
 
 PERCENT = {"low": 0.0, "high": 100.0}
 TWO_BANDS = (KanoValve, ChoudhuryValve, ChenValve, HeValve.from_bands)

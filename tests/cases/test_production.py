@@ -11,8 +11,8 @@ from cases import find, names
 from cases.choice import gain_from, scan
 from cases.kicks import SIZE, Studies, rest_amplitudes, start_kicks, study
 from engine.status import Status
-from plant import simulate
-from plant.production import SET_B, SET_C, SET_E, kicked, production_plant
+from diagram import simulate
+from plant import SET_B, SET_C, SET_E, kicked, production_plant
 
 J = {"normal": 500.0 / 52500.0, "high": 1000.0 / 52500.0}  # analytic: (F_s - F_c)/k
 S = {"normal": 3000.0 / 52500.0, "high": 3500.0 / 52500.0}  # analytic: (F_s + F_c)/k
@@ -149,7 +149,7 @@ def test_numbers_of_a_case(monkeypatch):
 
 
 def test_an_interrupted_study_is_no_study(monkeypatch):
-    module = import_module("plant.ensemble")  # plant.ensemble itself is the function
+    module = import_module("diagram.ensembles.running")  # diagram.ensembles.running itself is the function
     whole = module.ensemble
 
     def stopped(*arguments, **options):

@@ -7,7 +7,7 @@ from cases import starts
 from cases.kicks import FRESH, SEED, Study, start_kicks
 from cases.production import KICK, TWO_JUMPS, own_numbers
 from cases.starts import Pooled, fresh, judged, plant_rows, telling
-from plant.production import SET_E
+from plant import SET_E
 
 
 class Made:
@@ -57,7 +57,7 @@ def test_rows_that_tell_parameters_apart():
 
 
 def test_fresh_starts_differ():
-    from plant.production import production_plant
+    from plant import production_plant
 
     plant = production_plant()
     oil = [tuple(start_kicks(plant, 3, seed)["S1.N_oil"]) for seed in FRESH]

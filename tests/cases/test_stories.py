@@ -5,7 +5,7 @@ import pytest
 
 from cases.stories import EXPORTS, STORIES, main
 from detect import diagnose
-from records import read_loop
+from logs import read_loop
 
 SMOOTH = ("TIC-204", "PIC-305")  # no valve that sticks: not chaotic, so every digit is kept by any good solver
 STEADY_LINES = 120  # of a sticky loop, before the last digits of a solver can have grown

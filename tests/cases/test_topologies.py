@@ -14,8 +14,8 @@ from cases import find, names
 from cases.topologies import cascade_flow, own_map, split_range
 from cases.topologies.map_plane import map_plane
 from detect import diagnose
-from plant import simulate
-from plant.production import SET_B, production_plant, steady_state
+from diagram import simulate
+from plant import SET_B, production_plant, steady_state
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "topologies.md").read_text()

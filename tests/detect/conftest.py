@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from records import LoopRecord
+from logs import LoopRecord
 
 
 def _wave(kind, t, period=50.0, phase=0.0, tau=8.0):

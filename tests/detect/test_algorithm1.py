@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from detect import algorithm1
+from detect.methods import algorithm1
 
 
 def test_thesis_sine():

@@ -8,10 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from detect import area_ratio, stream
-from detect.area_ratio import Params, closed_form, detect
-from detect.lateness import Lateness, Side
-from records import LoopRecord
+from detect.methods import area_ratio
+from detect import stream
+from detect.methods.area_ratio import Params, closed_form, detect
+from detect.prepare.lateness import Lateness, Side
+from logs import LoopRecord
 
 
 def test_closed_form_meets_the_integral():

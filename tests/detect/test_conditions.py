@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from detect import conditions
-from records import LoopRecord
+from detect.prepare import conditions
+from logs import LoopRecord
 
 
 def record(pv, op=None, **more):

@@ -8,7 +8,7 @@ import pytest
 
 import detect
 from detect import GATES, METHODS, stream
-from records import LoopRecord
+from logs import LoopRecord
 
 by_name = pytest.mark.parametrize("method", METHODS, ids=lambda m: m.CARD.name)
 

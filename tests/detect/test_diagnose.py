@@ -6,8 +6,9 @@ import types
 import numpy as np
 import pytest
 
-from detect import Card, Method, Verdict, area_ratio, diagnose
-from records import LoopRecord
+from detect import Card, Method, Verdict, diagnose
+from detect.methods import area_ratio
+from logs import LoopRecord
 
 
 def saying(word, name="area_ratio", code=None):

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from detect.half_cycles import crossings, measure
+from detect.prepare.half_cycles import crossings, measure
 
 
 def ratio(t, x, noise=0.0):

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from detect.half_cycles import HalfCycle
-from detect.lateness import closed_form, lag_of, lateness
+from detect.prepare.half_cycles import HalfCycle
+from detect.prepare.lateness import closed_form, lag_of, lateness
 
 
 def half(peak, before, after):

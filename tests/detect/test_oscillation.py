@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from detect import area_ratio, hagglund1995, oscillation
+from detect.methods import area_ratio
+from detect.oscillation import hagglund1995, acf_crossings as oscillation
 
 
 @pytest.mark.parametrize("kind", ["sine", "triangle", "square", "exponential"])

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from detect import area_ratio, diagnose
-from records import LoopRecord
-from records.plots import COLOURS
+from detect.methods import area_ratio
+from detect import diagnose
+from logs import LoopRecord
+from logs.figures import COLOURS
 
 
 @pytest.fixture

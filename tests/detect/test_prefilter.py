@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from detect import prefilter
+from detect.prepare import prefilter
 
 
 def reference(noise_std, q, t, z):

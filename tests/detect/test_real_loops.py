@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from detect import diagnose
-from records import LoopRecord
+from logs import LoopRecord
 
 DATA = Path(os.environ.get("STICKSLIP_DATA", Path(__file__).parents[3] / "shared" / "data"))
 LIST = DATA / "loops.csv"

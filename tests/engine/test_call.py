@@ -29,7 +29,7 @@ FILES = {
         from far import numbers
         from far.helpers import inner, rate
         from far.numbers import RATE, TABLE
-        from plant import simulate, wire
+        from diagram import simulate, wire
 
         def scaled(x, by=1.0):
             return x * by

@@ -9,7 +9,7 @@ from blocks import Constant, FirstOrder, SampledPI, Sine, Step
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from engine.status import Status
-from plant import drive, simulate, wire
+from diagram import drive, simulate, wire
 
 SHARP = {"rtol": 1e-12, "atol": 1e-14}
 

@@ -10,8 +10,8 @@ from blocks.ports import Port
 from engine import layout as at
 from engine.run import Settings, prepare, run
 from engine.status import Status
-from plant import wire
-from plant.flatten import plan
+from diagram import wire
+from diagram.flatten import plan
 
 
 def _der(t, x, d, u, p, dx):

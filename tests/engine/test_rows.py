@@ -37,12 +37,12 @@ from blocks import (
 )
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from detect import area_ratio
+from detect.methods import area_ratio
 from engine.status import Status
-from online import DetectorBlock, PrefilterBlock
-from plant import simulate, wire
-from plant.ensemble import ensemble
-from plant.reference import simulate_reference
+from detect.blocks import DetectorBlock, PrefilterBlock
+from diagram import simulate, wire
+from diagram.ensembles.running import ensemble
+from diagram.reference.integration import simulate_reference
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}
 DIAGRAMS = int(os.environ.get("STICKSLIP_DIAGRAMS", "40"))

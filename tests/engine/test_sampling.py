@@ -9,7 +9,7 @@ from blocks import Constant, FirstOrder, IdealValve, QuasiStaticStem, Recorded, 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from engine.status import Status
-from plant import simulate, wire
+from diagram import simulate, wire
 
 
 def _count(t, x, d, u, p, y):

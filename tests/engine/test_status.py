@@ -11,7 +11,7 @@ from blocks import Constant, FirstOrder, Step
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from engine.status import Status
-from plant import simulate, wire
+from diagram import simulate, wire
 
 
 def _x(t, x, d, u, p, y):

@@ -13,8 +13,8 @@ from engine.call import pointer_to
 from engine.elimination import eliminate
 from engine.linear import factorise, solve
 from engine.structure import _reads_time, analyse
-from plant import simulate, wire
-from plant.flatten import plan
+from diagram import simulate, wire
+from diagram.flatten import plan
 
 
 @st.composite

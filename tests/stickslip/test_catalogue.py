@@ -9,7 +9,7 @@ import pytest
 import blocks
 from blocks.block import Block
 from blocks.ports import BlockError
-from stickslip.catalogue import BLOCKS, entries, find, markdown
+from stickslip.commands.blocks import BLOCKS, entries, find, markdown
 
 ROOT = Path(__file__).resolve().parents[2]
 PLANT = [e for e in entries() if e.group in ("Plant", "Valve bodies and pipes: MV to flow")] + [

@@ -125,7 +125,7 @@ def test_json_into_a_pipe(shell, good):
 
 def sticky_with_stem(tmp_path, exports, *, stem):
     """The sticky example as a table, with the stem under the valve's own tag."""
-    from records import read_loop
+    from logs import read_loop
 
     loop = read_loop(exports / "FIC101_pi_export.csv")
     held = loop.op.copy()

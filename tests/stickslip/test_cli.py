@@ -114,7 +114,7 @@ def test_advice_that_says_how_to_integrate_works(call):
 
 def test_the_methods_named_here_are_the_engines():
     from engine.run import METHODS as OF_ENGINE
-    from stickslip.simulate import METHODS
+    from stickslip.commands.simulate import METHODS
 
     assert set(METHODS) == set(OF_ENGINE)
 

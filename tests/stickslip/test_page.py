@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from stickslip.page import Section, page, table_to_html
+from stickslip.report.page import Section, page, table_to_html
 
 
 class Reader(HTMLParser):

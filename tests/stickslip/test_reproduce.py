@@ -9,8 +9,8 @@ import pytest
 
 from cases.starts import Fresh
 from cases.tables import Row
-from stickslip import reproduce
-from stickslip.captions import CAPTIONS
+from stickslip.commands import reproduce
+from stickslip.commands.captions import CAPTIONS
 from stickslip.cli import COMMANDS
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 
-@pytest.mark.parametrize("name", ["plant.py", "records/__init__.py", "control.py", "numpy/__init__.py", "click.py"])
+@pytest.mark.parametrize("name", ["plant.py", "logs/__init__.py", "control.py", "numpy/__init__.py", "click.py"])
 def test_a_users_file_is_named(shell, tmp_path, name):
     file = tmp_path / name
     file.parent.mkdir(exist_ok=True)
@@ -19,7 +19,7 @@ def test_a_users_file_is_named(shell, tmp_path, name):
 def test_a_plain_folder_of_that_name_is_no_trouble(shell, tmp_path):
     (tmp_path / "records").mkdir()
     (tmp_path / "records" / "FIC1.csv").write_text("time,PV,OP\n0,1,2\n")
-    assert shell("check", "records/FIC1.csv", cwd=tmp_path).returncode == 0
+    assert shell("check", "logs/FIC1.csv", cwd=tmp_path).returncode == 0
 
 
 @pytest.mark.parametrize("name", ["filelock.py", "random.py", "json.py", "pathlib/__init__.py"])

@@ -7,7 +7,7 @@ import pytest
 
 import plant
 from engine.status import Status
-from records import read_log
+from logs import read_log
 
 
 def test_log_and_pictures_are_written(call, tmp_path):
@@ -56,7 +56,7 @@ def test_duration_shorter_than_the_cases_log_interval(call):
 
 
 def test_a_run_that_stops_early_is_not_done(call, monkeypatch, tmp_path):
-    whole = plant.simulate
+    whole = diagram.simulation
     monkeypatch.setattr(plant, "simulate", lambda *a, **k: whole(*a, **k, max_steps=20))
     target = tmp_path / "answer.json"
     result = call("simulate", "ideal_high", "--json", target)
@@ -101,7 +101,7 @@ def test_time_simulated_is_that_of_the_run_not_of_its_rows(call):
 
 
 def test_ctrl_c_has_an_exit_code_of_its_own(call, monkeypatch):
-    whole = plant.simulate
+    whole = diagram.simulation
     monkeypatch.setattr(plant, "simulate", lambda *a, **k: replace(whole(*a, **k), status=Status.INTERRUPTED))
     result = call("simulate", "sine")
     assert result.exit_code == 130 and "stopped early" in result.stderr

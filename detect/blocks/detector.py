@@ -1,0 +1,149 @@
+"""A streaming detector wired into a diagram.
+
+    in   SP, PV   measurement span as a fraction      OP   controller output as a fraction of its span
+    out  index    the method's index [-], NaN while there is none
+         verdict  0 not applicable, 1 inconclusive, 2 no stiction, 3 stiction
+
+The block takes a sample every ``dt`` seconds, first at t = 0, and asks the method for a verdict every
+``verdict_every`` samples, because a verdict costs far more than a sample.  Its answer follows its inputs at once,
+so a loop that is closed over it needs a lag.  Python-control, which runs no Python between samples, sees it as a
+block that always answers 0.
+"""
+
+from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks import Block, Kernels, Labels, Port
+from blocks.ports import BlockError, require
+from detect.stream import LoopFacts, Sample
+
+PROCESSES = ("self_regulating", "integrating", "unknown")
+CODES = {"not_applicable": 0.0, "inconclusive": 1.0, "no_stiction": 2.0, "stiction": 3.0}
+
+
+class DetectorState(NamedTuple):
+    """The method's own state, samples taken, and what was said last: (index, verdict)."""
+
+    method: Any
+    taken: int
+    said: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class DetectorHost:
+    """Runs one streaming method: ``init``, ``update``, ``verdict`` of its module."""
+
+    method: ModuleType
+    params: Any
+    facts: LoopFacts
+    verdict_every: int
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Name the module of the method, which cannot be pickled itself."""
+        named = {"method": self.method.__name__} if isinstance(self.method, ModuleType) else {}
+        return self.__dict__ | named
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if isinstance(state["method"], str):
+            state = state | {"method": import_module(state["method"])}
+        self.__dict__.update(state)
+
+    def init(self, p: NDArray[np.float64]) -> DetectorState:
+        """Return the state before the first sample."""
+        return DetectorState(self.method.init(self.params, self.facts), 0, (np.nan, 0.0))
+
+    def step(
+        self, t: float, state: DetectorState, u: NDArray[np.float64], p: NDArray[np.float64]
+    ) -> tuple[DetectorState, tuple[float, float]]:
+        """Take one sample; return the next state and (index, verdict)."""
+        sample = Sample(pv=float(u[1]), op=float(u[2]), sp=float(u[0]))
+        inner = self.method.update(self.params, state.method, t, sample)
+        taken, said = state.taken + 1, state.said
+        if taken % self.verdict_every == 0:
+            verdict = self.method.verdict(self.params, inner)
+            said = (np.nan if verdict.index is None else verdict.index, CODES[verdict.verdict])
+        return DetectorState(inner, taken, said), said
+
+
+def _silent(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = 0.0
+    y[1] = 0.0
+
+
+class _Silent(Block):
+    """What python-control sees of a detector."""
+
+    ports_in = (Port("SP"), Port("PV"), Port("OP"))
+    ports_out = (Port("index"), Port("verdict"))
+    kernels = Kernels(out=_silent, feeds=False)
+
+
+def _check_method(method: Any) -> None:
+    """Refuse what is no detector, and a detector that cannot take one sample after the other."""
+    if not hasattr(method, "CARD"):
+        raise BlockError(f"method = {method!r} is no detector; give a module of detect with a CARD, e.g. area_ratio")
+    card = method.CARD
+    missing = [part for part in ("Params", "init", "update", "verdict") if not hasattr(method, part)]
+    if card.streams in ("exact", "window") and not missing:
+        return
+    why = "its card says so" if card.streams not in ("exact", "window") else f"it has no {' and no '.join(missing)}"
+    raise BlockError(
+        f"{card.name}: method = {card.name!r}; this method does not stream ({why}), so it cannot be a block; give one "
+        f"that does, e.g. area_ratio, or judge the log after the run: diagnose(run.log.loop(), [{card.name}])"
+    )
+
+
+class DetectorBlock(Block):
+    """A streaming method (a module of ``detect`` with ``init``, ``update``, ``verdict``) sampled every ``dt`` [s].
+
+    Raises ``BlockError`` if the method is none or does not stream, the process is of no known kind, or ``dt`` is
+    not positive.
+
+    >>> from detect.methods import area_ratio
+    >>> from detect.blocks import DetectorBlock
+    >>> DetectorBlock(area_ratio, dt=1.0).output_labels
+    ['index', 'verdict']
+    """
+
+    ports_in = _Silent.ports_in
+    ports_out = _Silent.ports_out
+    kernels = Kernels()  # the answer depends on the sample taken at the same instant
+    period_param = "dt"
+
+    def __init__(
+        self,
+        method: ModuleType,
+        dt: float,
+        *,
+        verdict_every: int = 30,
+        params: Any = None,
+        process: str = "self_regulating",
+        name: str = "",
+        inputs: Labels = None,
+        outputs: Labels = None,
+    ) -> None:
+        _check_method(method)
+        name = name or method.CARD.name
+        require(process in PROCESSES, name, "process", process, "it is none of the known kinds", f"give {PROCESSES}")
+        facts = LoopFacts(name=name, process=process, op_span=(0.0, 1.0))
+        require(verdict_every >= 1, name, "verdict_every", verdict_every, "it counts samples", "give 1 or more")
+        self.host = DetectorHost(method, method.Params() if params is None else params, facts, verdict_every)
+        super().__init__(name=name, params={"dt": dt}, start_output=[np.nan, 0.0], inputs=inputs, outputs=outputs)
+
+    @staticmethod
+    def check(params: Any, name: str) -> None:
+        """Refuse a sampling period that is not positive."""
+        require(params["dt"] > 0.0, name, "dt", params["dt"], "a sampling period must be positive", "give seconds")
+
+    def smooth(self) -> Block:
+        """Return a block that always answers 0."""
+        return _Silent(name=self.name, params={}, inputs=list(self.input_labels), outputs=list(self.output_labels))
+
+    def seen_states(self) -> tuple[str, ...]:
+        """Python-control sees no states."""
+        return ()

@@ -1,0 +1,129 @@
+"""Pictures of verdicts: the evidence as a sceptic would draw it."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.verdict import Verdict
+from logs.figures import COLOURS
+from logs.style import tidy
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, FigureBase
+
+__all__ = ["draw_evidence", "draw_half_cycles", "draw_reason", "legend", "plot_verdict"]
+
+PV = COLOURS["PV"]
+# A dark and a light one, told apart without colour, too; neither means a signal elsewhere.
+BEFORE, AFTER, UNUSED, LINE = "#7b5ea7", "#f0c05a", "#e6e6e6", "#333333"
+CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
+
+
+def plot_verdict(v: Verdict) -> Figure:
+    """One figure: evidence of the method above, verdict and reason as its title."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 4.6), layout="constrained")
+    reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
+    standing = " (experimental, no vote)" if v.experimental else ""
+    figure.suptitle(f"{v.method}: {v.verdict.replace('_', ' ')}{standing}{reason}", x=0.01, ha="left", fontsize=9)
+    draw_evidence(v, figure)
+    return figure
+
+
+def draw_evidence(v: Verdict, figure: FigureBase) -> None:
+    """The evidence of any method on a figure or subfigure; its reason when there is nothing to draw."""
+    if v.draw is None or len(v.evidence) == 0:
+        draw_reason(v.reason, figure)
+    else:
+        v.draw(v, figure)
+
+
+def draw_reason(text: str, figure: FigureBase) -> None:
+    """A sentence instead of a picture."""
+    axes = figure.subplots()
+    axes.axis("off")
+    axes.text(0.0, 0.9, textwrap.fill(text, 100), va="top", ha="left", transform=axes.transAxes)
+
+
+def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
+    """e with its half cycles cut at the peaks, beside the ratio of each half cycle."""
+    left, right = figure.subplots(1, 2, width_ratios=(3, 1))
+    t, e = v.array("t"), v.array("e")
+    start, middle, end = v.array("start"), v.array("peak_time"), v.array("end")
+    used = v.array("used") > 0
+    last = start[0] + CYCLES * np.median(end - start) if len(start) else (t[-1] if len(t) else 0.0)
+    shown = t <= last
+    left.plot(t[shown | np.isnan(t)], e[shown | np.isnan(t)], color=LINE, lw=0.8)
+    left.axhline(0, color=LINE, lw=0.5)
+    for i in np.flatnonzero(start <= last):
+        for a, b, colour in ((start[i], middle[i], BEFORE), (middle[i], end[i], AFTER)):
+            inside = t[(t > a) & (t < b)]
+            edge = np.concatenate([[a], inside, [b]])
+            ok = ~np.isnan(t)
+            left.fill_between(
+                edge, np.interp(edge, t[ok], e[ok]), color=colour if used[i] else UNUSED, alpha=0.85, lw=0
+            )
+    left.plot([], [], color=BEFORE, lw=6, label="A1, before the peak")
+    left.plot([], [], color=AFTER, lw=6, label="A2, after it")
+    if not used.all():
+        left.plot([], [], color=UNUSED, lw=6, label="left out")
+    legend(left)
+    left.margins(x=0.01, y=0.05)
+    left.set_xlabel("time [s]")
+    left.set_ylabel("e = SP - PV, centred")
+    some = f" (first {CYCLES} of {len(start)})" if len(start) > CYCLES else ""
+    left.set_title(f"half cycles of e, cut at their peaks{some}", fontsize=9, loc="left")
+    tidy(left)
+    _draw_ratios(v, right, used)
+
+
+def legend(axes: Axes) -> None:
+    """Name the lines of a panel above it, where no data are."""
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=8.5, borderpad=0.1,
+        handlelength=1.6, columnspacing=1.2,
+    )  # fmt: skip
+
+
+def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = v.array("area_before") / v.array("area_after")
+    below = v.array("peak") > 0  # of e = SP - PV
+    rng = np.random.default_rng(0)
+    for x, side in ((0.0, below), (1.0, ~below)):
+        kept = ratio[side & used]
+        axes.plot(x + rng.uniform(-0.15, 0.15, len(kept)), kept, "o", ms=4, color=LINE, alpha=0.5, lw=0)
+    axes.set_xticks([0, 1], ["PV below SP", "PV above SP"])
+    axes.set_xlim(-0.6, 1.6)
+    axes.set_yscale("log")
+    if v.interval is not None and v.index is not None:
+        axes.axhspan(*v.interval, color=PV, alpha=0.22, lw=0)
+        axes.axhline(v.index, color=PV, lw=1.8)
+        _at_line(axes, v.index, f"R = {v.index:.2f}")
+    axes.axhline(1.0, color=LINE, lw=0.8, ls=":")
+    if v.threshold is not None:
+        axes.axhline(v.threshold, color=LINE, lw=0.9, ls="--")
+        if v.index is None or not 0.85 < v.threshold / v.index < 1.18:  # no room for both names
+            _at_line(axes, v.threshold, "threshold")
+    seen = [*ratio[used & np.isfinite(ratio) & (ratio > 0)].tolist(), 1.0, v.threshold or 1.0]
+    low, high = min(seen) / 1.2, max(seen) * 1.2
+    axes.set_ylim(low, high)
+    ticks = [r for r in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100) if low <= r <= high]
+    axes.set_yticks(ticks, [f"{r:g}" for r in ticks])
+    axes.minorticks_off()
+    axes.set_title("R = A1 / A2, with 90 % band", fontsize=9, loc="left")
+    tidy(axes)
+
+
+def _at_line(axes: Axes, height: float, text: str) -> None:
+    """Name a level at the right edge, above its line."""
+    axes.annotate(
+        text, (1.0, height), (-2.0, 2.0), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right",
+        fontsize=8, color=LINE, bbox={"facecolor": "white", "alpha": 0.75, "pad": 0.8, "linewidth": 0},
+    )  # fmt: skip

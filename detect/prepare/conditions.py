@@ -1,0 +1,189 @@
+"""Facts about a record that decide whether a method may look at it: each with its number and its limit.
+
+A fact is measured first and judged second: `Fact.present` compares the value with the limit, and the text
+quotes both, so that a refusal can say "OP sits at a limit in 23 % of the samples (10 % allowed)".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.verdict import Code
+from logs import LoopRecord
+
+__all__ = ["Fact", "compressed", "constant", "examine", "manual", "missing", "quantised", "saturated", "set_point"]
+
+Values = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One measured property: `present` when it is beyond its limit; `text` is a sentence with the numbers.
+
+    code : reason code that a method gives when it refuses because of this fact
+    value, limit : on the fact's own scale, stated in its text
+    """
+
+    code: Code
+    present: bool
+    value: float
+    limit: float
+    text: str
+
+
+def examine(record: LoopRecord) -> tuple[Fact, ...]:
+    """Every fact of a record, in the order in which a method should refuse.
+
+    >>> t = np.arange(100.0)
+    >>> loop = LoopRecord.from_arrays(t, pv=0 * t + 4, op=50 + np.sin(t / 5), sp=0 * t + 4)
+    >>> [fact.code for fact in examine(loop) if fact.present]
+    ['constant_signal']
+    """
+    return (
+        manual(record),
+        missing(record),
+        constant(record, "PV"),
+        constant(record, "OP"),
+        saturated(record),
+        set_point(record),
+        quantised(record),
+        compressed(record),
+    )
+
+
+def manual(record: LoopRecord, limit: float = 0.5) -> Fact:
+    """Share of samples in manual mode, when a mode is logged."""
+    if record.mode is None:
+        return Fact("manual_mode", False, 0.0, limit, "The controller mode is not logged; automatic is assumed.")
+    known = np.isfinite(record.mode)
+    share = float(np.mean(record.mode[known] < 1)) if known.any() else 0.0
+    text = f"The controller is in manual in {share:.0%} of the samples."
+    return Fact("manual_mode", share > limit, share, limit, text)
+
+
+def missing(record: LoopRecord, limit: float = 0.5) -> Fact:
+    """Share of samples where PV, OP or SP is missing or marked bad (manual samples are counted elsewhere)."""
+    bad = ~(record.log.good(record.pv_name) & record.log.good(record.op_name))
+    if record.sp_name is not None:
+        bad |= ~record.log.good(record.sp_name)
+    share = float(np.mean(bad))
+    text = f"PV, OP or SP is missing or bad in {share:.0%} of the samples ({limit:.0%} allowed)."
+    return Fact("signal_missing", share > limit, share, limit, text)
+
+
+def constant(record: LoopRecord, signal: str = "PV") -> Fact:
+    """Whether PV or OP never moves: peak-to-peak below 1e-9 of its largest value."""
+    x = _good(record, record.pv if signal == "PV" else record.op)
+    span = float(np.ptp(x)) if len(x) else 0.0
+    limit = 1e-9 * float(np.max(np.abs(x))) if len(x) else 0.0
+    code: Code = "constant_signal" if signal == "PV" else "manual_mode"
+    if len(x) == 0:
+        return Fact(code, False, 0.0, 0.0, f"{signal} has no good sample.")
+    if span <= limit:
+        why = (
+            "a frozen or dead measurement (or a model at rest)"
+            if signal == "PV"
+            else "the loop is in manual or OP is frozen"
+        )
+        return Fact(code, True, span, limit, f"{signal} stays at {x[0]:.6g} over {len(x)} samples: {why}.")
+    return Fact(code, False, span, limit, f"{signal} moves by {span:.4g}.")
+
+
+def saturated(record: LoopRecord, limit: float = 0.10) -> Fact:
+    """Share of samples with OP within 0.5 % of an end of its span.
+
+    When the span is unknown, the share of samples that stand exactly at the record's own extreme is taken.
+    """
+    op = record.op_percent
+    if op is not None:
+        op = _good(record, op)
+        share = float(np.mean((op <= 0.5) | (op >= 99.5))) if len(op) else 0.0
+        text = f"OP sits at an end of its span in {share:.0%} of the samples ({limit:.0%} allowed)."
+        return Fact("op_saturated", share > limit, share, limit, text)
+    x = _good(record, record.op)
+    if len(x) == 0:
+        return Fact("op_saturated", False, 0.0, limit, "OP has no good sample.")
+    edge = 1e-6 * float(np.ptp(x))
+    share = float(max(np.mean(x <= np.min(x) + edge), np.mean(x >= np.max(x) - edge)))
+    clipped = 2 * limit
+    text = (
+        f"The span of OP is not known; OP stands at its own extreme in {share:.0%} of the samples "
+        f"({clipped:.0%} taken as a limit reached)."
+    )
+    return Fact("op_saturated", bool(share > clipped and np.ptp(x) > 0), share, clipped, text)
+
+
+def set_point(record: LoopRecord, limit: float = 0.05) -> Fact:
+    """Share of samples at which SP has moved on by more than 5 % of the standard deviation of e.
+
+    A set point that moves a few times cuts the record into pieces; one that keeps moving (cascade, operator
+    ramp) forces the loop, and the wave is no longer the loop's own.
+    """
+    if record.sp is None or record.e is None:
+        return Fact("sp_not_constant", False, 0.0, limit, "SP is not logged; it is assumed constant.")
+    sp, e = _good(record, record.sp), _good(record, record.e)
+    if len(sp) < 2:
+        return Fact("sp_not_constant", False, 0.0, limit, "SP has fewer than two good samples.")
+    moves = len(set_point_moves(sp, e))
+    share = moves / (len(sp) - 1)
+    text = f"SP moves at {moves} of {len(sp)} samples, by {float(np.ptp(sp)):.4g} in all."
+    return Fact("sp_not_constant", share > limit, share, limit, text)
+
+
+def set_point_moves(sp: Values, e: Values) -> npt.NDArray[np.int64]:
+    """Indices at which SP has left its last level by more than 5 % of std(e), shape (m,).
+
+    The level is the one last left, so a slow ramp is a row of moves though no single step is large.
+    """
+    band = max(0.05 * float(np.std(e)), 1e-9 * float(np.max(np.abs(sp))))
+    level, moves = float(sp[0]), []
+    for i in (np.flatnonzero(np.diff(sp)) + 1).tolist():
+        if abs(sp[i] - level) > band:
+            level = float(sp[i])
+            moves.append(i)
+    return np.array(moves, dtype=np.int64)
+
+
+def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
+    """Number of levels of the grid on which PV lives, across its peak-to-peak; below `limit` is too coarse.
+
+    The step is the smallest move; PV counts as gridded when 90 % of its values lie within 5 % of a step of
+    the grid. A flat-then-jump PV on a coarse grid looks like stick-slip without any valve.
+    """
+    x = _good(record, record.pv)
+    moves = np.abs(np.diff(x))
+    moves = moves[moves > 1e-9 * float(np.max(np.abs(x)))] if len(x) else moves
+    if len(moves) < 5:
+        return Fact("quantised", False, float("inf"), limit, "PV moves too seldom to look for a grid.")
+    step = float(np.percentile(moves, 1))
+    offset = (x - x[0]) / step
+    gridded = float(np.mean(np.abs(offset - np.round(offset)) < 0.05))
+    levels = float(np.ptp(x)) / step
+    if gridded < 0.9:
+        return Fact("quantised", False, levels, limit, "PV is not on a grid.")
+    text = f"PV moves in steps of {step:.4g}, {levels:.0f} levels in its swing ({limit:.0f} needed)."
+    return Fact("quantised", levels < limit, levels, limit, text)
+
+
+def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:
+    """Share of samples that a historian has drawn, not measured: on the line between their neighbours, or held.
+
+    A sample is drawn when its second difference vanishes (below 1e-6 of the peak-to-peak). A clean
+    simulated wave of straight pieces looks the same; then the corners are all there is to see either way.
+    """
+    x, t = _good(record, record.pv), record.t[record.good]
+    if len(x) < 5 or np.ptp(x) == 0:
+        return Fact("compressed", False, 0.0, limit, "PV is too short to look for compression.")
+    between = x[:-2] + (x[2:] - x[:-2]) * (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+    drawn = np.abs(x[1:-1] - between) < 1e-6 * np.ptp(x)
+    share = float(np.mean(drawn))
+    text = f"{share:.0%} of the PV samples lie on straight lines between others ({limit:.0%} allowed)."
+    return Fact("compressed", share > limit, share, limit, text)
+
+
+def _good(record: LoopRecord, x: Values) -> Values:
+    kept: Values = x[record.good]
+    return kept

@@ -1,0 +1,245 @@
+"""From a loop record to the half cycles of its control error: the first leg of every shape method.
+
+    checks -> pieces between gaps and set-point moves -> oscillation gate -> drift off -> noise off -> half cycles
+
+A gap that is much shorter than a period is bridged (see `gaps`); a half cycle whose peak falls into one is left out.
+
+Each step either says why it cannot go on (`Refusal`) or notes what it did. e = SP - PV; without a logged SP the
+mean of PV stands for it, so that the sign of e stays that of -PV.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.prepare import conditions
+from detect.oscillation import acf_crossings as oscillation
+from detect.prepare.gaps import Gap, falls_into, gaps_in
+from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure
+from detect.prepare.pieces import Pieces, pieces_of
+from detect.prepare.smoothing import moving_average, noise_std
+from detect.verdict import Code
+from logs import LoopRecord
+
+__all__ = ["Cycles", "Params", "Refusal", "cut", "half_cycles_in", "preconditions", "prepare"]
+
+Values = npt.NDArray[np.float64]
+
+
+class Refusal(NamedTuple):
+    """Why a record cannot be cut into half cycles: the code of the verdict and a sentence."""
+
+    code: Code
+    reason: str
+
+
+@dataclass(frozen=True)
+class Params:
+    """Preparation of e.
+
+    smooth_max : float
+        Widest moving average [share of the period].
+    noise_share : float
+        Noise that smoothing aims to leave [share of the signal's standard deviation].
+    drift_share : float
+        A baseline that moves by more than this share of the swing's standard deviation is taken off.
+    gate : oscillation.Params
+        Test for an oscillation.
+    """
+
+    smooth_max: float = 0.10
+    noise_share: float = 0.03
+    drift_share: float = 0.15
+    gate: oscillation.Params = field(default_factory=oscillation.Params)
+
+
+@dataclass(frozen=True, eq=False)
+class Cycles:
+    """The half cycles of a record or a block, and what was found on the way.
+
+    half_cycles : tuple of HalfCycle, in order of time, faulty ones marked
+    period, dt : float [s]
+        Mean period and median sampling interval.
+    regularity : float [-], of the gate
+    notes : tuple of str, what was assumed or done, without full stops
+    centre : str
+        What e is measured from: "SP", or "its mean" when SP is not logged.
+    t, e : (m,) [s], [unit of PV]
+        The prepared error, NaN between pieces.
+    """
+
+    half_cycles: tuple[HalfCycle, ...]
+    period: float
+    regularity: float
+    dt: float
+    notes: tuple[str, ...]
+    centre: str
+    t: Values
+    e: Values
+
+
+def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
+    """The half cycles of a record, or why there are none to be had.
+
+    >>> t = np.arange(500.0)
+    >>> found = cut(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t))
+    >>> len(found.half_cycles), round(found.period, 1)
+    (18, 50.3)
+    """
+    p = p or Params()
+    refusal = preconditions(record)
+    if refusal is not None:
+        return refusal
+    pieces = pieces_of(record, p.gate)
+    t, gate = pieces.longest[0], pieces.gate
+    if len(t) < 20:
+        return Refusal(
+            "too_few_cycles",
+            f"The record has {len(record)} samples, {len(t)} in its longest stretch without gaps, bad "
+            f"samples or set-point moves: too few for even one cycle{_tail(pieces)}.",
+        )
+    if not gate.oscillating or gate.period is None:
+        return _no_oscillation(pieces, p)
+    dt = float(np.median(np.diff(t)))
+    if gate.period / dt < 2 * (SAMPLES_MIN + 1):
+        return Refusal(
+            "undersampled",
+            f"The period of {gate.period:.4g} s has {gate.period / dt:.1f} samples; "
+            f"at least {2 * (SAMPLES_MIN + 1)} are needed to see where a peak sits.",
+        )
+    refusal = _drawn(record, gate.period, dt)
+    if refusal is not None:
+        return refusal
+    notes: list[str] = []
+    centre = "SP"
+    if record.sp is None:
+        centre = "its mean"
+        notes.append("SP is not logged: the mean of PV stands for it")
+    if record.process == "unknown" and not record.measurement:
+        notes.append("the process is taken as self-regulating")
+    if len(gate.stretches) > 1:
+        periods = [stretch.period for stretch in gate.stretches]
+        notes.append(f"the period drifts between {min(periods):.4g} and {max(periods):.4g} s")
+    found, t, e, drifts = _cut_pieces(pieces, gaps_in(record), p)
+    if drifts:
+        notes.append("a drifting baseline was taken off")
+    return Cycles(found, gate.period, gate.regularity, dt, (*notes, *pieces.notes), centre, t, e)
+
+
+def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple[HalfCycle, ...], Values, Values, bool]:
+    """The half cycles of all pieces that are long enough, their t and e with NaN between, whether a drift came off."""
+    found: list[HalfCycle] = []
+    shown_t: list[Values] = []
+    shown_e: list[Values] = []
+    drifting = False
+    hole = np.array([np.nan])
+    for t, x, period in pieces.stretches(p.gate):
+        if t[-1] - t[0] < 1.5 * period or len(t) < 20:
+            continue
+        e, noise, drifts = prepare(t, x, period, p)
+        drifting |= drifts
+        found.extend(half_cycles_in(t, e, noise, period, gaps))
+        shown_t += [t, hole]
+        shown_e += [e, hole]
+    if not shown_t:
+        return (), np.empty(0), np.empty(0), False
+    return tuple(found), np.concatenate(shown_t), np.concatenate(shown_e), drifting
+
+
+def preconditions(record: LoopRecord) -> Refusal | None:
+    """The first fact of the record that forbids to read its shape, or None."""
+    for fact in conditions.examine(record):
+        if fact.present and fact.code != "compressed":
+            return Refusal(fact.code, fact.text + _REMEDY.get(fact.code, ""))
+    return None
+
+
+_REMEDY = {
+    "manual_mode": " A loop that is not controlled makes no limit cycle of its own.",
+    "op_saturated": " A wave cut off by the limit has the shape of the limit.",
+    "sp_not_constant": " The wave may be that of the set point; use a window with a fixed set point.",
+    "quantised": " The steps of the grid would pass for slips.",
+}
+
+
+def _no_oscillation(pieces: Pieces, p: Params) -> Refusal:
+    gate = pieces.gate
+    code: Code = "no_oscillation"
+    if gate.period is not None and gate.cycles < p.gate.cycles_min:
+        code = "too_few_cycles"
+    return Refusal(
+        code,
+        f"{gate.reason.removesuffix('.')}{_tail(pieces)}. Shape methods compare half cycles of a sustained "
+        "oscillation; stiction without a limit cycle stays unseen.",
+    )
+
+
+def _tail(pieces: Pieces) -> str:
+    return "".join(f"; {note}" for note in pieces.notes)
+
+
+def _drawn(record: LoopRecord, period: float, dt: float) -> Refusal | None:
+    """Refuse a compressed log when too few measured points are left in a half cycle."""
+    fact = conditions.compressed(record)
+    points = (1 - fact.value) * period / (2 * dt)
+    if fact.present and points < SAMPLES_MIN:
+        return Refusal(
+            "compressed",
+            f"{fact.text} {points:.1f} measured points are left in a half cycle, {SAMPLES_MIN} are needed: "
+            "the shape is the historian's (or the wave has perfectly straight sides, which looks the same).",
+        )
+    return None
+
+
+def prepare(t: Values, x: Values, period: float, p: Params) -> tuple[Values, float, bool]:
+    """e centred and smoothed, the noise left in it, and whether a drift was taken off."""
+    baseline = moving_average(t, x, 2 * period, ends="hold")
+    e = x - np.mean(x)
+    drifts = bool(t[-1] - t[0] > 4 * period and np.std(baseline) > p.drift_share * np.std(x - baseline))
+    if drifts:
+        e = x - baseline
+    sigma, std = noise_std(t, e), float(np.std(e))
+    if sigma < 1e-3 * std:
+        sigma = 0.0
+    dt = float(np.median(np.diff(t)))
+    width = 0.0
+    if sigma > p.noise_share * std:
+        width = min(dt * (sigma / (p.noise_share * std)) ** 2, p.smooth_max * period)
+    if width > 2 * dt:
+        e = moving_average(t, e, width)
+        sigma *= math.sqrt(dt / width)
+    # The mean over whole cycles, because the mean of a cut cycle shifts the crossings.
+    c = crossings(t, e, 0.1 * std)
+    if len(c) >= 3 and not drifts:
+        last = c[-1] if len(c) % 2 else c[-2]
+        inside = (t >= c[0]) & (t <= last)
+        if np.count_nonzero(inside) > 2:
+            ti, ei = t[inside], e[inside]
+            e = e - np.sum(0.5 * (ei[1:] + ei[:-1]) * np.diff(ti)) / (ti[-1] - ti[0])
+    return e, sigma, drifts
+
+
+def half_cycles_in(t: Values, e: Values, noise: float, period: float, gaps: tuple[Gap, ...] = ()) -> list[HalfCycle]:
+    """Half cycles of the prepared e between neighbouring crossings, faults marked, gaps in t among them."""
+    std = float(np.std(e))
+    c = crossings(t, e, max(0.1 * std, min(3 * noise, 0.5 * std)))
+    found = []
+    for start, end in itertools.pairwise(c):
+        lo, hi = np.searchsorted(t, [start, end])
+        margin = 4
+        a, b = max(int(lo) - margin, 0), min(int(hi) + margin, len(t))
+        half = measure(t[a:b], e[a:b], float(start), float(end), noise)
+        if not half.fault and not 0.25 * period <= half.length <= period:
+            half = replace(half, fault="length")
+        if not half.fault and abs(half.peak) < 0.5 * std:
+            half = replace(half, fault="low")
+        if not half.fault and falls_into(gaps, half.peak_time):
+            half = replace(half, fault="gap")
+        found.append(half)
+    return found

@@ -1,0 +1,101 @@
+"""A record cut into the pieces that can be read without a break, and whether the longest of them oscillates."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.prepare import conditions
+from detect.oscillation import acf_crossings as oscillation
+from detect.prepare.gaps import bridgeable, describe, gaps_in, split
+from detect.oscillation.gate import Gate, Stretch
+from logs import LoopRecord
+
+__all__ = ["Pieces", "pieces_of"]
+
+Values = npt.NDArray[np.float64]
+Piece = tuple[Values, Values]
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """The pieces of a record, in order of time.
+
+    all : tuple of (t, e)
+        Times [s] and control error [unit of PV] of each piece, (n,); -PV stands for e without SP.
+    gate : Gate
+        The oscillation test of the longest piece.
+    notes : tuple of str
+        What was bridged and what cuts the record: where and how long, without full stops.
+    """
+
+    all: tuple[Piece, ...]
+    gate: Gate
+    notes: tuple[str, ...]
+
+    @property
+    def longest(self) -> Piece:
+        """The piece of most samples; empty arrays when there is none."""
+        return _longest(self.all)
+
+    def stretches(self, p: oscillation.Params) -> Iterator[tuple[Values, Values, float]]:
+        """(t, e, period [s]) of every stretch of one period.
+
+        Each piece is tested by itself; one that does not pass has the period of the longest.
+        """
+        for t, e in self.all:
+            gate = self.gate if t is self.longest[0] else oscillation.find_in(t, e, p)
+            whole = Stretch(float(t[0]), float(t[-1]), self.gate.period or math.inf)
+            for start, end, period in gate.stretches or (whole,):
+                inside = (t >= start) & (t <= end)
+                yield t[inside], e[inside], period
+
+
+def pieces_of(record: LoopRecord, p: oscillation.Params) -> Pieces:
+    """Cut a record at the moves of its set point and at every gap that is too long to be bridged.
+
+    How long that is depends on the period, which the gate finds. It starts from the longest period that the record
+    can show and, if nothing oscillates then, from no bridge but over single samples.
+    """
+    for period in (record.log.duration / p.cycles_min, 0.0):
+        pieces = _cut(record, bridgeable(record, period))
+        gate = oscillation.find_in(*_longest(pieces), p)
+        if gate.oscillating and gate.period is not None:
+            period = gate.period
+            pieces = _cut(record, bridgeable(record, period))
+            gate = oscillation.find_in(*_longest(pieces), p)
+            break
+    return Pieces(pieces, gate, _notes(record, bridgeable(record, period), len(pieces)))
+
+
+def _longest(pieces: tuple[Piece, ...]) -> Piece:
+    return max(pieces, key=lambda piece: len(piece[0]), default=(np.empty(0), np.empty(0)))
+
+
+def _cut(record: LoopRecord, bridged: float) -> tuple[Piece, ...]:
+    """The good samples between moves of the set point and gaps longer than `bridged` [s]."""
+    pieces: list[Piece] = []
+    for part in split(record, bridged):
+        t = record.t[part]
+        if record.e is None or record.sp is None:
+            pieces.append((t, -record.pv[part]))
+            continue
+        e = record.e[part]
+        cuts = [0, *conditions.set_point_moves(record.sp[part], e).tolist(), len(part)]
+        pieces += [(t[a:b], e[a:b]) for a, b in itertools.pairwise(cuts)]
+    return tuple(pieces)
+
+
+def _notes(record: LoopRecord, bridged: float, pieces: int) -> tuple[str, ...]:
+    gaps = gaps_in(record)
+    short = [gap for gap in gaps if gap.length <= bridged]
+    long = [gap for gap in gaps if gap.length > bridged]
+    moves = max(pieces - 1 - len(long), 0)
+    causes = [describe(long)] * bool(long) + [f"{moves} move{'s' * (moves != 1)} of the set point"] * bool(moves)
+    notes = [f"{describe(short)} bridged by a straight line"] * bool(short)
+    return (*notes, *[f"{' and '.join(causes)} cut the record into {pieces} pieces"] * bool(causes))

@@ -1,0 +1,16 @@
+"""Join blocks into diagrams and run them.
+
+wire       blocks and diagrams joined by signal names      Diagram    what it returns, a python-control system
+simulate   the compiled engine                             drive      one block alone
+ensemble   one diagram over thousands of parameter sets    reference  slow, independent integrators
+linear     operating points, poles, loops, relative gains  study      sweeps, and what oscillates in them
+"""
+
+from diagram.diagram import Diagram, wire
+from diagram.single_block import drive
+from diagram.ensembles.running import ensemble
+from diagram.ensembles.result import Ensemble
+from diagram.simulation import Event, Run, simulate
+from diagram.wiring import WiringError
+
+__all__ = ["Diagram", "Ensemble", "Event", "Run", "WiringError", "drive", "ensemble", "simulate", "wire"]

@@ -1,0 +1,261 @@
+"""One diagram over thousands of parameter sets, start values and seeds, on all cores.
+
+The diagram is laid out once; a member is a copy of its arrays with one row of numbers written in.  The engine runs
+without Python's lock, so plain threads keep all cores busy.  See also: ``members`` (what varies), ``simulate``.
+"""
+
+import os
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from threading import Lock
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from engine import layout as at
+from engine.run import Outcome, Settings, prepare, run
+from engine.status import Statistics, Status
+from engine.table import Component
+from diagram.coarse import ToleranceWarning, too_coarse
+from diagram.diagram import Diagram
+from diagram.flatten import DELAY_RECORDS, Plan, plan
+from diagram.kept import log_times, logging_only, wanted_signals
+from diagram.ensembles.variants import Floats, Members, Places, members
+from diagram.past import resumed
+from diagram.ensembles.result import Ensemble, freeze
+from diagram.progress import Progress, told
+from diagram.simulation import check_settings, set_up, troubles
+
+Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
+
+COUNTERS = {
+    "steps": at.STEPS, "rejected": at.REJECTED, "rhs": at.RHS, "jacobians": at.JACOBIANS, "events": at.EVENTS,
+}  # fmt: skip
+GLANCE = 0.1  # how often the progress is told [s]
+
+
+def ensemble(
+    diagram: Diagram,
+    duration: float,
+    *,
+    params: Mapping[str, ArrayLike] | None = None,
+    start: Mapping[str, ArrayLike] | None = None,
+    seeds: ArrayLike | None = None,
+    every: float | None = None,
+    signals: Sequence[str] | None = None,
+    inputs: Mapping[str, object] | None = None,
+    rtol: float = 1e-6,
+    atol: float = 1e-9,
+    method: str = "auto",
+    max_steps: int = 20_000_000,
+    workers: int | None = None,
+    progress: Progress = None,
+    keep_logs: bool = True,
+    summary: Summary | None = None,
+) -> Ensemble:
+    """Simulate the diagram once per member; member ``i`` equals ``simulate`` of the same values to the last bit.
+
+    Parameters: ``params`` ``{"valve.F_s": (members,)}``; ``start`` ``{"process.x": (members,)}``; ``seeds``
+    (members,) integers: blocks with random numbers draw the streams of [seed, number of the block]; a single
+    number holds for all members.  ``signals`` to log (default all); ``workers`` threads (default all cores);
+    ``progress`` True for a bar, False for none, a function of (done, members), default a bar on a terminal;
+    ``keep_logs`` False keeps no values; ``summary`` function ``(t, {signal: (rows,)}) -> {name: number}``, called
+    for each member that reached its end.  The rest as in ``simulate``.
+
+    A member that fails has its ``status``; Ctrl-C returns what is finished, the rest ``INTERRUPTED``.
+    Raises ``ValueError`` for a request that makes no sense, before anything runs.
+
+    >>> from blocks.sources import Ramp
+    >>> from diagram import wire
+    >>> from diagram.ensembles.running import ensemble
+    >>> feed = wire([Ramp("F", slope=1.0)], outputs=["F"])
+    >>> result = ensemble(feed, 2.0, params={"F.slope": [0.5, 1.0, 2.0]}, every=1.0)
+    >>> result.values["F"].tolist()
+    [[0.0, 0.5, 1.0], [0.0, 1.0, 2.0], [0.0, 2.0, 4.0]]
+    """
+    ready = set_up(diagram, inputs)
+    resumed(ready, 0.0)  # refuses what would be lost: members start afresh
+    wanted = wanted_signals(ready, signals)
+    settings = check_settings(rtol, atol, method, max_steps)
+    cast = members(ready, params, start, seeds)
+    grid = log_times(duration, every, None, 0.0, len(wanted), len(cast) if keep_logs else 1)
+    if not keep_logs and summary is None:
+        raise ValueError("keep_logs=False without a summary leaves nothing; give summary=, or keep the logs")
+    if workers is not None and not (isinstance(workers, int | np.integer) and workers >= 1):
+        raise ValueError(
+            f"workers = {workers!r}, but threads are a whole number of at least 1; leave it out to use all cores"
+        )
+    if summary is not None and not callable(summary):
+        raise ValueError(f"summary = {summary!r}, but it is called for each member; give a function (t, signals)")
+    crew = _Crew(cast, wanted, grid, float(duration), settings, keep_logs, summary)
+    _work(crew, len(cast), workers or cores(), progress)
+    return crew.result()
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One component that logs only the wanted signals, and where a member's numbers go."""
+
+    component: Component
+    signals: tuple[str, ...]
+    offsets: Places
+    columns: Places
+
+
+@dataclass(frozen=True)
+class _Layout:
+    laid: Plan
+    parts: tuple[_Part, ...]
+
+
+def _lay_out(cast: Members, i: int, wanted: Sequence[str], records: int) -> _Layout:
+    """Lay out the diagram for member ``i`` and all others with the same dead times in force."""
+    plan(cast.diagram)  # the copies below share it where it fits
+    diagram = cast.diagram_of(i)
+    laid = plan(diagram, records)
+    parts = []
+    for component in laid.components:
+        reduced = logging_only(component, diagram, wanted)
+        laid.fill(component, reduced.W, diagram.blocks)
+        parts.append(_Part(reduced, tuple(diagram.signals[c] for c in reduced.columns), *cast.places(laid, component)))
+    return _Layout(laid, tuple(parts))
+
+
+class _Crew:
+    """The result in the making: threads call ``work``, which takes member after member until none is left."""
+
+    def __init__(
+        self, cast: Members, wanted: tuple[str, ...], grid: Floats, duration: float, settings: Settings,
+        keep_logs: bool, summary: Summary | None,
+    ) -> None:  # fmt: skip
+        n = len(cast)
+        self.cast, self.wanted, self.grid, self.duration, self.settings = cast, wanted, grid, duration, settings
+        self.summary = summary
+        self.values = {signal: np.empty((n, len(grid))) for signal in wanted} if keep_logs else {}
+        self.keep_logs = keep_logs
+        self.status = np.full(n, Status.INTERRUPTED, dtype=np.int8)
+        self.ended = np.zeros(n)
+        self.counts = np.zeros((n, len(COUNTERS)), dtype=np.int64)
+        self.events: list[Floats] = [np.empty((0, 4))] * n
+        self.summaries: list[Mapping[str, float]] = [{}] * n
+        self.troubles = [""] * n
+        shapes, self.shape_of = np.unique(cast.shapes(), axis=0, return_inverse=True)
+        self.shape_of = self.shape_of.ravel()
+        self.layouts = [_lay_out(cast, self._first(s), wanted, DELAY_RECORDS) for s in range(len(shapes))]
+        self.lock = Lock()
+        self.waiting = iter(range(n))
+        self.done = 0
+        self.stop = False
+
+    def _first(self, shape: int) -> int:
+        return int(np.argmax(self.shape_of == shape))
+
+    def work(self) -> None:
+        """Simulate members until none is left or somebody stops the work."""
+        for i in self.waiting:
+            if self.stop:
+                return
+            try:
+                self._member(i)
+            except Exception as error:  # a block that runs in Python, or the summary, has a fault of its own
+                error.add_note(f"member {i} of the ensemble")
+                raise
+            with self.lock:
+                self.done += 1
+
+    def _member(self, i: int) -> None:
+        layout = self.layouts[self.shape_of[i]]
+        outcomes = self._run(layout, i)
+        while any(o.status is Status.DELAY_FULL for o in outcomes):
+            layout = self._longer(layout, int(self.shape_of[i]))
+            outcomes = self._run(layout, i)
+        rows = {s: row for part, o in zip(layout.parts, outcomes, strict=True)
+                for s, row in zip(part.signals, o.log, strict=True)}  # fmt: skip
+        for signal, values in self.values.items():
+            values[i] = rows[signal]
+        failed = next((o for o in outcomes if o.status is not Status.OK), None)
+        if self.summary is not None and failed is None:
+            self.summaries[i] = self.summary(self.grid, {signal: rows[signal] for signal in self.wanted})
+        if self.keep_logs:
+            self.events[i] = np.concatenate([o.events for o in outcomes])
+        self.counts[i] = sum(o.I[list(COUNTERS.values())] for o in outcomes)
+        self.ended[i] = min(o.t for o in outcomes)
+        self.status[i] = Status.OK if failed is None else failed.status
+        if failed is not None:
+            ends = tuple((part.component, o.I, o.W) for part, o in zip(layout.parts, outcomes, strict=True))
+            self.troubles[i] = troubles(self.cast.diagram_of(i), ends)
+            if self.troubles[i]:
+                self.status[i] = Status.MODEL_ENDED
+
+    def _run(self, layout: _Layout, i: int) -> list[Outcome]:
+        outcomes = []
+        for part in layout.parts:
+            I, W = prepare(part.component, self.settings, 0.0)
+            W[part.offsets] = self.cast.table[i, part.columns]
+            outcomes.append(run(part.component, layout.laid.flat, I, W, self.grid, self.duration, self._listen))
+        return outcomes
+
+    def _doubt(self) -> None:
+        """Warn if the absolute tolerance is too large for some of the blocks."""
+        whole = self.status == Status.OK
+        if not (self.keep_logs and whole.any()):
+            return
+        sizes = {s: float(max(v[whole].max(), -v[whole].min())) for s, v in self.values.items()}
+        read = [block for block in self.cast.diagram.blocks if not sizes.keys().isdisjoint(block.output_labels)]
+        note = too_coarse(read, sizes, {}, self.settings.atol)
+        if note:
+            warnings.warn(note, ToleranceWarning, stacklevel=3)
+
+    def _listen(self, t: float) -> None:
+        """Interrupt a member on its way if somebody stopped the work."""
+        if self.stop:
+            raise KeyboardInterrupt
+
+    def _longer(self, full: _Layout, shape: int) -> _Layout:
+        """Return a layout with longer delay lines than the one that was full, for this and all later members."""
+        with self.lock:
+            if self.layouts[shape] is full:
+                self.layouts[shape] = _lay_out(self.cast, self._first(shape), self.wanted, full.laid.records * 4)
+            return self.layouts[shape]
+
+    def result(self) -> Ensemble:
+        """Return what is finished; members that were not reached hold NaN."""
+        missing = self.status == Status.INTERRUPTED
+        for values in self.values.values():
+            values[missing] = np.nan
+        names = dict.fromkeys(name for one in self.summaries for name in one)
+        table = {name: np.array([float(one.get(name, np.nan)) for one in self.summaries]) for name in names}
+        freeze([self.grid, self.status, self.ended, *self.values.values(), *table.values()])
+        self._doubt()
+        total = dict(zip(COUNTERS, self.counts.sum(axis=0).tolist(), strict=True))
+        cost = Statistics(components=len(self.layouts[0].parts), **total)
+        return Ensemble(
+            t=self.grid, values=self.values, status=self.status, ended=self.ended, summary=table,
+            event_counts=self.counts[:, -1], troubles=tuple(self.troubles), statistics=cost,
+            members=self.cast, settings=self.settings, duration=self.duration, raw_events=tuple(self.events),
+        )  # fmt: skip
+
+
+def _work(crew: _Crew, n: int, workers: int, progress: Progress) -> None:
+    """Let the crew work while this thread tells the progress and listens for Ctrl-C."""
+    with told(progress, n, "members") as tell, ThreadPoolExecutor(min(workers, n)) as pool:
+        tasks = [pool.submit(crew.work) for _ in range(min(workers, n))]
+        try:
+            running = True
+            while running:
+                finished, waiting = wait(tasks, timeout=GLANCE, return_when=FIRST_EXCEPTION)
+                tell(crew.done, n)
+                running = bool(waiting) and not any(task.exception() for task in finished)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            crew.stop = True
+    for task in tasks:
+        task.result()

@@ -1,0 +1,205 @@
+"""What makes the members of an ensemble differ: one table of numbers, one row a member.
+
+Each column belongs to one value of one block: a parameter, a start state or a memory.  The blocks themselves
+check every member before anything runs; the engine's arrays then get each row in a single assignment.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blocks.arguments import by_name
+from blocks.block import Block
+from engine.table import Component
+from diagram.diagram import Diagram
+from diagram.flatten import Plan
+
+Floats = NDArray[np.float64]
+Places = NDArray[np.intp]
+Kind = Literal["p", "x0", "d0"]
+Target = tuple[int, Kind, int]  # block, which of its arrays, index there
+
+
+@runtime_checkable
+class Reseedable(Protocol):
+    """A block that draws random numbers."""
+
+    def reseeded(self, seed: Sequence[int]) -> Block:
+        """Return a copy that draws another stream."""
+
+
+def reseeded(diagram: Diagram, seed: int) -> Diagram:
+    """Return the diagram with the random numbers of ``seed``: block number b draws the stream of [seed, b].
+
+    ``numpy.random.SeedSequence`` makes streams of different seeds and blocks independent.
+    """
+    return diagram._with_blocks(
+        [
+            block.reseeded((seed, b)) if isinstance(block, Reseedable) else block
+            for b, block in enumerate(diagram.blocks)
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class Members:
+    """The members of an ensemble of ``diagram``.
+
+    ``params``, ``start``, ``seeds``: what was asked for, each column (members,).
+    ``table[i, c]``: what member ``i`` has at ``targets[c]``; shape (members, columns).
+    """
+
+    diagram: Diagram
+    params: Mapping[str, Floats]
+    start: Mapping[str, Floats]
+    seeds: NDArray[np.int64] | None
+    table: Floats
+    targets: tuple[Target, ...]
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def diagram_of(self, i: int) -> Diagram:
+        """Return member ``i`` as a diagram of its own."""
+        diagram = self.diagram.with_params({key: float(column[i]) for key, column in self.params.items()})
+        if self.seeds is not None:
+            diagram = reseeded(diagram, int(self.seeds[i]))
+        return diagram.starting_at({key: float(column[i]) for key, column in self.start.items()})
+
+    def shapes(self) -> NDArray[np.bool_]:
+        """Tell which varied dead times are in force, (members, varied dead times): one plan serves one such row."""
+        theta = [c for c, target in enumerate(self.targets) if _is_dead_time(self.diagram.blocks, target)]
+        return self.table[:, theta] > 0.0
+
+    def places(self, laid: Plan, component: Component) -> tuple[Places, Places]:
+        """Return (offsets in ``W``, columns of the table), such that ``W[offsets] = table[i, columns]``."""
+        starts = {"p": component.params, "x0": component.states, "d0": component.memory}
+        pairs: list[tuple[int, int]] = []
+        for c, (b, kind, index) in enumerate(self.targets):
+            if b in component.blocks:
+                pairs.append((starts[kind][b] + index, c))
+            if kind == "p":
+                name = (
+                    self.diagram.blocks[b].param_names[index] if index < len(self.diagram.blocks[b].param_names) else ""
+                )
+                dead_time = self.diagram.blocks[b].dead_time_param
+                for f in laid.delays.get(b, ()):
+                    if f in component.params and name in (dead_time, f"{dead_time}_start"):
+                        pairs.append((component.params[f] + (name != dead_time), c))
+        return np.array([w for w, _ in pairs], dtype=np.intp), np.array([c for _, c in pairs], dtype=np.intp)
+
+
+def members(
+    diagram: Diagram,
+    params: Mapping[str, ArrayLike] | None,
+    start: Mapping[str, ArrayLike] | None,
+    seeds: ArrayLike | None,
+) -> Members:
+    """Return the members asked for; single numbers hold for all.
+
+    Raises ``ValueError`` if lengths differ, a name is unknown, or a block refuses the values of a member (the
+    message names the member).
+    """
+    by_name("ensemble", "params", params or {}, {"valve.F_s": [1750.0, 2250.0]})
+    by_name("ensemble", "start", start or {}, {"process.PV": [0.0, 0.5]})
+    given = [(key, _numbers(key, v)) for key, v in [*(params or {}).items(), *(start or {}).items()]]
+    if seeds is not None:
+        given.append(("seeds", np.asarray(seeds)))
+    n = _count(given)
+    wanted = {key: _column(values, n) for key, values in (params or {}).items()}
+    starts = {key: _column(values, n) for key, values in (start or {}).items()}
+    for key, column in starts.items():
+        if not np.isfinite(column).all():
+            i = int(np.argmin(np.isfinite(column)))
+            raise ValueError(f"'{key}' is to start at {column[i]} in member {i}, but a start value is a finite number")
+    streams = None if seeds is None else _seeds(seeds, n)
+    columns: dict[Target, Floats] = {}
+    for b, names in _grouped(diagram, wanted).items():
+        columns |= _checked(diagram.blocks[b], b, names, n)
+    if streams is not None:
+        for b, block in enumerate(diagram.blocks):
+            if isinstance(block, Reseedable):
+                drawn = np.array([block.reseeded((int(seed), b)).d0 for seed in streams])
+                columns |= {(b, "d0", k): drawn[:, k] for k in np.flatnonzero((drawn != block.d0).any(axis=0)).tolist()}
+    for b, names in _grouped(diagram, starts).items():
+        block = diagram.blocks[b]
+        block.starting_at(**dict.fromkeys(names, 0.0))  # refuses unknown names
+        for name, column in names.items():
+            state = name in block.state_names
+            index = (block.state_names if state else block.memory_names).index(name)
+            columns[b, "x0" if state else "d0", index] = column
+    table = np.stack(list(columns.values()), axis=1) if columns else np.zeros((n, 0))
+    return Members(diagram, wanted, starts, streams, table, tuple(columns))
+
+
+def _numbers(key: str, values: ArrayLike) -> Floats:
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"'{key}' = {values!r}, but it is one number a member; give a flat array of numbers") from None
+
+
+def _count(given: Sequence[tuple[str, NDArray[np.generic]]]) -> int:
+    for key, values in given:
+        if values.ndim > 1:
+            raise ValueError(f"'{key}' has shape {values.shape}, but it must be one number a member; give a flat array")
+    lengths = {key: values.size for key, values in given if values.ndim == 1}
+    if not lengths:
+        raise ValueError("nothing says how many members there are; give params, start or seeds at least one array")
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"'{key}' {length}" for key, length in lengths.items())
+        raise ValueError(
+            f"the members disagree in number: {told}; give arrays of one length (single numbers hold for all)"
+        )
+    if not next(iter(lengths.values())):
+        raise ValueError("there are 0 members; give arrays of at least one value")
+    return next(iter(lengths.values()))
+
+
+def _column(values: ArrayLike, n: int) -> Floats:
+    column = np.array(np.broadcast_to(np.asarray(values, dtype=float), (n,)))
+    column.flags.writeable = False
+    return column
+
+
+def _seeds(seeds: ArrayLike, n: int) -> NDArray[np.int64]:
+    given = np.asarray(seeds)
+    if given.dtype.kind not in "iu" or (given < 0).any():
+        raise ValueError(
+            f"seeds are {given.dtype} from {given.min()}, but must be integers >= 0; e.g. seeds=range(1000)"
+        )
+    streams = np.array(np.broadcast_to(given.astype(np.int64), (n,)))
+    streams.flags.writeable = False
+    return streams
+
+
+def _grouped(diagram: Diagram, columns: Mapping[str, Floats]) -> dict[int, dict[str, Floats]]:
+    """Sort ``{"valve.F_s": column}`` by block; the diagram refuses names it does not know."""
+    groups: dict[int, dict[str, Floats]] = {}
+    for key, column in columns.items():
+        name, _, what = key.rpartition(".")
+        groups.setdefault(diagram.block_index(name), {})[what] = column
+    return groups
+
+
+def _checked(block: Block, b: int, names: Mapping[str, Floats], n: int) -> dict[Target, Floats]:
+    """Let the block check the parameters of every member, and return what it made of them."""
+    indices = [block.param_index(name) for name in names]
+    made = np.empty((n, len(names)))
+    rows = zip(*(column.tolist() for column in names.values()), strict=True)
+    for i, row in enumerate(rows):
+        try:
+            made[i] = block.with_params(**dict(zip(names, row, strict=True))).p[indices]
+        except ValueError as error:
+            error.add_note(f"member {i} of the ensemble")
+            raise
+    return {(b, "p", index): made[:, k] for k, index in enumerate(indices)}
+
+
+def _is_dead_time(blocks: Sequence[Block], target: Target) -> bool:
+    b, kind, index = target
+    name = blocks[b].dead_time_param
+    return kind == "p" and name is not None and blocks[b].param_index(name) == index

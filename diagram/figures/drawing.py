@@ -1,0 +1,314 @@
+"""Draw a diagram as a control engineer would: boxes left to right, feedback below, every arrow with its signal."""
+
+import math
+import os
+import re
+import secrets
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from blocks.block import Block
+from diagram.diagram import Diagram
+from diagram.figures.placement import Arrow, Grid, Node, common, grid
+from diagram.figures.routes import Box, Sheet, sheet
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# which parameters a box shows first: the ones by which engineers know a block
+MAIN = (
+    "K_p", "T_i", "T_d", "K", "tau", "T", "theta", "F_s", "F_c", "S", "J", "C_v", "value", "before", "after", "at",
+    "slope", "amplitude", "period", "sd", "dt",
+)  # fmt: skip
+SHOWN = 3
+GREEK = (
+    "alpha",
+    "beta",
+    "gamma",
+    "delta",
+    "zeta",
+    "eta",
+    "theta",
+    "kappa",
+    "lambda",
+    "mu",
+    "rho",
+    "sigma",
+    "tau",
+    "omega",
+)
+INK, SOFT, WIRE = "#1d2733", "#5b6875", "#3a4653"
+FILL = {"source": "#e9f4ec", "controller": "#e7f0fb", "valve": "#fdf0e1", "python": "#f1eafa", "plain": "#ffffff"}
+EDGE = {"source": "#4d8f63", "controller": "#3f73b0", "valve": "#c07a22", "python": "#7d5bb0", "plain": "#54616e"}
+NAME_SIZE, WORD_SIZE, VALUE_SIZE, SIGNAL_SIZE = 9.5, 7.5, 7.5, 8.0
+LINE = 10.5  # height of a line of small text [points]
+MARGIN = 16.0
+HEAD_LENGTH = 7.0
+HEADING = 26.0
+
+
+def draw(diagram: Diagram) -> "Figure":
+    """Return a figure of the diagram, as large as it needs to be at the size of its text.
+
+    A box shows the name of its block, the word of its class and up to three main parameters.  Green: sources;
+    blue: controllers; orange: valves; violet: blocks that run in Python.
+
+    >>> from blocks.sources import Step
+    >>> from diagram import wire
+    >>> figure = draw(wire([Step("SP", 0.5)], outputs=["SP"], name="set point"))
+    >>> [text.get_text() for text in figure.axes[0].texts][:2]
+    ['set point', 'SP']
+    """
+    from matplotlib.figure import Figure
+
+    plan = grid(diagram)
+    ink = _Ink(diagram, plan)
+    laid = sheet(plan, ink.size, ink.label_width, ink.entry_width)
+    width = max(laid.width, _width(diagram.name, 12.0, "bold")) + 2 * MARGIN
+    height = laid.height + 2 * MARGIN + HEADING
+    figure = Figure(figsize=(width / 72.0, height / 72.0), facecolor="white")
+    ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    ax.set_xlim(-MARGIN, width - MARGIN)
+    ax.set_ylim(height - MARGIN - HEADING, -MARGIN - HEADING)
+    ax.set_axis_off()
+    ax.text(0.0, -HEADING, diagram.name, size=12.0, weight="bold", color=INK, va="center", parse_math=False)
+    ink.paint(ax, laid)
+    return figure
+
+
+def to_svg(diagram: Diagram, path: str | os.PathLike[str]) -> None:
+    """Write the drawing as SVG; the file appears whole or not at all.
+
+    Raises ``OSError`` if the file cannot be written.
+    """
+    target = Path(path)
+    part = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+    try:
+        draw(diagram).savefig(part, format="svg", metadata={"Date": None})
+        os.replace(part, target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def symbol(name: str) -> str:
+    """Return a parameter's name as a symbol in mathtext.
+
+    >>> symbol("K_p"), symbol("tau"), symbol("dead time")
+    ('$K_{p}$', '$\\\\tau$', 'dead time')
+    """
+    base, _, index = name.partition("_")
+    if base in GREEK:
+        base = f"\\{base}"
+    elif len(base) > 1:
+        return name.replace("_", " ")
+    return f"${base}_{{{index.replace('_', ' ')}}}$" if index else f"${base}$"
+
+
+def word(block: Block) -> str:
+    """Return the word of a block's class: ``FirstOrder`` is a first order.
+
+    >>> from blocks.sources import Step
+    >>> word(Step("SP"))
+    'step'
+    """
+    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z][a-z0-9]*|[a-z0-9]+", type(block).__name__)
+    return " ".join(part if part.isupper() and len(part) > 1 else part.lower() for part in parts)
+
+
+def role(block: Block) -> str:
+    """Return what a block is in a loop: source, controller, valve, python or plain."""
+    if block.host is not None:
+        return "python"
+    if not block.ports_in:
+        return "source"
+    if {"SP", "PV"} <= {port.name for port in block.ports_in}:
+        return "controller"
+    moves = any(p.name == "OP" for p in block.ports_in) and any(p.name == "MV" for p in block.ports_out)
+    return "valve" if moves or "stuck" in block.modes else "plain"
+
+
+def main_parameters(block: Block) -> list[str]:
+    """Return up to three lines ``symbol = value``: the parameters engineers know a block by, zeros left out.
+
+    >>> from blocks.sources import Step
+    >>> main_parameters(Step("SP", after=0.5, at=60.0))
+    ['after = 0.5', 'at = 60']
+    """
+    finite = [n for n in block.param_names if math.isfinite(block.params[n])]
+    known = [n for n in MAIN if n in finite and block.params[n] != 0.0]
+    return [f"{symbol(n)} = {block.params[n]:.4g}" for n in (known or finite[: SHOWN - 1])[:SHOWN]]
+
+
+def _width(text: str, size: float, weight: str = "normal") -> float:
+    """Return the width of a text [points]."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextToPath
+
+    prop = FontProperties(size=size, weight=weight)
+    return float(TextToPath().get_text_width_height_descent(text, prop, "$" in text)[0])
+
+
+class _Ink:
+    """The texts of one drawing, and how to put them on paper."""
+
+    def __init__(self, diagram: Diagram, plan: Grid) -> None:
+        self.diagram, self.plan = diagram, plan
+        self.lines = {
+            v: main_parameters(diagram.blocks[node.block]) for v, node in enumerate(plan.nodes) if node.block >= 0
+        }
+
+    def size(self, v: int, least: float) -> tuple[float, float]:
+        """Return width and height of a node [points]."""
+        node = self.plan.nodes[v]
+        if node.kind != "block":
+            return _width(self._signal(node.name), SIGNAL_SIZE) + 18.0, max(least, 18.0)
+        block = self.diagram.blocks[node.block]
+        widths = [_width(node.name, NAME_SIZE, "bold"), _width(word(block), WORD_SIZE)]
+        widths += [_width(line, VALUE_SIZE) for line in self.lines[v]]
+        return max(64.0, max(widths) + 16.0), max(least, 32.0 + LINE * len(self.lines[v]))
+
+    def label_width(self, arrow: Arrow) -> float:
+        """Return the width of the label where an arrow begins."""
+        return _width(self._label(arrow), SIGNAL_SIZE) + 6.0 if self._labelled(arrow) else 4.0
+
+    def entry_width(self, arrow: Arrow) -> float:
+        """Return the width of the label where an arrow ends."""
+        return _width(self._entry(arrow), SIGNAL_SIZE) if self._enters_labelled(arrow) else 0.0
+
+    def _labelled(self, arrow: Arrow) -> bool:
+        """Tell whether the arrow needs a label: not if the box or oval at one of its ends says the same."""
+        ends = [self.plan.nodes[a.target] for a in self.plan.arrows if a.signal == arrow.signal]
+        source = self.plan.nodes[arrow.source]
+        return source.kind == "block" and source.name != self._label(arrow) and any(n.kind == "block" for n in ends)
+
+    def _enters_labelled(self, arrow: Arrow) -> bool:
+        return self.plan.nodes[arrow.target].kind == "block"
+
+    def _label(self, arrow: Arrow) -> str:
+        group = "/".join(self.plan.nodes[arrow.source].group)
+        return self._signal(arrow.signal).removeprefix(f"{group}/" if group else "")
+
+    def _signal(self, signal: str) -> str:
+        unit = self.diagram.signal_units.get(signal, "")
+        return f"{signal} [{unit}]" if unit not in ("", "1") else signal
+
+    def _entry(self, arrow: Arrow) -> str:
+        home = "/".join(common(self.plan.nodes[arrow.source].group, self.plan.nodes[arrow.target].group))
+        return arrow.signal.removeprefix(f"{home}/") if home else arrow.signal
+
+    def paint(self, ax: "Axes", laid: Sheet) -> None:
+        """Put frames, lines, boxes and texts on the axes."""
+        from matplotlib.patches import FancyBboxPatch
+
+        for group, (left, top, right, bottom) in laid.frames.items():
+            ax.add_patch(FancyBboxPatch(
+                (left, top), right - left, bottom - top, boxstyle="round,pad=0,rounding_size=8",
+                facecolor="#f4f6f9" if len(group) % 2 else "#ffffff", edgecolor="#c3ccd6", linewidth=0.9,
+                zorder=0.1 * len(group),
+            ))  # fmt: skip
+            ax.text(
+                left + 9.0,
+                top + 9.5,
+                group[-1],
+                size=8.0,
+                color=SOFT,
+                weight="bold",
+                va="center",
+                zorder=3,
+                parse_math=False,
+            )
+        self._wires(ax, laid)
+        for v, (node, box) in enumerate(zip(self.plan.nodes, laid.boxes, strict=True)):
+            if node.kind == "block":
+                self._box(ax, v, node, box)
+            else:
+                _oval(ax, self._signal(node.name), box)
+
+    def _wires(self, ax: "Axes", laid: Sheet) -> None:
+        told: set[tuple[int, int]] = set()
+        for xs, ys in strokes(self.plan, laid):
+            ax.plot(xs, ys, color=WIRE, linewidth=1.0, zorder=2, solid_capstyle="projecting")
+        for arrow, line, close in zip(self.plan.arrows, laid.lines, laid.near, strict=True):
+            tip, y = line[-1]
+            ax.fill(
+                [tip, tip - HEAD_LENGTH, tip - HEAD_LENGTH], [y, y - 2.9, y + 2.9], color=WIRE, linewidth=0, zorder=2.1
+            )
+            text: dict[str, Any] = {"size": SIGNAL_SIZE, "va": "bottom", "zorder": 4, "parse_math": False}
+            if (arrow.source, arrow.out) not in told and self._labelled(arrow):
+                told.add((arrow.source, arrow.out))
+                ax.text(line[0][0] + 5.0, line[0][1] - 2.0, self._label(arrow), color=INK, **text)
+            if not close and self._enters_labelled(arrow):
+                ax.text(tip - 9.0, y - 2.0, self._entry(arrow), color=SOFT, ha="right", **text)
+        for x, y in branches(self.plan, laid):
+            ax.plot([x], [y], marker="o", markersize=3.6, color=WIRE, zorder=2.2)
+
+    def _box(self, ax: "Axes", v: int, node: Node, box: Box) -> None:
+        from matplotlib.patches import FancyBboxPatch
+
+        block = self.diagram.blocks[node.block]
+        kind = role(block)
+        ax.add_patch(FancyBboxPatch(
+            (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height,
+            boxstyle="round,pad=0,rounding_size=4", facecolor=FILL[kind], edgecolor=EDGE[kind], linewidth=1.2, zorder=3,
+        ))  # fmt: skip
+        lines = self.lines[v]
+        y = box.y - (LINE * len(lines) + 21.0) / 2 + 5.5
+        text: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 4}
+        ax.text(box.x, y, node.name, size=NAME_SIZE, weight="bold", color=INK, parse_math=False, **text)
+        ax.text(
+            box.x, y + 11.5, word(block), size=WORD_SIZE, style="italic", color=EDGE[kind], parse_math=False, **text
+        )
+        for i, line in enumerate(lines):
+            ax.text(box.x, y + 23.0 + LINE * i, line, size=VALUE_SIZE, color=INK, math_fontfamily="dejavusans", **text)
+
+
+def _oval(ax: "Axes", name: str, box: Box) -> None:
+    from matplotlib.patches import FancyBboxPatch
+
+    ax.add_patch(FancyBboxPatch(
+        (box.x - box.width / 2, box.y - 9.0), box.width, 18.0, boxstyle="round,pad=0,rounding_size=9",
+        facecolor="white", edgecolor=WIRE, linewidth=1.0, zorder=3,
+    ))  # fmt: skip
+    ax.text(box.x, box.y, name, size=SIGNAL_SIZE, color=INK, ha="center", va="center", zorder=4, parse_math=False)
+
+
+def strokes(plan: Grid, laid: Sheet) -> list[tuple[list[float], list[float]]]:
+    """Return the straight strokes of all lines, (x, x) and (y, y); what a signal's arrows share is one stroke."""
+    found = []
+    levels: dict[tuple[str, bool, float], list[tuple[float, float]]] = {}
+    for arrow, line in zip(plan.arrows, laid.lines, strict=True):
+        ends = [*line[:-1], (line[-1][0] - HEAD_LENGTH, line[-1][1])]
+        for (x1, y1), (x2, y2) in pairwise(ends):
+            flat = y1 == y2
+            a, b = (x1, x2) if flat else (y1, y2)
+            levels.setdefault((arrow.signal, flat, y1 if flat else x1), []).append((min(a, b), max(a, b)))
+    for (_, flat, level), stretches in levels.items():
+        joined: list[tuple[float, float]] = []
+        for a, b in sorted(stretches):
+            if joined and a <= joined[-1][1]:
+                joined[-1] = joined[-1][0], max(b, joined[-1][1])
+            else:
+                joined.append((a, b))
+        found += [([a, b], [level, level]) if flat else ([level, level], [a, b]) for a, b in joined]
+    return found
+
+
+def branches(plan: Grid, laid: Sheet) -> list[tuple[float, float]]:
+    """Return the points where a signal parts: there the drawing has a dot."""
+    by_signal: dict[str, list[Sequence[tuple[float, float]]]] = {}
+    for arrow, line in zip(plan.arrows, laid.lines, strict=True):
+        by_signal.setdefault(arrow.signal, []).append(line)
+    found = []
+    for lines in by_signal.values():
+        for x, y in {point for one in lines for point in one[1:-1]}:
+            ways = set()
+            for one in lines:
+                for (ax, ay), (bx, by) in pairwise(one):
+                    if min(ax, bx) <= x <= max(ax, bx) and min(ay, by) <= y <= max(ay, by):
+                        ways |= {((ex > x) - (ex < x), (ey > y) - (ey < y)) for ex, ey in ((ax, ay), (bx, by))}
+            if len(ways - {(0, 0)}) >= 3:
+                found.append((x, y))
+    return found

@@ -1,0 +1,99 @@
+"""What is kept of a run: at which times, of which signals, and whether the machine's memory holds it."""
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blocks.arguments import texts
+from blocks.ports import nearest, number
+from engine import layout as at
+from engine.table import Component
+from diagram.diagram import Diagram
+
+Floats = NDArray[np.float64]
+MEMORY_SHARE = 0.8  # of the machine's memory that the values may take
+
+
+def log_times(
+    duration: float, every: float | None, times: ArrayLike | None, t0: float, signals: int = 1, members: int = 1
+) -> Floats:
+    """Return the log times [s]; refuse requests that make no sense, or rows that the memory cannot hold.
+
+    ``signals``, ``members``: how many values each row holds.
+    """
+    duration, t0 = number("simulate", "duration", duration), number("simulate", "t0", t0)
+    if not (math.isfinite(duration) and duration > 0.0):
+        raise ValueError(f"duration = {duration!r}, but it must be a positive number of seconds; give e.g. 600.0")
+    if not math.isfinite(t0):
+        raise ValueError(f"t0 = {t0!r}, but it must be a number of seconds; give 0.0")
+    t_end = t0 + duration
+    if times is not None:
+        if every is not None:
+            raise ValueError(f"every = {every!r} and times are both given, but one of them says when to log; drop one")
+        grid = _asked(times, t0, t_end)
+        check_memory(members, signals, len(grid))
+        return grid
+    step = duration / 1000.0 if every is None else number("simulate", "every", every)
+    if not (math.isfinite(step) and 0.0 < step <= duration):
+        raise ValueError(
+            f"every = {step!r}, but the log interval must be positive and at most the duration, {duration} s; "
+            "give a shorter one, or none for 1000 intervals"
+        )
+    rows = math.floor(duration / step + 1e-9) + 1
+    check_memory(members, signals, rows)
+    even: Floats = t0 + np.arange(rows, dtype=np.float64) * step
+    return np.minimum(even, t_end)
+
+
+def _asked(times: ArrayLike, t0: float, t_end: float) -> Floats:
+    try:
+        grid = np.asarray(times, dtype=float).ravel()
+    except (TypeError, ValueError):
+        raise ValueError(f"times = {times!r}, but log times are numbers of seconds; give an array of them") from None
+    rounding = 4.0 * np.spacing(max(abs(t0), abs(t_end)))
+    inside = grid.size > 0 and np.all(np.isfinite(grid)) and np.all(np.diff(grid) > 0.0)
+    if not (inside and grid[0] >= t0 - rounding and grid[-1] <= t_end + rounding):
+        raise ValueError(
+            f"times = {np.array2string(grid, threshold=6)} s, but they must be finite and increase strictly "
+            f"within {t0} .. {t_end} s; leave out those beyond, or give a longer duration"
+        )
+    return np.asarray(np.clip(grid, t0, t_end))
+
+
+def check_memory(members: int, signals: int, rows: int) -> None:
+    """Raise ``ValueError`` if the values of so many members, signals and rows are more than the memory holds."""
+    size = 8.0 * members * signals * rows
+    known = hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if known else math.inf
+    if size > MEMORY_SHARE * memory:
+        many = f"{members} members x " if members > 1 else ""
+        without = ", or keep_logs=False with a summary=" if members > 1 else ""
+        raise ValueError(
+            f"{many}{signals} signals x {rows} rows take {size / 1e9:.0f} GB, the machine has "
+            f"{memory / 1e9:.0f} GB; log fewer signals=, or a longer every={without}"
+        )
+
+
+def wanted_signals(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the signals to log, all if none are named; raise ``ValueError`` for one that the diagram has not."""
+    if signals is None:
+        return diagram.signals
+    signals = texts("simulate", "signals", signals)
+    for signal in signals:
+        if signal not in diagram.signals:
+            raise ValueError(f"the diagram has no signal '{signal}'; {nearest(signal, list(diagram.signals))}")
+    return tuple(dict.fromkeys(signals))
+
+
+def logging_only(component: Component, diagram: Diagram, wanted: Sequence[str]) -> Component:
+    """Return a copy of a component that logs the wanted signals only; its columns say which."""
+    kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in wanted]
+    I, W = component.I.copy(), component.W.copy()
+    first = int(I[at.L_WIRES])
+    I[first : first + len(kept)] = component.I[[first + k for k in kept]]
+    I[at.N_LOG] = len(kept)
+    return replace(component, I=I, W=W, columns=tuple(component.columns[k] for k in kept))

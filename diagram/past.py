@@ -1,0 +1,137 @@
+"""What a run leaves under way besides states and memories, so that a diagram can go on where it ended.
+
+It goes by the names of blocks, not by their places: whatever is changed in a diagram, what still fits goes on.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from engine import layout as at
+from engine.flat import Floats, Ints
+from engine.table import Component
+from diagram.wiring import WiringError
+
+if TYPE_CHECKING:
+    from diagram.diagram import Diagram
+    from diagram.flatten import Ends, Plan
+
+Place = tuple[str, int]  # block, number of the input
+
+
+@dataclass(frozen=True)
+class UnderWay:
+    """What is in the dead time of one input: its length [s] and its records, oldest first (n, engine.layout.D_SIZE)."""
+
+    theta: float
+    records: Floats
+
+
+@dataclass(frozen=True)
+class Past:
+    """What a run left behind: its end ``t`` [s], what is in the dead times, and which blocks have taken their sample.
+
+    Part of ``run.final`` as ``Diagram.past``; ``Diagram.with_past`` gives a diagram another, or none.
+    """
+
+    t: float
+    delays: Mapping[Place, UnderWay]
+    sampled: frozenset[str]
+
+    @staticmethod
+    def of(diagram: "Diagram", laid: "Plan", ends: "Ends") -> "Past":
+        """Collect what the components leave behind."""
+        place = _places(diagram, laid)
+        delays = {}
+        for component, I, W in ends:
+            for number, f in enumerate(component.blocks):
+                row = at.H + number * at.R
+                if I[row + at.KIND] == at.DEAD_TIME:
+                    ring = W[I[row + at.DELAY] :][: I[row + at.CAPACITY] * at.D_SIZE].reshape(-1, at.D_SIZE)
+                    records = ring[np.arange(I[row + at.TAIL], I[row + at.HEAD]) % len(ring)]
+                    delays[place[f]] = UnderWay(float(W[component.params[f]]), records)
+        sampled = frozenset(block.name for block in diagram.blocks if block.sampled)
+        return Past(min(float(W[at.T]) for _, _, W in ends), delays, sampled)
+
+    def put_back(self, diagram: "Diagram", laid: "Plan", component: Component, I: Ints, W: Floats) -> None:
+        """Fill the dead times of a component that is about to start, and let new blocks take their first sample."""
+        place = _places(diagram, laid)
+        for number, f in enumerate(component.blocks):
+            row = at.H + number * at.R
+            if I[row + at.KIND] == at.DEAD_TIME:
+                records = self.delays[place[f]].records
+                W[I[row + at.DELAY] :][: records.size] = records.ravel()
+                I[row + at.HEAD] = len(records)
+            elif I[row + at.KIND] == at.SAMPLED and diagram.blocks[f].name not in self.sampled:
+                I[row + at.COUNT] = -1
+
+    @property
+    def records(self) -> int:
+        """Length of the longest history."""
+        return max((len(delay.records) for delay in self.delays.values()), default=0)
+
+    def inside(self, name: str) -> "Past":
+        """Return the past of a diagram that is nested under ``name``."""
+        return Past(
+            self.t,
+            {(f"{name}/{block}", j): delay for (block, j), delay in self.delays.items()},
+            frozenset(f"{name}/{block}" for block in self.sampled),
+        )
+
+    def without(self, name: str) -> "Past":
+        """Return the past of a diagram one of whose blocks takes its samples for the first time."""
+        return replace(self, sampled=self.sampled - {name})
+
+
+def together(pasts: Iterable[Past]) -> Past | None:
+    """Return the past of diagrams that are joined, or None if none of them has one.
+
+    Raises ``WiringError`` if their runs ended at different times.
+    """
+    given = list(pasts)
+    if not given:
+        return None
+    ends = sorted({past.t for past in given})
+    if len(ends) > 1:
+        raise WiringError(
+            f"the diagrams go on from runs that ended at {ends[0]:g} and {ends[-1]:g} s, but one diagram has one time; "
+            "let the runs end together, or start afresh with diagram.with_past(None)"
+        )
+    delays = {place: delay for past in given for place, delay in past.delays.items()}
+    return Past(ends[0], delays, frozenset().union(*(past.sampled for past in given)))
+
+
+def resumed(diagram: "Diagram", t0: float) -> Past | None:
+    """Return the past with which a run of ``diagram`` from ``t0`` [s] goes on, None if it starts afresh.
+
+    Raises ``ValueError`` if something under way would be lost without a word: a run that starts at another time than
+    the one before ended, or a dead time that is new, or longer than the one before.
+    """
+    past = diagram.past
+    if past is None:
+        return None
+    dead = {block.name: block for block in diagram.blocks if block.dead_time > 0.0}
+    sampled = [block.name for block in diagram.blocks if block.sampled and block.name in past.sampled]
+    afresh = "start afresh with diagram.with_past(None)"
+    if abs(t0 - past.t) > 4.0 * float(np.spacing(max(1.0, abs(t0)))):
+        if kept := [*(name for name in dead if (name, 0) in past.delays), *sampled]:
+            raise ValueError(
+                f"t0 = {t0!r}, but the diagram goes on from a run that ended at {past.t!r} s, with signals and samples "
+                f"under way in {', '.join(kept[:4])}{', ...' if len(kept) > 4 else ''}; give t0={past.t!r}, or {afresh}"
+            )
+        return None
+    for name, block in dead.items():
+        known = past.delays[name, 0].theta if (name, 0) in past.delays else 0.0
+        if block.dead_time > known:
+            raise ValueError(
+                f"{name}: the dead time is {block.dead_time:g} s, but the run before kept {known:g} s of its input; "
+                f"give at most that, or {afresh}"
+            )
+    return past
+
+
+def _places(diagram: "Diagram", laid: "Plan") -> dict[int, Place]:
+    """Return which input of which block each flat dead time delays."""
+    return {f: (diagram.blocks[b].name, j) for b, flats in laid.delays.items() for j, f in enumerate(flats)}

@@ -1,0 +1,277 @@
+"""A diagram at one instant, interpreted: signals, rates, events, samples and dead times in plain Python.
+
+Used by ``diagram.reference.integration`` only.  Every rule of a run is stated here a second time, independently of ``engine``.
+"""
+
+import bisect
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagram.diagram import Diagram
+
+Floats = NDArray[np.float64]
+IMPULSE = 1e12  # rate that stands for a jump
+NO_JUMP = 1e-11  # relative size of a jump that is rounding
+GENERATIONS = 12  # how often a breakpoint is followed through dead times
+NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8.0)  # Chebyshev points of the second kind on 0 .. 1
+WEIGHTS = np.array([0.5, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 0.5])
+
+
+class Interpreter:
+    """The moving state of one reference run; ``t`` [s] and ``x`` (n_states,) are the present."""
+
+    def __init__(self, diagram: Diagram, t0: float) -> None:
+        self.blocks = diagram.blocks
+        self.order = diagram.order
+        number = {signal: i for i, signal in enumerate(diagram.signals)}
+        self.wires = [np.array([number[s] for s in block.input_labels], dtype=int) for block in self.blocks]
+        self.places = [np.array([number[s] for s in block.output_labels], dtype=int) for block in self.blocks]
+        self.s = np.zeros(len(number))
+        self.checked = np.ones(len(number), dtype=bool)
+        self.d = [block.d0.copy() for block in self.blocks]
+        self.hosted = [
+            None if block.host is None else block.host.init(block.p) for block in self.blocks
+        ]  # the states of what runs in Python anyway
+        starts = np.cumsum([0, *(len(block.x0) for block in self.blocks)])
+        self.states = [slice(a, b) for a, b in itertools.pairwise(starts)]
+        self.n_states = int(starts[-1])
+        self.x: Floats = np.concatenate([block.x0 for block in self.blocks]) if self.blocks else np.zeros(0)
+        self.t = t0
+        self.t_left = math.nextafter(t0, -math.inf)  # sources are not looked at beyond
+        self.taken: dict[int, int] = {}
+        self.dead: dict[int, tuple[float, float]] = {}  # block -> dead time, value before the start
+        for b, block in enumerate(self.blocks):
+            if block.sampled:
+                self.s[self.places[b]] = block.y0
+                offset = block.p[block.param_index(block.offset_param)] if block.offset_param else 0.0
+                self.taken[b] = max(0, math.ceil((t0 - offset) / block.period - 1e-9))
+                self.checked[self.places[b]] = block.host is None
+            if block.dead_time_param and block.p[block.param_index(block.dead_time_param)] > 0.0:
+                before = f"{block.dead_time_param}_start"
+                value = block.p[block.param_index(before)] if before in block.param_names else 0.0
+                self.dead[b] = (float(block.p[block.param_index(block.dead_time_param)]), float(value))
+        self.thetas = [theta for theta, _ in self.dead.values()]
+        self.pieces: list[tuple[float, float, dict[int, Floats]]] = []  # start, end, block -> inputs at the nodes
+        self.pending: list[tuple[float, int]] = []  # breakpoints still to leave a dead time
+        self.n_events = [0 if block.sampled else block.kernels.n_events for block in self.blocks]
+        self.any_rates = any(block.kernels.rates and n for block, n in zip(self.blocks, self.n_events, strict=True))
+        self.chain = 0
+        self.n_fired = 0
+        self.n_rates = 0
+        self.events: list[tuple[float, str, str, str]] = []
+        self._enter_breaks(t0, 0)
+        self.first = True  # nothing went before the first instant, so nothing can have jumped
+        self.old = self.s.copy()
+
+    @staticmethod
+    def rounding(t: float) -> float:
+        """Return the time difference [s] that is none at ``t``."""
+        return 8.0 * math.ulp(max(1.0, abs(t)))
+
+    # --- signals, rates, event functions ------------------------------------------------------------------
+    def _input(self, b: int, t: float) -> Floats:
+        if b not in self.dead:
+            now: Floats = self.s[self.wires[b]]
+            return now
+        theta, before = self.dead[b]
+        k = bisect.bisect_right(self.pieces, t, key=lambda piece: piece[0] + theta) - 1
+        if k < 0:
+            return np.full(len(self.wires[b]), before)
+        start, end, values = self.pieces[k]
+        if not np.ptp(values[b], axis=0).any():
+            return np.asarray(values[b][0])  # what stands still is not rounded
+        gap = (t - theta - start) / (end - start) - NODES
+        near = np.flatnonzero(np.abs(gap) < 1e-14)
+        if near.size:
+            return np.asarray(values[b][near[0]])
+        weights = WEIGHTS / gap
+        return np.asarray(weights @ values[b] / weights.sum())
+
+    def signals_at(self, t: float, x: Floats) -> Floats:
+        """Compute all signals for state ``x`` at ``t`` [s]; returns ``self.s``."""
+        t = min(t, self.t_left)
+        for b in self.order:
+            block = self.blocks[b]
+            if not block.sampled and block.kernels.out is not None:
+                y = np.zeros(len(self.places[b]))
+                block.kernels.out(t, x[self.states[b]], self.d[b], self._input(b, t), block.p, y)
+                self.s[self.places[b]] = y
+        return self.s
+
+    def rates(self, t: float, x: Floats) -> Floats:
+        """Return dx/dt (n_states,)."""
+        self.n_rates += 1
+        x = np.array(x, dtype=float)
+        self.signals_at(t, x)
+        t = min(t, self.t_left)
+        rates = np.zeros(self.n_states)
+        for b, block in enumerate(self.blocks):
+            if len(block.x0) and block.kernels.der is not None and not block.sampled:
+                part = np.zeros(len(block.x0))
+                block.kernels.der(t, x[self.states[b]], self.d[b], self._input(b, t), block.p, part)
+                rates[self.states[b]] = part
+        return rates
+
+    def event_values(self, t: float, x: Floats) -> Floats:
+        """Return all event functions, block after block."""
+        if not any(self.n_events):
+            return np.zeros(0)
+        slopes = np.zeros(len(self.s))
+        if self.any_rates:
+            slopes = self._signal_rates(t, x)
+        self.signals_at(t, x)
+        t = min(t, self.t_left)
+        values = []
+        for b, n in enumerate(self.n_events):
+            if n:
+                values.append(self._zc(b, t, x, self._input(b, t), slopes[self.wires[b]]))
+        return np.concatenate(values)
+
+    def _signal_rates(self, t: float, x: Floats) -> Floats:
+        f = self.rates(t, x)
+        now = self.signals_at(t, x).copy()
+        shift = 1e-8 * max(1.0, abs(t))
+        shift = shift if t + shift <= self.t_left else -shift
+        return np.asarray((self.signals_at(t + shift, x + shift * f) - now) / shift)
+
+    def _zc(self, b: int, t: float, x: Floats, u: Floats, slopes: Floats) -> Floats:
+        block = self.blocks[b]
+        g = np.zeros(self.n_events[b])
+        if block.kernels.zc is not None:
+            block.kernels.zc(t, x[self.states[b]], self.d[b], np.concatenate([u, slopes]), block.p, g)
+        return g
+
+    # --- instants -----------------------------------------------------------------------------------------
+    def settle(self) -> bool:
+        """Do all that happens at the present instant; return False if transitions never end."""
+        self.t_left = math.inf
+        self._sample()
+        if self.first:
+            self.old = self.signals_at(self.t, self.x).copy()
+            self.first = False
+        while self.chain <= 20 + 10 * sum(self.n_events):
+            new = self.signals_at(self.t, self.x).copy()
+            jumped = self.any_rates and self._fire_on_jumps(new)
+            self.old = new
+            if jumped:
+                continue
+            if not self._fire_positive():
+                self.signals_at(self.t, self.x)
+                return True
+        return False
+
+    def arrive(self, t: float, x: Floats, fired: bool) -> None:
+        """Move to the end of a stretch; fire what is positive there, seen from the left."""
+        if t - self.t > 1e-12 * max(1.0, abs(t)):
+            self.chain = 0
+        self.t, self.x = t, np.array(x, dtype=float)
+        self.old = self.signals_at(t, self.x).copy()
+        if fired:
+            self._fire_positive()
+            self._enter_breaks(t, 0)
+
+    def _fire_positive(self) -> bool:
+        values = self.event_values(self.t, self.x)
+        slopes = self._signal_rates(self.t, self.x) if self.any_rates else np.zeros(len(self.s))
+        self.signals_at(self.t, self.x)
+        inputs = [self._input(b, min(self.t, self.t_left)).copy() for b in range(len(self.blocks))]
+        fired, k = False, 0
+        for b, n in enumerate(self.n_events):
+            positive = np.flatnonzero(values[k : k + n] > 0.0)
+            k += n
+            if positive.size:
+                self._fire(b, int(positive[0]), inputs[b], slopes[self.wires[b]])
+                fired = True
+        return fired
+
+    def _fire_on_jumps(self, new: Floats) -> bool:
+        fired = False
+        for b, n in enumerate(self.n_events):
+            jump = new[self.wires[b]] - self.old[self.wires[b]]
+            jump[np.abs(jump) <= NO_JUMP * (1.0 + np.abs(new[self.wires[b]]))] = 0.0
+            if n and self.blocks[b].kernels.rates and jump.any():
+                u = self.old[self.wires[b]]
+                positive = np.flatnonzero(self._zc(b, self.t, self.x, u, IMPULSE * jump) > 0.0)
+                if positive.size:
+                    self._fire(b, int(positive[0]), u, IMPULSE * jump)
+                    fired = True
+        return fired
+
+    def _fire(self, b: int, event: int, u: Floats, slopes: Floats) -> None:
+        block = self.blocks[b]
+        before = block.modes and float(self.d[b][0])
+        part = self.x[self.states[b]].copy()
+        if block.kernels.jump is not None:
+            which = np.zeros(max(1, self.n_events[b]))
+            which[0] = event
+            block.kernels.jump(self.t, part, self.d[b], np.concatenate([u, slopes]), block.p, which)
+        self.x[self.states[b]] = part
+        self.n_fired += 1
+        self.chain += 1
+        if block.modes and self.d[b][0] != before:
+            names = {value: name for name, value in block.modes.items()}
+            self.events.append((self.t, block.name, names[float(before)], names[float(self.d[b][0])]))  # type: ignore[arg-type]
+
+    def _due(self, b: int) -> float:
+        block = self.blocks[b]
+        offset = block.p[block.param_index(block.offset_param)] if block.offset_param else 0.0
+        return float(offset + self.taken[b] * block.period)
+
+    def _sample(self) -> None:
+        due = [b for b in self.order if b in self.taken and self._due(b) <= self.t + self.rounding(self.t)]
+        self.signals_at(self.t, self.x)
+        for b in due:
+            if not self.blocks[b].kernels.feeds and self.blocks[b].host is None:
+                keep = self.d[b].copy()
+                self._step(b)
+                self.d[b] = keep
+        for b in due:
+            self.signals_at(self.t, self.x)
+            self._step(b)
+            self.taken[b] += 1
+
+    def _step(self, b: int) -> None:
+        block, u = self.blocks[b], self._input(b, self.t)
+        y = np.zeros(len(self.places[b]))
+        if block.host is not None:
+            self.hosted[b], y = block.host.step(self.t, self.hosted[b], u, block.p)  # type: ignore[assignment]
+        elif block.kernels.step is not None:
+            block.kernels.step(self.t, block.x0, self.d[b], u, block.p, y)
+        self.s[self.places[b]] = y
+
+    # --- what lies ahead and behind -----------------------------------------------------------------------
+    def next_stop(self, t_end: float) -> tuple[float, float]:
+        """Return (next instant not to be stepped over, largest step [s]); sets the left limit."""
+        marks = [(t_end, 0)] + [(self._due(b), 0) for b in self.taken]
+        largest = math.inf
+        for b, block in enumerate(self.blocks):
+            if block.kernels.next_time is not None and not block.sampled:
+                out = np.array([math.inf, math.inf])
+                block.kernels.next_time(self.t, block.x0, self.d[b], self._input(b, self.t), block.p, out)
+                marks.append((float(out[0]) if out[0] > self.t else math.inf, 0))
+                largest = min(largest, float(out[1]))
+        self.pending = [(t, generation) for t, generation in self.pending if t > self.t]
+        marks += self.pending
+        first = min(t for t, _ in marks)
+        together = [mark for mark in marks if mark[0] <= first + self.rounding(first)]
+        stop = max(t for t, _ in together)
+        self.t_left = math.nextafter(first, -math.inf)
+        self._enter_breaks(stop, min(generation for _, generation in together))
+        return stop, largest
+
+    def _enter_breaks(self, t: float, generation: int) -> None:
+        """Note when what happens at ``t`` will leave the dead times."""
+        if generation < GENERATIONS:
+            self.pending += [(t + theta, generation + 1) for theta, _ in self.dead.values()]
+
+    def remember(self, t: float, t_new: float, state_at: Callable[[float], Floats]) -> None:
+        """Keep what entered the dead times from ``t`` to ``t_new``."""
+        if not self.dead or t_new <= t:
+            return
+        values = np.array([self.signals_at(t + part * (t_new - t), state_at(t + part * (t_new - t))).copy()
+                           for part in NODES])  # fmt: skip
+        self.pieces.append((t, t_new, {b: values[:, self.wires[b]] for b in self.dead}))

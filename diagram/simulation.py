@@ -1,0 +1,314 @@
+"""Simulate a diagram with the compiled engine: a log at the times asked for, events, status, statistics."""
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blocks.arguments import by_name
+from blocks.block import Block
+from blocks.ports import nearest, number
+from engine import layout as at
+from engine.run import METHODS, Outcome, Settings, prepare, run
+from engine.status import HINTS, Statistics, Status
+from diagram.coarse import ToleranceWarning, too_coarse
+from diagram.diagram import Diagram
+from diagram.flatten import DELAY_RECORDS, Ends, Plan, plan
+from diagram.inputs import close
+from diagram.kept import log_times, logging_only, wanted_signals
+from diagram.past import Past, resumed
+from diagram.wiring import WiringError
+from logs import Log
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+MOST_BLAMED = 6  # blocks that a hint names
+
+
+@dataclass(frozen=True)
+class Event:
+    """A change of mode: time [s], block, mode before, mode after."""
+
+    t: float
+    block: str
+    before: str
+    after: str
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
+
+    If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
+    ``notes`` say what to doubt in a run that is OK (``diagram.coarse``).
+    ``final`` is the diagram at the end of the run: simulate it, changed or not, with ``t0`` = that time to go on (only
+    blocks that run in Python begin anew).  ``ends`` are the engine's arrays there; they are lost in a pickle.
+    """
+
+    log: Log
+    events: tuple[Event, ...]
+    status: Status
+    hint: str
+    statistics: Statistics
+    diagram: Diagram
+    ends: Ends
+    notes: tuple[str, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Keep the end as values: the engine's arrays hold addresses of compiled code, good in this process only."""
+        return self.__dict__ | ({"final": self.final, "ends": ()} if self.ends else {})
+
+    @cached_property
+    def final(self) -> Diagram:
+        """The diagram with states, memories, held outputs and dead times as they stand at the end."""
+        return _final(self.diagram, self.ends)
+
+    @property
+    def ok(self) -> bool:
+        """Whether the run reached its end."""
+        return self.status is Status.OK
+
+    def plot(self, names: Sequence[str] | None = None) -> "Figure":
+        """Plot the log with the events marked."""
+        from diagram.figures.trends import plot_run
+
+        return plot_run(self, names)
+
+
+def simulate(
+    diagram: Diagram,
+    duration: float,
+    *,
+    every: float | None = None,
+    times: ArrayLike | None = None,
+    inputs: Mapping[str, Any] | None = None,
+    params: Mapping[str, float] | None = None,
+    start: Mapping[str, float] | None = None,
+    signals: Sequence[str] | None = None,
+    rtol: float = 1e-6,
+    atol: float = 1e-9,
+    method: str = "auto",
+    max_steps: int = 20_000_000,
+    t0: float = 0.0,
+    on_progress: Callable[[float], None] | None = None,
+) -> Run:
+    """Simulate ``duration`` seconds and log every signal, or the ``signals`` named.
+
+    Parameters: ``every`` log interval [s] (default: 1000 intervals) or ``times`` [s]; ``inputs`` open input ->
+    number, ``(t, values)`` or source block; ``params`` as in ``Diagram.with_params``; ``start`` as in
+    ``Diagram.starting_at``; ``rtol``, ``atol`` local error per step; ``method`` "auto", "explicit" or "stiff";
+    ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
+    ends the run with status INTERRUPTED, and what is simulated so far is kept.
+
+    A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
+
+    Raises ``ValueError`` for a request that makes no sense or a log beyond the machine's memory; numerical failure is
+    a status, not an exception.  Warns (``ToleranceWarning``) if ``atol`` is too large for some blocks.
+
+    >>> from blocks import Step, FirstOrder
+    >>> from diagram import simulate, wire
+    >>> run = simulate(wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)]), 50.0, every=10.0)
+    >>> run.log["PV"].round(4).tolist()
+    [0.0, 1.7293, 1.9634, 1.995, 1.9993, 1.9999]
+    """
+    ready = set_up(diagram, inputs, params, start)
+    wanted = wanted_signals(ready, signals)
+    grid = log_times(duration, every, times, t0, len(wanted))
+    settings = check_settings(rtol, atol, method, max_steps)
+    if on_progress is not None and not callable(on_progress):
+        raise ValueError(f"on_progress = {on_progress!r}, but it is called with the time reached; give a function of t")
+    t0, t_end = float(t0), float(t0) + float(duration)  # the engine is compiled for these and no other numbers
+    past = resumed(ready, t0)
+    records = max(DELAY_RECORDS, 2 * past.records if past else 0)
+    while True:
+        laid = plan(ready, records)
+        if len(wanted) < len(ready.signals):
+            laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
+        outcomes = [_run(laid, c, ready, settings, grid, t0, t_end, on_progress, past) for c in laid.components]
+        if not any(o.status is Status.DELAY_FULL for o in outcomes):
+            return _noted(_collect(ready, laid, outcomes, grid, wanted), settings.atol)
+        records *= 4
+
+
+def _told(given: Any) -> str:
+    return f"block '{given.name}'" if isinstance(given, Block) else f"{given!r:.60}"
+
+
+def set_up(
+    diagram: Diagram,
+    inputs: Mapping[str, Any] | None = None,
+    params: Mapping[str, float] | None = None,
+    start: Mapping[str, float] | None = None,
+) -> Diagram:
+    """Return the diagram with its inputs closed and values changed; refuse inputs left open."""
+    if not isinstance(diagram, Diagram):
+        alone = "; wire([block]) makes one of a block, drive(block, ...) runs it alone" * isinstance(diagram, Block)
+        raise ValueError(f"{_told(diagram)} is no diagram{alone or '; wire([...]) makes one of blocks'}")
+    examples = {"inputs": {"SP": 0.5}, "params": {"valve.F_s": 1750.0}, "start": {"process.PV": 0.5}}
+    for name, values in {"inputs": inputs, "params": params, "start": start}.items():
+        if values is not None:
+            by_name("simulate", name, values, examples[name])
+    if inputs:
+        diagram = close(diagram, inputs)
+    if diagram.open_inputs:
+        raise WiringError(
+            f"the diagram's input '{diagram.open_inputs[0]}' is open; "
+            f"give it a signal: simulate(..., inputs={{'{diagram.open_inputs[0]}': 0.0}})"
+        )
+    if params:
+        diagram = diagram.with_params(params)
+    if start:
+        diagram = diagram.starting_at(start)
+    return diagram
+
+
+def check_settings(rtol: float, atol: float, method: str, max_steps: int) -> Settings:
+    """Return the settings of a run; refuse tolerances, methods and budgets that make no sense."""
+    budget = number("simulate", "max_steps", max_steps)
+    if not (budget >= 1.0 and (budget == np.inf or budget % 1.0 == 0.0)):
+        raise ValueError(f"max_steps = {max_steps!r}, but a step budget is a whole number of at least 1; leave it out")
+    settings = Settings(
+        number("simulate", "rtol", rtol), number("simulate", "atol", atol), method, int(min(budget, 2.0**62))
+    )
+    if not (isinstance(method, str) and method in METHODS):
+        raise ValueError(f"method = {method!r}; {nearest(method, list(METHODS))}")
+    if not (1e-13 <= settings.rtol <= 0.1 and 0.0 < settings.atol < np.inf):
+        raise ValueError(
+            f"rtol = {settings.rtol!r}, atol = {settings.atol!r}, but 1e-13 <= rtol <= 0.1 and a finite atol > 0 are "
+            "needed; leave them out for 1e-6 and 1e-9"
+        )
+    return settings
+
+
+def _run(
+    laid: Plan,
+    component: Any,
+    diagram: Diagram,
+    settings: Settings,
+    grid: Floats,
+    t0: float,
+    t_end: float,
+    on_progress: Callable[[float], None] | None,
+    past: Past | None,
+) -> Outcome:
+    I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
+    laid.fill(component, W, diagram.blocks)
+    if past is not None:
+        past.put_back(diagram, laid, component, I, W)
+    return run(component, laid.flat, I, W, grid, t_end, on_progress)
+
+
+def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats, wanted: Sequence[str]) -> Run:
+    columns: dict[str, Floats] = {}
+    for component, outcome in zip(laid.components, outcomes, strict=True):
+        outcome.log.flags.writeable = False  # so that the log need not copy it
+        columns.update(zip((diagram.signals[c] for c in component.columns), outcome.log, strict=True))
+    log = Log(
+        t=grid,
+        signals={signal: columns[signal] for signal in diagram.signals if signal in wanted},
+        units={s: u for s, u in diagram.signal_units.items() if u and s in wanted},
+        spans={s: span for s, span in diagram.signal_spans.items() if s in wanted},
+        origin=f"simulated: {diagram.name}",
+    )
+    ends = tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
+    status, hint = _verdict(diagram, laid, outcomes, ends)
+    return Run(
+        log=log,
+        events=named_events(diagram, (row for o in outcomes for row in o.events.tolist())),
+        status=status,
+        hint=hint,
+        statistics=statistics([o.I for o in outcomes]),
+        diagram=diagram,
+        ends=ends,
+    )
+
+
+def _noted(run: Run, atol: float) -> Run:
+    """Return the run with a note, and warn, if its absolute tolerance is too large for some of its blocks."""
+    if not run.ok:
+        return run
+    sizes = {s: float(max(values.max(), -values.min())) for s, values in run.log.signals.items()}
+    states: dict[str, float] = {}
+    for component, _, W in run.ends:
+        for b in component.blocks:
+            if b < len(run.diagram.blocks) and len(run.diagram.blocks[b].x0):
+                x0 = run.diagram.blocks[b].x0
+                end = W[component.states[b] : component.states[b] + len(x0)]
+                states[run.diagram.blocks[b].name] = float(max(np.abs(x0).max(), np.abs(end).max()))
+    note = too_coarse(run.diagram.blocks, sizes, states, atol)
+    if not note:
+        return run
+    warnings.warn(note, ToleranceWarning, stacklevel=3)
+    return replace(run, notes=(note,))
+
+
+def _verdict(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], ends: Ends) -> tuple[Status, str]:
+    """Return the status of a run and its hint: where the first component that failed did so, and what to try."""
+    failed = next(((c, o) for c, o in zip(laid.components, outcomes, strict=True) if o.status is not Status.OK), None)
+    if failed is None:
+        return Status.OK, HINTS[Status.OK]
+    component, outcome = failed
+    when = f"at t = {outcome.t:.6g} s"
+    if told := troubles(diagram, ends):
+        return Status.MODEL_ENDED, f"{told} ({when})"
+    involved = component.blocks
+    if outcome.status is Status.CHATTERING and len(outcome.events):
+        involved = tuple(dict.fromkeys(outcome.events[-MOST_BLAMED:, 1].astype(int).tolist()))
+    culprits = [diagram.blocks[b].name for b in involved if b < len(diagram.blocks)]
+    more = f" and {len(culprits) - MOST_BLAMED} more" if len(culprits) > MOST_BLAMED else ""
+    return outcome.status, f"{HINTS[outcome.status]} ({when} in {', '.join(culprits[:MOST_BLAMED])}{more})"
+
+
+def named_events(diagram: Diagram, rows: Iterable[Sequence[float]]) -> tuple[Event, ...]:
+    """Return changes of mode in order of time, with names for the numbers of ``rows``: t, block, before, after."""
+    modes: dict[int, dict[float, str]] = {}
+    events = []
+    for t, block, before, after in rows:
+        b = int(block)
+        if b not in modes:
+            modes[b] = {value: name for name, value in diagram.blocks[b].modes.items()}
+        names = modes[b]
+        events.append(Event(t, diagram.blocks[b].name, names.get(before, str(before)), names.get(after, str(after))))
+    return tuple(sorted(events, key=lambda event: event.t))
+
+
+def statistics(counters: Sequence[Any]) -> Statistics:
+    """Add up what the components cost."""
+    total = Statistics(components=len(counters))
+    for I in counters:
+        total = replace(
+            total,
+            steps=total.steps + int(I[at.STEPS]),
+            rejected=total.rejected + int(I[at.REJECTED]),
+            rhs=total.rhs + int(I[at.RHS]),
+            jacobians=total.jacobians + int(I[at.JACOBIANS]),
+            events=total.events + int(I[at.EVENTS]),
+        )
+    return total
+
+
+def troubles(diagram: Diagram, ends: Ends) -> str:
+    """Return what the blocks of a failed run say of where it ended, "" if none of them knows."""
+    return "; ".join(filter(None, (block.trouble() for block in _final(diagram, ends).blocks)))
+
+
+def _final(diagram: Diagram, ends: Ends) -> Diagram:
+    blocks: list[Block] = list(diagram.blocks)
+    first = {signal: i for i, signal in enumerate(diagram.signals)}
+    for component, _, W in ends:
+        for b in component.blocks:
+            if b < len(blocks) and (len(blocks[b].x0) or len(blocks[b].d0)):
+                x, d = component.states[b], component.memory[b]
+                values = dict(zip(blocks[b].state_names, W[x : x + len(blocks[b].x0)], strict=True))
+                values |= dict(zip(blocks[b].memory_names, W[d : d + len(blocks[b].d0)], strict=True))
+                blocks[b] = blocks[b].starting_at(**{k: float(v) for k, v in values.items()})
+            if b < len(blocks) and blocks[b].sampled:
+                y = component.signals[first[blocks[b].output_labels[0]]]
+                blocks[b] = blocks[b].holding(W[y : y + len(blocks[b].y0)])
+    return diagram._with_blocks(blocks).with_past(Past.of(diagram, plan(diagram), ends))

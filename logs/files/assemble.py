@@ -1,0 +1,204 @@
+"""From a table of cells to a log: time, values, quality, repeats, notes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from logs.files.clean import decimal_mark, modes, numbers
+from logs.errors import ReadError
+from logs.files.heading import Heading
+from logs.log import Log
+from logs.files.longform import LongColumns, find_long_form, pivot
+from logs.files.names import role_of
+from logs.files.order import about_sampling, ordered_times
+from logs.files.quality import bad_values, qualities, quality_columns
+from logs.files.stamps import Times, repaired_clock_change
+from logs.files.states import is_blank, is_state
+from logs.files.table import Table
+from logs.files.time_column import find_times, oldest_first
+
+if TYPE_CHECKING:
+    import polars as pl
+
+__all__ = ["Layout", "assemble", "layout_of"]
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Times of the rows and the names of what can be taken as a signal (columns, or tags of a long table)."""
+
+    table: Table
+    heading: Heading | None
+    times: Times
+    decimal: str
+    names: tuple[str, ...]
+    notes: tuple[str, ...]
+    marks: Mapping[str, tuple[str, ...]]  # quality column -> signals whose quality it holds
+    aside: Mapping[str, str]  # column that cannot be a signal -> why
+    long: LongColumns | None
+
+
+def layout_of(
+    table: Table,
+    heading: Heading | None = None,
+    time: str | None = None,
+    decimal: str | None = None,
+    time_format: str | None = None,
+    interval: float | None = None,
+    time_unit: str | None = None,
+) -> Layout:
+    """Find the time and the candidates for signals. Raises ReadError if there is no time or no signal."""
+    if decimal is not None and decimal not in (".", ","):
+        raise ReadError(f"decimal = {decimal!r} is neither '.' nor ','; give one of them")
+    if table.frame.height == 0:
+        raise ReadError("the table has no rows; export a range that holds data")
+    mark = decimal or ("." if heading is not None else decimal_mark(table.frame))
+    notes = list(table.notes)
+    if decimal is None and mark == ",":
+        notes.append("Numbers are read with decimal commas.")
+    own = heading is not None
+    if own and interval is None:
+        time = "time"
+    table, times, used, aside, found = find_times(table, time, mark, time_format, interval, time_unit)
+    if own:  # whatever its name, every other column is a signal
+        aside = {name: why for name, why in aside.items() if name == "time"}
+    notes += [*found, *times.notes]
+    if not own:
+        table, times, found = oldest_first(table, times)
+        notes += found
+    others = [name for name in table.frame.columns if name not in used and name not in aside]
+    long = None if own else find_long_form(others)
+    marks: dict[str, tuple[str, ...]] = {}
+    if long is not None:
+        names = table.frame[long.tag].cast(str).unique(maintain_order=True).drop_nulls().to_list()
+        aside |= {name: "no part of a long table" for name in others if name not in long.columns}
+    elif heading is not None:
+        names = [name for name in others if name not in heading.quality.values()]
+    else:
+        marks = quality_columns(others)
+        names = [name for name in others if name not in marks]
+    if not names:
+        raise ReadError("there is no column beside the time; export at least one signal")
+    return Layout(table, heading, times, mark, tuple(names), tuple(notes), marks, aside, long)
+
+
+def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[str] = ()) -> Log:
+    """The log of the signals `wanted` (name in the log -> name in the file), or of all that hold numbers.
+
+    `mode` lists the names in the file that hold controller modes. Raises ReadError if a cell is no number,
+    time falls, or one time has two rows.
+    """
+    for signal, name in (wanted or {}).items():
+        if name not in layout.names:
+            shown = ", ".join(repr(known) for known in layout.names[:20])
+            raise ReadError(f"no column {name!r} for {signal!r}; the columns are {shown}")
+    long = layout.long
+    notes = list(layout.notes)
+    t, repair = layout.times.t, None
+    if layout.times.start is not None and long is None:
+        t, repair = repaired_clock_change(t)
+    notes += [repair] if repair else []
+    if long is not None:
+        times = Times(t, layout.times.start)
+        frame, lines = layout.table.frame, layout.table.lines
+        tags = list(wanted.values()) if wanted else _with_numbers(frame, long.tag, long.value, layout.names, notes)
+        result = pivot(frame, long, times, lines, layout.decimal, tags)
+        t, values, notes = result.t, result.values, notes + list(result.notes)
+        good = {tag: mask for tag, mask in result.good.items() if not (mask | np.isnan(values[tag])).all()}
+    else:
+        values, good = _columns(layout, wanted, mode, notes)
+        held = [*values.values(), *(mask.astype(float) for mask in good.values())]
+        t, keep, found = ordered_times(t, layout.table.lines, held)
+        notes += found
+        if len(keep) < layout.table.frame.height:
+            values = {name: v[keep] for name, v in values.items()}
+            good = {name: mask[keep] for name, mask in good.items()}
+    if layout.heading is None:
+        notes += about_sampling(t, guessed=layout.times.guessed)
+    name_of = {name: signal for signal, name in (wanted or {name: name for name in values}).items()}
+    units = layout.heading.units if layout.heading else layout.table.units
+    spans = layout.heading.spans if layout.heading else {}
+    return Log(
+        t=t,
+        signals={name_of[name]: v for name, v in values.items()},
+        units={name_of[name]: unit for name, unit in units.items() if name in values},
+        spans={name_of[name]: span for name, span in spans.items() if name in values},
+        quality={name_of[name]: mask for name, mask in good.items()},
+        start=layout.heading.start if layout.heading else layout.times.start,
+        notes=tuple(notes),
+    )
+
+
+def _columns(
+    layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[str], notes: list[str]
+) -> tuple[dict[str, npt.NDArray[np.float64]], dict[str, npt.NDArray[np.bool_]]]:
+    frame, lines = layout.table.frame, layout.table.lines
+    values: dict[str, npt.NDArray[np.float64]] = {}
+    good: dict[str, npt.NDArray[np.bool_]] = {}
+    unclear: dict[str, str] = {}
+    for name in wanted.values() if wanted else layout.names:
+        told = role_of(name)
+        is_mode = name in mode or (layout.heading is None and told is not None and told[1] == "MODE")
+        if not is_mode and wanted is None and layout.heading is None and _is_text(frame[name]):
+            notes.append(f"Column {name!r} holds no number and is left out.")
+            continue
+        own = layout.heading is not None
+        if is_mode and not own:
+            parsed = modes(frame[name], name)
+        else:
+            parsed = numbers(frame[name], name, lines, layout.decimal, keep_infinite=own)
+        values[name] = parsed.values
+        if layout.heading is None:
+            notes += parsed.notes
+        mask = parsed.good
+        if layout.heading is not None:
+            held = [column for column in (layout.heading.quality.get(name),) if column in frame.columns]
+        else:
+            held = [column for column, signals in layout.marks.items() if name in signals]
+        for column in held:
+            told_quality = qualities(frame[column], str(column), flags=own)
+            if told_quality is None:
+                unclear[str(column)] = f"The quality in {column!r} cannot be told and is not used."
+                continue
+            mask = told_quality if mask is None else mask & told_quality
+            if not own:
+                notes += bad_values(name, str(column), told_quality, parsed.values)
+        # Quality that says no more than "missing" is not worth keeping, except in a file of our own.
+        if mask is not None and (layout.heading is not None or not mask.all()):
+            good[name] = mask
+    notes += unclear.values()
+    if not values:
+        raise ReadError("no column beside the time holds a number; export the signals as numbers")
+    return values, good
+
+
+def _is_text(column: pl.Series) -> bool:
+    """Whether the column is of words that are no states, or of nothing: a comment, a unit, a tag."""
+    import polars as pl
+
+    column = column.alias("")
+    if column.dtype != pl.String:
+        return column.dtype.is_temporal() or column.null_count() == len(column)
+    if column.str.contains(r"^[-+]?[\d.,]").any():
+        return False
+    return not any(is_state(word) and not is_blank(word) for word in column.drop_nulls().unique().to_list())
+
+
+def _with_numbers(frame: pl.DataFrame, tag: str, value: str, tags: Collection[str], notes: list[str]) -> list[str]:
+    import polars as pl
+
+    kept = []
+    for name in tags:
+        role = role_of(name)
+        if (role is None or role[1] != "MODE") and _is_text(frame.filter(pl.col(tag) == name)[value]):
+            notes.append(f"Tag {name!r} holds no number and is left out.")
+        else:
+            kept.append(name)
+    if not kept:
+        raise ReadError("no tag holds a number; export the signals as numbers")
+    return kept

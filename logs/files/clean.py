@@ -1,0 +1,133 @@
+"""Text cells to numbers: decimal marks, digital states, blanks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from logs.errors import ReadError
+from logs.modes import MANUAL, mode_number, says_manual
+from logs.files.states import is_blank, is_state
+
+if TYPE_CHECKING:
+    import polars as pl
+
+__all__ = ["Numbers", "decimal_mark", "modes", "numbers"]
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Values of a column, NaN where missing, True in `good` unless a state said why there is no number."""
+
+    values: npt.NDArray[np.float64]
+    good: npt.NDArray[np.bool_] | None
+    notes: tuple[str, ...] = ()
+
+
+def decimal_mark(frame: pl.DataFrame) -> str:
+    """ "," if the number cells of the frame are written with decimal commas, else ".".
+
+    >>> import polars as pl
+    >>> decimal_mark(pl.DataFrame({"PV": ["1,5", "2,25"]}))
+    ','
+    """
+    import polars as pl
+
+    head = frame.head(1000)
+    commas = points = 0
+    for name in head.columns:
+        if head[name].dtype == pl.String:
+            cells = head[name].alias("")
+            commas += int(cells.str.contains(r"^[-+]?\d*,\d+([eE][-+]?\d+)?$").sum())
+            points += int(cells.str.contains(r"^[-+]?\d*\.\d+([eE][-+]?\d+)?$").sum())
+    return "," if commas > points else "."
+
+
+def numbers(
+    column: pl.Series, name: str, lines: list[int], decimal: str = ".", *, keep_infinite: bool = False
+) -> Numbers:
+    """The numbers of `column`.
+
+    Blank cells are missing; known digital states ("Bad Input") are missing and of bad quality, and so is
+    "inf" unless `keep_infinite` says that it was meant.
+    Raises ReadError naming line, column and text for any other text.
+
+    >>> import polars as pl
+    >>> numbers(pl.Series(["1.5", "Bad Input", ""]), "PV", [2, 3, 4]).notes
+    ("PV: 1 cell says 'Bad Input': missing, of bad quality.", 'PV: 1 cell is blank: missing.')
+    """
+    import polars as pl
+
+    if column.dtype == pl.Boolean or column.dtype.is_numeric():
+        values = column.cast(pl.Float64).to_numpy().astype(np.float64)
+        return Numbers(values if keep_infinite else np.where(np.isfinite(values), values, np.nan), None)
+    if column.dtype.is_temporal():
+        raise ReadError(f"column {name!r} holds times, not numbers; name another column")
+    text = column.alias("").cast(pl.String).fill_null("")
+    plain = text.str.replace(",", ".", literal=True) if decimal == "," else text
+    parsed = plain.cast(pl.Float64, strict=False)
+    values = parsed.fill_null(float("nan")).to_numpy().astype(np.float64)
+    good = np.ones(len(values), dtype=bool)
+    notes = []
+    # Only the distinct words are looked at one by one: there are few, however long the file.
+    is_value = ~parsed.is_nan() if keep_infinite else parsed.is_finite()
+    words = text.filter(~is_value.fill_null(False)).value_counts(sort=True, name="rows")
+    blanks = 0
+    for word, count in words.iter_rows():
+        if is_blank(word):
+            blanks += count
+            continue
+        where = (text == word).to_numpy()
+        if not is_state(word):
+            row = int(np.argmax(where))
+            raise ReadError(
+                f"line {lines[row]}, column {name!r}: {word[:40]!r} is not a number; mend the cell or give the "
+                f"decimal mark (now {decimal!r})"
+            )
+        values[where] = np.nan
+        good &= ~where
+        notes.append(f"{name}: {count} {_says(count)} {word!r}: missing, of bad quality.")
+    if blanks:
+        notes.append(f"{name}: {blanks} {'cell is' if blanks == 1 else 'cells are'} blank: missing.")
+    return Numbers(values, None if good.all() else good, tuple(notes))
+
+
+def _says(count: int) -> str:
+    return "cell says" if count == 1 else "cells say"
+
+
+def modes(column: pl.Series, name: str) -> Numbers:
+    """Controller modes as numbers (see `logs.modes`); a blank holds the mode before it.
+
+    Numbers are taken as they are if they are 0, 1 or 2; other numbers differ from system to system and
+    give NaN, unknown, throughout.
+
+    >>> import polars as pl
+    >>> modes(pl.Series(["MAN", "", "AUTO", "Bad Input"]), "MODE").values
+    array([ 0.,  0.,  1., nan])
+    """
+    import polars as pl
+
+    text = column.alias("").cast(pl.String).fill_null("")
+    words = [word for word in text.unique().sort().to_list() if not is_blank(word)]
+    figures = pl.Series(words, dtype=pl.String).cast(pl.Float64, strict=False)
+    notes = []
+    if figures.null_count() < len(words):  # at least one number among the words
+        if figures.null_count() or not set(figures.to_list()) <= {0.0, 1.0, 2.0}:
+            shown = ", ".join(sorted(words)[:6])
+            note = f"{name}: the numbers {shown} are not known as modes: the mode is left out."
+            return Numbers(np.full(len(text), np.nan), None, (note,))
+        known = dict(zip(words, figures.to_list(), strict=True))
+        notes.append(f"{name}: numbers are read as 0 manual, 1 automatic, 2 cascade.")
+    else:
+        # A state ends what was held before it: infinite here, unknown in the end.
+        known = {word: np.inf if is_state(word) else mode_number(word) for word in words}
+        odd = [w for w, mode in known.items() if mode == MANUAL and not says_manual(w)]
+        if odd:
+            notes.append(f"{name}: {', '.join(map(repr, odd[:5]))} counted as manual.")
+    held = text.replace_strict(known, default=None, return_dtype=pl.Float64).forward_fill()
+    values = held.fill_null(float("nan")).to_numpy()
+    return Numbers(np.where(np.isinf(values), np.nan, values), None, tuple(notes))

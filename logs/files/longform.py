@@ -1,0 +1,143 @@
+"""Long tables (tag, time, value[, quality]) turned into one column a tag."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from logs.files.clean import modes, numbers
+from logs.files.names import role_of
+from logs.files.order import ordered_times
+from logs.files.quality import bad_values, qualities
+from logs.files.stamps import Times
+
+if TYPE_CHECKING:
+    import polars as pl
+
+__all__ = ["LongColumns", "Pivot", "find_long_form", "pivot"]
+
+_TAGS = {
+    "tag", "tagname", "name", "point", "pointname", "variable", "signal", "sensor", "tagid", "item", "path", "varname",
+    "itemid", "datasource", "tagpath", "field", "nodeid", "pointid", "kks", "messstelle",
+}  # fmt: skip
+_VALUES = {"value", "val", "data", "reading", "v", "varvalue", "wert", "valeur", "valor", "verdi"}
+_QUALITIES = {
+    "quality", "status", "qual", "statuscode", "confidence", "conf", "good", "q", "validity", "opcquality",
+    "qualitydetail", "qualitycode", "opcqualityid",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class LongColumns:
+    """The columns of a long table that hold the tag, the value and the quality."""
+
+    tag: str
+    value: str
+    quality: str | None
+
+    @property
+    def columns(self) -> tuple[str | None, ...]:
+        """All of them."""
+        return self.tag, self.value, self.quality
+
+
+@dataclass(frozen=True)
+class Pivot:
+    """Signals on one time axis, with True where a value is good."""
+
+    t: npt.NDArray[np.float64]
+    values: dict[str, npt.NDArray[np.float64]]
+    good: dict[str, npt.NDArray[np.bool_]]
+    notes: tuple[str, ...]
+
+
+def find_long_form(columns: list[str]) -> LongColumns | None:
+    """The tag and value columns if the table is long, else None.
+
+    >>> find_long_form(["TagName", "Timestamp", "Value", "Quality"])
+    LongColumns(tag='TagName', value='Value', quality='Quality')
+    >>> find_long_form(["time", "PV", "OP"]) is None
+    True
+    """
+    plain = {re.sub(r"[^a-z]", "", column.casefold()): column for column in columns}
+    tag = next((plain[word] for word in plain if word in _TAGS), None)
+    value = next((plain[word] for word in plain if word in _VALUES), None)
+    if tag is None or value is None:
+        return None
+    return LongColumns(tag, value, next((plain[word] for word in plain if word in _QUALITIES), None))
+
+
+def pivot(
+    frame: pl.DataFrame, long: LongColumns, times: Times, lines: list[int], decimal: str, tags: list[str]
+) -> Pivot:
+    """The signals of `tags` on the union of their times.
+
+    A tag reported at other times than the rest is carried over: SP, OP and MODE hold their last report, all
+    else is joined by straight lines between good reports.
+
+    Raises ReadError if one tag has two values at one time or its rows are not in time order.
+    """
+    which = np.array(frame[long.tag].to_list(), dtype=object)
+    told = None if long.quality is None else qualities(frame[long.quality], long.quality)
+    series: dict[str, tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.bool_]]] = {}
+    notes: list[str] = []
+    if long.quality is not None and told is None:
+        notes.append(f"The quality in {long.quality!r} cannot be told and is not used.")
+    for tag in tags:
+        rows = np.flatnonzero(which == tag)
+        own_lines = [lines[row] for row in rows]
+        part = frame[rows]
+        role = role_of(tag)
+        if role is not None and role[1] == "MODE":
+            parsed = modes(part[long.value], tag)
+        else:
+            parsed = numbers(part[long.value], tag, own_lines, decimal)
+        good = parsed.good if parsed.good is not None else np.ones(len(rows), dtype=bool)
+        if told is not None:
+            good = good & told[rows]
+            notes += bad_values(tag, str(long.quality), told[rows], parsed.values)
+        t, keep, found = ordered_times(times.t[rows], own_lines, [parsed.values, good.astype(float)], tag)
+        notes += [f"{tag}: {note}" for note in found]
+        notes += parsed.notes
+        series[tag] = (t, parsed.values[keep], good[keep])
+    axis = np.unique(np.concatenate([t for t, _, _ in series.values()]))
+    values, masks = {}, {}
+    for tag, (t, own, good) in series.items():
+        role = role_of(tag)
+        held = role is not None and role[1] in ("SP", "OP", "MODE")
+        values[tag], masks[tag] = _carried(axis, t, own, good, held=held)
+        missing = len(axis) - len(t)
+        if missing:
+            how = "held from the report before" if held else "on the line between reports"
+            notes.append(f"{tag}: reported at {len(t)} of {len(axis)} times, {how} at the others.")
+    return Pivot(axis, values, masks, tuple(notes))
+
+
+def _carried(
+    axis: npt.NDArray[np.float64],
+    t: npt.NDArray[np.float64],
+    values: npt.NDArray[np.float64],
+    good: npt.NDArray[np.bool_],
+    *,
+    held: bool,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
+    """Values on `axis`: NaN before the first report and, unless held, after the last one."""
+    before = np.searchsorted(t, axis, side="right") - 1
+    known = before >= 0
+    i = np.maximum(before, 0)
+    on_report = known & (t[i] == axis)
+    carried = np.where(known, values[i], np.nan)
+    mask = known & good[i]
+    if not held:
+        after = np.minimum(i + 1, len(t) - 1)
+        width = t[after] - t[i]
+        inside = known & ~on_report & (width > 0)
+        weight = np.divide(axis - t[i], width, out=np.zeros(len(axis)), where=inside)
+        line = values[i] + weight * (values[after] - values[i])
+        carried = np.where(on_report, values[i], np.where(inside, line, np.nan))
+        mask = np.where(on_report, good[i], inside & good[i] & good[after])
+    return carried, mask

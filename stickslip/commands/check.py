@@ -1,0 +1,105 @@
+"""``stickslip check``: one loop from a file, a verdict in words first."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stickslip.console import Speaker, json_option, user_errors
+from stickslip.targets import check_targets, write_whole
+
+if TYPE_CHECKING:
+    from detect import Diagnosis
+
+STYLE = {"stiction": "red", "no_stiction": "green", "inconclusive": "yellow", "not_applicable": "yellow"}
+WORDS = {
+    "stiction": "STICTION",
+    "no_stiction": "NO STICTION",
+    "inconclusive": "INCONCLUSIVE",
+    "not_applicable": "NOT APPLICABLE",
+}
+
+
+@click.command("check")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--pv", help="Name of the measurement column.")
+@click.option("--op", help="Name of the controller output column.")
+@click.option("--sp", help="Name of the set point column.")
+@click.option("--mv", help="Name of the stem position column.")
+@click.option("--mode", help="Name of the controller mode column.")
+@click.option("--time", help="Name of the time column.")
+@click.option("--time-format", metavar="FORMAT", help="Format of the time stamps, e.g. '%d/%m/%y %H:%M:%S'.")
+@click.option("--time-unit", metavar="UNIT", help="Unit of a time of numbers: s, ms, us, ns, min, h, d, filetime, ...")
+@click.option("--interval", type=float, metavar="SECONDS", help="Time between rows, for a file without time.")
+@click.option("--separator", metavar="CHAR", help="Character between the cells, if the guess is wrong.")
+@click.option("--decimal", metavar="CHAR", help="Decimal mark, '.' or ',', if the guess is wrong.")
+@click.option("--loop", help="Which loop, when the file holds several.")
+@click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
+@click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
+@click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
+@json_option
+@user_errors
+def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -> None:
+    """Say whether the valve of the loop in FILE sticks, and why.
+
+    FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start.
+
+    \b
+    Examples:
+      stickslip check FIC101.csv
+      stickslip check export.csv --loop FIC101 --html report.html
+      stickslip check trend.csv --pv FT101 --op FCV101 --time Zeit --decimal ,
+      stickslip check FIC101.csv --json - | jq .verdict
+
+    \b
+    Exit codes:
+      0  done: no stiction, or the record does not tell (the verdict says which)
+      1  done, and stiction found
+      2  FILE cannot be read, or the request makes no sense
+    """
+    check_targets({"--html": html, "--json": json_file}, source=file)
+    if file.is_char_device() or file.is_block_device():
+        raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
+    from detect import diagnose
+    from logs import read_loop
+
+    diagnosis = diagnose(read_loop(file, **{name: value for name, value in told.items() if value is not None}))
+    say = Speaker(json_file)
+    _tell(say, diagnosis)
+    if html is not None:
+        write_whole(html, _report(diagnosis).encode())
+        say(f"report: {html}")
+    say.document(diagnosis.to_dict())
+    raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
+
+
+def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
+    """Print verdict, reason, assumptions and the methods' numbers, in this order."""
+    say(f"{diagnosis.loop}: {WORDS[diagnosis.verdict]}", fg=STYLE[diagnosis.verdict], bold=True)
+    say.paragraph(diagnosis.reason)
+    say()
+    say("Read and assumed:")
+    for sentence in diagnosis.assumptions:
+        say.paragraph(sentence, "  - ")
+    rows = [
+        [
+            verdict.method,
+            WORDS[verdict.verdict].lower() + (" (experimental, no vote)" if verdict.experimental else ""),
+            "-" if verdict.index is None else f"{verdict.index:.3g}",
+            "-" if verdict.threshold is None else f"{verdict.threshold:.3g}",
+        ]
+        for verdict in diagnosis.methods
+    ]
+    say.table(["method", "verdict", "index", "threshold"], rows)
+    for verdict in diagnosis.methods:
+        if verdict.reason.rstrip(".") not in diagnosis.reason:
+            say.paragraph(verdict.reason, f"  {verdict.method}: ")
+
+
+def _report(diagnosis: "Diagnosis") -> str:
+    from stickslip.report.page import Section, figure_to_svg, page
+
+    section = Section(diagnosis.loop, WORDS[diagnosis.verdict], diagnosis.verdict, diagnosis.reason)
+    section.notes.extend(diagnosis.assumptions)
+    section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
+    return page(f"{diagnosis.loop}: {WORDS[diagnosis.verdict].lower()}", "", [section])

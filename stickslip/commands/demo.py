@@ -1,0 +1,133 @@
+"""``stickslip demo``: five short stories with known truth, and two real loops where they are at hand."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stickslip.commands.check import STYLE, WORDS
+from stickslip.console import Speaker, json_option, user_errors
+from stickslip.targets import check_folder, check_targets, write_whole
+
+if TYPE_CHECKING:
+    from detect import Diagnosis
+
+REAL = (
+    ("PAP2", "isdb/PAP2.csv", "stiction", "A flow loop of a paper mill (International Stiction Data Base, FC525)."),
+    ("PAP9", "isdb/PAP9.csv", "no stiction", "A temperature loop of a paper mill (International Stiction Data Base)."),
+)
+LEAD = (
+    "Five loops of our own making, exported as a historian would, so the truth is known; then real loops, labelled by "
+    "experts. Each was judged from SP, PV and OP alone."
+)
+GUIDE = (
+    "How to read it: the control error SP - PV is cut into half waves, and each half wave at its peak. R is the area "
+    "before the peak over the area after it. Tight tuning or an outside wave gives R near 1. A valve that sticks and "
+    "then jumps lets PV creep to its peak and throws it back: the peak comes late, and R above 1.25 is called "
+    "stiction when both half waves show it. A sticky valve behind a slow process or under noise has R near 1 too, so "
+    "that clears no valve. Where the method's assumptions do not hold it abstains and says why."
+)
+
+
+@dataclass(frozen=True)
+class Told:
+    """One loop of the demonstration and what was said about it; ``known`` tells how the truth is known."""
+
+    title: str
+    truth: str
+    known: str
+    story: str
+    lesson: str
+    diagnosis: "Diagnosis"
+
+    @property
+    def score(self) -> str:
+        """Right, wrong, or abstained, against the truth or label."""
+        said = self.diagnosis.verdict.replace("_", " ")
+        return "right" if said == self.truth else "abstained" if said in ("inconclusive", "not applicable") else "WRONG"
+
+
+@click.command("demo")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("stickslip-demo"), help="Folder for the page.")
+@json_option
+@user_errors
+def command(out: Path, json_file: str | None) -> None:
+    """Diagnose five example exports (and two real loops) and write one HTML page.
+
+    Real loops are read from the folder that the variable STICKSLIP_DATA names (default ../shared/data).
+
+    \b
+    Examples:
+      stickslip demo
+      stickslip demo --out pages --json -
+
+    \b
+    Exit codes: 0 done, 2 the page cannot be written.
+    """
+    check_folder(out)
+    check_targets({"--json": json_file})
+    say = Speaker(json_file)
+    told = _stories(say) + _real(say)
+    rows = [[t.title, t.truth, WORDS[t.diagnosis.verdict].lower(), t.score] for t in told]
+    say.table(["loop", "truth or label", "verdict", "score"], rows)
+    page = _page(told).encode()
+    out.mkdir(parents=True, exist_ok=True)
+    target = out / "index.html"
+    write_whole(target, page)
+    say(f"open {target} in a browser: trends, PV-OP pictures and the evidence for every verdict")
+    say.document(
+        {
+            "schema": "stickslip.demo/1",
+            "page": str(target),
+            "loops": [{"truth": t.truth, "score": t.score, "title": t.title, **t.diagnosis.to_dict()} for t in told],
+        }
+    )
+
+
+def _stories(say: Speaker) -> list[Told]:
+    from cases.stories import STORIES
+
+    return [_tell(say, s.path, f"{s.name}: {s.title}", s.truth, "in truth", s.story, s.lesson) for s in STORIES]
+
+
+def _real(say: Speaker) -> list[Told]:
+    default = Path(__file__).resolve().parents[2] / "shared" / "data"
+    folder = Path(os.environ.get("STICKSLIP_DATA") or default)
+    if not folder.is_dir():
+        say(f"no real loops: there is no folder {folder}; set STICKSLIP_DATA to one that holds them", fg="yellow")
+        return []
+    told = []
+    for name, file, truth, story in REAL:
+        try:
+            told.append(_tell(say, folder / file, f"{name}: a real loop", truth, "expert's label", story, ""))
+        except ValueError as unreadable:
+            say(f"real loop {name} is skipped: {unreadable}", fg="yellow")
+    return told
+
+
+def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: str, lesson: str) -> Told:
+    from detect import diagnose
+    from logs import read_loop
+
+    diagnosis = diagnose(read_loop(path))
+    say(f"{title}: ", nl=False)
+    say(WORDS[diagnosis.verdict].lower(), fg=STYLE[diagnosis.verdict], bold=True)
+    return Told(title, truth, known, story, lesson, diagnosis)
+
+
+def _page(told: list[Told]) -> str:
+    from stickslip.report.page import Section, figure_to_svg, page
+
+    sections = []
+    table = [["loop", "truth or label", "verdict", "score"]]
+    for t in told:
+        word = WORDS[t.diagnosis.verdict]
+        truth = f"{t.known}: {t.truth} ({t.score})"
+        section = Section(t.title, word, t.diagnosis.verdict, t.diagnosis.reason, t.story, truth, t.lesson)
+        section.notes.extend(t.diagnosis.assumptions)
+        section.figures.append(figure_to_svg(t.diagnosis.plot(words=False)))
+        sections.append(section)
+        table.append([t.title, t.truth, word.lower(), t.score])
+    return page("Is it the valve?", LEAD, sections, table, GUIDE)

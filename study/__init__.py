@@ -1,0 +1,25 @@
+"""Studies: a diagram over many parameters and starts, measured, kept, resumed, drawn.
+
+study                 runs one                    uniform, loguniform, normal   laws of random axes
+Subject               what it can rebuild         production_subject            the production plant as one
+StudyResult           table and pictures          parse                         an axis as the command line writes it
+"""
+
+from study.axes import Law, StudyError, loguniform, normal, parse, uniform
+from study.production import production_subject
+from study.result import StudyResult
+from study.run import study
+from study.subject import Subject
+
+__all__ = [
+    "Law",
+    "StudyError",
+    "StudyResult",
+    "Subject",
+    "loguniform",
+    "normal",
+    "parse",
+    "production_subject",
+    "study",
+    "uniform",
+]

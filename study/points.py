@@ -1,0 +1,247 @@
+"""From a point of the design to what an ensemble takes: one reference diagram, and numbers that differ from it.
+
+Every point is built anew where quantities of the plant vary.  Points whose diagrams differ in numbers only share a
+reference, the first of their kind, so that one ensemble runs them together; others form an ensemble of their own.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.block import Block
+from blocks.ports import nearest
+from diagram.diagram import Diagram
+from diagram.ensembles.variants import Reseedable
+from plant.rest import InfeasibleFeed
+from study.axes import Axis, StudyError, Value
+from study.design import Design
+from study.subject import Subject, start_kicks
+
+Floats = NDArray[np.float64]
+BUILT = 512  # diagrams kept: neighbouring points share them
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A run that cannot be made: INFEASIBLE (the plant cannot rest there) or REFUSED (a block rejects a value)."""
+
+    status: str
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Cast:
+    """A run: its reference diagram and what it has other than that, as an ensemble takes it."""
+
+    reference: Diagram
+    params: Mapping[str, float]
+    start: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Company:
+    """Runs of one ensemble, with their columns."""
+
+    reference: Diagram
+    runs: tuple[int, ...]
+    params: Mapping[str, Floats]
+    start: Mapping[str, Floats]
+    seeds: NDArray[np.int64] | None
+
+
+class Casting:
+    """Casts the runs of a design.
+
+    ``kicks`` None: start as the subject does; 0: at rest; more: that many kicks of ``size`` a point.
+    """
+
+    def __init__(self, subject: Subject, design: Design, kicks: int | None, size: float, seed: int) -> None:
+        self.subject, self.design, self.kicks, self.size, self.seed = subject, design, kicks, size, seed
+        self.references: dict[object, Diagram] = {}
+        self.built = lru_cache(BUILT)(self._build)
+
+    def split(self, runs: Sequence[int]) -> tuple[list[Company], dict[int, Refusal]]:
+        """Return the ensembles that make up these runs, and the runs that are refused."""
+        casts: dict[int, Cast] = {}
+        refused: dict[int, Refusal] = {}
+        points: dict[int, Cast | Refusal] = {}
+        for run in runs:
+            point = run // self.design.kicks
+            if point not in points:
+                points[point] = self.cast(point)
+            cast = points[point]
+            if isinstance(cast, Refusal):
+                refused[run] = cast
+            else:
+                casts[run] = self._kick(cast, run % self.design.kicks) if self.kicks else cast
+        together: dict[object, list[int]] = {}
+        for run, one in casts.items():
+            bounds = tuple(pair for pair in one.params.items() if pair[0].endswith((".low", ".high")))
+            together.setdefault((id(one.reference), bounds), []).append(run)  # one company, one set of limits
+        return [self._company(group, casts) for group in together.values()], refused
+
+    def cast(self, point: int) -> Cast | Refusal:
+        """Return a point without its kicks, or why it cannot be run."""
+        chosen = list(zip(self.design.axes, self.design.at(point), strict=True))
+        try:
+            built = self.built(tuple((a.name, v) for a, v in chosen if a.kind == "plant"))
+            if isinstance(built, Refusal):
+                return built
+            diagram, reference, params, start = built
+            params = params | _accepted(diagram, ((a, v) for a, v in chosen if a.kind == "vary"))
+            start = start | _known(diagram, ((a, v) for a, v in chosen if a.kind == "start"))
+        except ValueError as fault:
+            return Refusal("REFUSED", str(fault))
+        return Cast(reference, params, start)
+
+    def _build(
+        self, values: tuple[tuple[str, Value], ...]
+    ) -> tuple[Diagram, Diagram, dict[str, float], dict[str, float]] | Refusal:
+        try:
+            rest = self.subject.build(dict(values))
+        except InfeasibleFeed as fault:
+            return Refusal("INFEASIBLE", str(fault))
+        except (ValueError, ArithmeticError) as fault:
+            return Refusal("REFUSED", str(fault))
+        diagram = rest if self.kicks is not None else self.subject.start(rest)
+        reference = self.references.setdefault(_shape(diagram), diagram)
+        return diagram, reference, *_differences(diagram, reference)
+
+    def _kick(self, cast: Cast, kick: int) -> Cast:
+        """Return the cast moved by one kick: the kicks are the same at every point."""
+        rest = np.array([
+            cast.start[name] if name in cast.start else _start_of(cast.reference, name) for name in self.subject.kicked
+        ])  # fmt: skip
+        moved = start_kicks(rest, self.design.kicks, self.seed, self.size)[kick]
+        return Cast(cast.reference, cast.params, {**cast.start, **dict(zip(self.subject.kicked, moved, strict=True))})
+
+    def _company(self, runs: Sequence[int], casts: Mapping[int, Cast]) -> Company:
+        reference = casts[runs[0]].reference
+        params = _columns([casts[run].params for run in runs], lambda key: _param_of(reference, key))
+        start = _columns([casts[run].start for run in runs], lambda key: _start_of(reference, key))
+        noisy = any(isinstance(block, Reseedable) for block in reference.blocks)
+        seeds = (
+            np.array([self.seed + run % self.design.kicks for run in runs]) if noisy or not (params or start) else None
+        )
+        return Company(reference, tuple(runs), params, start, seeds)
+
+
+def resolve(axes: Iterable[Axis], subject: Subject, design_of_one: Diagram | None) -> list[Axis]:
+    """Return the axes with names checked.
+
+    A ``vary`` name that is no parameter of the diagram but a quantity of the subject, e.g. ``VPCS1.F_s``, is taken as
+    that.  Raises ``StudyError`` with the nearest name for what is neither.
+    """
+    found = []
+    for axis in axes:
+        if axis.kind == "plant" and axis.name not in subject.quantities:
+            if not subject.quantities:
+                raise StudyError(
+                    f"'{subject.name}' has no quantity '{axis.name}', and no other to rebuild it with; vary BLOCK.PARAM"
+                )
+            raise StudyError(
+                f"'{subject.name}' has no quantity '{axis.name}'; {nearest(axis.name, list(subject.quantities))}"
+            )
+        if axis.kind == "vary" and design_of_one is not None:
+            known = _names(design_of_one, "params")
+            if axis.name not in known:
+                if axis.name not in subject.quantities:
+                    block = axis.name.rpartition(".")[0]
+                    near = [name for name in known if name.rpartition(".")[0] == block] or known
+                    raise StudyError(
+                        f"'{subject.name}' has no parameter '{axis.name}'; {nearest(axis.name, near)}; "
+                        "write BLOCK.PARAM"
+                    )
+                axis = replace(axis, kind="plant", as_vary=True)
+        if axis.kind == "start" and design_of_one is not None:
+            states = _names(design_of_one, "start")
+            if axis.name not in states:
+                raise StudyError(f"'{subject.name}' has no state '{axis.name}'; {nearest(axis.name, states)}")
+        found.append(axis)
+    return found
+
+
+def _names(diagram: Diagram, what: str) -> list[str]:
+    return [
+        f"{block.name}.{name}"
+        for block in diagram.blocks
+        for name in (block.param_names if what == "params" else (*block.state_names, *block.memory_names))
+    ]
+
+
+def _accepted(diagram: Diagram, wanted: Iterable[tuple[Axis, Value]]) -> dict[str, float]:
+    """Return parameters that the blocks accept together; raise what they raise."""
+    grouped: dict[str, dict[str, float]] = {}
+    for axis, value in wanted:
+        block, _, name = axis.name.rpartition(".")
+        grouped.setdefault(block, {})[name] = float(value)
+    for block, params in grouped.items():
+        diagram[block].with_params(**params)
+    return {f"{block}.{name}": value for block, params in grouped.items() for name, value in params.items()}
+
+
+def _known(diagram: Diagram, wanted: Iterable[tuple[Axis, Value]]) -> dict[str, float]:
+    found = {}
+    for axis, value in wanted:
+        diagram.starting_at({axis.name: float(value)})  # refuses unknown names and what cannot be a start
+        found[axis.name] = float(value)
+    return found
+
+
+def _param_of(diagram: Diagram, key: str) -> float:
+    block, _, name = key.rpartition(".")
+    return float(diagram[block].p[diagram[block].param_index(name)])
+
+
+def _start_of(diagram: Diagram, key: str) -> float:
+    name, _, state = key.rpartition(".")
+    block = diagram[name]
+    block.starting_at(**{state: 0.0})  # refuses unknown names
+    return float(
+        block.x0[block.state_names.index(state)]
+        if state in block.state_names
+        else block.d0[block.memory_names.index(state)]
+    )
+
+
+def _shape(diagram: Diagram) -> object:
+    """Return what two diagrams must share for one layout to serve both: all but numbers that have a name."""
+    return (tuple(_block_shape(block) for block in diagram.blocks), diagram.open_inputs)
+
+
+def _block_shape(block: Block) -> object:
+    table = block.p[len(block.param_names) :].tobytes()
+    return (
+        type(block), block.name, tuple(block.input_labels), tuple(block.output_labels), block.kernels,
+        block.param_names, block.state_names, block.memory_names, tuple(block.modes.items()), id(block.host),
+        table, block.y0.tobytes(),
+    )  # fmt: skip
+
+
+def _differences(diagram: Diagram, reference: Diagram) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the parameters and start values in which a diagram differs from another of its shape."""
+    params: dict[str, float] = {}
+    start: dict[str, float] = {}
+    for block, other in zip(diagram.blocks, reference.blocks, strict=True):
+        for found, names, mine, its in (
+            (params, block.param_names, block.p, other.p),
+            (start, block.state_names, block.x0, other.x0),
+            (start, block.memory_names, block.d0, other.d0),
+        ):
+            if mine is not its:
+                for k in np.flatnonzero(mine[: len(names)] != its[: len(names)]).tolist():
+                    found[f"{block.name}.{names[k]}"] = float(mine[k])
+    return params, start
+
+
+def _columns(rows: Sequence[Mapping[str, float]], default: Callable[[str], float]) -> dict[str, Floats]:
+    """Return one column a name, with the reference's value where a row has none."""
+    names = dict.fromkeys(name for row in rows for name in row)
+    found = {}
+    for name in names:
+        usual = default(name)
+        found[name] = np.array([row.get(name, usual) for row in rows])
+    return found

@@ -1,0 +1,92 @@
+"""What was asked of a study, as plain values: two requests are one if these agree, and what differs can be named."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import blocks
+import engine
+import plant
+from diagram.diagram import Diagram
+from study.axes import Axis
+
+SCHEMA = "stickslip.study/1"
+PACKAGES = (blocks, engine, plant)
+LONGEST_VALUE = 60  # characters of a value in a message
+
+
+def fingerprint(diagram: Diagram) -> str:
+    """Return a hash of all blocks of a diagram: kinds, names, wiring and every number.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> one, two = self_regulating_loop(), self_regulating_loop(F_s=1750.0)
+    >>> fingerprint(one) == fingerprint(self_regulating_loop()), fingerprint(one) == fingerprint(two)
+    (True, False)
+    """
+    digest = hashlib.sha256()
+    for block in diagram.blocks:
+        digest.update(
+            repr(
+                (type(block).__qualname__, block.name, block.input_labels, block.output_labels, block.param_names)
+            ).encode()
+        )
+        for numbers in (block.p, block.x0, block.d0, block.y0):
+            digest.update(numbers.tobytes())
+    return digest.hexdigest()[:16]
+
+
+@lru_cache(maxsize=1)
+def code() -> str:
+    """Return a hash of the sources that make the numbers: rows of two versions must not stand in one table."""
+    digest = hashlib.sha256()
+    for package in PACKAGES:
+        folder = Path(package.__path__[0])
+        for path in sorted(folder.rglob("*.py")):
+            digest.update(str(path.relative_to(folder)).encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def spelt(axes: Sequence[Axis]) -> dict[str, dict[str, object]]:
+    """Return the axes as plain values, by kind."""
+    found: dict[str, dict[str, object]] = {}
+    for axis in axes:
+        found.setdefault(axis.kind, {})[axis.name] = axis.spelt()
+    return found
+
+
+def differences(wanted: Mapping[str, Any], found: Mapping[str, Any], prefix: str = "") -> list[str]:
+    """Return what differs between a new request and one that a folder holds, a phrase each.
+
+    >>> differences({"seed": 1, "vary": {"a.x": [1.0]}}, {"seed": 2, "vary": {}})
+    ['seed: there 2, now 1', 'vary a.x: there not given, now [1.0]']
+    """
+    phrases = []
+    for key in dict.fromkeys([*wanted, *found]):
+        new, old = wanted.get(key), found.get(key)
+        if new == old:
+            continue
+        if isinstance(new, Mapping) and isinstance(old, Mapping):
+            phrases += differences(new, old, f"{prefix}{key} ")
+        elif key == "code":
+            phrases.append("stickslip itself has changed since")
+        elif key == "fingerprint":
+            phrases.append("the diagram itself (its blocks, wiring or numbers) has changed")
+        else:
+            phrases.append(f"{prefix}{key}: there {_short(old)}, now {_short(new)}")
+    if not phrases and list(_flat(wanted)) != list(_flat(found)):
+        phrases.append("the order of the axes")
+    return phrases
+
+
+def _flat(request: Mapping[str, Any]) -> list[str]:
+    return [key for kind in ("vary", "plant", "start") for key in request.get(kind, {})]
+
+
+def _short(value: object) -> str:
+    if value is None:
+        return "not given"
+    text = json.dumps(value) if not isinstance(value, str) else value
+    return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 20]} ... {text[-15:]}"

@@ -1,0 +1,154 @@
+"""A detector in the loop says exactly what it says on the logged samples, and python-control can see the diagram."""
+
+from types import SimpleNamespace
+
+import control as ct
+import numpy as np
+import pytest
+
+from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip, Sum
+from detect.methods import area_ratio
+from detect.oscillation import hagglund1995, acf_crossings as oscillation
+from detect.stream import LoopFacts, Sample
+from detect.blocks import DetectorBlock
+from detect.blocks.detector import CODES
+from diagram import WiringError, simulate, wire
+from logs import LoopRecord
+
+EVERY = 40
+
+
+def sticky_loop(*more):
+    return wire(
+        [
+            Step("SP", 0.55),
+            PI(K_p=0.6, T_i=8.0, start_op=0.42, inputs={"PV": "PV_m"}),
+            StickSlip.from_bands(S=0.06, J=0.03, start=0.40),
+            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
+            SampledSensor(dt=1.0, sd=0.0008, seed=11),
+            *more,
+        ]
+    )
+
+
+@pytest.fixture(scope="module")
+def log():
+    block = DetectorBlock(area_ratio, dt=1.0, verdict_every=EVERY, inputs={"PV": "PV_m"})
+    run = simulate(sticky_loop(block), 900.0, every=1.0)
+    assert run.ok, run.hint
+    return run.log
+
+
+def test_equals_the_streaming_method_on_the_same_samples(log):
+    p = area_ratio.Params()
+    state = area_ratio.init(p, LoopFacts(name="area_ratio", process="self_regulating", op_span=(0.0, 1.0)))
+    index, verdict, said = [], [], (np.nan, 0.0)
+    for k, t in enumerate(log.t.tolist()):
+        sample = Sample(pv=log["PV_m"][k], op=log["OP"][k], sp=log["SP"][k])
+        state = area_ratio.update(p, state, t, sample)
+        if (k + 1) % EVERY == 0:
+            v = area_ratio.verdict(p, state)
+            said = (np.nan if v.index is None else v.index, CODES[v.verdict])
+        index.append(said[0])
+        verdict.append(said[1])
+    np.testing.assert_array_equal(log["index"], index)
+    np.testing.assert_array_equal(log["verdict"], verdict)
+
+
+def test_equals_the_batch_method_when_the_last_verdict_falls(log):
+    taken = len(log.t) // EVERY * EVERY
+    head = slice(0, taken)
+    record = LoopRecord.from_arrays(
+        log.t[head], pv=log["PV_m"][head], op=log["OP"][head], sp=log["SP"][head], op_span=(0.0, 1.0),
+        process="self_regulating",
+    )  # fmt: skip
+    batch = area_ratio.detect(record)
+    assert batch.verdict == "stiction"
+    assert log["verdict"][-1] == CODES["stiction"]
+    assert log["index"][-1] == pytest.approx(batch.index, rel=1e-12)
+
+
+def test_it_waits_for_cycles_before_it_speaks(log):
+    speaks = np.flatnonzero(log["verdict"] == CODES["stiction"])
+    assert log["verdict"][0] == CODES["not_applicable"] and np.isnan(log["index"][0])
+    assert 100 < log.t[speaks[0]] < 600
+    assert np.all(np.isnan(log["index"]) == (log["verdict"] == CODES["not_applicable"]))
+
+
+def test_watching_changes_nothing(log):
+    alone = simulate(sticky_loop(), 900.0, every=1.0).log
+    for name in ("PV", "OP"):
+        # Watching puts steps at the sampling times, which the sensor has anyway.
+        np.testing.assert_allclose(log[name][:120], alone[name][:120], rtol=0, atol=1e-4)
+
+
+def test_python_control_sees_the_diagram():
+    block = DetectorBlock(area_ratio, dt=1.0)
+    loop = wire([Step("SP", 0.5), PI(K_p=0.4, T_i=10.0, outputs="OP"), FirstOrder(K=3.0, tau=10.0, inputs="OP"), block])
+    assert isinstance(loop, ct.InterconnectedSystem)
+    t = np.linspace(0.0, 40.0, 41)
+    theirs = ct.input_output_response(loop, t, 0.0, loop.x0)
+    ours = simulate(loop, 40.0, every=1.0).log
+    rows = {name: theirs.outputs[i] for i, name in enumerate(loop.output_labels)}
+    np.testing.assert_allclose(rows["PV"], ours["PV"], rtol=0, atol=1e-3)
+    np.testing.assert_array_equal(rows["verdict"], 0.0)  # as its documentation says
+
+
+def loop_that_steps_aside(feedback):
+    """The set point moves when the detector speaks."""
+    return wire(
+        [
+            Step("SP_given", 0.55),
+            *feedback,
+            PI(K_p=0.6, T_i=8.0, start_op=0.42),
+            StickSlip.from_bands(S=0.06, J=0.03, start=0.40),
+            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
+            DetectorBlock(area_ratio, dt=1.0, verdict_every=EVERY),
+        ]
+    )
+
+
+def test_it_can_be_fed_back_through_a_lag():
+    lag = FirstOrder(K=1.0, tau=2.0, inputs="verdict", outputs="seen", name="lag")
+    run = simulate(loop_that_steps_aside([lag, Sum("SP", {"SP_given": 1.0, "seen": 0.02})]), 900.0, every=1.0)
+    assert run.ok
+    verdict = run.log["verdict"]
+    first = int(np.argmax(verdict > 0.0))
+    assert first > 100
+    assert np.all(run.log["SP"][:first] == 0.55)
+    moved = 0.55 + 0.02 * verdict[first]  # analytic: 10 lags later, with the next verdict still to come
+    assert run.log["SP"][first + 20] == pytest.approx(moved, abs=1e-5)
+
+
+def test_fed_back_at_once_it_is_an_algebraic_loop():
+    with pytest.raises(WiringError, match=r"algebraic loop.*verdict.*lag"):
+        loop_that_steps_aside([Sum("SP", {"SP_given": 1.0, "verdict": 0.02})])
+
+
+def method_that_streams(how):
+    """A card alone, which says whether the method streams."""
+    return SimpleNamespace(CARD=SimpleNamespace(name="x", streams=how))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"dt": 0.0}, r"dt = 0\.0.*give seconds"),
+        ({"dt": -1.0}, r"dt = -1\.0"),
+        ({"dt": float("nan")}, r"dt = nan"),
+        ({"dt": 1.0, "verdict_every": 0}, r"verdict_every = 0.*1 or more"),
+        ({"dt": 1.0, "process": "runaway"}, r"process = 'runaway'.*self_regulating"),
+        ({"dt": 1.0, "method": np}, "no detector.*area_ratio"),
+        ({"dt": 1.0, "method": method_that_streams("no")}, r"x: .*does not stream \(its card.*diagnose\(run.log.loop"),
+        (
+            {"dt": 1.0, "method": method_that_streams("exact")},
+            r"no Params and no init and no update and no verdict",
+        ),
+        ({"dt": 1.0, "method": hagglund1995}, r"hagglund1995: .*does not stream \(it has no verdict\)"),
+        ({"dt": 1.0, "method": oscillation}, r"oscillation: .*does not stream"),
+    ],
+    ids=lambda value: str(value)[:40],
+)
+def test_refusals(options, words):
+    with pytest.raises(BlockError, match=words):
+        DetectorBlock(**({"method": area_ratio} | options))

@@ -1,0 +1,300 @@
+"""Ensembles: every member is the simulation it claims to be, and no failure of one spoils the others."""
+
+import json
+import threading
+
+import numpy as np
+import polars as pl
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from blocks import BlockError, Constant, FirstOrder, Gain, Noise, Recorded, SampledPI, Sine, Step
+from blocks.block import Block, Kernels
+from blocks.ports import Port
+from engine.status import Status
+from diagram import simulate, wire
+from diagram.ensembles.running import ensemble
+from plant.loops import self_regulating_loop
+from diagram.ensembles.variants import reseeded
+
+LOOP = self_regulating_loop()
+LAG = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)], name="lag")
+
+
+def same(result, i, run):
+    """Tell whether member i is this run, to the last bit."""
+    return all(np.array_equal(result.values[s][i], run.log[s], equal_nan=True) for s in result.values)
+
+
+def test_members_equal_single_simulations_to_the_last_bit():
+    values = {"valve.F_s": np.linspace(1500.0, 2300.0, 9), "process.K": np.linspace(2.0, 4.0, 9)}
+    result = ensemble(LOOP, 300.0, params=values, start={"process.PV": np.linspace(0.0, 0.5, 9)}, every=0.1, workers=2)
+    assert result.ok.all()
+    for i in range(9):
+        run = simulate(
+            LOOP, 300.0, every=0.1,
+            params={key: float(column[i]) for key, column in values.items()},
+            start={"process.PV": float(result.start["process.PV"][i])},
+        )  # fmt: skip
+        assert same(result, i, run)
+        assert result.events(i) == run.events
+        assert result.event_counts[i] == run.statistics.events
+        assert same(result, i, result.run(i))
+        assert np.array_equal(result.log(i)["PV"], run.log["PV"])
+
+
+def test_members_follow_the_closed_form():
+    # analytic: step response of a first-order lag, PV = K (1 - exp(-t / tau))
+    gain, tau = np.array([0.5, 1.0, 2.0, 3.0]), np.array([1.0, 5.0, 10.0, 20.0])
+    result = ensemble(LAG, 50.0, params={"process.K": gain, "process.tau": tau}, every=0.5, rtol=1e-9, atol=1e-12)
+    exact = gain[:, None] * (1.0 - np.exp(-result.t / tau[:, None]))
+    assert np.abs(result.values["PV"] - exact).max() < 1e-7
+
+
+@settings(max_examples=15)
+@given(
+    st.lists(st.tuples(st.floats(0.5, 5.0), st.just(0.0) | st.floats(0.1, 3.0)), min_size=1, max_size=6),
+    st.integers(1, 3),
+)
+def test_dead_times_vary_and_may_vanish(rows, workers):
+    tau, theta = (np.array(column) for column in zip(*rows, strict=True))
+    result = ensemble(LAG, 20.0, params={"process.tau": tau, "process.theta": theta}, every=0.25, workers=workers)
+    for i in range(len(rows)):
+        run = simulate(LAG, 20.0, every=0.25, params={"process.tau": tau[i], "process.theta": theta[i]})
+        assert same(result, i, run)
+
+
+def test_a_full_delay_line_is_made_longer():
+    # 6000 steps of the source's staircase lie in the dead time, more than the first delay line holds
+    t = np.arange(0.0, 700.0, 0.1)
+    plant = wire([Recorded("MV", t, np.sin(t), hold="previous"), FirstOrder(K=1.0, tau=5.0, theta=10.0)])
+    result = ensemble(plant, 650.0, params={"process.theta": [20.0, 600.0, 5.0]}, every=1.0, signals=["PV"], workers=2)
+    assert result.ok.all()
+    for i, theta in enumerate((20.0, 600.0, 5.0)):
+        assert same(result, i, simulate(plant, 650.0, every=1.0, params={"process.theta": theta}))
+
+
+def test_seeds_name_streams():
+    noisy = wire(
+        [Noise("MV", sd=1.0, dt=1.0), Noise("D", sd=1.0, dt=1.0), FirstOrder(K=2.0, tau=5.0)], outputs=["D", "PV"]
+    )
+    result = ensemble(noisy, 50.0, seeds=[3, 4, 3], every=1.0)
+    assert np.array_equal(result.values["MV"][0], result.values["MV"][2])
+    assert not np.array_equal(result.values["MV"][0], result.values["MV"][1])
+    assert not np.array_equal(result.values["MV"][0], result.values["D"][0]), "blocks draw streams of their own"
+    for i, seed in enumerate((3, 4, 3)):
+        assert same(result, i, simulate(reseeded(noisy, seed), 50.0, every=1.0))
+    assert noisy["MV"].reseeded((3, 0)).d0.tolist() == reseeded(noisy, 3)["MV"].d0.tolist()
+
+
+def test_parts_that_share_a_source_all_see_its_parameters():
+    loops = wire([Step("MV", 1.0), *(FirstOrder(K=1.0, tau=5.0, name=f"p{k}", outputs=f"y{k}") for k in range(3))])
+    result = ensemble(loops, 10.0, params={"MV.after": [1.0, 2.0]}, every=1.0)
+    assert result.statistics.components == 3
+    for k in range(3):
+        assert np.allclose(result.values[f"y{k}"][1], 2.0 * result.values[f"y{k}"][0], rtol=1e-5)  # linear
+
+
+def test_only_the_wanted_is_kept_and_summaries_are_made():
+    gains = np.array([1.0, 2.0, 3.0])
+
+    def last(t, signals):
+        return {"end": signals["PV"][-1], "rows": len(t), "signals": len(signals)}
+
+    result = ensemble(LAG, 100.0, params={"process.K": gains}, signals=["PV"], keep_logs=False, summary=last, every=1.0)
+    assert np.allclose(result.summary["end"], gains, rtol=1e-5)  # analytic: the gain, e^-20 away
+    assert result.summary["rows"].tolist() == [101.0] * 3 and result.summary["signals"].tolist() == [1.0] * 3
+    assert not result.values and result.events(0) == ()
+    with pytest.raises(ValueError, match="keep_logs=True"):
+        result.log(0)
+    kept = ensemble(LAG, 100.0, params={"process.K": gains}, signals=["PV"])
+    assert list(kept.values) == ["PV"] and kept.values["PV"].shape == (3, 1001)
+    with pytest.raises(ValueError, match="read-only"):
+        kept.values["PV"][0] = 0.0
+
+
+def test_a_failed_member_is_scored_not_raised():
+    result = ensemble(
+        LOOP,
+        600.0,
+        params={"SP.after": [0.0, 0.5]},
+        every=1.0,
+        max_steps=100,
+        summary=lambda t, s: {"end": s["PV"][-1]},
+    )  # at SP = 0 nothing moves; the other needs more steps than it may take
+    assert result.ok.tolist() == [True, False]
+    assert Status(int(result.status[1])) is Status.TOO_MANY_STEPS
+    assert "max_steps" in result.hint(1) and result.hint(0) == ""
+    assert np.isnan(result.summary["end"]).tolist() == [False, True]
+    assert np.isnan(result.values["PV"][1][-1]) and not np.isnan(result.values["PV"][1][0])
+    assert 0.0 < result.ended[1] < 600.0
+    assert "1 OK, 1 TOO_MANY_STEPS" in repr(result)
+
+
+def test_ctrl_c_returns_what_is_finished():
+    pressed = threading.Event()
+
+    def wait_for_key(t, signals):
+        assert pressed.wait(30.0)
+        return {"end": signals["PV"][-1]}
+
+    def press(done, members):
+        pressed.set()
+        raise KeyboardInterrupt
+
+    result = ensemble(LAG, 10.0, params={"process.K": np.ones(20_000)}, workers=1, summary=wait_for_key, progress=press)
+    assert result.status[0] == Status.OK and result.status[-1] == Status.INTERRUPTED
+    assert np.isnan(result.values["PV"][-1]).all() and not np.isnan(result.values["PV"][0]).any()
+    assert np.isnan(result.summary["end"][-1])
+    assert "interrupted" in result.hint(19_999)
+
+
+def test_ctrl_c_does_not_wait_for_a_long_member():
+    def press(done, members):
+        raise KeyboardInterrupt
+
+    # a sampled loop of 1e9 samples, hours long: the test ends because the member is stopped on its way
+    sampled = wire([Sine("SP", 1.0, 10.0), SampledPI(1.0, 10.0, dt=0.01), Constant("PV", 0.0)])
+    params = {"controller.K_p": [1.0]}
+    result = ensemble(sampled, 1e7, params=params, every=1e6, max_steps=10**12, workers=1, progress=press)
+    assert result.status.tolist() == [Status.INTERRUPTED] and np.isnan(result.values["OP"]).all()
+
+
+def test_progress_is_told_to_the_end():
+    told = []
+    ensemble(LAG, 10.0, params={"process.K": np.ones(7)}, progress=lambda done, members: told.append((done, members)))
+    assert told[-1] == (7, 7)
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+
+
+def test_a_bar_is_drawn_on_standard_error_only(capsys):
+    ensemble(LAG, 10.0, params={"process.K": np.ones(3)}, progress=True)
+    ensemble(LAG, 10.0, params={"process.K": np.ones(3)}, progress=False)
+    assert capsys.readouterr().out == ""
+
+
+class Faulty:
+    """A block's Python part that fails for K = 2."""
+
+    def init(self, p):
+        return 0
+
+    def step(self, t, state, u, p):
+        if p[1] == 2.0:
+            raise ZeroDivisionError("a fault of the block")
+        return state + 1, [u[0]]
+
+
+class Hosted(Block):
+    ports_in = (Port("PV"),)
+    ports_out = (Port("seen"),)
+    kernels = Kernels(feeds=False)
+    period_param = "dt"
+
+    def __init__(self, host):
+        self.host = host
+        super().__init__(name="watcher", params={"dt": 1.0, "K": 1.0})
+
+    def smooth(self):
+        return Gain("seen", "PV", self.p[1], name=self.name)
+
+
+def test_a_fault_in_python_names_the_member():
+    watched = wire([*LAG.blocks, Hosted(Faulty())], outputs=["seen"])
+    fine = ensemble(watched, 10.0, params={"watcher.K": [1.0, 3.0]}, every=1.0)
+    assert same(fine, 1, simulate(watched, 10.0, every=1.0))
+    with pytest.raises(ZeroDivisionError) as fault:
+        ensemble(watched, 10.0, params={"watcher.K": [1.0, 2.0]}, every=1.0)
+    assert fault.value.__notes__ == ["member 1 of the ensemble"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "nothing says how many members"),
+        ({"params": {"process.K": 1.0}}, "nothing says how many members"),
+        ({"params": {"process.K": []}}, "0 members"),
+        ({"params": {"process.K": [1.0, 2.0], "process.tau": [1.0, 2.0, 3.0]}}, "'process.K' 2, 'process.tau' 3"),
+        ({"params": {"process.K": [[1.0], [2.0]]}}, "flat array"),
+        ({"params": {"proces.K": [1.0]}}, "did you mean 'process'"),
+        ({"params": {"process.k": [1.0]}}, "did you mean 'K'"),
+        ({"start": {"process.y": [1.0]}}, "no state 'y'"),
+        ({"start": {"process.PV": [0.0, np.nan]}}, "'process.PV' is to start at nan in member 1"),
+        ({"seeds": [0.5]}, "integers"),
+        ({"seeds": [-1]}, "integers"),
+        ({"seeds": [1], "signals": ["pv"]}, "did you mean 'PV'"),
+        ({"seeds": [1], "keep_logs": False}, "summary"),
+        ({"seeds": [1], "workers": 0}, "workers = 0"),
+        ({"seeds": [1], "method": "euler"}, "method"),
+        ({"seeds": np.arange(10**6), "every": 1e-4}, "GB"),
+    ],
+)
+def test_senseless_requests_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        ensemble(LAG, 10.0, **arguments)
+
+
+def test_a_block_refuses_a_member_before_anything_runs():
+    with pytest.raises(BlockError) as refused:
+        ensemble(LAG, 10.0, params={"process.tau": [1.0, 2.0, -3.0]})
+    assert refused.value.__notes__ == ["member 2 of the ensemble"]
+
+
+def test_open_inputs_are_closed_or_refused():
+    plant = wire([FirstOrder(K=2.0, tau=5.0)], inputs=["MV"])
+    with pytest.raises(ValueError, match="input 'MV' is open"):
+        ensemble(plant, 10.0, params={"process.K": [1.0]})
+    result = ensemble(plant, 10.0, params={"process.K": [1.0, 2.0]}, inputs={"MV": 1.0})
+    assert np.allclose(result.values["PV"][1], 2.0 * result.values["PV"][0], rtol=1e-5)  # linear
+
+
+def test_parquet_holds_one_row_a_member(tmp_path):
+    result = ensemble(
+        LAG, 10.0, params={"process.K": [1.0, 2.0]}, start={"process.PV": [0.0, 0.5]}, seeds=[5, 6], every=1.0,
+        summary=lambda t, s: {"end": s["PV"][-1]},
+    )  # fmt: skip
+    path = tmp_path / "members.parquet"
+    result.to_parquet(path)
+    frame = pl.read_parquet(path)
+    assert frame.columns == [
+        "member", "status", "process.K", "process.PV(0)", "seed", "events", "summary.end", "MV", "PV"
+    ]  # fmt: skip
+    assert np.array_equal(frame["PV"].to_numpy(), result.values["PV"])
+    assert frame["status"].to_list() == ["OK", "OK"] and frame["seed"].to_list() == [5, 6]
+    heading = json.loads(pl.read_parquet_metadata(path)["stickslip"])
+    assert heading["time [s]"] == result.t.tolist()
+    assert [p.name for p in tmp_path.iterdir()] == ["members.parquet"]
+
+
+def test_a_failing_write_leaves_nothing(tmp_path):
+    result = ensemble(LAG, 10.0, params={"process.K": [1.0]})
+    (tmp_path / "taken").mkdir()
+    with pytest.raises(OSError):
+        result.to_parquet(tmp_path / "taken")
+    assert [p.name for p in tmp_path.iterdir()] == ["taken"]
+
+
+def test_one_member_is_told_from_the_others():
+    result = ensemble(LAG, 10.0, params={"process.K": [1.0, 2.0]}, seeds=[5, 6])
+    assert result.told(1) == "process.K = 2, seed 6"
+    assert "member 1: process.K = 2, seed 6" in result.log(1).origin
+    with pytest.raises(IndexError, match="no member 2"):
+        result.member(2)
+    with pytest.raises(IndexError, match="no member 2"):
+        result.log(2)
+
+
+def test_a_member_whose_model_ends_says_why_as_its_run_alone_does():
+    from plant import production_plant
+
+    plant = production_plant("B")
+    result = ensemble(
+        plant, 20.0, start={"S1.N_oil": [3.02e5, 9e5]}, params={"F_in.value": [8000.0, 8000.0]}, every=10.0,
+        signals=["p_1"], method="stiff",
+    )  # fmt: skip
+    alone = simulate(plant, 20.0, start={"S1.N_oil": 9e5}, every=10.0, method="stiff")
+    assert alone.status is Status.MODEL_ENDED and result.status.tolist() == [Status.OK, Status.MODEL_ENDED]
+    assert result.hint(1) == alone.hint
+    assert alone.hint.startswith("S1 is full: 119 of")  # analytic: 117.4 m3 of oil, 1.5 of methane
+    assert result.hint(0) == ""

@@ -1,0 +1,189 @@
+"""Trends of runs and spreads of ensembles: what is drawn where; how they look is judged by eye."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from blocks import PI, FirstOrder, Gain, Ramp, Step, StickSlip
+from diagram import simulate, wire
+from diagram.ensembles.running import ensemble
+from plant.loops import self_regulating_loop
+from diagram.figures.panels import main_signals
+from diagram.figures.trends import modes_over_time, plot_ensemble, plot_run
+
+LOOP = self_regulating_loop()
+RUN = simulate(LOOP, 600.0, every=0.5)
+
+
+def drawn(ax):
+    return {line.get_label(): line for line in ax.lines}
+
+
+def test_set_point_goes_with_measurement_and_controller_output_with_valve():
+    axes = plot_run(RUN).axes
+    assert [set(drawn(ax)) for ax in axes] == [{"SP", "PV"}, {"OP", "MV"}]
+    line = drawn(axes[0])["PV"]
+    assert np.array_equal(line.get_ydata(), RUN.log["PV"])
+    assert np.allclose(line.get_xdata(), RUN.log.t / 60.0)
+    assert axes[-1].get_xlabel() == "time [min]"
+
+
+@pytest.mark.parametrize(
+    ("duration", "unit", "seconds"), [(60.0, "s", 1.0), (7200.0, "min", 60.0), (86400.0, "h", 3600.0)]
+)
+def test_time_is_told_in_the_unit_that_fits(duration, unit, seconds):
+    run = simulate(wire([Ramp("F", slope=1.0)], outputs=["F"]), duration)
+    ax = plot_run(run).axes[0]
+    assert ax.get_xlabel() == f"time [{unit}]"
+    assert ax.get_xlim() == pytest.approx((0.0, duration / seconds))
+
+
+def test_stuck_is_shaded_on_the_axis_of_the_valve():
+    upper, lower = plot_run(RUN).axes
+    assert "stuck" not in upper.get_legend_handles_labels()[1]
+    shade = next(c for c in lower.collections if c.get_label() == "stuck")
+    shaded = sorted((path.get_extents().x0 * 60.0, path.get_extents().x1 * 60.0) for path in shade.get_paths())
+    stuck = [(a, b) for a, b, mode in modes_over_time(LOOP["valve"], RUN) if mode == "stuck" and b > a]
+    assert np.allclose(shaded, stuck)
+    assert len(stuck) > 5
+    moving = np.abs(np.diff(RUN.log["MV"])) > 1e-9  # independent of the events: a stuck stem does not move
+    inside = [any(a <= t0 and t1 <= b for a, b in stuck) for t0, t1 in pairwise(RUN.log.t)]
+    assert not np.any(moving & np.array(inside))
+    assert np.mean(inside) > 0.9
+
+
+def test_modes_cover_the_run_without_gaps():
+    stretches = modes_over_time(LOOP["valve"], RUN)
+    assert stretches[0][0] == 0.0 and stretches[-1][1] == 600.0
+    assert all(a[1] == b[0] and a[2] != b[2] for a, b in pairwise(stretches))
+    still = simulate(LOOP, 10.0, params={"SP.after": 0.0})
+    assert modes_over_time(LOOP["valve"], still) == [(0.0, 10.0, "stuck")]
+
+
+def test_other_events_are_ticks():
+    saturating = wire([Step("SP", 5.0), PI(K_p=1.0, T_i=5.0), FirstOrder(K=1.0, tau=5.0, inputs="OP")])
+    run = simulate(saturating, 60.0)
+    assert run.events, "the controller reaches its limit"
+    ax = next(ax for ax in plot_run(run).axes if "OP" in drawn(ax))
+    ticks = next(c for c in ax.collections if "controller" in c.get_label())
+    assert np.allclose([segment[0][0] for segment in ticks.get_segments()], [event.t for event in run.events])
+
+
+def test_one_unit_one_axis_if_the_ranges_are_alike():
+    parts = [Ramp("a", slope=1.0, unit="bar"), Gain("b", "a", 2.0, unit="bar"), Gain("c", "a", 100.0, unit="bar"),
+             Gain("d", "a", 1.0, unit="K"), Gain("e", "a", 1.0), Gain("f", "a", 1.0)]  # fmt: skip
+    run = simulate(wire(parts, outputs=["a"]), 10.0)
+    axes = plot_run(run).axes
+    assert [set(drawn(ax)) for ax in axes] == [{"a", "b"}, {"c"}, {"d"}, {"e"}, {"f"}]
+    assert [ax.get_ylabel() for ax in axes] == ["a, b [bar]", "c [bar]", "d [K]", "e", "f"]
+
+
+def test_a_large_plant_shows_its_loops_first_and_says_what_is_missing():
+    extra = [Gain(f"x{i}", "MV", 1.0) for i in range(30)]
+    run = simulate(wire([*LOOP.blocks, *extra], name="large"), 10.0)
+    figure = plot_run(run)
+    assert {name for ax in figure.axes for name in drawn(ax)} == {"SP", "PV", "OP", "MV"}
+    assert "30 more signals" in figure.axes[0].get_title(loc="left")
+    fifty = simulate(wire([self_regulating_loop(name=f"loop{i}") for i in range(13)]), 10.0)
+    figure = plot_run(fifty)
+    assert len(figure.axes) == 8
+    assert figure.axes[0].get_ylabel() == "loop0\nSP, PV"
+
+
+def test_names_choose():
+    figure = plot_run(RUN, ["MV", "PV"])
+    assert [set(drawn(ax)) for ax in figure.axes] == [{"MV"}, {"PV"}]
+    with pytest.raises(ValueError, match="did you mean 'PV'"):
+        plot_run(RUN, ["PVs"])
+    with pytest.raises(ValueError, match="no signal to plot"):
+        plot_run(RUN, [])
+
+
+def with_far_set_point():
+    safety = PI(K_p=1e-9, T_i=1.0, action="direct", name="safety", inputs=["far", "p"], outputs="OP_safety")
+    main = PI(K_p=1e-9, T_i=1.0, action="direct", name="main", inputs=["near", "p"], outputs="OP_main")
+    far, near = (Gain(name, "PV", 0.0, offset=at, unit="Pa") for name, at in (("far", 40e5), ("near", 30.2e5)))
+    p = Gain("p", "PV", 1e5, offset=30e5, unit="Pa")
+    return wire([*LOOP.blocks, far, near, p, main, safety])
+
+
+def test_a_set_point_far_off_does_not_flatten_what_moves():
+    run = simulate(with_far_set_point(), 60.0, every=1.0)
+    figure = plot_run(run)
+    ax = next(ax for ax in figure.axes if "p" in drawn(ax))
+    assert set(drawn(ax)) == {"near", "p"}
+    assert figure.axes[0].get_title(loc="left") == "at rest far off the scale: far"
+    chosen = plot_run(run, ["far", "p"]).axes  # who asks for it gets it
+    assert {name for ax in chosen for name in drawn(ax)} == {"far", "p"}
+
+
+def test_the_only_set_point_is_shown_however_far():
+    missed = wire([Step("SP", 5.0), PI(K_p=0.01, T_i=5e3), FirstOrder(K=1.0, tau=5.0, inputs="OP")])
+    figure = plot_run(simulate(missed, 60.0))
+    assert {"SP", "PV"} <= set(drawn(figure.axes[0])) and figure.axes[0].get_title(loc="left") == ""
+
+
+def test_pressures_are_told_in_bar():
+    run = simulate(with_far_set_point(), 60.0, every=1.0)
+    ax = next(ax for ax in plot_run(run).axes if "p" in drawn(ax))
+    assert ax.get_ylabel() == "near, p [bar]"
+    assert np.allclose(drawn(ax)["p"].get_ydata(), run.log["p"] / 1e5)
+
+
+def test_panels_that_move_come_before_panels_that_rest():
+    loops = [self_regulating_loop(name=f"loop{i}") for i in range(7)]
+    rest = [self_regulating_loop(name=f"rest{i}").with_params({"SP.after": 0.0}) for i in range(7)]
+    run = simulate(wire([*rest, *loops]), 600.0, every=1.0)
+    shown = {name for ax in plot_run(run).axes for name in drawn(ax)}
+    assert not any(name.startswith("rest") for name in shown)
+
+
+def test_a_nested_diagram_keeps_its_colour():
+    from cases import find
+
+    run = find("own_map").run()
+    colours = {}
+    for ax in plot_run(run, ["guarded/m", "bare/m", "guarded/p_out", "bare/p_out"]).axes:
+        for name, line in drawn(ax).items():
+            colours.setdefault(name.partition("/")[0], set()).add(line.get_color())
+    assert all(len(own) == 1 for own in colours.values()) and colours["guarded"] != colours["bare"]
+
+
+def test_a_failed_run_says_so():
+    run = simulate(LOOP, 600.0, every=0.5, max_steps=50)
+    assert not run.ok
+    figure = plot_run(run)
+    assert figure.axes[0].get_title(loc="left").startswith("TOO_MANY_STEPS: the step budget is spent")
+    figure.canvas.draw()
+    assert plot_run(RUN).axes[0].get_title(loc="left") == ""
+
+
+def test_main_signals_are_those_of_controllers_and_valves():
+    plant = wire(
+        [Step("SP", 0.5), PI(K_p=0.4, T_i=10.0), StickSlip(), FirstOrder(K=3.0, tau=10.0), Gain("x", "PV", 2.0)]
+    )
+    assert main_signals(plant) == {"SP", "PV", "OP", "MV"}
+
+
+def test_the_spread_is_that_of_the_members():
+    gains = np.linspace(0.0, 100.0, 101)
+    result = ensemble(wire([Step("F", 1.0), Gain("y", "F", 1.0)]), 10.0, params={"y.factor": gains}, every=1.0)
+    ax = result.plot("y").axes[0]
+    lines = drawn(ax)
+    assert np.allclose(lines["median"].get_ydata(), 50.0)  # analytic: percentiles of 0, 1, ..., 100
+    band = ax.collections[0].get_paths()[0].get_extents()
+    assert (band.y0, band.y1) == pytest.approx((5.0, 95.0))
+    assert "12 of 101 members" in lines
+
+
+def test_failed_members_are_not_in_the_spread():
+    result = ensemble(LOOP, 600.0, params={"SP.after": [0.0, 0.5]}, every=1.0, max_steps=100)
+    figure = plot_ensemble(result, "PV")
+    assert figure.axes[0].get_title(loc="left").startswith("1 members not shown")
+    assert np.array_equal(drawn(figure.axes[0])["median"].get_ydata(), np.zeros(601))
+    with pytest.raises(ValueError, match="did you mean 'PV'"):
+        plot_ensemble(result, "pv")
+    failed = ensemble(LOOP, 600.0, params={"SP.after": [0.5]}, every=1.0, max_steps=100)
+    with pytest.raises(ValueError, match="no member reached its end"):
+        failed.plot("PV")

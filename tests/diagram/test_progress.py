@@ -1,0 +1,32 @@
+"""What is told while many runs are made."""
+
+import io
+import sys
+
+import pytest
+
+from diagram.progress import told
+
+
+def test_the_callers_function_is_told():
+    heard = []
+    with told(lambda done, total: heard.append((done, total)), 3, "runs") as tell:
+        tell(1, 3)
+    assert heard == [(1, 3)]
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(
+    ("progress", "stderr", "drawn"),
+    [(True, Terminal, True), (False, Terminal, False), (None, Terminal, True), (None, io.StringIO, False)],
+)
+def test_a_bar_is_drawn_where_it_is_asked_for_or_somebody_looks(monkeypatch, progress, stderr, drawn):
+    stream = stderr()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with told(progress, 4, "members") as tell:
+        tell(4, 4)
+    assert ("members" in stream.getvalue()) == drawn

@@ -1,0 +1,188 @@
+"""What may be asked of ``simulate``: numbers of every kind, some signals, systems that stand alone; the refusals."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+from blocks import PI, Constant, FirstOrder, Integrator, Noise, Step
+from blocks.block import Block, Kernels
+from blocks.ports import Port
+from engine.advance import advance
+from diagram import WiringError, simulate, wire
+from diagram.coarse import ToleranceWarning
+from diagram.ensembles.running import ensemble
+from diagram.reference.integration import simulate_reference
+
+
+def _lotka_out(t, x, d, u, p, y):
+    y[0] = x[0]
+    y[1] = x[1]
+
+
+def _lotka_der(t, x, d, u, p, dx):
+    dx[0] = x[0] * (p[0] - p[1] * x[1])
+    dx[1] = x[1] * (p[1] * x[0] - p[0])
+
+
+class LotkaVolterra(Block):
+    """Prey and predators: x' = x (a - b y), y' = y (b x - a); b (x + y) - a ln(x y) never changes."""
+
+    ports_out = (Port("prey"), Port("predators"))
+    kernels = Kernels(out=_lotka_out, der=_lotka_der, feeds=False)
+
+    def __init__(self, a=1.0, b=0.5):
+        super().__init__(name="lotka", params={"a": a, "b": b}, states={"x": 1.0, "y": 1.0})
+
+
+def _lorenz_out(t, x, d, u, p, y):
+    for i in range(3):
+        y[i] = x[i]
+
+
+def _lorenz_der(t, x, d, u, p, dx):
+    dx[0] = p[0] * (x[1] - x[0])
+    dx[1] = x[0] * (p[1] - x[2]) - x[1]
+    dx[2] = x[0] * x[1] - p[2] * x[2]
+
+
+class Lorenz(Block):
+    """E. N. Lorenz, J. Atmos. Sci. 20 (1963) 130-141."""
+
+    ports_out = (Port("X"), Port("Y"), Port("Z"))
+    kernels = Kernels(out=_lorenz_out, der=_lorenz_der, feeds=False)
+
+    def __init__(self, rho):
+        super().__init__(
+            name="lorenz", params={"sigma": 10.0, "rho": rho, "beta": 8.0 / 3.0}, states={"X": 1.0, "Y": 1.0, "Z": 1.0}
+        )
+
+
+def _halve(t, x, d, u, p, y):
+    d[0] *= 0.5
+    y[0] = d[0]
+
+
+class Halving(Block):
+    """A sampled system without inputs: halves its memory at every sample."""
+
+    ports_out = (Port("h"),)
+    kernels = Kernels(step=_halve, feeds=False)
+    period_param = "dt"
+
+    def __init__(self):
+        super().__init__(name="halving", params={"dt": 1.0}, memory={"h": 1.0})
+
+
+# --- systems that stand alone -------------------------------------------------------------------------------------
+
+
+def test_lotka_and_volterra_keep_their_invariant_and_equal_the_reference():
+    alone = wire([LotkaVolterra()])
+    run = simulate(alone, 20.0, every=0.5, rtol=1e-10, atol=1e-12)
+    x, y = run.log["prey"], run.log["predators"]
+    kept = 0.5 * (x + y) - np.log(x * y)
+    assert run.ok and np.ptp(x) > 1.0
+    assert np.abs(kept - 1.0).max() < 1e-8  # analytic: 0.5 (1 + 1) - ln 1
+    assert np.abs(x - simulate_reference(alone, 20.0, every=0.5).log["prey"]).max() < 1e-6
+
+
+def test_lorenz_comes_to_rest_where_it_should():
+    # analytic: for 1 < rho < 24.06 it rests at X = Y = sqrt(beta (rho - 1)), Z = rho - 1
+    run = simulate(wire([Lorenz(rho=10.0)]), 60.0, rtol=1e-9)
+    end = [abs(run.log[signal][-1]) for signal in ("X", "Y", "Z")]
+    assert end == pytest.approx([math.sqrt(24.0), math.sqrt(24.0), 9.0], abs=1e-6)
+
+
+def test_a_sampled_system_stands_alone_too():
+    assert simulate(wire([Halving()]), 3.5, times=[0.5, 1.5, 2.5]).log["h"].tolist() == [0.5, 0.25, 0.125]
+
+
+@pytest.mark.parametrize("source", [Step("MVV"), Noise("MVV", sd=1.0, dt=1.0), Constant("MVV", 1.0)])
+def test_a_source_that_nobody_reads_is_still_refused(source):
+    with pytest.raises(WiringError, match="no block reads 'MVV'"):
+        wire([source, Step("MV"), FirstOrder(K=1.0, tau=1.0)])
+
+
+# --- numbers of every kind ----------------------------------------------------------------------------------------
+
+LAG = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
+NUMBERS = [10, np.int32(10), np.float32(10.0), np.longdouble(10.0), np.array(10), True + 9]
+
+
+@pytest.mark.parametrize("ten", NUMBERS, ids=lambda ten: type(ten).__name__)
+def test_numbers_of_every_kind_run_on_the_engine_there_is(ten):
+    expected = simulate(LAG, 10.0, every=1.0).log["PV"]
+    compiled = len(advance.signatures)
+    one, zero = ten // ten, ten - ten
+    runs = [
+        simulate(LAG, ten, every=one, t0=zero),
+        simulate(LAG, ten, times=np.arange(11).astype(np.asarray(ten).dtype)),
+        simulate(LAG, ten, every=one, params={"process.tau": ten / 2}, start={"process.PV": zero}),
+        simulate(LAG.without("MV"), ten, every=one, inputs={"MV": one}),
+    ]
+    for run in runs:
+        assert run.log["PV"] == pytest.approx(expected, abs=1e-12)
+        assert run.log.t.dtype == np.float64
+    spread = ensemble(LAG, ten, params={"process.K": [one, one]}, every=one)
+    assert spread.values["PV"][0] == pytest.approx(0.5 * expected, rel=1e-5)
+    assert len(advance.signatures) == compiled
+
+
+# --- some signals, and no more than the memory holds --------------------------------------------------------------
+
+
+def test_only_the_signals_asked_for_are_logged():
+    loop = wire([Step("SP", 0.5), PI(0.4, 10.0, outputs="MV"), FirstOrder(3.0, 10.0)])
+    whole, some = simulate(loop, 50.0, every=0.3), simulate(loop, 50.0, every=0.3, signals=["PV", "PV", "SP"])
+    assert list(some.log.signals) == ["SP", "PV"]
+    for signal in ("SP", "PV"):
+        assert np.array_equal(some.log[signal], whole.log[signal])
+    assert np.array_equal(some.final["process"].x0, whole.final["process"].x0)
+    assert list(simulate(loop, 5.0, signals="PV").log.signals) == ["PV"]
+    assert some.plot().axes
+    with pytest.raises(ValueError, match="no signal 'PVV'; did you mean 'PV'"):
+        simulate(loop, 5.0, signals=["PVV"])
+
+
+@pytest.mark.parametrize("run", [simulate, simulate_reference])
+def test_a_log_beyond_the_memory_is_refused_before_anything_runs(run):
+    with pytest.raises(ValueError, match=r"2 signals x 10\d+ rows take .* GB, the machine has .* every="):
+        run(LAG, 1e6, every=1e-7)
+    with pytest.raises(ValueError, match="rows take"):
+        run(LAG, 1e15, every=1e-3)
+
+
+# --- an absolute tolerance that is too large ----------------------------------------------------------------------
+
+
+def small(K=1e-3):
+    return wire([Step("MV", 1.0), FirstOrder(K=K, tau=5.0), Integrator(K=1.0, outputs="V", name="volume")])
+
+
+def test_an_atol_above_the_signals_is_noted_with_those_it_spoils():
+    with pytest.warns(ToleranceWarning, match=r"atol = 0.1 is not small against process \(at most 0.00"):
+        run = simulate(small(), 20.0, atol=0.1)
+    assert run.ok and "process" in run.notes[0] and "volume" not in run.notes[0]
+    advised = float(run.notes[0].split("give atol = ")[1])
+    fine = simulate(small(), 20.0, atol=advised)
+    exact = 1e-3 * (1.0 - np.exp(-fine.log.t / 5.0))  # analytic
+    assert not fine.notes
+    assert np.abs(fine.log["PV"] - exact).max() < 1e-6 * 10
+
+
+def test_an_atol_that_suits_is_not_noted():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert not simulate(small(), 20.0).notes
+        still = wire([Constant("MV", 0.0), FirstOrder(K=2.0, tau=5.0)])
+        assert not simulate(still, 20.0, atol=1.0).notes  # at rest at 0: nothing to spoil
+
+
+def test_an_ensemble_warns_too():
+    with pytest.warns(ToleranceWarning, match="process"):
+        ensemble(small(), 20.0, params={"process.K": [1e-3, 2e-3]}, atol=0.1)
+
+
+# --- wrong calls --------------------------------------------------------------------------------------------------

@@ -1,0 +1,29 @@
+"""Importing the package loads numpy and nothing heavy; nothing of the house is imported at all."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[2] / "records"
+
+
+def test_import_is_light():
+    code = (
+        "import sys; import logs; "
+        "print([m for m in ('polars', 'matplotlib', 'scipy', 'control', 'numba', 'pandas') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_nothing_of_the_house_is_imported():
+    house = {"detect", "blocks", "engine", "plant", "online", "cases", "stickslip", "control", "numba"}
+    files = sorted(PACKAGE.glob("*.py"))
+    assert len(files) > 10
+    for file in files:
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                assert (node.module or "").split(".")[0] not in house, file
+            elif isinstance(node, ast.Import):
+                assert not {name.name.split(".")[0] for name in node.names} & house, file

@@ -1,0 +1,65 @@
+"""What is measured of a run, against loops written out and closed forms."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from diagram import simulate
+from plant.loops import integrating_loop
+from logs.oscillation import oscillations
+from study.measures import Measures, limits, slips, valves
+from study.subject import as_subject
+from tests.plant.oscillation import period_and_amplitude
+
+T = np.arange(0.0, 200.0, 0.5)
+
+
+@given(st.lists(st.floats(-10.0, 10.0), min_size=400, max_size=400), st.floats(5.0, 60.0))
+def test_many_signals_are_measured_as_one_by_the_loop(noise, period):
+    Y = np.array([np.array(noise), np.sin(2.0 * np.pi * T / period) + 0.05 * np.array(noise), np.full(len(T), 3.0)])
+    periods, amplitudes = oscillations(T, Y)
+    for y, T_found, A in zip(Y, periods, amplitudes, strict=True):
+        expected = period_and_amplitude(T, y)  # oracle: the plain loop of the plant's tests
+        assert pytest.approx(expected[1], rel=1e-12) == A
+        assert T_found == pytest.approx(expected[0], rel=1e-9, nan_ok=True)
+
+
+def test_a_clipped_sine_is_saturated_as_long_as_it_is_clipped():
+    loop = integrating_loop().with_params({"controller.low": -0.5, "controller.high": 0.8})
+    t = np.arange(0.0, 2000.0, 0.05)
+    OP = np.clip(np.sin(2.0 * np.pi * t / 100.0), -0.5, 0.8)
+    found = Measures(loop, ["OP"], 1000.0)(t, {"OP": OP})
+    # analytic: above 0.8 for 1/2 - asin(0.8)/pi of the time, below -0.5 for 1/3
+    assert found["OP.saturated"] == pytest.approx(0.5 - np.arcsin(0.8) / np.pi + 1.0 / 3.0, abs=2e-3)
+    assert found["OP.period"] == pytest.approx(100.0, rel=1e-6)
+    assert found["OP.amplitude"] == pytest.approx(0.65, rel=1e-12)
+    other = Measures(loop, ["OP"], 1000.0, {"controller.high": 2.0})(t, {"OP": OP})
+    assert other["OP.saturated"] == pytest.approx(1.0 / 3.0, abs=2e-3)
+
+
+def test_controllers_without_limits_and_measurements_have_no_saturation():
+    assert limits(integrating_loop(), ["OP", "PV", "MV"]) == {}
+
+
+def test_what_stands_still_has_no_period():
+    y = 30e5 * (1.0 + 1e-14 * np.sin(T))
+    found = Measures(integrating_loop(), ["PV"], 0.0)(T, {"PV": y})
+    assert np.isnan(found["PV.period"]) and found["PV.mean"] == pytest.approx(30e5)
+
+
+def test_slips_are_the_changes_from_stuck_to_sliding():
+    loop = integrating_loop()
+    run = simulate(loop, 4000.0, every=1.0, start={"process.PV": 0.3})
+    from diagram import ensemble
+
+    events = ensemble(loop, 4000.0, start={"process.PV": [0.3]}, every=1.0).raw_events[0]
+    # oracle: the named events of a plain run
+    expected = sum(e.block == "valve" and e.before == "stuck" and e.t >= 1000.0 for e in run.events)
+    assert expected >= 4
+    assert slips(events, valves(loop), 1000.0) == {"valve": expected}
+
+
+def test_a_diagram_measures_what_moves_and_kicks_what_is_controlled():
+    subject = as_subject(integrating_loop())
+    assert subject.signals == ("OP", "MV", "PV") and subject.kicked == ("process.PV",)
