@@ -13,8 +13,8 @@ import numpy as np
 if TYPE_CHECKING:
     from blocks.block import Block
     from diagram.diagram import Diagram
-    from plant import Production
     from diagram.simulation import Run
+    from plant import Production
 
 SHARE = 0.2  # how far every parameter is moved
 KICK = 0.05  # how far the contents of separator 1 are moved

@@ -20,12 +20,13 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from detect.methods import area_ratio
-from detect.oscillation import hagglund1995, acf_crossings as oscillation
 from detect.card import Card
 from detect.diagnosis import Diagnosis, diagnose
-from detect.oscillation.gate import Gate
 from detect.method import Method
+from detect.methods import area_ratio
+from detect.oscillation import acf_crossings as oscillation
+from detect.oscillation import hagglund1995
+from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
 
 __all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict", "diagnose"]

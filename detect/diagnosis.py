@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from detect.prepare.conditions import Fact, examine
 from detect.method import Method
+from detect.prepare.conditions import Fact, examine
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
 

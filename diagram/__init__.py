@@ -7,10 +7,10 @@ linear     operating points, poles, loops, relative gains  study      sweeps, an
 """
 
 from diagram.diagram import Diagram, wire
-from diagram.single_block import drive
-from diagram.ensembles.running import ensemble
 from diagram.ensembles.result import Ensemble
+from diagram.ensembles.running import ensemble
 from diagram.simulation import Event, Run, simulate
+from diagram.single_block import drive
 from diagram.wiring import WiringError
 
 __all__ = ["Diagram", "Ensemble", "Event", "Run", "WiringError", "drive", "ensemble", "simulate", "wire"]

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import texts
 from blocks.ports import nearest, number
+from diagram.diagram import Diagram
 from engine import layout as at
 from engine.table import Component
-from diagram.diagram import Diagram
 
 Floats = NDArray[np.float64]
 MEMORY_SHARE = 0.8  # of the machine's memory that the values may take

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from diagram.wiring import WiringError
 from engine import layout as at
 from engine.flat import Floats, Ints
 from engine.table import Component
-from diagram.wiring import WiringError
 
 if TYPE_CHECKING:
     from diagram.diagram import Diagram

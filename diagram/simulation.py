@@ -12,9 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from blocks.arguments import by_name
 from blocks.block import Block
 from blocks.ports import nearest, number
-from engine import layout as at
-from engine.run import METHODS, Outcome, Settings, prepare, run
-from engine.status import HINTS, Statistics, Status
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
 from diagram.flatten import DELAY_RECORDS, Ends, Plan, plan
@@ -22,6 +19,9 @@ from diagram.inputs import close
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.wiring import WiringError
+from engine import layout as at
+from engine.run import METHODS, Outcome, Settings, prepare, run
+from engine.status import HINTS, Statistics, Status
 from logs import Log
 
 if TYPE_CHECKING:

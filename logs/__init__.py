@@ -17,8 +17,8 @@ The package needs numpy; polars and matplotlib are imported when a file is read 
 """
 
 from logs.errors import LogError, ReadError
+from logs.files.read import read_log, read_loop
 from logs.log import Log
 from logs.loop import LoopRecord
-from logs.files.read import read_log, read_loop
 
 __all__ = ["Log", "LogError", "LoopRecord", "ReadError", "read_log", "read_loop"]

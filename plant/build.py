@@ -10,11 +10,11 @@ from blocks.block import Block
 from blocks.ports import nearest
 from blocks.sources import Constant
 from diagram.diagram import Diagram, wire
+from diagram.wiring import WiringError
 from plant import feed as feeds
 from plant import parts
 from plant.parameters import DEFAULT, SETS, Production
 from plant.rest import Rest, steady_state
-from diagram.wiring import WiringError
 
 
 def production_plant(

@@ -33,9 +33,9 @@ from blocks.separator import Separator
 from blocks.shaft import Shaft
 from blocks.sources import Constant
 from blocks.stick_slip import StickSlip
+from diagram.wiring import WiringError
 from plant.parameters import STICTION, Production
 from plant.rest import InfeasibleFeed, Rest
-from diagram.wiring import WiringError
 
 VALVES = ("VLCS1", "VPCS1", "VLCS2", "VPCS2", "VRVC2", "VRVC3")
 STEMS = ("quasi_static", "full")

@@ -15,9 +15,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from logs.files.write import replacing
 from study.axes import StudyError
 from study.request import SCHEMA, differences
-from logs.files.write import replacing
 
 if TYPE_CHECKING:
     import polars as pl

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from study.findings import Findings
 from logs.style import INK
+from study.findings import Findings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from logs.style import tidy
 from study.axes import Axis
 from study.findings import Findings
 from study.frame import DECADES, head, plain_numbers
 from study.groups import groups
-from logs.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

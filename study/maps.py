@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from logs.style import tidy
 from study.axes import Axis
 from study.findings import Findings
 from study.frame import head, plain_numbers
 from study.groups import Group, groups
 from study.growth import chosen, numbers
-from logs.style import tidy
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

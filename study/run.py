@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from blocks.ports import nearest
-from engine.status import Status
 from diagram.diagram import Diagram
 from diagram.ensembles.running import cores, ensemble
 from diagram.kept import log_times
 from diagram.progress import Progress, told
+from engine.status import Status
 from study.axes import StudyError, axes_of
-from study.points import Casting, Company, Refusal, resolve
 from study.design import design
 from study.folder import Folder, Memory, Store, joined, opened
 from study.measures import Measures, slips, valves
+from study.points import Casting, Company, Refusal, resolve
 from study.request import code, fingerprint, spelt
 from study.result import StudyResult
 from study.stop import stop_asked

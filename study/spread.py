@@ -4,10 +4,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from logs.style import INK, SOFT, tidy
 from study.findings import Findings
 from study.frame import DECADES, head, plain_numbers
 from study.groups import Group, bands, groups
-from logs.style import INK, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
 from diagram.diagram import Diagram
-from study.points import Refusal
 from study.design import Design
 from study.measures import NAMES, limits, valves
+from study.points import Refusal
 
 if TYPE_CHECKING:
     import polars as pl

@@ -54,8 +54,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from detect.prepare import cycles
 from detect.card import Card
+from detect.prepare import cycles
 from detect.prepare.cycles import Cycles, Refusal
 from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle
 from detect.prepare.lateness import Lateness, closed_form, lag_of, lateness

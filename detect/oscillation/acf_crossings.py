@@ -47,8 +47,8 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
-from detect.prepare.gaps import bridgeable, split
 from detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
+from detect.prepare.gaps import bridgeable, split
 from detect.prepare.smoothing import moving_average
 from logs import LoopRecord
 

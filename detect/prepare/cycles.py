@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from detect.prepare import conditions
 from detect.oscillation import acf_crossings as oscillation
+from detect.prepare import conditions
 from detect.prepare.gaps import Gap, falls_into, gaps_in
 from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure
 from detect.prepare.pieces import Pieces, pieces_of

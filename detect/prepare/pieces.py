@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from detect.prepare import conditions
 from detect.oscillation import acf_crossings as oscillation
-from detect.prepare.gaps import bridgeable, describe, gaps_in, split
 from detect.oscillation.gate import Gate, Stretch
+from detect.prepare import conditions
+from detect.prepare.gaps import bridgeable, describe, gaps_in, split
 from logs import LoopRecord
 
 __all__ = ["Pieces", "pieces_of"]

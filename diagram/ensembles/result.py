@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from engine.run import Settings
-from engine.status import HINTS, Statistics, Status
 from diagram.diagram import Diagram
 from diagram.ensembles.variants import Floats, Members
 from diagram.simulation import Event, Run, named_events, simulate
+from engine.run import Settings
+from engine.status import HINTS, Statistics, Status
 from logs import Log
 from logs.files.write import replacing
 

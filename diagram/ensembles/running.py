@@ -14,19 +14,19 @@ from threading import Lock
 import numpy as np
 from numpy.typing import ArrayLike
 
+from diagram.coarse import ToleranceWarning, too_coarse
+from diagram.diagram import Diagram
+from diagram.ensembles.result import Ensemble, freeze
+from diagram.ensembles.variants import Floats, Members, Places, members
+from diagram.flatten import DELAY_RECORDS, Plan, plan
+from diagram.kept import log_times, logging_only, wanted_signals
+from diagram.past import resumed
+from diagram.progress import Progress, told
+from diagram.simulation import check_settings, set_up, troubles
 from engine import layout as at
 from engine.run import Outcome, Settings, prepare, run
 from engine.status import Statistics, Status
 from engine.table import Component
-from diagram.coarse import ToleranceWarning, too_coarse
-from diagram.diagram import Diagram
-from diagram.flatten import DELAY_RECORDS, Plan, plan
-from diagram.kept import log_times, logging_only, wanted_signals
-from diagram.ensembles.variants import Floats, Members, Places, members
-from diagram.past import resumed
-from diagram.ensembles.result import Ensemble, freeze
-from diagram.progress import Progress, told
-from diagram.simulation import check_settings, set_up, troubles
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import by_name
 from blocks.block import Block
-from engine.table import Component
 from diagram.diagram import Diagram
 from diagram.flatten import Plan
+from engine.table import Component
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from blocks.block import Block
 from blocks.ports import nearest
-from engine.status import Status
 from diagram.figures.panels import choose, heading, parts_played
 from diagram.simulation import Run
+from engine.status import Status
 from logs import Log
 from logs.figures import COLOURS, time_unit
 from logs.style import SOFT, tidy

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from diagram.linear.gain_arrays import Rga
 from diagram.linear.loop import Loop
 from diagram.linear.poles import Pole
-from diagram.linear.gain_arrays import Rga
 from logs.style import GRID, SOFT, tidy
 
 if TYPE_CHECKING:

@@ -20,10 +20,10 @@ from blocks.block import Block
 from blocks.flare import Flare
 from blocks.ports import nearest
 from diagram.diagram import Diagram
+from diagram.linear.gain_arrays import NEAR_ZERO, Complex, Rga, relative_gains
 from diagram.linear.loop import Loop
 from diagram.linear.operating_points import held, residual, sizes
 from diagram.linear.poles import Pole, poles_of
-from diagram.linear.gain_arrays import NEAR_ZERO, Complex, Rga, relative_gains
 from diagram.linear.slopes import Slopes, slopes
 from diagram.wiring import WiringError
 

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 from blocks.block import Block
 from blocks.flare import Flare
 from blocks.sources import Constant
-from engine.status import Status
 from diagram.diagram import Diagram
 from diagram.inputs import close
 from diagram.linear.slopes import Slopes, check_time, slopes
 from diagram.simulation import simulate
+from engine.status import Status
 
 Floats = NDArray[np.float64]
 SETTLE = (300.0, 3e3, 3e4, 3e5)  # s, simulated one after the other where solving fails

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.ports import nearest, number
-from engine.status import HINTS, Statistics, Status
 from diagram.diagram import Diagram
-from diagram.reference.interpreter import Interpreter
 from diagram.kept import log_times
 from diagram.past import resumed
+from diagram.reference.interpreter import Interpreter
 from diagram.simulation import Event, Run, set_up
+from engine.status import HINTS, Statistics, Status
 from logs import Log
 
 Floats = NDArray[np.float64]

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from logs.files.clean import decimal_mark, modes, numbers
 from logs.errors import ReadError
+from logs.files.clean import decimal_mark, modes, numbers
 from logs.files.heading import Heading
-from logs.log import Log
 from logs.files.longform import LongColumns, find_long_form, pivot
 from logs.files.names import role_of
 from logs.files.order import about_sampling, ordered_times
@@ -21,6 +20,7 @@ from logs.files.stamps import Times, repaired_clock_change
 from logs.files.states import is_blank, is_state
 from logs.files.table import Table
 from logs.files.time_column import find_times, oldest_first
+from logs.log import Log
 
 if TYPE_CHECKING:
     import polars as pl

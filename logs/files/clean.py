@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from logs.errors import ReadError
-from logs.modes import MANUAL, mode_number, says_manual
 from logs.files.states import is_blank, is_state
+from logs.modes import MANUAL, mode_number, says_manual
 
 if TYPE_CHECKING:
     import polars as pl

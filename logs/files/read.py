@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from logs.errors import LogError, ReadError
 from logs.files.assemble import Layout, assemble, layout_of
 from logs.files.columns import Roles, choose_columns
-from logs.errors import LogError, ReadError
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
+from logs.files.source import decoded, file_bytes, is_parquet
+from logs.files.table import Table, names_and_units, parse_table
 from logs.log import Log
 from logs.loop import LoopRecord
-from logs.files.source import decoded, file_bytes, is_parquet
 from logs.spans import guess_op_span
-from logs.files.table import Table, names_and_units, parse_table
 from logs.tags import Process, measurement_of, process_of, tag_in
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
 from stickslip.commands.simulate import PICTURES, parameters
+from stickslip.console import Speaker, json_option, user_errors
 from stickslip.targets import check_targets, write_figure
 
 if TYPE_CHECKING:

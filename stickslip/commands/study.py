@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, complain, json_option, user_errors
 from stickslip.commands.simulate import METHODS
+from stickslip.console import Speaker, complain, json_option, user_errors
 from stickslip.targets import check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:

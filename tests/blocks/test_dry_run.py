@@ -15,8 +15,8 @@ from blocks import BlockError, Step
 from blocks.block import Block, Kernels
 from blocks.dry_run import dry_run
 from blocks.ports import Port
-from engine.status import Status
 from diagram import simulate, wire
+from engine.status import Status
 
 RIGHT = {
     "out": "out[0] = x[0]",

@@ -10,8 +10,8 @@ from blocks import CubicMap
 from cases import find, names
 from cases.choice import gain_from, scan
 from cases.kicks import SIZE, Studies, rest_amplitudes, start_kicks, study
-from engine.status import Status
 from diagram import simulate
+from engine.status import Status
 from plant import SET_B, SET_C, SET_E, kicked, production_plant
 
 J = {"normal": 500.0 / 52500.0, "high": 1000.0 / 52500.0}  # analytic: (F_s - F_c)/k

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from detect.methods import area_ratio
 from detect import stream
+from detect.methods import area_ratio
 from detect.methods.area_ratio import Params, closed_form, detect
 from detect.prepare.lateness import Lateness, Side
 from logs import LoopRecord

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip, Sum
-from detect.methods import area_ratio
-from detect.oscillation import hagglund1995, acf_crossings as oscillation
-from detect.stream import LoopFacts, Sample
 from detect.blocks import DetectorBlock
 from detect.blocks.detector import CODES
+from detect.methods import area_ratio
+from detect.oscillation import acf_crossings as oscillation
+from detect.oscillation import hagglund1995
+from detect.stream import LoopFacts, Sample
 from diagram import WiringError, simulate, wire
 from logs import LoopRecord
 

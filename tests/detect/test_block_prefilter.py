@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip
-from detect.prepare import prefilter
 from detect.blocks import PrefilterBlock
+from detect.prepare import prefilter
 from diagram import simulate, wire
 
 WINDOW, SD = 128, 0.002

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from detect.prepare import cycles
-from detect.oscillation import acf_crossings as oscillation
 from detect.methods.area_ratio import closed_form, detect
+from detect.oscillation import acf_crossings as oscillation
+from detect.prepare import cycles
 from detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split
 
 T = np.arange(3000.0)

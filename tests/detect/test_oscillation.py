@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from detect.methods import area_ratio
-from detect.oscillation import hagglund1995, acf_crossings as oscillation
+from detect.oscillation import acf_crossings as oscillation
+from detect.oscillation import hagglund1995
 
 
 @pytest.mark.parametrize("kind", ["sine", "triangle", "square", "exponential"])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from detect.methods import area_ratio
 from detect import diagnose
+from detect.methods import area_ratio
 from logs import LoopRecord
 from logs.figures import COLOURS
 

@@ -19,8 +19,8 @@ from blocks import (
     StickSlip,
     Sum,
 )
-from detect.methods import area_ratio
 from detect.blocks import DetectorBlock, PrefilterBlock
+from detect.methods import area_ratio
 from diagram import wire
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from blocks import PI, Constant, FirstOrder, IdealValve, Sine, Step, StickSlip
+from diagram import simulate, wire
 from engine import call
 from engine.advance import advance
-from diagram import simulate, wire
 
 
 def loop(F_s=2250.0, name="loop", **process):

@@ -13,8 +13,8 @@ from blocks.ports import Port
 from diagram import wire
 from diagram.figures.drawing import _Ink, branches, draw, main_parameters, strokes, to_svg
 from diagram.figures.placement import grid
-from plant.loops import self_regulating_loop
 from diagram.figures.routes import sheet
+from plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
 

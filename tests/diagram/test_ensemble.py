@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from blocks import BlockError, Constant, FirstOrder, Gain, Noise, Recorded, SampledPI, Sine, Step
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from engine.status import Status
 from diagram import simulate, wire
 from diagram.ensembles.running import ensemble
-from plant.loops import self_regulating_loop
 from diagram.ensembles.variants import reseeded
+from engine.status import Status
+from plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
 LAG = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)], name="lag")

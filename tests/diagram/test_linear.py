@@ -10,11 +10,11 @@ from blocks import PI, Constant, FirstOrder, Gain, Integrator, Sum
 from diagram import WiringError, wire
 from diagram.linear import linearise, open_loop, operating_point, rga
 from diagram.linear.figures import plot_poles
-from diagram.linear.poles import poles_of, table
 from diagram.linear.gain_arrays import relative_gains
+from diagram.linear.poles import poles_of, table
 from diagram.linear.slopes import slopes
-from plant.loops import self_regulating_loop
 from plant import SET_B, SETS, production_plant, steady_state
+from plant.loops import self_regulating_loop
 from tests.plant import test_peer as peer
 
 PAIRED = ("LCS11", "PCS11", "LCS21", "PCS21")

@@ -7,10 +7,10 @@ import pytest
 from blocks import PI, FirstOrder, Integrator, SampledPI, Sine, Step, StickSlip
 from diagram import WiringError, simulate, wire
 from diagram.linear import NoOperatingPoint, operating_point
-from plant.loops import self_regulating_loop
 from plant import kicked, production_plant
 from plant.build import compressor_2
 from plant.feed import constant
+from plant.loops import self_regulating_loop
 
 FEEDS = [(8000.0, 0.25), (7600.0, 0.36), (7000.0, 0.20), (6500.0, 0.35), (8300.0, 0.30), (8200.0, 0.38)]
 

@@ -8,12 +8,12 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
+from tests.plant.random_diagrams import random_diagram
 
 from diagram import ensemble, simulate
 from diagram.flatten import plan
-from plant.loops import self_regulating_loop
 from plant import production_plant
-from tests.plant.random_diagrams import random_diagram
+from plant.loops import self_regulating_loop
 
 N = int(os.environ.get("STICKSLIP_PICKLED", "12"))  # diagrams per start method; 200 were run once
 ASKED = {"every": 0.13}

@@ -8,9 +8,9 @@ import pytest
 from blocks import PI, FirstOrder, Gain, Ramp, Step, StickSlip
 from diagram import simulate, wire
 from diagram.ensembles.running import ensemble
-from plant.loops import self_regulating_loop
 from diagram.figures.panels import main_signals
 from diagram.figures.trends import modes_over_time, plot_ensemble, plot_run
+from plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
 RUN = simulate(LOOP, 600.0, every=0.5)

@@ -23,9 +23,9 @@ from blocks import (
     Step,
     StickSlip,
 )
-from engine.status import Status
 from diagram import simulate, wire
 from diagram.reference.integration import simulate_reference
+from engine.status import Status
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}
 

@@ -9,11 +9,11 @@ import pytest
 from blocks import PI, Constant, FirstOrder, Integrator, Noise, Step
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from engine.advance import advance
 from diagram import WiringError, simulate, wire
 from diagram.coarse import ToleranceWarning
 from diagram.ensembles.running import ensemble
 from diagram.reference.integration import simulate_reference
+from engine.advance import advance
 
 
 def _lotka_out(t, x, d, u, p, y):

@@ -8,10 +8,10 @@ import pytest
 from benchmarks.peers import c_coupled
 from benchmarks.peers.c_library import NoCompiler
 from blocks import Constant, DeadTime, FirstOrder, Integrator, Ramp, SampledPI, Sine, Step, Sum
-from engine import layout as at
-from engine.status import Status
 from diagram import simulate, wire
 from diagram.reference.integration import simulate_reference
+from engine import layout as at
+from engine.status import Status
 
 SHARP = {"rtol": 1e-11, "atol": 1e-13}
 

@@ -8,8 +8,8 @@ import pytest
 from blocks import Constant, FirstOrder, SampledPI, Sine, Step
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from engine.status import Status
 from diagram import drive, simulate, wire
+from engine.status import Status
 
 SHARP = {"rtol": 1e-12, "atol": 1e-14}
 

@@ -7,11 +7,11 @@ import pytest
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
+from diagram import wire
+from diagram.flatten import plan
 from engine import layout as at
 from engine.run import Settings, prepare, run
 from engine.status import Status
-from diagram import wire
-from diagram.flatten import plan
 
 
 def _der(t, x, d, u, p, dx):

@@ -8,10 +8,10 @@ import inspect
 import os
 
 import numpy as np
+import online
 import pytest
 
 import blocks
-import online
 from blocks import (
     PI,
     ChenValve,
@@ -37,12 +37,12 @@ from blocks import (
 )
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from detect.methods import area_ratio
-from engine.status import Status
 from detect.blocks import DetectorBlock, PrefilterBlock
+from detect.methods import area_ratio
 from diagram import simulate, wire
 from diagram.ensembles.running import ensemble
 from diagram.reference.integration import simulate_reference
+from engine.status import Status
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}
 DIAGRAMS = int(os.environ.get("STICKSLIP_DIAGRAMS", "40"))

@@ -8,8 +8,8 @@ import pytest
 from blocks import Constant, FirstOrder, IdealValve, QuasiStaticStem, Recorded, SampledPI, Sine, Step, StickSlip
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from engine.status import Status
 from diagram import simulate, wire
+from engine.status import Status
 
 
 def _count(t, x, d, u, p, y):

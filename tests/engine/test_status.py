@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from blocks import Constant, FirstOrder, Step
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from engine.status import Status
 from diagram import simulate, wire
+from engine.status import Status
 
 
 def _x(t, x, d, u, p, y):

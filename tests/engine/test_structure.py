@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from blocks import PI, Constant, FirstOrder, Gain, Noise, QuasiStaticStem, Sine, Step
+from diagram import simulate, wire
+from diagram.flatten import plan
 from engine import layout as at
 from engine.call import pointer_to
 from engine.elimination import eliminate
 from engine.linear import factorise, solve
 from engine.structure import _reads_time, analyse
-from diagram import simulate, wire
-from diagram.flatten import plan
 
 
 @st.composite

@@ -11,8 +11,8 @@ import pytest
 
 from blocks.sources import Constant, Ramp, Step
 from cases.random_plants import draw, feasible, run, varied
-from engine.status import Status
 from diagram import simulate
+from engine.status import Status
 from plant import SET_B, InfeasibleFeed, kicked, production_plant, steady_state
 
 COUNT = 40

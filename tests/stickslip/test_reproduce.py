@@ -9,9 +9,9 @@ import pytest
 
 from cases.starts import Fresh
 from cases.tables import Row
+from stickslip.cli import COMMANDS
 from stickslip.commands import reproduce
 from stickslip.commands.captions import CAPTIONS
-from stickslip.cli import COMMANDS
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,9 @@ import pytest
 
 from cases import find
 from cases.production import CASES_BY_NAME
-from study.request import fingerprint
 from stickslip.cli import COMMANDS
 from stickslip.commands.study import subject_of
+from study.request import fingerprint
 from tests.stickslip.conftest import ROOT
 
 IDEAL = ("study", "ideal_integrating", "--duration", "300", "--every", "1", "--vary", "valve.F_s=1750:2250:3")

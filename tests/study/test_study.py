@@ -12,9 +12,9 @@ import polars as pl
 import pytest
 
 from diagram import simulate
-from plant.loops import integrating_loop, self_regulating_loop
 from logs.oscillation import oscillation
 from plant import kicked, production_plant
+from plant.loops import integrating_loop, self_regulating_loop
 from study import StudyError, Subject, production_subject, study, uniform
 from study import run as running
 from study.folder import Folder, parquet

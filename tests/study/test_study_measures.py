@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from diagram import simulate
-from plant.loops import integrating_loop
 from logs.oscillation import oscillations
+from plant.loops import integrating_loop
 from study.measures import Measures, limits, slips, valves
 from study.subject import as_subject
 from tests.plant.oscillation import period_and_amplitude
