@@ -3,7 +3,7 @@
     python -m benchmarks.plant [--quick] [--json FILE]         exit code 1 if a goal is missed
 
 The subject is set B with high stiction in VLCS1 and VPCS1 (quasi-static stems), kicked: 2000 s, 0.1 s log of all 61
-signals, rtol 1e-6, atol 1e-9, one in-process call of ``diagram.simulation``.  Peers have the same start, tolerances and
+signals, rtol 1e-6, atol 1e-9, one in-process call of ``diagram.simulate``.  Peers have the same start, tolerances and
 log times: scipy's LSODA and SUNDIALS CVODE on flat compiled equations that share nothing with ``blocks``, and
 python-control's own response of its best twin, which knows no events and therefore has stems with mass and smooth
 friction.  Ours and the compiled peers run in turn; a ratio is the median over these rounds.
@@ -207,7 +207,7 @@ def cvode_figures(subject: Subject, rounds: int, quick: bool) -> Figures:
     except ImportError as reason:
         print(f"CVODE is SKIPPED: {reason}; install the extra 'bench'", file=sys.stderr)
         return {"cvode_over_plant": None, "cvode_error": None}
-    from diagram.reference.integration import simulate_reference
+    from diagram.reference import simulate_reference
 
     taken = in_turn(rounds, ours=subject.ours, cvode=lambda: production_cvode.run(subject.flat, DURATION, EVERY))
     run = production_cvode.run(subject.flat, DURATION, EVERY)

@@ -3,7 +3,7 @@
     python -m benchmarks.simulate [--quick] [--json FILE]         exit code 1 if a requirement is missed
 
 The subject is ``ideal_high``: the thesis's loop with the full-mass stem, 600 s, 6001 log rows, one in-process
-call of ``diagram.simulation`` at rtol 1e-8.  Peers solve the same problem: hand-written C, python-control's own
+call of ``diagram.simulate`` at rtol 1e-8.  Peers solve the same problem: hand-written C, python-control's own
 response of its best twin (it knows no events), PathSim with its zero-crossing events.  ``X_over_ideal`` is the
 peer's time over ours; every peer's error is printed beside it.
 """
@@ -20,7 +20,7 @@ from benchmarks.report import Figures, median_seconds, options, publish
 from cases import find
 from cases.exact import exact_run
 from diagram import simulate, wire
-from diagram.ensembles.running import ensemble
+from diagram.ensembles import ensemble
 from plant.loops import self_regulating_loop
 
 RTOL = 1e-8  # so that our error is as small as the C program's; the default of simulate() is 1e-6

@@ -49,7 +49,7 @@ class Case:
     signals: tuple[str, ...] = ()
 
     def run(self, **changes: Any) -> "Run":
-        """Simulate the case; keywords go to ``diagram.simulation`` (e.g. ``params={"valve.F_s": 1750.0}``)."""
+        """Simulate the case; keywords go to ``diagram.simulate`` (e.g. ``params={"valve.F_s": 1750.0}``)."""
         from diagram import simulate
 
         return simulate(self.build(), self.duration, every=self.every, **changes)

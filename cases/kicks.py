@@ -121,7 +121,7 @@ def study(
     >>> found.failed, 0.25 < found.band("level A").median < 0.35
     (0, True)
     """
-    from diagram.ensembles.running import ensemble
+    from diagram.ensembles import ensemble
     from plant import production_plant
 
     diagram = production_plant(plant, F_s=F_s, case=case)

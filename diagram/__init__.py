@@ -3,7 +3,7 @@
 wire       blocks and diagrams joined by signal names      Diagram    what it returns, a python-control system
 simulate   the compiled engine                             drive      one block alone
 ensemble   one diagram over thousands of parameter sets    reference  slow, independent integrators
-linear     operating points, poles, loops, relative gains  study      sweeps, and what oscillates in them
+linear     operating points, poles, loops, relative gains
 """
 
 from diagram.diagram import Diagram, wire

@@ -17,7 +17,6 @@ COMMANDS = {
     "study": "sweep parameters in parallel and draw how oscillation spreads from valve to shaft",
     "blocks": "list all blocks with ports and units, or show the page of one",
 }
-MODULES = {"blocks": "catalogue"}  # where a command's file is not named after it
 
 HELP = """Sticky control valves: simulate them, find them in routine data.
 
@@ -48,7 +47,7 @@ class Lazy(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
             return None
-        command: click.Command = importlib.import_module(f"stickslip.{MODULES.get(name, name)}").command
+        command: click.Command = importlib.import_module(f"stickslip.commands.{name}").command
         return command
 
     def resolve_command(

@@ -4,7 +4,7 @@ import importlib.machinery
 import sys
 from pathlib import Path
 
-PACKAGES = ("blocks", "cases", "detect", "engine", "online", "plant", "records")
+PACKAGES = ("blocks", "cases", "detect", "diagram", "engine", "logs", "plant", "study")
 OTHERS = ("click", "control", "filelock", "filterpy", "matplotlib", "numba", "numpy", "polars", "rich", "scipy")
 
 

@@ -14,7 +14,7 @@ def loaded_by(statement: str) -> set[str]:
 
 @pytest.mark.parametrize("package", ["records", "detect"])
 def test_site_packages_load_no_simulator(package: str) -> None:
-    heavy = {"control", "numba", "blocks", "plant", "engine", "matplotlib", "polars", "scipy", "filterpy"}
+    heavy = {"control", "numba", "blocks", "diagram", "plant", "engine", "matplotlib", "polars", "scipy", "filterpy"}
     assert not loaded_by(f"import {package}") & heavy
 
 

@@ -69,7 +69,7 @@ def ensemble(
 
     >>> from blocks.sources import Ramp
     >>> from diagram import wire
-    >>> from diagram.ensembles.running import ensemble
+    >>> from diagram.ensembles import ensemble
     >>> feed = wire([Ramp("F", slope=1.0)], outputs=["F"])
     >>> result = ensemble(feed, 2.0, params={"F.slope": [0.5, 1.0, 2.0]}, every=1.0)
     >>> result.values["F"].tolist()

@@ -1,6 +1,6 @@
 """A diagram at one instant, interpreted: signals, rates, events, samples and dead times in plain Python.
 
-Used by ``diagram.reference.integration`` only.  Every rule of a run is stated here a second time, independently of ``engine``.
+Used by ``integration`` only.  Every rule of a run is stated here a second time, independently of ``engine``.
 """
 
 import bisect

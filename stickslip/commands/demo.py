@@ -93,7 +93,7 @@ def _stories(say: Speaker) -> list[Told]:
 
 
 def _real(say: Speaker) -> list[Told]:
-    default = Path(__file__).resolve().parents[2] / "shared" / "data"
+    default = Path(__file__).resolve().parents[3] / "shared" / "data"
     folder = Path(os.environ.get("STICKSLIP_DATA") or default)
     if not folder.is_dir():
         say(f"no real loops: there is no folder {folder}; set STICKSLIP_DATA to one that holds them", fg="yellow")

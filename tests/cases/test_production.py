@@ -149,7 +149,7 @@ def test_numbers_of_a_case(monkeypatch):
 
 
 def test_an_interrupted_study_is_no_study(monkeypatch):
-    module = import_module("diagram.ensembles.running")  # diagram.ensembles.running itself is the function
+    module = import_module("diagram.ensembles.running")
     whole = module.ensemble
 
     def stopped(*arguments, **options):

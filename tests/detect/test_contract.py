@@ -14,7 +14,7 @@ by_name = pytest.mark.parametrize("method", METHODS, ids=lambda m: m.CARD.name)
 
 
 def test_every_card_is_listed():
-    pages = [importlib.import_module(f"detect.{m.name}") for m in pkgutil.iter_modules(detect.__path__)]
+    pages = [importlib.import_module(f"detect.methods.{m.name}") for m in pkgutil.iter_modules(detect.__path__)]
     with_card = {page.__name__ for page in pages if hasattr(page, "CARD")}
     assert with_card == {m.__name__ for m in (*METHODS, *GATES)}
     assert all(m.CARD.kind == "detector" for m in METHODS)

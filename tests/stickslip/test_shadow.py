@@ -17,8 +17,8 @@ def test_a_users_file_is_named(shell, tmp_path, name):
 
 
 def test_a_plain_folder_of_that_name_is_no_trouble(shell, tmp_path):
-    (tmp_path / "records").mkdir()
-    (tmp_path / "records" / "FIC1.csv").write_text("time,PV,OP\n0,1,2\n")
+    (tmp_path / "logs").mkdir()
+    (tmp_path / "logs" / "FIC1.csv").write_text("time,PV,OP\n0,1,2\n")
     assert shell("check", "logs/FIC1.csv", cwd=tmp_path).returncode == 0
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-import plant
+import diagram
 from engine.status import Status
 from logs import read_log
 
@@ -56,8 +56,8 @@ def test_duration_shorter_than_the_cases_log_interval(call):
 
 
 def test_a_run_that_stops_early_is_not_done(call, monkeypatch, tmp_path):
-    whole = diagram.simulation
-    monkeypatch.setattr(plant, "simulate", lambda *a, **k: whole(*a, **k, max_steps=20))
+    whole = diagram.simulate
+    monkeypatch.setattr(diagram, "simulate", lambda *a, **k: whole(*a, **k, max_steps=20))
     target = tmp_path / "answer.json"
     result = call("simulate", "ideal_high", "--json", target)
     assert result.exit_code == 2
@@ -101,7 +101,7 @@ def test_time_simulated_is_that_of_the_run_not_of_its_rows(call):
 
 
 def test_ctrl_c_has_an_exit_code_of_its_own(call, monkeypatch):
-    whole = diagram.simulation
-    monkeypatch.setattr(plant, "simulate", lambda *a, **k: replace(whole(*a, **k), status=Status.INTERRUPTED))
+    whole = diagram.simulate
+    monkeypatch.setattr(diagram, "simulate", lambda *a, **k: replace(whole(*a, **k), status=Status.INTERRUPTED))
     result = call("simulate", "sine")
     assert result.exit_code == 130 and "stopped early" in result.stderr

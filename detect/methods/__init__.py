@@ -1,0 +1,1 @@
+"""The published stiction methods, one a file."""

@@ -1,0 +1,1 @@
+"""Oscillation detectors: modules with `find(record) -> Gate`."""

@@ -1,0 +1,1 @@
+"""What methods share: facts about a record, filters, half cycles."""

@@ -1,0 +1,1 @@
+"""Pictures of diagrams, runs and ensembles."""
