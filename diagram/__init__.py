@@ -7,8 +7,8 @@ linear     operating points, poles, loops, relative gains
 """
 
 from diagram.diagram import Diagram, wire
+from diagram.ensembles import ensemble
 from diagram.ensembles.result import Ensemble
-from diagram.ensembles.running import ensemble
 from diagram.simulation import Event, Run, simulate
 from diagram.single_block import drive
 from diagram.wiring import WiringError

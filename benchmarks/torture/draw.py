@@ -21,7 +21,7 @@ from blocks.sources import Ramp
 from diagram import Diagram, wire
 
 ROWS = 150
-SLOW = 8  # every so many diagrams may have a PI with conditional integration, which only diagram.reference.integration knows
+SLOW = 8  # every so many diagrams may have a PI with conditional integration, which only diagram.reference knows
 SCANS = (0.1, 0.25, 0.3, 0.5, 0.7, 1.0, 2.0)
 
 

@@ -1,6 +1,6 @@
 """The engine's run of a diagram against an oracle: do they agree in every signal, off the scans?
 
-The oracle is the C program where it knows all blocks, else ``diagram.reference.integration``.  Where they differ, both are asked
+The oracle is the C program where it knows all blocks, else ``diagram.reference``.  Where they differ, both are asked
 again, more finely.  If one of the two now differs from itself, the diagram is sensitive (chaotic, or two events whose
 order rounding decides) and nothing is proved: it counts as undecided.  What is left is a finding.
 """
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from benchmarks.torture.c_program import NoCompiler, OracleFailed, covers, program, solve
 from benchmarks.torture.draw import Drawn
 from diagram import simulate
-from diagram.reference.integration import simulate_reference
+from diagram.reference import simulate_reference
 
 Floats = NDArray[np.float64]
 AGREED = 1e-5  # largest difference, as a share of 1 + the largest value of the signal

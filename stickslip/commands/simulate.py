@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from cases import Case
     from logs import Log
 
-METHODS = ("auto", "explicit", "stiff")  # of diagram.simulation, named here so that help stays quick
+METHODS = ("auto", "explicit", "stiff")  # of diagram.simulate, named here so that help stays quick
 LOGS, PICTURES = (".csv", ".parquet"), (".png", ".svg", ".pdf")
 MOST_ROWS = 10_000_000  # some 500 MB of log
 

@@ -117,7 +117,7 @@ def test_a_diagram_on_which_an_oracle_differs_from_itself_is_undecided(monkeypat
 
 
 def test_every_block_of_the_search_has_an_oracle():
-    # what the C program does not know goes to diagram.reference.integration
+    # what the C program does not know goes to diagram.reference
     asked = {covers(draw(seed).diagram) for seed in range(60)}
     assert asked == {"", "PI with conditional integration"}
 

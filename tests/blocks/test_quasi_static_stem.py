@@ -18,7 +18,7 @@ from blocks.sampled_pi import SampledPI
 from blocks.sources import Step
 from blocks.stick_slip import StickSlip
 from diagram import drive, simulate, wire
-from diagram.reference.integration import simulate_reference
+from diagram.reference import simulate_reference
 
 LAG = 612.0 / 52500.0  # s; analytic: how far behind its massless twin the thesis's stem slides, per rate of OP
 WIDE = {"low": -math.inf, "high": math.inf}

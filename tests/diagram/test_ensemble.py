@@ -13,7 +13,7 @@ from blocks import BlockError, Constant, FirstOrder, Gain, Noise, Recorded, Samp
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from diagram import simulate, wire
-from diagram.ensembles.running import ensemble
+from diagram.ensembles import ensemble
 from diagram.ensembles.variants import reseeded
 from engine.status import Status
 from plant.loops import self_regulating_loop

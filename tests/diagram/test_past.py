@@ -8,7 +8,7 @@ import pytest
 
 from blocks import PI, Constant, DeadTime, FirstOrder, Gain, IdealValve, Ramp, SampledPI, SampledSensor, Step
 from diagram import WiringError, ensemble, simulate, wire
-from diagram.reference.integration import simulate_reference
+from diagram.reference import simulate_reference
 
 CUT = 4.0
 

@@ -7,7 +7,7 @@ import pytest
 
 from blocks import PI, FirstOrder, Gain, Ramp, Step, StickSlip
 from diagram import simulate, wire
-from diagram.ensembles.running import ensemble
+from diagram.ensembles import ensemble
 from diagram.figures.panels import main_signals
 from diagram.figures.trends import modes_over_time, plot_ensemble, plot_run
 from plant.loops import self_regulating_loop

@@ -24,7 +24,7 @@ from blocks import (
     StickSlip,
 )
 from diagram import simulate, wire
-from diagram.reference.integration import simulate_reference
+from diagram.reference import simulate_reference
 from engine.status import Status
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}

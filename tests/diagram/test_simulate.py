@@ -11,8 +11,8 @@ from blocks.block import Block, Kernels
 from blocks.ports import Port
 from diagram import WiringError, simulate, wire
 from diagram.coarse import ToleranceWarning
-from diagram.ensembles.running import ensemble
-from diagram.reference.integration import simulate_reference
+from diagram.ensembles import ensemble
+from diagram.reference import simulate_reference
 from engine.advance import advance
 
 

@@ -11,7 +11,7 @@ from blocks.noise import Noise
 from blocks.sensor import SampledSensor, Sensor
 from blocks.sources import Ramp
 from diagram import drive, ensemble, simulate, wire
-from diagram.reference.integration import simulate_reference
+from diagram.reference import simulate_reference
 
 HOUSE = Path(__file__).resolve().parents[2]
 

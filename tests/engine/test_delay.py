@@ -9,7 +9,7 @@ from benchmarks.peers import c_coupled
 from benchmarks.peers.c_library import NoCompiler
 from blocks import Constant, DeadTime, FirstOrder, Integrator, Ramp, SampledPI, Sine, Step, Sum
 from diagram import simulate, wire
-from diagram.reference.integration import simulate_reference
+from diagram.reference import simulate_reference
 from engine import layout as at
 from engine.status import Status
 

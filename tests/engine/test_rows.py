@@ -40,8 +40,8 @@ from blocks.ports import Port
 from detect.blocks import DetectorBlock, PrefilterBlock
 from detect.methods import area_ratio
 from diagram import simulate, wire
-from diagram.ensembles.running import ensemble
-from diagram.reference.integration import simulate_reference
+from diagram.ensembles import ensemble
+from diagram.reference import simulate_reference
 from engine.status import Status
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}
