@@ -1,0 +1,247 @@
+"""One record made ready once, for every method: its facts, its oscillation, an even grid, its wave and half waves.
+
+    record -> facts -> pieces between gaps and set-point moves -> oscillation -> even grid -> wave -> half waves
+
+Everything is worked out when a method first asks for it and kept, so that twenty methods cost one preparation.
+The wave of a signal is the signal on the even grid less its centred moving average over two periods, smoothed
+without phase by a Butterworth filter of order 2 that cuts at `CUT` times the frequency of the oscillation.
+A half wave is accepted from 0.25 to 1 period long, with five samples or more inside and a peak above half of the
+standard deviation.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.oscillation.gate import Gate
+from detect.prepare.conditions import Fact, examine
+from detect.prepare.cycles import Cycles, Refusal, cut
+from detect.prepare.half_cycles import crossings
+from detect.prepare.pieces import Pieces, pieces_of
+from detect.prepare.smoothing import moving_average, noise_std
+from logs import LoopRecord
+
+__all__ = ["CUT", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
+
+Values = npt.NDArray[np.float64]
+Signal = Literal["OP", "PV", "SP", "E", "MV"]
+
+CUT = 5.0  # of the oscillation's frequency; higher harmonics carry the shape, noise lies above
+SMOOTHED_FROM = 12.0  # samples a period below which a filter at CUT would cut the wave itself
+HALF_SAMPLES_MIN = 5
+STEPS_MAX = 20_000  # a grid finer than this shows no method more
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """A stretch of a record on an even grid.
+
+    t : (n,) [s], every `dt` [s]
+    op, pv, e : (n,), unit of the record; e = SP - PV, or mean(PV) - PV without SP
+    sp, mv : (n,) or None
+    drawn : float
+        Share of the grid's points that lie inside a bridged gap [-].
+    """
+
+    t: Values
+    dt: float
+    op: Values
+    pv: Values
+    e: Values
+    sp: Values | None
+    mv: Values | None
+    drawn: float
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+class HalfWave(NamedTuple):
+    """One half wave: where it stands on the grid, its phase 0..1 (m,), and its values, made positive (m,).
+
+    `sign` is that of the signal there, `length` [s] the time between the crossings.
+    """
+
+    start: int
+    phase: Values
+    y: Values
+    sign: float
+    length: float
+
+
+class Prepared:
+    """A loop record with what methods ask of it; see the module.
+
+    >>> t = np.arange(1000.0)
+    >>> loop = Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t))
+    >>> round(loop.period, 1), len(loop.half_waves("PV")), loop.present
+    (50.3, 38, ())
+    """
+
+    def __init__(self, record: LoopRecord) -> None:
+        self.record = record
+        self._waves: dict[tuple[str, float], Values] = {}
+        self._halves: dict[str, tuple[HalfWave, ...]] = {}
+
+    # --- facts ------------------------------------------------------------------------------------------------
+    @cached_property
+    def facts(self) -> tuple[Fact, ...]:
+        """What was measured of the record before anything was judged."""
+        return examine(self.record)
+
+    @property
+    def present(self) -> tuple[Fact, ...]:
+        """The facts that are beyond their limit."""
+        return tuple(fact for fact in self.facts if fact.present)
+
+    @cached_property
+    def integrating(self) -> bool | None:
+        """Whether the process integrates: as told, a level taken as integrating; None where nothing is known."""
+        if self.record.process != "unknown":
+            return self.record.process == "integrating"
+        return True if self.record.measurement == "level" else None
+
+    # --- oscillation ------------------------------------------------------------------------------------------
+    @cached_property
+    def pieces(self) -> Pieces:
+        """The record between gaps and set-point moves, with the oscillation test of the longest piece."""
+        return pieces_of(self.record)
+
+    @property
+    def gate(self) -> Gate:
+        """Whether the loop oscillates, how fast and how regularly."""
+        return self.pieces.gate
+
+    @property
+    def period(self) -> float:
+        """Period of the oscillation [s]; NaN where none was found."""
+        return self.gate.period if self.gate.oscillating and self.gate.period else math.nan
+
+    @property
+    def samples_per_period(self) -> float:
+        """Points of the grid in a period [-]; NaN without an oscillation."""
+        return self.period / self.stretch.dt
+
+    @cached_property
+    def cycles(self) -> Cycles | Refusal:
+        """The half cycles of the control error, each with its peak and areas, or why there are none."""
+        return cut(self.record)
+
+    # --- even grids -------------------------------------------------------------------------------------------
+    @cached_property
+    def stretch(self) -> Grid:
+        """The longest piece without a long gap and without a move of the set point."""
+        t = self.pieces.longest[0]
+        return self._grid(float(t[0]), float(t[-1])) if len(t) > 1 else _EMPTY
+
+    @cached_property
+    def whole(self) -> Grid:
+        """The longest piece without a long gap, moves of the set point included."""
+        parts = self.record.segments(min_samples=2)
+        if not parts:
+            return _EMPTY
+        longest = max(parts, key=lambda part: float(part.t[-1] - part.t[0]))
+        return self._grid(float(longest.t[0]), float(longest.t[-1]))
+
+    def _grid(self, start: float, end: float) -> Grid:
+        """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""
+        record = self.record
+        kept = record.good & (record.t >= start) & (record.t <= end)
+        at = record.t[kept]
+        n = min(round((end - start) / record.dt) + 1, STEPS_MAX)
+        t = np.linspace(start, end, max(n, 2))
+        dt = float(t[1] - t[0])
+        last = np.clip(np.searchsorted(at, t + 1e-6 * dt, side="right") - 1, 0, len(at) - 1)
+
+        def held(x: Values | None) -> Values | None:
+            return None if x is None else x[kept][last]
+
+        pv = np.interp(t, at, record.pv[kept])
+        sp = held(record.sp)
+        e = np.mean(pv) - pv if sp is None else sp - pv
+        op, mv = held(record.op), None if record.mv is None else np.interp(t, at, record.mv[kept])
+        drawn = float(np.mean(t - at[last] > 1.5 * record.dt))
+        assert op is not None
+        return Grid(t, dt, op, pv, e, sp, mv, drawn)
+
+    def signal(self, name: Signal) -> Values:
+        """A signal on the grid of `stretch`, (n,), in its own unit."""
+        values = {"OP": self.stretch.op, "PV": self.stretch.pv, "SP": self.stretch.sp, "E": self.stretch.e,
+                  "MV": self.stretch.mv}[name]  # fmt: skip
+        if values is None:
+            raise ValueError(f"{name} is not logged; ask for a signal that the card of the method lists")
+        return values
+
+    def noise(self, name: Signal) -> float:
+        """Standard deviation of the white noise on a signal [its unit]."""
+        return noise_std(self.stretch.t, self.signal(name))
+
+    def op_percent(self, amount: float) -> float | None:
+        """An amount in the unit of OP as % of its span; None where the span is unknown."""
+        span = self.record.op_span
+        return None if span is None else 100.0 * amount / (span[1] - span[0])
+
+    # --- waves ------------------------------------------------------------------------------------------------
+    def wave(self, name: Signal, cut_at: float = CUT) -> Values:
+        """The oscillation in a signal on the grid of `stretch`, (n,): drift off, smoothed without phase.
+
+        ``cut_at`` times the frequency of the oscillation is where the filter cuts; 0 leaves the noise on.
+        """
+        key = name, cut_at
+        if key not in self._waves:
+            self._waves[key] = self._wave(self.signal(name), cut_at)
+        return self._waves[key]
+
+    def _wave(self, x: Values, cut_at: float) -> Values:
+        t = self.stretch.t
+        if not math.isfinite(self.period):
+            return np.asarray(x - np.mean(x))
+        if t[-1] - t[0] >= 4.0 * self.period:
+            y = x - moving_average(t, x, 2.0 * self.period, ends="hold")
+        else:
+            y = x - np.polynomial.Polynomial.fit(t, x, 1)(t)
+        y = y - np.mean(y)
+        if cut_at > 0.0 and self.samples_per_period >= max(SMOOTHED_FROM, 2.5 * cut_at) and len(y) > 20:
+            from scipy.signal import butter, sosfiltfilt
+
+            y = sosfiltfilt(butter(2, 2.0 * cut_at / self.samples_per_period, output="sos"), y)
+        return np.asarray(y)
+
+    def half_waves(self, name: Signal) -> tuple[HalfWave, ...]:
+        """The accepted half waves of a signal, in order of time."""
+        if name not in self._halves:
+            self._halves[name] = tuple(_half_waves(self.stretch.t, self.wave(name), self.period))
+        return self._halves[name]
+
+
+def prepared(record: LoopRecord | Prepared) -> Prepared:
+    """The record made ready; itself where it is already."""
+    return record if isinstance(record, Prepared) else Prepared(record)
+
+
+def _half_waves(t: Values, y: Values, period: float) -> list[HalfWave]:
+    if len(t) < 2 or not math.isfinite(period):
+        return []
+    std, found = float(np.std(y)), []
+    for start, end in itertools.pairwise(crossings(t, y, 0.1 * std)):
+        first, stop = np.searchsorted(t, [start, end], side="left")
+        inside = y[first:stop]
+        length = float(end - start)
+        if len(inside) < HALF_SAMPLES_MIN or not 0.25 * period <= length <= period:
+            continue
+        sign = 1.0 if inside.sum() >= 0.0 else -1.0
+        if np.max(sign * inside) <= 0.5 * std:
+            continue
+        phase = np.concatenate([[0.0], (t[first:stop] - start) / length, [1.0]])
+        found.append(HalfWave(int(first), phase, np.concatenate([[0.0], sign * inside, [0.0]]), sign, length))
+    return found
+
+
+_EMPTY = Grid(np.empty(0), math.nan, np.empty(0), np.empty(0), np.empty(0), None, None, 0.0)
