@@ -23,16 +23,15 @@ from types import ModuleType
 from detect.card import Card
 from detect.diagnosis import Diagnosis, diagnose
 from detect.method import Method
-from detect.methods import area_ratio
-from detect.oscillation import acf_crossings as oscillation
-from detect.oscillation import hagglund1995
+from detect.methods import area_ratio, cross_correlation
+from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
 
 __all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict", "diagnose"]
 
-METHODS: tuple[Method, ...] = (area_ratio,)
+METHODS: tuple[Method, ...] = (area_ratio, cross_correlation)
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
-GATES: tuple[ModuleType, ...] = (oscillation, hagglund1995)
+GATES: tuple[ModuleType, ...] = (acf_crossings, hagglund1995)
 """Every oscillation detector: modules with `find(record) -> Gate`."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["Card"]
+__all__ = ["Card", "Need"]
+
+Need = Literal["oscillation", "constant_sp", "unsaturated", "fine_pv", "raw_pv", "known_process", "mv"]
 
 
 @dataclass(frozen=True)
@@ -19,7 +22,15 @@ class Card:
     signals : tuple of str
         What it reads, of "SP", "PV", "OP", "MV".
     assumes : tuple of str
-        Conditions; `detect` checks those it can.
+        Conditions in words.
+    needs : tuple of Need
+        Those that are checked before the method looks at a record (`prepare.preconditions`): a sustained
+        oscillation, a set point that stands still, OP away from its limits, PV not on a coarse grid, PV not
+        compressed, the kind of process known, the stem position logged.
+    cycles : float
+        Fewest cycles of the oscillation [-].
+    samples : (low, high)
+        Points a period that the method can work with [-].
     finds : str
         What the index tells.
     index : (low, high)
@@ -57,3 +68,6 @@ class Card:
     cost: str = "O(n)"
     kind: Literal["detector", "gate"] = "detector"
     experimental: bool = False
+    needs: tuple[Need, ...] = ()
+    cycles: float = 0.0
+    samples: tuple[float, float] = (0.0, math.inf)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from detect.method import Method
-from detect.prepare.conditions import Fact, examine
+from detect.prepare.conditions import Fact
+from detect.prepare.prepared import Prepared, prepared
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
 
@@ -68,7 +69,7 @@ class Diagnosis:
         return plot_diagnosis(self, words)
 
 
-def diagnose(record: LoopRecord, methods: Sequence[Method] | None = None) -> Diagnosis:
+def diagnose(record: LoopRecord | Prepared, methods: Sequence[Method] | None = None) -> Diagnosis:
     """Put every method to a record and say what follows.
 
     `methods` are modules or other objects with `CARD` and `detect(record) -> Verdict`, of this package or not; by
@@ -87,7 +88,9 @@ def diagnose(record: LoopRecord, methods: Sequence[Method] | None = None) -> Dia
         from detect import METHODS
 
         methods = METHODS
-    verdicts = tuple(_ask(method, record) for method in methods)
+    loop = prepared(record)
+    record = loop.record
+    verdicts = tuple(_ask(method, loop) for method in methods)
     votes = [v for v in verdicts if not v.experimental]
     word = _together(votes)
     trials = [f"{_name(v)} (experimental, no vote): {_sentence(v)}" for v in verdicts if v.experimental]
@@ -98,19 +101,19 @@ def diagnose(record: LoopRecord, methods: Sequence[Method] | None = None) -> Dia
         reason=" ".join([_reason(word, votes), *trials, _next_step(word, votes, record)]),
         assumptions=_assumptions(record),
         methods=verdicts,
-        conditions=examine(record),
+        conditions=loop.facts,
         record=record,
     )
 
 
-def _ask(method: Method, record: LoopRecord) -> Verdict:
+def _ask(method: Method, loop: Prepared) -> Verdict:
     """The verdict of one method, with the method's picture and standing."""
     if not callable(getattr(method, "detect", None)):
         raise TypeError(
             f"method {method!r} has no function detect(record); give a module of detect, such as area_ratio, or an "
             "object with CARD and detect"
         )
-    verdict = method.detect(record)
+    verdict = method.detect(loop)
     if not isinstance(verdict, Verdict):
         raise TypeError(f"detect(record) of method {method!r} gave {verdict!r}; it must return a detect.Verdict")
     draw = verdict.draw or getattr(method, "draw", None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from detect.card import Card
+from detect.prepare.prepared import Prepared
 from detect.verdict import Verdict
 from logs import LoopRecord
 
@@ -25,6 +26,6 @@ class Method(Protocol):
 
     CARD: Card
 
-    def detect(self, record: LoopRecord) -> Verdict:
+    def detect(self, record: LoopRecord | Prepared) -> Verdict:
         """The verdict on one loop."""
         ...

@@ -145,7 +145,7 @@ def detect(record: LoopRecord, p: Params = Params()) -> Verdict:
     >>> v.verdict, round(v.index, 1)
     ('stiction', 5.8)
     """
-    found = _survey(record, p)
+    found = _survey(prepared(record), p)
     return found if isinstance(found, Verdict) else _judge(found.half_cycles, found, p)
 
 
@@ -153,12 +153,12 @@ def _refuse(code: Code, reason: str, p: Params) -> Verdict:
     return Verdict.not_applicable(NAME, code, reason, threshold=p.R_stiction)
 
 
-def _survey(record: LoopRecord, p: Params) -> Cycles | Verdict:
+def _survey(loop: Prepared, p: Params) -> Cycles | Verdict:
+    record = loop.record
     refusal = cycles.preconditions(record)
     if refusal is not None and refusal.code in ("constant_signal", "manual_mode", "signal_missing"):
         return _refuse(*refusal, p)  # a dead signal comes before the kind of process
-    level = record.process == "integrating" or (record.process == "unknown" and record.measurement == "level")
-    if level and len(record) >= 20:  # of fewer samples there is nothing to say about any process
+    if loop.integrating and len(record) >= 20:  # of fewer samples there is nothing to say about any process
         return _refuse(
             "wrong_process_type",
             "The process integrates (a level): with a sticky valve its PV is a triangle, whose areas before and "
@@ -166,7 +166,7 @@ def _survey(record: LoopRecord, p: Params) -> Cycles | Verdict:
             "or a log of the inflow or outflow.",
             p,
         )
-    found = cycles.cut(record, p.cycles)
+    found = loop.cycles if p.cycles == cycles.Params() else cycles.cut(record, p.cycles)
     return _refuse(*found, p) if isinstance(found, Refusal) else found
 
 
@@ -317,7 +317,7 @@ def update(p: Params, state: State, t: float, sample: Sample) -> State:
     buffer = state.buffer.append(t, sample)
     if len(buffer) < p.block:
         return replace(state, buffer=buffer)
-    found = _survey(buffer.record(state.facts), p)
+    found = _survey(Prepared(buffer.record(state.facts)), p)
     kept = buffer.last(p.block // 2)
     if isinstance(found, Verdict):  # the loop stopped cycling (or worse): what it did before is another story
         return replace(state, buffer=kept, half_cycles=(), done_until=-math.inf)
@@ -331,7 +331,7 @@ def verdict(p: Params, state: State) -> Verdict:
     """The verdict on all half cycles remembered; equal to `detect` while the record fits in the buffer."""
     if len(state.buffer) == 0:
         return _refuse("too_few_cycles", "No sample has arrived yet.", p)
-    found = _survey(state.buffer.record(state.facts), p)
+    found = _survey(Prepared(state.buffer.record(state.facts)), p)
     if isinstance(found, Verdict):
         return found
     return _judge((*state.half_cycles, *_fresh(found, state)), found, p)

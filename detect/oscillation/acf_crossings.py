@@ -59,7 +59,7 @@ _SAMPLES_MIN = 20  # to test at all
 _PART_MIN = 100  # samples of the shortest part
 
 CARD = Card(
-    name="oscillation",
+    name="acf_crossings",
     title="ACF zero crossings",
     source="Thornhill, Huang and Zhang 2003, J. Process Control 13:91",
     signals=("SP", "PV"),

@@ -20,6 +20,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from detect.oscillation import acf_crossings
 from detect.oscillation.gate import Gate
 from detect.prepare.conditions import Fact, examine
 from detect.prepare.cycles import Cycles, Refusal, cut
@@ -112,7 +113,7 @@ class Prepared:
     @cached_property
     def pieces(self) -> Pieces:
         """The record between gaps and set-point moves, with the oscillation test of the longest piece."""
-        return pieces_of(self.record)
+        return pieces_of(self.record, acf_crossings.Params())
 
     @property
     def gate(self) -> Gate:

@@ -33,6 +33,40 @@ def _loop(t, e, **more):
     return LoopRecord.from_arrays(t, pv=30 - e, op=op, sp=np.full(len(e), 30.0), name="FIC1", **more)
 
 
+def _sticky(process="self_regulating", S=6.0, J=4.0, noise=0.0, n=3000, K=1.0, tau=10.0, K_p=0.5, T_i=10.0, seed=0):
+    """A PI loop with a sticky valve (Kano et al. 2004), a lag or an integrator, one sample a second, all in %.
+
+    Written anew for the tests: plain recursions, no block and no engine.
+    """
+    rng = np.random.default_rng(seed)
+    sp, pv, m, us, u_prev, way, stuck, integral = 51.3, 50.0, 50.0, 50.0, 50.0, 1.0, True, 50.0
+    if process == "integrating":
+        K_p, T_i = 1.2, 120.0
+    rows = np.empty((n, 3))
+    for k in range(n):
+        seen = pv + noise * rng.normal()
+        e = sp - seen
+        integral += K_p * e / T_i
+        u = min(max(integral + K_p * e, 0.0), 100.0)
+        if not stuck and (u - u_prev) * way <= 0.0:
+            us, stuck = u_prev, True
+        if stuck:
+            if -way * (u - us) > S:
+                way, stuck = -way, False
+            elif way * (u - us) > J:
+                stuck = False
+        if not stuck:
+            m = u - way * (S - J) / 2.0
+        u_prev = u
+        pv += (m - 50.0) / (5.0 * tau) if process == "integrating" else (K * m - pv) * -np.expm1(-1.0 / tau)
+        rows[k] = seen, u, m
+    rows = rows[n // 5 :]
+    return LoopRecord.from_arrays(
+        np.arange(float(len(rows))), pv=rows[:, 0], op=rows[:, 1], mv=rows[:, 2], sp=np.full(len(rows), sp),
+        name="LIC1" if process == "integrating" else "FIC1", process=process,
+    )  # fmt: skip
+
+
 def _noise(kind, n, seed):
     """Noise without any period: white, AR(1), a random walk, white noise through two lags, a loop under a walk."""
     rng = np.random.default_rng([2009, seed, n])
@@ -54,6 +88,11 @@ def _noise(kind, n, seed):
 @pytest.fixture
 def noise():
     return _noise
+
+
+@pytest.fixture
+def sticky():
+    return _sticky
 
 
 @pytest.fixture

@@ -146,7 +146,7 @@ def method_that_streams(how):
             r"no Params and no init and no update and no verdict",
         ),
         ({"dt": 1.0, "method": hagglund1995}, r"hagglund1995: .*does not stream \(it has no verdict\)"),
-        ({"dt": 1.0, "method": oscillation}, r"oscillation: .*does not stream"),
+        ({"dt": 1.0, "method": oscillation}, r"acf_crossings: .*does not stream"),
     ],
     ids=lambda value: str(value)[:40],
 )

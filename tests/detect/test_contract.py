@@ -6,7 +6,8 @@ import pkgutil
 import numpy as np
 import pytest
 
-import detect
+import detect.methods
+import detect.oscillation
 from detect import GATES, METHODS, stream
 from logs import LoopRecord
 
@@ -14,7 +15,12 @@ by_name = pytest.mark.parametrize("method", METHODS, ids=lambda m: m.CARD.name)
 
 
 def test_every_card_is_listed():
-    pages = [importlib.import_module(f"detect.methods.{m.name}") for m in pkgutil.iter_modules(detect.__path__)]
+    rooms = (detect.methods, detect.oscillation)
+    pages = [
+        importlib.import_module(f"{room.__name__}.{m.name}")
+        for room in rooms
+        for m in pkgutil.iter_modules(room.__path__)
+    ]
     with_card = {page.__name__ for page in pages if hasattr(page, "CARD")}
     assert with_card == {m.__name__ for m in (*METHODS, *GATES)}
     assert all(m.CARD.kind == "detector" for m in METHODS)
@@ -24,7 +30,7 @@ def test_every_card_is_listed():
 @pytest.mark.parametrize("page", [*METHODS, *GATES], ids=lambda m: m.CARD.name)
 def test_card_is_complete(page):
     card = page.CARD
-    assert page.__name__ == f"detect.{card.name}"
+    assert page.__name__ in (f"detect.methods.{card.name}", f"detect.oscillation.{card.name}")
     assert card.title and card.source and card.finds and card.assumes and card.pros and card.cons
     assert set(card.signals) <= {"SP", "PV", "OP", "MV"}
     assert card.index[0] < card.index[1]
@@ -81,11 +87,17 @@ def test_silent_on_a_sine(method, wave, loop):
 
 
 @by_name
-def test_finds_a_strong_slip_and_creep(method, wave, loop):
-    t = np.arange(1000.0)
-    v = method.detect(loop(t, wave("exponential", t, 50.15)))
-    assert v.verdict == "stiction"
-    assert method.CARD.index[0] <= v.index <= method.CARD.index[1]
+@pytest.mark.parametrize("process", ["self_regulating", "integrating"])
+def test_finds_a_strong_stick_and_slip(method, process, sticky):
+    if process not in method.CARD.process:
+        assert method.detect(sticky(process)).code == "wrong_process_type"
+        return
+    for noise in (0.02, 0.1):
+        v = method.detect(sticky(process, noise=noise))
+        assert v.verdict == "stiction", v.reason
+        assert method.CARD.index[0] <= v.index <= method.CARD.index[1]
+        if v.amount_percent_op is not None:
+            assert 3.0 < v.amount_percent_op < 9.0  # S = 6 %
 
 
 @by_name
@@ -98,11 +110,10 @@ def test_abstains_on_awkward_data(method, loop, case):
 
 
 @by_name
-def test_stream_agrees_with_batch(method, wave, loop):
+def test_stream_agrees_with_batch(method, sticky):
     if method.CARD.streams == "no":
         pytest.skip("does not stream")
-    t = np.arange(5000.0)
-    record = loop(t, wave("exponential", t, 50.15) + 0.05 * np.random.default_rng(0).normal(size=5000))
+    record = sticky(method.CARD.process[0], noise=0.1, n=6000)
     p = method.Params()
     batch, twin = method.detect(record, p), method.verdict(p, stream.replay(method, record, p))
     assert twin.verdict == batch.verdict
@@ -110,10 +121,9 @@ def test_stream_agrees_with_batch(method, wave, loop):
 
 
 @by_name
-def test_picture_shows_something(method, wave, loop):
-    t = np.arange(1000.0)
-    for e in (wave("exponential", t), 0 * t):
-        figure = method.detect(loop(t, e)).plot()
+def test_picture_shows_something(method, loop, sticky):
+    for record in (sticky(method.CARD.process[0], noise=0.1), loop(np.arange(1000.0), np.zeros(1000))):
+        figure = method.detect(record).plot()
         figure.canvas.draw()
         assert figure.axes
 

@@ -1,0 +1,73 @@
+"""May a method look at this record? Its card says what it needs, the prepared record what there is."""
+
+from __future__ import annotations
+
+import math
+
+from detect.card import Card
+from detect.prepare.conditions import Fact
+from detect.prepare.prepared import Prepared
+from detect.verdict import Code, Verdict
+
+__all__ = ["refused"]
+
+ALWAYS: tuple[Code, ...] = ("manual_mode", "signal_missing", "constant_signal")
+BY_NEED: dict[str, Code] = {
+    "constant_sp": "sp_not_constant",
+    "unsaturated": "op_saturated",
+    "fine_pv": "quantised",
+    "raw_pv": "compressed",
+}
+
+
+def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdict | None:
+    """The refusal of the first need that the record does not meet, with its number and limit; None if it meets all.
+
+    A dead signal comes first, then the kind of process, then what else is wrong with the data, then the oscillation.
+
+    >>> import numpy as np
+    >>> from logs import LoopRecord
+    >>> card = Card("x", "X", "nobody", ("PV",), (), "nothing", (0, 1), ("self_regulating",), "no",
+    ...             needs=("oscillation",))
+    >>> t = np.arange(1000.0)
+    >>> rest = LoopRecord.from_arrays(t, pv=np.random.default_rng(0).normal(size=1000), op=50 + np.cos(t), sp=0 * t)
+    >>> refused(card, Prepared(rest)).code
+    'no_oscillation'
+    """
+
+    def no(code: Code, reason: str) -> Verdict:
+        return Verdict.not_applicable(card.name, code, reason, threshold)
+
+    dead = _first(loop, set(ALWAYS))
+    if dead is not None:
+        return no(dead.code, dead.text)
+    if "mv" in card.needs and loop.record.mv is None:
+        return no("signal_missing", "The stem position MV is not logged, and this method reads nothing else.")
+    if loop.integrating is not None:
+        kind = "integrating" if loop.integrating else "self_regulating"
+        if kind not in card.process:
+            able = " and ".join(card.process).replace("_", "-")
+            return no("wrong_process_type", f"The process is {kind.replace('_', '-')}; this method is for {able} ones.")
+    elif "known_process" in card.needs:
+        return no("integrating_unknown", "Whether the process integrates is not known, and the sign of the answer "
+                                         "hangs on it: say which kind of process it is.")  # fmt: skip
+    unfit = _first(loop, {BY_NEED[need] for need in card.needs if need in BY_NEED})
+    if unfit is not None:
+        return no(unfit.code, unfit.text)
+    if "oscillation" not in card.needs:
+        return None
+    gate = loop.gate
+    if not math.isfinite(loop.period):
+        return no("no_oscillation", f"{gate.reason.removesuffix('.')}; this method compares cycles.")
+    if gate.cycles < card.cycles:
+        return no("too_few_cycles", f"The record holds {gate.cycles:.1f} cycles of {loop.period:.4g} s; "
+                                    f"{card.cycles:g} are needed.")  # fmt: skip
+    per_period = loop.samples_per_period
+    if per_period < card.samples[0]:
+        return no("undersampled", f"The period of {loop.period:.4g} s has {per_period:.1f} samples; "
+                                  f"{card.samples[0]:g} are needed.")  # fmt: skip
+    return None
+
+
+def _first(loop: Prepared, forbidden: set[Code]) -> Fact | None:
+    return next((fact for fact in loop.present if fact.code in forbidden), None)
