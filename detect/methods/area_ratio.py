@@ -59,6 +59,7 @@ from detect.prepare import cycles
 from detect.prepare.cycles import Cycles, Refusal
 from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle
 from detect.prepare.lateness import Lateness, closed_form, lag_of, lateness
+from detect.prepare.prepared import Prepared, prepared
 from detect.stream import Buffer, LoopFacts, Sample
 from detect.verdict import Code, Verdict, Word
 from logs import LoopRecord
@@ -135,7 +136,7 @@ class Params:
             raise ValueError(f"block = {self.block} samples; give at least 64")
 
 
-def detect(record: LoopRecord, p: Params = Params()) -> Verdict:
+def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop.
 
     >>> t = np.arange(1000.0)
