@@ -12,7 +12,7 @@ def loaded_by(statement: str) -> set[str]:
     return {name.split(".")[0] for name in done.stdout.split()}
 
 
-@pytest.mark.parametrize("package", ["records", "detect"])
+@pytest.mark.parametrize("package", ["logs", "detect"])
 def test_site_packages_load_no_simulator(package: str) -> None:
     heavy = {"control", "numba", "blocks", "diagram", "plant", "engine", "matplotlib", "polars", "scipy", "filterpy"}
     assert not loaded_by(f"import {package}") & heavy

@@ -8,7 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
-from tests.plant.random_diagrams import random_diagram
+from tests.diagram.random_diagrams import random_diagram
 
 from diagram import ensemble, simulate
 from diagram.flatten import plan

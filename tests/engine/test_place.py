@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_nothing_writable_but_a_folder_for_temporary_files(tmp_path):
-    for package in ("blocks", "engine", "plant", "records"):
+    for package in ("blocks", "diagram", "engine", "logs", "plant"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
         for folder in (tmp_path / package, *(p for p in (tmp_path / package).rglob("*") if p.is_dir())):
             (folder / "__pycache__").touch()  # a file in its place: no user, not even root, can write there
