@@ -1,8 +1,9 @@
 """The engine's run of a diagram against an oracle: do they agree in every signal, off the scans?
 
 The oracle is the C program where it knows all blocks, else ``diagram.reference``.  Where they differ, both are asked
-again, more finely.  If one of the two now differs from itself, the diagram is sensitive (chaotic, or two events whose
-order rounding decides) and nothing is proved: it counts as undecided.  What is left is a finding.
+again, more finely.  If they then agree, or if the oracle differs from itself, the diagram is sensitive (chaotic, or two
+events whose order rounding decides) and nothing is proved: it counts as undecided.  What is left is a finding, also
+where only the engine differs from itself: log rows that go with its steps are wrong.
 """
 
 import signal
@@ -25,7 +26,7 @@ AGREED = 1e-5  # largest difference, as a share of 1 + the largest value of the 
 ITSELF = 0.1  # of AGREED: who differs more from itself decides nothing
 STEPS = 3_000_000
 REFERENCE_STEPS = 60_000
-PATIENCE = 10.0  # with the reference [s]
+PATIENCE = 30.0  # with the reference [s]
 ENGINE = ((1e-9, 1e-11), (1e-11, 1e-13))  # rtol, atol: first, and when asked again
 SHARES = (1.0 / 30.0, 1.0 / 60.0)
 REFERENCE: tuple[dict[str, Any], ...] = (
@@ -88,8 +89,6 @@ def judge(drawn: Drawn) -> Judgement:
         return Judgement(seed, "undecided", oracle, "asked more finely, they agree", worst, **cost)
     if (np.abs(theirs - again).max(axis=0) / size).max() > ITSELF:
         return Judgement(seed, "undecided", oracle, "the oracle differs from itself", worst, **cost)
-    if (np.abs(ours - finer).max(axis=0) / size).max() > ITSELF:
-        return Judgement(seed, "undecided", oracle, "the engine differs from itself", worst, **cost)
     return Judgement(seed, "finding", oracle, _told(drawn, np.abs(finer - again), apart), worst, **cost)
 
 

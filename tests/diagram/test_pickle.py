@@ -8,12 +8,12 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
-from tests.diagram.random_diagrams import random_diagram
 
 from diagram import ensemble, simulate
 from diagram.flatten import plan
 from plant import production_plant
 from plant.loops import self_regulating_loop
+from tests.diagram.random_diagrams import random_diagram
 
 N = int(os.environ.get("STICKSLIP_PICKLED", "12"))  # diagrams per start method; 200 were run once
 ASKED = {"every": 0.13}
