@@ -13,7 +13,7 @@ Nothing is kept inside a block, so a call never changes it.
 
 import copy
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
@@ -21,7 +21,7 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.ports import BlockError, Labels, Port, labelled, nearest, number, require
+from blocks.ports import BlockError, Labels, Port, labelled, nearest, number, require, shortened
 
 Floats = NDArray[np.float64]
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
@@ -121,6 +121,14 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
             dt=self.period if self.sampled else 0,
             name=name,
         )
+
+    def __repr__(self) -> str:
+        ports = f"{', '.join(self.input_labels)} -> {', '.join(self.output_labels)}"
+        values = zip(self.param_names, self.p.tolist(), strict=False)
+        return shortened(f"<{type(self).__name__} '{self.name}': {'; '.join([ports, _listed(values)])}>")
+
+    def _repr_html_(self) -> None:
+        """Leave it to ``repr``: python-control would show matrices."""
 
     # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod
@@ -290,6 +298,10 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
     def _output(self, t: float, x: Floats, u: Floats, params: Mapping[str, float]) -> Floats:
         self._update_params(params)
         return self._out(t, x, u)
+
+
+def _listed(values: Iterable[tuple[str, float]]) -> str:
+    return ", ".join(f"{key} = {value:g}" for key, value in values)
 
 
 class Held(Block):

@@ -32,6 +32,18 @@ def nearest(wrong: object, names: Sequence[str]) -> str:
     return f"{hint}known: {known or 'none'}"
 
 
+SCREEN = 1500  # characters
+
+
+def shortened(text: str) -> str:
+    """Return a text cut to what a screen shows at a glance.
+
+    >>> len(shortened("long " * 9999))
+    1500
+    """
+    return text if len(text) <= SCREEN else text[: SCREEN - 4] + "...>"
+
+
 def labelled(block: str, side: str, ports: Sequence[Port], given: Labels) -> list[str]:
     """Return the labels of all ports: their own names unless the caller gave others.
 

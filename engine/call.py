@@ -5,6 +5,8 @@ double*)``, so the engine sees only addresses: it is compiled once, and a new bl
 The same Python function runs interpreted, with numpy arrays in place of the pointers.
 """
 
+import re
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from types import FunctionType
@@ -16,6 +18,7 @@ from numba.core import cgutils
 from numba.core.caching import FunctionCache
 from numba.extending import intrinsic, register_jitable
 
+from engine.callback import Callback
 from engine.stamp import fresh
 
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
@@ -27,9 +30,15 @@ _reached: set[FunctionType] = set()
 
 
 def address(kernel: Kernel | None) -> int:
-    """Return the address of the compiled kernel (0 for none), compiling it or loading it from the cache."""
+    """Return the address of the compiled kernel (0 for none), compiling it or loading it from the cache.
+
+    A kernel with the attribute ``may_run_in_python`` is called in Python if it cannot be compiled; one with a reason
+    there always is.
+    """
     if kernel is None:
         return 0
+    if kernel not in _compiled and hasattr(kernel, "may_run_in_python"):
+        _compiled[kernel] = _compiled_if_possible(kernel)
     if kernel not in _compiled:
         _reach(kernel)
         source = Path(kernel.__code__.co_filename)
@@ -41,10 +50,38 @@ def address(kernel: Kernel | None) -> int:
     return int(_compiled[kernel].address)
 
 
+def in_python(kernel: Kernel | None) -> Callback | None:
+    """Return what is known of a kernel that the engine calls in Python, None for a compiled one."""
+    found = _compiled.get(kernel) if kernel is not None else None
+    return found if isinstance(found, Callback) else None
+
+
+def _compiled_if_possible(kernel: Kernel) -> Any:
+    reason = kernel.may_run_in_python  # type: ignore[attr-defined]
+    if isinstance(reason, str):
+        return Callback(kernel, reason)
+    try:
+        _reach(kernel)
+        with warnings.catch_warnings(action="ignore"):
+            return cfunc(SIGNATURE, error_model="numpy", forceinline=True)(kernel)
+    except Exception as error:  # whatever the compiler has against it, Python can run it
+        return Callback(kernel, f"it cannot be compiled: {_in_short(error)}")
+
+
+def _in_short(error: Exception) -> str:
+    """Return what a compiler says first, without its heading."""
+    lines = [line.strip() for line in re.sub(r"\x1b\[[0-9;]*m", "", str(error)).splitlines()]
+    told = [line for line in lines if line and not line.startswith(("Failed in", "- Resolution", "File ", "During"))]
+    return told[0][:200] if told else type(error).__name__
+
+
 def _reach(function: Any) -> None:
-    """Let compiled code call the plain Python functions of its module that ``function`` names."""
-    for name in function.__code__.co_names:
-        helper = function.__globals__.get(name)
+    """Let compiled code call the plain Python functions of its module, or from around it, that ``function`` names."""
+    around = dict(
+        zip(function.__code__.co_freevars, (c.cell_contents for c in function.__closure__ or ()), strict=True)
+    )
+    for name in (*function.__code__.co_names, *around):
+        helper = around[name] if name in around else function.__globals__.get(name)
         if isinstance(helper, FunctionType) and helper not in _reached:
             _reached.add(helper)
             register_jitable(helper)

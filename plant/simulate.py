@@ -9,17 +9,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
-from blocks.ports import nearest
+from blocks.ports import nearest, shortened
 from engine import layout as at
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.status import HINTS, Statistics, Status
 from plant.diagram import Diagram
 from plant.flatten import DELAY_RECORDS, Ends, Past, Plan, plan
+from plant.in_python import InPython, counts, spent
 from plant.inputs import close
 from plant.wiring import WiringError
 from records import Log
 
 if TYPE_CHECKING:
+    import polars as pl
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
@@ -36,13 +38,14 @@ class Event:
     after: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run:
     """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
     ``final`` is the diagram at the end of the run: simulate it with ``t0`` = that time to go on (only blocks that run
-    in Python begin anew).  ``ends`` are the engine's arrays there.
+    in Python begin anew).  ``ends`` are the engine's arrays there.  ``in_python`` tells which functions could not be
+    compiled and were called in Python, how often and for how long.
     """
 
     log: Log
@@ -52,6 +55,26 @@ class Run:
     statistics: Statistics
     diagram: Diagram
     ends: Ends
+    in_python: tuple[InPython, ...] = ()
+
+    def __repr__(self) -> str:
+        told = [f"{self.status}, {self.log!r}, {len(self.events)} events, {self.statistics.steps} steps"]
+        told += [self.hint] if self.hint else []
+        told += [str(entry) for entry in self.in_python[:MOST_BLAMED]]
+        return shortened(f"<Run of '{self.diagram.name}': {'; '.join(told)}>")
+
+    def _repr_html_(self) -> str:
+        from records.notebook import image, paragraph, table
+
+        return paragraph(repr(self)) + image(self.plot()) + table(self.log)
+
+    def to_pandas(self) -> Any:
+        """Return the log as a pandas data frame; see ``Log.to_pandas``."""
+        return self.log.to_pandas()
+
+    def to_polars(self) -> "pl.DataFrame":
+        """Return the log as a polars data frame; see ``Log.to_polars``."""
+        return self.log.to_polars()
 
     @cached_property
     def final(self) -> Diagram:
@@ -107,11 +130,12 @@ def simulate(
     settings = check_settings(Settings(rtol, atol, method, max_steps))
     past = ready._past if ready._past is not None and ready._past.ends_at(t0) else None
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
+    before = counts(ready)
     while True:
         laid = plan(ready, records)
         outcomes = [_run(laid, c, ready, settings, grid, t0, t0 + duration, on_progress, past) for c in laid.components]
         if not any(o.status is Status.DELAY_FULL for o in outcomes):
-            return _collect(ready, laid, outcomes, grid)
+            return _collect(ready, laid, outcomes, grid, spent(ready, before))
         records *= 4
 
 
@@ -190,7 +214,9 @@ def _run(
     return run(component, laid.flat, I, W, grid, t_end, on_progress)
 
 
-def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats) -> Run:
+def _collect(
+    diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats, in_python: tuple[InPython, ...]
+) -> Run:
     columns: dict[int, Floats] = {}
     for component, outcome in zip(laid.components, outcomes, strict=True):
         outcome.log.flags.writeable = False  # so that the log need not copy it
@@ -212,6 +238,7 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
         statistics=statistics([o.I for o in outcomes]),
         diagram=diagram,
         ends=ends,
+        in_python=in_python,
     )
 
 
