@@ -24,6 +24,10 @@ from numpy.typing import ArrayLike, NDArray
 from blocks.ports import BlockError, Labels, Port, labelled, nearest, number, require, shortened
 
 Floats = NDArray[np.float64]
+NO_APPEND = (
+    "ct.append stacks linear systems only; use plant.wire([...], inputs=[...]), or ct.interconnect([...], inplist=..., "
+    "outlist=...), or give ct.append its linearisation, ct.linearize(system, x0, u0)"
+)
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 
 
@@ -129,6 +133,13 @@ class Block(ct.NonlinearIOSystem):  # type: ignore[misc]
 
     def _repr_html_(self) -> None:
         """Leave it to ``repr``: python-control would show matrices."""
+
+    def append(self, other: object) -> None:
+        """Say what to use in place of ``ct.append``, which stacks linear systems only.
+
+        Raises ``TypeError``, always.
+        """
+        raise TypeError(f"'{self.name}': {NO_APPEND}")
 
     # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod

@@ -13,7 +13,7 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.block import Block
+from blocks.block import NO_APPEND, Block
 from blocks.control_system import as_block
 from blocks.ports import nearest, number, shortened
 from plant.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
@@ -86,6 +86,13 @@ class Diagram(ct.InterconnectedSystem):  # type: ignore[misc]
         from records.notebook import image
 
         return image(self.plot())
+
+    def append(self, other: object) -> None:
+        """Say what to use in place of ``ct.append``, which stacks linear systems only.
+
+        Raises ``TypeError``, always.
+        """
+        raise TypeError(f"'{self.name}': {NO_APPEND}")
 
     # --- look ---------------------------------------------------------------------------------------------
     def __getitem__(self, name: str) -> Block:
