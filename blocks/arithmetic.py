@@ -54,6 +54,9 @@ class Sum(Block):
         self, signal: str, weights: Mapping[str, float], *, offset: float = 0.0, unit: str = "", name: str = ""
     ) -> None:
         require(bool(weights), name or signal, "weights", weights, "a sum needs at least one input", "name one")
+        free = not {"n", "offset"} & set(weights)
+        rule = "n and offset are parameters of the sum itself"
+        require(free, name or signal, "weights", dict(weights), rule, "give the signal another label")
         self.ports_in = tuple(Port(key) for key in weights)
         super().__init__(
             name=name or signal,
