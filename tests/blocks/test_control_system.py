@@ -204,3 +204,27 @@ def test_one_block_of_a_system():
     assert drive(block, 1.0, every=1.0, F=0.0).log["pos"].tolist() == [0.0, 0.0]
     seen = ct.linearize(block, [0.0, 0.0], [0.0])
     np.testing.assert_allclose(seen.A, [[0.0, 1.0], [-0.75, 0.0]], atol=1e-6)  # analytic
+
+
+def test_the_independent_simulator_agrees_on_a_loop_of_all_kinds():
+    from plant.reference import simulate_reference
+
+    loop = wire([
+        Step("r", 1.0, at=1.0),
+        ct.summing_junction(["r", "-y"], "e", name="sum"),
+        ct.tf([0.8, -0.7], [1, -1], 0.5, inputs="e", outputs="u", name="controller"),
+        ct.nlsys(lambda t, x, u, params: u - params["k"] * x**3, None, inputs=["u"], outputs=["q"], states=["q"],
+                 params={"k": 0.4}, name="valve"),
+        ct.ss([[0, 1], [-1, -2]], [[0], [1]], [[1, 0]], [[0]], inputs="q", outputs="z", name="tank"),
+        ct.nlsys(by_name_only, lambda t, x, u, params: x[0], inputs=["z"], outputs=["y"], states=1, name="sensor"),
+    ])  # fmt: skip
+    run = simulate(loop, 15.0, every=0.5, rtol=1e-9, atol=1e-12)
+    reference = simulate_reference(loop, 15.0, every=0.5, rtol=1e-9, atol=1e-12)
+    for signal in loop.signals:
+        np.testing.assert_allclose(run.log[signal], reference.log[signal], atol=1e-7)
+    assert {name for entry in run.in_python for name in entry.blocks} == {"sensor"}
+    assert loop.plot().axes
+
+
+def by_name_only(t, x, u, params):
+    return [u[0] - x[0] + 0.0 * len({**params, 1: u})]
