@@ -21,10 +21,10 @@ __all__ = ["plot_diagnosis"]
 
 def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     """Trend, PV-OP curve and the first evidence there is, on one figure; ``words`` writes verdict and reason on it."""
-    from matplotlib.figure import Figure
+    from records.picture import Picture
 
     shown = next((v for v in answer.methods if len(v.evidence)), None)
-    figure = Figure(figsize=(11, 8.2 if shown else 4.8), layout="constrained")
+    figure = Picture(figsize=(11, 8.2 if shown else 4.8), layout="constrained")
     rows = 2 if shown else 1
     parts: list[SubFigure] = list(np.ravel(figure.subfigures(rows, 1)))  # type: ignore[arg-type]
     trend = parts[0]

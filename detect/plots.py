@@ -27,9 +27,9 @@ CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
 
 def plot_verdict(v: Verdict) -> Figure:
     """One figure: evidence of the method above, verdict and reason as its title."""
-    from matplotlib.figure import Figure
+    from records.picture import Picture
 
-    figure = Figure(figsize=(10, 4.6), layout="constrained")
+    figure = Picture(figsize=(10, 4.6), layout="constrained")
     reason = "" if len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
     figure.suptitle(f"{v.method}: {v.verdict.replace('_', ' ')}{reason}", x=0.01, ha="left", fontsize=9)
     draw_evidence(v, figure)

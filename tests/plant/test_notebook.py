@@ -70,3 +70,11 @@ def test_a_run_goes_to_data_frames(run):
 
 def test_a_diagram_without_signals_worth_a_picture_is_still_shown():
     assert pictures(wire([PI(0.4, 10.0)], inputs=["SP", "PV"])._repr_html_())
+
+
+def test_a_plot_appears_in_a_notebook_without_a_magic_command(run):
+    from records import Log
+
+    log = Log(t=[0.0, 1.0], signals={"PV": [1.0, 2.0]})
+    for figure in (run.plot(), self_regulating_loop().plot(), log.plot()):
+        assert figure._repr_png_().startswith(PNG)
