@@ -69,10 +69,14 @@ def _compiled_if_possible(kernel: Kernel) -> Any:
 
 
 def _in_short(error: Exception) -> str:
-    """Return what a compiler says first, without its heading."""
-    lines = [line.strip() for line in re.sub(r"\x1b\[[0-9;]*m", "", str(error)).splitlines()]
-    told = [line for line in lines if line and not line.startswith(("Failed in", "- Resolution", "File ", "During"))]
-    return told[0][:200] if told else type(error).__name__
+    """Return what a compiler has against the function that the kernel calls, without headings and addresses."""
+    text = re.sub(r"\x1b\[[0-9;]*m| at 0x[0-9a-f]+|(?<=')/[^']*/(?=[^/']+')", "", str(error))
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    told = [i for i in range(1, len(lines)) if "Failed in" in lines[i - 1] and "Failed in" not in lines[i]]
+    if not told:
+        return lines[0][:200] if lines else type(error).__name__
+    place = told[min(1, len(told) - 1)]  # the first says only that the kernel's own call failed
+    return " ".join(lines[place : place + 1 + lines[place].endswith(":")])[:200]
 
 
 def _reach(function: Any) -> None:

@@ -81,6 +81,14 @@ def test_what_cannot_be_compiled_runs_in_python_with_the_same_result():
     assert again.in_python[0].calls == entry.calls, "each run counts its own"
 
 
+def test_the_reason_names_what_the_compiler_does_not_know():
+    from scipy import special
+
+    run = drive(lag(der=lambda PV, MV, K, tau: (K * MV - PV) / tau * special.gamma(2.0)), 20.0, every=5.0, MV=0.5)
+    np.testing.assert_array_equal(run.log["PV"], drive(lag(), 20.0, every=5.0, MV=0.5).log["PV"])  # gamma(2) = 1
+    assert "'gamma'" in run.in_python[0].reason and "/" not in run.in_python[0].reason
+
+
 def test_an_exception_comes_out_as_it_went_in():
     def strict(PV, MV):
         if PV > 0.5:
