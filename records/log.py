@@ -296,7 +296,7 @@ class Log:
 
         Raises ImportError that says what to install if pandas is not there. Quality and spans are left behind.
         """
-        from records.frames import to_pandas
+        from records.as_frames import to_pandas
 
         return to_pandas(self)
 
@@ -306,7 +306,7 @@ class Log:
         >>> Log(t=[0, 1], signals={"OP": [50, 51]}).to_polars().columns
         ['time', 'OP']
         """
-        from records.frames import to_polars
+        from records.as_frames import to_polars
 
         return to_polars(self)
 
