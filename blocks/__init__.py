@@ -7,6 +7,7 @@ valves       StickSlip QuasiStaticStem (physical)   KanoValve ChoudhuryValve HeV
 processes    FirstOrder SecondOrder Integrator DeadTime
 sensors      Sensor SampledSensor
 arithmetic   Sum Gain Limit
+any system   StateSpace TransferFunction   Equations SampledFunction (plain functions)   as_block (of python-control)
 plant        Separator Scrubber ControlValveFlow GasValveFlow CheckValve FlowResistance Plenum Compressor
              (CubicMap, TabulatedMap) AntiSurge Shaft GasTurbine Flare
 """
@@ -20,9 +21,11 @@ from blocks.chen_valve import ChenValve
 from blocks.choudhury_valve import ChoudhuryValve
 from blocks.compressor import Compressor
 from blocks.compressor_map import CubicMap
+from blocks.control_system import as_block
 from blocks.control_valve_flow import ControlValveFlow
 from blocks.dead_time import DeadTime
 from blocks.deadband import Deadband
+from blocks.equations import Equations
 from blocks.first_order import FirstOrder
 from blocks.flare import Flare
 from blocks.flow_resistance import FlowResistance
@@ -40,6 +43,7 @@ from blocks.plenum import Plenum
 from blocks.ports import BlockError, Labels, Port
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.recorded import Recorded, Staircase
+from blocks.sampled_function import SampledFunction
 from blocks.sampled_pi import SampledPI
 from blocks.scrubber import Scrubber
 from blocks.second_order import SecondOrder
@@ -47,9 +51,11 @@ from blocks.sensor import SampledSensor, Sensor
 from blocks.separator import Separator
 from blocks.shaft import Shaft
 from blocks.sources import Constant, Ramp, Step
+from blocks.state_space import StateSpace
 from blocks.stenman_valve import StenmanValve
 from blocks.stick_slip import StickSlip
 from blocks.tabulated_map import TabulatedMap
+from blocks.transfer_function import TransferFunction
 
 __all__ = [
     "PI",
@@ -67,6 +73,7 @@ __all__ = [
     "CubicMap",
     "DeadTime",
     "Deadband",
+    "Equations",
     "FirstOrder",
     "Flare",
     "FlowResistance",
@@ -87,6 +94,7 @@ __all__ = [
     "QuasiStaticStem",
     "Ramp",
     "Recorded",
+    "SampledFunction",
     "SampledPI",
     "SampledSensor",
     "Scrubber",
@@ -98,10 +106,13 @@ __all__ = [
     "Slug",
     "Square",
     "Staircase",
+    "StateSpace",
     "StenmanValve",
     "Step",
     "StickSlip",
     "Sum",
     "TabulatedMap",
+    "TransferFunction",
     "Triangle",
+    "as_block",
 ]

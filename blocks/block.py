@@ -14,7 +14,7 @@ Nothing is kept inside a block, so a call never changes it.
 import copy
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
@@ -24,9 +24,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import by_name, checked, text
 from blocks.parameters import Parametrised
-from blocks.ports import BlockError, Labels, Port, check_names, labelled, nearest, number, require
+from blocks.ports import BlockError, Labels, Port, check_names, labelled, nearest, number, require, shortened
 
 Floats = NDArray[np.float64]
+NO_APPEND = (
+    "ct.append stacks linear systems only; use diagram.wire([...], inputs=[...]), or ct.interconnect([...], "
+    "inplist=..., outlist=...), or give ct.append its linearisation, ct.linearize(system, x0, u0)"
+)
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 
 
@@ -147,6 +151,21 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         rule = len(ends) == 2 and ends[0] < ends[1]
         require(rule, name, f"span of {key}", span, "it is a low and a higher end", "give e.g. (0.0, 1.0)")
         return ends[0], ends[1]
+
+    def __repr__(self) -> str:
+        ports = f"{', '.join(self.input_labels)} -> {', '.join(self.output_labels)}"
+        values = zip(self.param_names, self.p.tolist(), strict=False)
+        return shortened(f"<{type(self).__name__} '{self.name}': {'; '.join([ports, _listed(values)])}>")
+
+    def _repr_html_(self) -> None:
+        """Leave it to ``repr``: python-control would show matrices."""
+
+    def append(self, other: object) -> None:
+        """Say what to use in place of ``ct.append``, which stacks linear systems only.
+
+        Raises ``TypeError``, always.
+        """
+        raise TypeError(f"'{self.name}': {NO_APPEND}")
 
     # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod
@@ -346,6 +365,10 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     def _output(self, t: float, x: Floats, u: Floats, params: Mapping[str, float]) -> Floats:
         self._update_params(params)
         return self._out(t, x, u)
+
+
+def _listed(values: Iterable[tuple[str, float]]) -> str:
+    return ", ".join(f"{key} = {value:g}" for key, value in values)
 
 
 class Held(Block):

@@ -49,6 +49,18 @@ def check_names(block: str, inputs: Sequence[Port], outputs: Sequence[Port], sta
             raise BlockError(f"block '{block}' has a state and a memory called '{key}'; rename one of them")
 
 
+SCREEN = 1500  # characters
+
+
+def shortened(text: str) -> str:
+    """Return a text cut to what a screen shows at a glance.
+
+    >>> len(shortened("long " * 9999))
+    1500
+    """
+    return text if len(text) <= SCREEN else text[: SCREEN - 4] + "...>"
+
+
 def labelled(block: str, side: str, ports: Sequence[Port], given: Labels) -> list[str]:
     """Return the labels of all ports: their own names unless the caller gave others.
 

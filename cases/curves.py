@@ -36,9 +36,9 @@ def run(F_s: str, case: int) -> "Run":
 
 def panels(rows: int, columns: int, title: str, height: float = 2.4) -> tuple["Figure", list["Axes"]]:
     """Return an empty figure with a grid of axes, row by row."""
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
-    figure = Figure(figsize=(10.0, height * rows), layout="constrained")
+    figure = Picture(figsize=(10.0, height * rows), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
     figure.suptitle(title, fontsize=12, x=0.01, ha="left", fontweight="bold")
     for ax in axes.flat:

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import by_name, text, texts
-from blocks.block import Block
+from blocks.block import NO_APPEND, Block
+from blocks.control_system import as_block
 from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
-from blocks.ports import nearest, number
+from blocks.ports import nearest, number, shortened
 from diagram.past import Past, together
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
@@ -86,6 +87,24 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         for i, signal in enumerate(self.chosen_outputs):
             exits[i, columns[signal]] = 1.0
         self.set_output_map(exits)
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{type(block).__name__} '{block.name}'" for block in self.blocks)
+        open_ = f"; open inputs {', '.join(self.open_inputs)}" if self.open_inputs else ""
+        signals = shortened(f"signals {', '.join(self.signals)}")
+        return shortened(f"<Diagram '{self.name}' of {len(self.blocks)} blocks{open_}: {kinds}; {signals}>")
+
+    def _repr_html_(self) -> str:
+        from logs.notebook import image
+
+        return image(self.plot())
+
+    def append(self, other: object) -> None:
+        """Say what to use in place of ``ct.append``, which stacks linear systems only.
+
+        Raises ``TypeError``, always.
+        """
+        raise TypeError(f"'{self.name}': {NO_APPEND}")
 
     # --- look ---------------------------------------------------------------------------------------------
     def __getitem__(self, name: str) -> Block:
@@ -178,24 +197,27 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
                 f"{', '.join(self.state_labels)}; give one value for each"
             )
         values = dict(zip(self.state_labels, given, strict=True))
-        plain = {}
-        for label, value in values.items():
-            name, _, state = label[:-1].rpartition("[")
-            block = self[name]
-            if state in block.state_names or state in block.memory_names:
-                plain[f"{name}.{state}"] = float(value)
+        plain = {
+            f"{block.name}.{state}": values[label]
+            for block in self.blocks
+            for state in (*block.state_names, *block.memory_names)
+            if (label := f"{block.name}[{state}]") in values
+        }
         return self.starting_at(plain)
 
-    def replace(self, name: str, block: Block) -> "Diagram":
+    def replace(self, name: str, block: Block | ct.InputOutputSystem) -> "Diagram":
         """Return the diagram with one block replaced; the new one takes over name and labels, port by port.
+
+        The new one may be any system that ``wire`` takes, but not a diagram.
 
         Raises ``WiringError`` if there is no such block, or if the new one has other numbers of ports.
         """
-        if not isinstance(block, Block):
+        if isinstance(block, Diagram) or not isinstance(block, ct.InputOutputSystem):
             raise WiringError(
                 f"'{name}' cannot be replaced by {type(block).__name__}: it is no block; take the old blocks out with "
                 "without(), and wire() a diagram in their place"
             )
+        block = as_block(block)
         b = self.block_index(name)
         old = self.blocks[b]
         if len(block.ports_in) != len(old.ports_in) or len(block.ports_out) != len(old.ports_out):
@@ -330,20 +352,22 @@ def _listed(items: Any) -> list[Any]:
 
 
 def wire(
-    items: Iterable[Block | Diagram],
+    items: Iterable[Block | Diagram | ct.InputOutputSystem],
     inputs: Sequence[str] = (),
     outputs: Sequence[str] | None = None,
     name: str = "diagram",
 ) -> Diagram:
-    """Join blocks and diagrams by signal name into one diagram.
+    """Join blocks, diagrams and python-control systems by signal name into one diagram.
 
     A signal is driven by exactly one output label and read by every input with the same label.  A nested diagram
     ``loop`` shows its signals as ``loop/PV`` and reads its open inputs by name.
 
-    Parameters: ``items`` blocks and diagrams; ``inputs`` signals left open on purpose; ``outputs`` the outputs of
-    the python-control system (default: every signal).
+    Parameters: ``items`` blocks, diagrams and systems of python-control (``ct.tf``, ``ct.zpk``, ``ct.ss``,
+    ``ct.nlsys``, continuous or sampled, see ``blocks.control_system``), whose ports are called by their labels;
+    ``inputs`` signals left open on purpose; ``outputs`` the outputs of the python-control system (default: all).
 
-    Raises ``WiringError`` for unknown, dangling, doubly driven or unit-mismatched signals and algebraic loops.
+    Raises ``WiringError`` for unknown, dangling, doubly driven or unit-mismatched signals and algebraic loops,
+    ``BlockError`` for what is no such item, or a system that cannot be simulated (improper, dt = True).
 
     >>> from blocks import PI, FirstOrder, Step
     >>> loop = wire([Step("SP", 0.5), PI(K_p=0.4, T_i=10.0, outputs="MV"), FirstOrder(K=3.0, tau=10.0)])
@@ -356,10 +380,6 @@ def wire(
         if isinstance(item, Diagram):
             leaves += item.leaves()
             pasts += [item.past.inside(item.name)] if item.past is not None else []
-        elif isinstance(item, Block):
-            leaves.append(item)
         else:
-            raise WiringError(
-                f"{item!r} is neither a block nor a diagram; wrap a python-control system in a Block subclass"
-            )
+            leaves.append(as_block(item))
     return Diagram(leaves, inputs, outputs, name).with_past(together(pasts))

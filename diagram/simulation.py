@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import by_name
 from blocks.block import Block
-from blocks.ports import nearest, number
+from blocks.ports import nearest, number, shortened
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
 from diagram.flatten import DELAY_RECORDS, Ends, Plan, plan
+from diagram.in_python import InPython, counts, spent
 from diagram.inputs import close
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
@@ -25,6 +26,7 @@ from engine.status import HINTS, Statistics, Status
 from logs import Log
 
 if TYPE_CHECKING:
+    import polars as pl
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
@@ -41,7 +43,7 @@ class Event:
     after: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run:
     """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
 
@@ -49,6 +51,7 @@ class Run:
     ``notes`` say what to doubt in a run that is OK (``diagram.coarse``).
     ``final`` is the diagram at the end of the run: simulate it, changed or not, with ``t0`` = that time to go on (only
     blocks that run in Python begin anew).  ``ends`` are the engine's arrays there; they are lost in a pickle.
+    ``in_python`` tells which functions could not be compiled and were called in Python, how often and for how long.
     """
 
     log: Log
@@ -59,10 +62,30 @@ class Run:
     diagram: Diagram
     ends: Ends
     notes: tuple[str, ...] = ()
+    in_python: tuple[InPython, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
         """Keep the end as values: the engine's arrays hold addresses of compiled code, good in this process only."""
         return self.__dict__ | ({"final": self.final, "ends": ()} if self.ends else {})
+
+    def __repr__(self) -> str:
+        told = [f"{self.status}, {self.log!r}, {len(self.events)} events, {self.statistics.steps} steps"]
+        told += [self.hint] if self.hint else []
+        told += [str(entry) for entry in self.in_python[:MOST_BLAMED]]
+        return shortened(f"<Run of '{self.diagram.name}': {'; '.join(told)}>")
+
+    def _repr_html_(self) -> str:
+        from logs.notebook import image, paragraph, table
+
+        return paragraph(repr(self)) + image(self.plot()) + table(self.log)
+
+    def to_pandas(self) -> Any:
+        """Return the log as a pandas data frame; see ``Log.to_pandas``."""
+        return self.log.to_pandas()
+
+    def to_polars(self) -> "pl.DataFrame":
+        """Return the log as a polars data frame; see ``Log.to_polars``."""
+        return self.log.to_polars()
 
     @cached_property
     def final(self) -> Diagram:
@@ -126,13 +149,15 @@ def simulate(
     t0, t_end = float(t0), float(t0) + float(duration)  # the engine is compiled for these and no other numbers
     past = resumed(ready, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
+    before = counts(ready)
     while True:
         laid = plan(ready, records)
         if len(wanted) < len(ready.signals):
             laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
         outcomes = [_run(laid, c, ready, settings, grid, t0, t_end, on_progress, past) for c in laid.components]
         if not any(o.status is Status.DELAY_FULL for o in outcomes):
-            return _noted(_collect(ready, laid, outcomes, grid, wanted), settings.atol)
+            run = replace(_collect(ready, laid, outcomes, grid, wanted), in_python=spent(ready, before))
+            return _noted(run, settings.atol)
         records *= 4
 
 

@@ -5,6 +5,8 @@ double*)``, so the engine sees only addresses: it is compiled once, and a new bl
 The same Python function runs interpreted, with numpy arrays in place of the pointers.
 """
 
+import re
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
+from engine.callback import Callback
 from engine.reach import fingerprint, make_callable
 from engine.stamp import locked
 
@@ -37,9 +40,14 @@ def address(kernel: Kernel | None) -> int:
 
     Raises ``KernelError`` if it cannot be compiled, or if it could go back into Python when it runs (to raise an
     error, to print): the engine hears nothing of an error, and would go on with what was never written.
+
+    A kernel with the attribute ``may_run_in_python`` is called in Python if it cannot be compiled; one with a reason
+    there always is.
     """
     if kernel is None:
         return 0
+    if kernel not in _compiled and hasattr(kernel, "may_run_in_python"):
+        _compiled[kernel] = _compiled_if_possible(kernel)
     if kernel not in _compiled:
         make_callable(kernel)
         made = _Compiled(kernel, (SIGNATURE.args, SIGNATURE.return_type), {}, dict(OPTIONS))
@@ -108,6 +116,39 @@ def _first_words(error: Exception) -> str:
         line for line in lines if not line.startswith(("Failed in", "During:", "File ", "- ", "Overload", "There "))
     ]
     return (told or lines or ["no reason given"])[0].rstrip(".:")
+
+
+def in_python(kernel: Kernel | None) -> Callback | None:
+    """Return what is known of a kernel that the engine calls in Python, None for a compiled one."""
+    found = _compiled.get(kernel) if kernel is not None else None
+    return found if isinstance(found, Callback) else None
+
+
+def _compiled_if_possible(kernel: Kernel) -> Any:
+    reason = kernel.may_run_in_python  # type: ignore[attr-defined]
+    if isinstance(reason, str):
+        return Callback(kernel, reason)
+    try:
+        make_callable(kernel)
+        made = _Compiled(kernel, (SIGNATURE.args, SIGNATURE.return_type), {}, dict(OPTIONS))
+        with warnings.catch_warnings(action="ignore"):
+            made.compile()
+    except Exception as error:  # whatever the compiler has against it, Python can run it
+        cause = error.__cause__
+        why = _in_short(cause) if isinstance(cause, Exception) else "it could raise an error or print while it runs"
+        return Callback(kernel, f"it cannot be compiled: {why}")
+    return made
+
+
+def _in_short(error: Exception) -> str:
+    """Return what a compiler has against the function that the kernel calls, without headings and addresses."""
+    text = re.sub(r"\x1b\[[0-9;]*m| at 0x[0-9a-f]+|(?<=')/[^']*/(?=[^/']+')", "", str(error))
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    told = [i for i in range(1, len(lines)) if "Failed in" in lines[i - 1] and "Failed in" not in lines[i]]
+    if not told:
+        return lines[0][:200] if lines else type(error).__name__
+    place = told[min(1, len(told) - 1)]  # the first says only that the kernel's own call failed
+    return " ".join(lines[place : place + 1 + lines[place].endswith(":")])[:200]
 
 
 @intrinsic

@@ -35,9 +35,11 @@ def fingerprint(kernel: FunctionType) -> str:
 
 
 def make_callable(function: Any) -> None:
-    """Let compiled code call the plain Python functions of its module that ``function`` names."""
-    for name in function.__code__.co_names:
-        helper = function.__globals__.get(name)
+    """Let compiled code call the plain Python functions of its module, or from around it, that ``function`` names."""
+    cells = (cell.cell_contents for cell in function.__closure__ or ())
+    around = dict(zip(function.__code__.co_freevars, cells, strict=True))
+    for name in (*function.__code__.co_names, *around):
+        helper = around[name] if name in around else function.__globals__.get(name)
         if isinstance(helper, FunctionType) and helper not in _callable:
             _callable.add(helper)
             register_jitable(helper)

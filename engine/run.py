@@ -8,6 +8,7 @@ import numpy as np
 from engine import layout as at
 from engine.advance import advance
 from engine.cache import ensure_compiled
+from engine.callback import raise_kept
 from engine.flat import FlatBlock, Floats, Ints
 from engine.hosted import Hosts
 from engine.status import Status
@@ -82,6 +83,7 @@ def run(
             status = Status(advance(I, W, buffer, times, log, target, not hosted))
             events.append(buffer[: I[at.EV_COUNT]].copy())
             I[at.EV_COUNT] = 0
+            raise_kept()
             if on_progress is not None and (status is Status.PAUSED or (status is Status.OK and target >= t_end)):
                 on_progress(float(W[at.T]))
             if hosts is not None and hosted and status is Status.OK:

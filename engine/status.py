@@ -17,6 +17,12 @@ class Status(IntEnum):
     INTERRUPTED = 7
     MODEL_ENDED = 8
 
+    def __str__(self) -> str:
+        return self.name
+
+    def __format__(self, spec: str) -> str:
+        return format(self.name, spec)
+
 
 HINTS: dict[Status, str] = {
     Status.OK: "",

@@ -46,14 +46,14 @@ def plot_log(log: Log, names: str | Sequence[str] | None = None) -> Figure:
     >>> figure.axes[0].get_ylabel()
     'OP [%]'
     """
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     shown = [names] if isinstance(names, str) else list(log.names if names is None else names)
     if not shown:
         raise LogError("there is no signal to plot; name one of the log, or log one")
     for name in shown:
         log[name]
-    figure = Figure(figsize=(9.0, 0.9 + 1.6 * len(shown)), layout="constrained")
+    figure = Picture(figsize=(9.0, 0.9 + 1.6 * len(shown)), layout="constrained")
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     scale, unit = time_unit(log.duration)
     for i, (panel, name) in enumerate(zip(panels, shown, strict=True)):
@@ -81,10 +81,10 @@ def plot_loop(loop: LoopRecord) -> Figure:
     >>> [axes.get_ylabel() for axes in figure.axes]
     ['PV', 'OP [%]', 'PV']
     """
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     log = loop.log
-    figure = Figure(figsize=(10.5, 5.0), layout="constrained")
+    figure = Picture(figsize=(10.5, 5.0), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(2.1, 1.0))
     upper = figure.add_subplot(grid[0, 0])
     lower = figure.add_subplot(grid[1, 0], sharex=upper)

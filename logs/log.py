@@ -17,6 +17,7 @@ from logs.arrays import Mask, Values, check_time, checked_mask, checked_span, fr
 from logs.errors import LogError
 
 if TYPE_CHECKING:
+    import polars as pl
     from matplotlib.figure import Figure
 
     from logs.loop import LoopRecord
@@ -292,6 +293,30 @@ class Log:
         from logs.files.write import write_parquet
 
         write_parquet(self, path)
+
+    def to_pandas(self) -> Any:
+        """A pandas data frame: one column a signal, the time [s] as index, units in ``attrs["units"]``.
+
+        Raises ImportError that says what to install if pandas is not there. Quality and spans are left behind.
+        """
+        from logs.as_frames import to_pandas
+
+        return to_pandas(self)
+
+    def to_polars(self) -> pl.DataFrame:
+        """A polars data frame: the column "time" [s] and one column a signal. Units, quality, spans are left behind.
+
+        >>> Log(t=[0, 1], signals={"OP": [50, 51]}).to_polars().columns
+        ['time', 'OP']
+        """
+        from logs.as_frames import to_polars
+
+        return to_polars(self)
+
+    def _repr_html_(self) -> str:
+        from logs.notebook import table
+
+        return table(self)
 
     def plot(self, names: str | list[str] | tuple[str, ...] | None = None) -> Figure:
         """A figure with one panel per signal over time; see `logs.figures.plot_log`."""

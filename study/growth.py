@@ -24,12 +24,12 @@ SLICES, DRAWN = 40, 12  # of a listed and of a random axis
 
 def draw_growth(result: Findings) -> "Figure | None":
     """Return amplitude [% of the operating point] and period [s] over the first axis of at least three numbers."""
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     axis = next((axis for axis in result.varied() if numbers(axis, 3)), None)
     if axis is None:
         return None
-    figure = Figure(figsize=(9.0, 6.2), layout="constrained")
+    figure = Picture(figsize=(9.0, 6.2), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
     found = [group for group in groups(result, axis, SLICES, DRAWN) if group.runs.any()]
     at = np.array([group.at for group in found])

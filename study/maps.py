@@ -29,14 +29,14 @@ def draw_maps(result: Findings) -> "Figure | None":
 
     Listed axes give cells; if one of the two is random, every run is a dot.
     """
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     two = [axis for axis in result.varied() if numbers(axis, 2)][:2]
     if len(two) < 2:
         return None
     y, x = two
     signals = chosen(result.signals, MAPS)
-    figure = Figure(figsize=(10.0, 3.9 * -(-len(signals) // 2)), layout="constrained")
+    figure = Picture(figsize=(10.0, 3.9 * -(-len(signals) // 2)), layout="constrained")
     axes = figure.subplots(-(-len(signals) // 2), 2, sharex=True, sharey=True, squeeze=False).ravel()
     for ax, signal in zip(axes, signals, strict=False):
         drawn = _dots(result, ax, x, y, signal) if x.law or y.law else _cells(result, ax, x, y, signal)

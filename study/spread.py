@@ -26,7 +26,7 @@ def draw_spread(result: Findings) -> "Figure":
     up to three lines, else for the first and the last.  One column
     a value of the second axis where there are at most four.
     """
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     varied = result.varied()
     first = varied[0] if varied else None
@@ -34,7 +34,7 @@ def draw_spread(result: Findings) -> "Figure":
     columns = groups(result, second)
     lines = groups(result, first)
     wide = 1.8 + max(5.0, 0.62 * len(result.signals)) if len(columns) == 1 else 1.8 + len(columns) * _width(result)
-    figure = Figure(figsize=(min(wide, 16.0), 6.6), layout="constrained")
+    figure = Picture(figsize=(min(wide, 16.0), 6.6), layout="constrained")
     axes = figure.subplots(2, len(columns), sharex=True, sharey="row", squeeze=False, height_ratios=(1.7, 1.0))
     percent = [result.percent(signal) for signal in result.signals]
     period = [result.column(f"{signal}.period") for signal in result.signals]

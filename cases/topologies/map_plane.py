@@ -27,14 +27,13 @@ def map_plane(run: "Run") -> "Figure":
     >>> figure.axes[0].get_xlabel()
     'inlet flow [m3/h]'
     """
-    from matplotlib.figure import Figure
-
     from blocks.compressor_map import head_for
     from cases.topologies.own_map import C_01, GAMMA
+    from logs.picture import Picture
 
     shape = own_map()
     rpm, volume, head = shape.point
-    figure = Figure(figsize=(7.6, 4.4), layout="constrained")
+    figure = Picture(figsize=(7.6, 4.4), layout="constrained")
     ax = figure.subplots()
     for i, n in enumerate(shape.speeds):
         q = np.linspace(-0.4, float(shape.q_c[i]), 300)

@@ -21,11 +21,11 @@ __all__ = ["plot_diagnosis"]
 
 def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     """Trend, PV-OP curve and the first evidence that can be drawn, a voter if possible; ``words`` adds the reason."""
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     drawn = [v for v in answer.methods if len(v.evidence) and v.draw is not None]
     shown = next(iter(sorted(drawn, key=lambda v: v.experimental)), None)
-    figure = Figure(figsize=(11, 8.2 if shown else 4.8), layout="constrained")
+    figure = Picture(figsize=(11, 8.2 if shown else 4.8), layout="constrained")
     rows = 2 if shown else 1
     parts: list[SubFigure] = list(np.ravel(figure.subfigures(rows, 1)))  # type: ignore[arg-type]
     trend = parts[0]

@@ -26,9 +26,9 @@ CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
 
 def plot_verdict(v: Verdict) -> Figure:
     """One figure: evidence of the method above, verdict and reason as its title."""
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
-    figure = Figure(figsize=(10, 4.6), layout="constrained")
+    figure = Picture(figsize=(10, 4.6), layout="constrained")
     reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
     standing = " (experimental, no vote)" if v.experimental else ""
     figure.suptitle(f"{v.method}: {v.verdict.replace('_', ' ')}{standing}{reason}", x=0.01, ha="left", fontsize=9)

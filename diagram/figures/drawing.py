@@ -62,14 +62,14 @@ def draw(diagram: Diagram) -> "Figure":
     >>> [text.get_text() for text in figure.axes[0].texts][:2]
     ['set point', 'SP']
     """
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     plan = grid(diagram)
     ink = _Ink(diagram, plan)
     laid = sheet(plan, ink.size, ink.label_width, ink.entry_width)
     width = max(laid.width, _width(diagram.name, 12.0, "bold")) + 2 * MARGIN
     height = laid.height + 2 * MARGIN + HEADING
-    figure = Figure(figsize=(width / 72.0, height / 72.0), facecolor="white")
+    figure = Picture(figsize=(width / 72.0, height / 72.0), facecolor="white")
     ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set_xlim(-MARGIN, width - MARGIN)
     ax.set_ylim(height - MARGIN - HEADING, -MARGIN - HEADING)

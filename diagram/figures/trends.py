@@ -44,12 +44,12 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     >>> figure.axes[-1].get_xlabel(), figure.axes[0].get_ylabel()
     ('time [min]', 'F')
     """
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     diagram, log = run.final, run.log
     panels, left_out, squashing = choose(run, names)
     groups = list(dict.fromkeys(s.rpartition("/")[0] for shown in panels for s in shown if "/" in s))
-    figure = Figure(figsize=(9.5, 1.15 + 1.45 * len(panels)), layout="constrained")
+    figure = Picture(figsize=(9.5, 1.15 + 1.45 * len(panels)), layout="constrained")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     scale, unit = time_unit(float(log.t[-1] - log.t[0]))
     for ax, shown in zip(axes, panels, strict=True):
@@ -104,7 +104,7 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
 
     Raises ``ValueError`` if the signal was not kept or no member reached its end.
     """
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     if signal not in result.values:
         raise ValueError(f"the ensemble kept no signal '{signal}'; {nearest(signal, list(result.values))}")
@@ -115,7 +115,7 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     t, values = result.t[::stride], result.values[signal][whole, ::stride]
     low, middle, high = np.percentile(values, [5.0, 50.0, 95.0], axis=0)
     scale, unit = time_unit(float(result.t[-1] - result.t[0]))
-    figure = Figure(figsize=(9.5, 3.6), layout="constrained")
+    figure = Picture(figsize=(9.5, 3.6), layout="constrained")
     ax = figure.subplots()
     ax.fill_between(t / scale, low, high, color=CYCLE[0], alpha=0.18, linewidth=0, label="5 to 95 %")
     some = whole[np.linspace(0, whole.size - 1, min(SOME, whole.size)).astype(int)]

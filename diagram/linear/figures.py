@@ -24,9 +24,9 @@ def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
 
     Filled: real; open ring: oscillating, with its damping; red: unstable; a bar at the right: held, or without decay.
     """
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
-    figure = Figure(figsize=(9.0, 1.0 + 0.27 * len(poles)), layout="constrained")
+    figure = Picture(figsize=(9.0, 1.0 + 0.27 * len(poles)), layout="constrained")
     ax = figure.subplots()
     moving = [pole.time_constant for pole in poles if pole.value.real]
     low, high = (min(moving) / 3.0, max(moving) * 3.0) if moving else (0.1, 10.0)
@@ -61,9 +61,9 @@ def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
 
 def plot_loops(loops: Sequence[Loop]) -> "Figure":
     """Return gain and phase of loops against frequency, crossovers marked, margins in the legend."""
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
-    figure = Figure(figsize=(9.0, 5.6), layout="constrained")
+    figure = Picture(figsize=(9.0, 5.6), layout="constrained")
     gain, phase = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     shown = []
     for i, loop in enumerate(loops):
@@ -100,10 +100,10 @@ def plot_loops(loops: Sequence[Loop]) -> "Figure":
 
 def plot_rga(rga: Rga) -> "Figure":
     """Return a relative gain array: shades of its size, the numbers written in."""
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
 
     n = len(rga.controllers)
-    figure = Figure(figsize=(2.2 + 0.95 * n, 1.6 + 0.6 * n), layout="constrained")
+    figure = Picture(figsize=(2.2 + 0.95 * n, 1.6 + 0.6 * n), layout="constrained")
     ax = figure.subplots()
     values = rga.values.real if rga.frequency == 0.0 else np.abs(rga.values)
     ax.imshow(np.abs(values), cmap="Blues", vmin=0.0, vmax=max(1.6, float(np.abs(values).max())), aspect="auto")

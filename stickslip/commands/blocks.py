@@ -49,6 +49,9 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
     "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Limit": TEXTBOOK},
+    "Any system": {
+        "StateSpace": TEXTBOOK, "TransferFunction": TEXTBOOK, "Equations": TEXTBOOK, "SampledFunction": TEXTBOOK,
+    },
 }  # fmt: skip
 
 # what a block cannot be built without, where 1 will not do; the values serve to show its ports
@@ -62,6 +65,10 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "Sum": {"signal": "out", "weights": {"in_1": 1.0, "in_2": 1.0}},
     "Gain": {"signal": "out", "source": "in"},
     "Limit": {"signal": "out", "source": "in", "low": 0.0},
+    "StateSpace": {"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]]},
+    "TransferFunction": {"num": [1.0], "den": [1.0, 1.0]},
+    "Equations": {"name": "yours", "out": lambda u: u, "inputs": "u", "outputs": "y"},
+    "SampledFunction": {"name": "yours", "step": lambda u: u, "inputs": "u", "outputs": "y"},
 }
 
 HEAD = """# The blocks

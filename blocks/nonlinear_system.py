@@ -1,0 +1,327 @@
+"""A nonlinear system of python-control (``ct.nlsys``, ``ct.interconnect``) as a block.
+
+    dx/dt = f(t, x, u)   y = h(t, x, u)          continuous (dt = 0 or None)
+    x_(k+1) = f(...)     y_k = h(...)            sampled every dt [s], y held until t_(k+1)
+
+The ports, the states and the name are those of the system; its numeric ``params`` are parameters of the block.  So are
+the constant defaults of ``params.get("m", 1600.0)`` where the functions are compiled.
+
+The functions are compiled where that is possible: if they use numbers, arrays, ``math`` and ``numpy``, and read
+``params`` only as ``params["m"]`` or ``params.get("m", ...)``.  If not, and always for ``ct.interconnect``, the engine
+calls them in Python, and ``run.in_python`` says how often, for how long and why.
+
+An output counts as following the inputs at once if ``h`` mentions them.  The states start at 0 unless
+``start={"name.state": ...}`` says otherwise.  See also: equations (the same without python-control).
+"""
+
+import ast
+import dis
+import inspect
+import math
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import CodeType, FunctionType
+from typing import Any
+
+import control as ct
+import numpy as np
+
+from blocks.block import Block, Kernel, Kernels
+from blocks.equations import generated
+from blocks.ports import BlockError, Port, require
+
+Function = Callable[..., Any]
+
+
+class NotReadable(Exception):
+    """The functions of a system cannot be put into a form that can be compiled; the text says why."""
+
+
+@dataclass(frozen=True)
+class _Compilable:
+    """A system's functions with ``params`` as a tuple, and the parameters in its order."""
+
+    update: Function | None
+    output: Function | None
+    params: dict[str, float]
+
+
+class NonlinearSystem(Block):
+    """A nonlinear python-control system as a block; ``wire`` makes one of every such system it is given.
+
+    Raises ``BlockError`` for a system without named states or with an unspecified sampling period (dt = True).
+
+    >>> import control as ct
+    >>> from diagram import drive
+    >>> tank = ct.nlsys(
+    ...     lambda t, x, u, params: u - 0.5 * np.sqrt(x), None, inputs=["q"], outputs=["h"], states=["h"], name="tank"
+    ... )
+    >>> drive(NonlinearSystem(tank), 1000.0, every=500.0, q=1.0).log["h"].round(3).tolist()  # (1 / 0.5)^2
+    [0.0, 4.0, 4.0]
+    """
+
+    def __init__(self, system: ct.NonlinearIOSystem) -> None:
+        name, n = system.name, system.nstates or 0
+        dt = sampling_period(system)
+        self.ports_in = tuple(Port(label) for label in system.input_labels)
+        self.ports_out = tuple(Port(label) for label in system.output_labels)
+        params = {key: float(value) for key, value in system.params.items() if _is_number(value)}
+        feeds = _feeds(system)
+        try:
+            readable = _compilable(system, params)
+            params = readable.params
+            der, out, step = _compiled_kernels(system, readable)
+        except NotReadable as reason:
+            der, out, step = _python_kernels(system, tuple(params), str(reason))
+        names = system.state_labels[:n]
+        params["dt"] = dt
+        states = dict.fromkeys(names, 0.0)
+        if dt:
+            self.period_param = "dt"
+            self.kernels = Kernels(step=step, feeds=feeds)
+            super().__init__(name=name, params=params, memory=states, **_labels(system))
+        else:
+            self.kernels = Kernels(der=der if n else None, out=out, feeds=feeds)
+            super().__init__(name=name, params=params, states=states, **_labels(system))
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` for a negative sampling period."""
+        require(params["dt"] >= 0.0, name, "dt", params["dt"], "a sampling period is not negative", "give seconds")
+
+
+def sampling_period(system: ct.InputOutputSystem) -> float:
+    """Return the sampling period of a python-control system [s], 0 for a continuous one."""
+    if system.dt is True:
+        raise BlockError(
+            f"{system.name}: dt = True, a sampling period without a number, but a diagram runs in seconds; "
+            "give dt= in seconds"
+        )
+    return float(system.dt or 0.0)
+
+
+def _labels(system: ct.InputOutputSystem) -> dict[str, Any]:
+    return {"inputs": list(system.input_labels), "outputs": list(system.output_labels)}
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and math.isfinite(value)
+
+
+# --- does the output follow the inputs at once? ----------------------------------------------------------------
+
+
+def _feeds(system: ct.InputOutputSystem) -> bool:
+    if isinstance(system, Block):
+        return system.kernels.feeds and bool(system.ports_in)
+    if isinstance(system, ct.StateSpace):
+        return bool(np.any(system.D))
+    if isinstance(system, ct.InterconnectedSystem):
+        return _passes_through(system)
+    if not system.ninputs or system.outfcn is None:
+        return False
+    return not isinstance(system.outfcn, FunctionType) or _mentions(system.outfcn, 2)
+
+
+def _passes_through(system: ct.InterconnectedSystem) -> bool:
+    """Return whether a way leads from inputs to outputs through subsystems that all pass on at once."""
+    passing = [_feeds(part) for part in system.syslist]
+    outputs = [k for k, part in enumerate(system.syslist) for _ in range(part.noutputs)]
+    inputs = [k for k, part in enumerate(system.syslist) for _ in range(part.ninputs)]
+    met = {inputs[row] for row in np.flatnonzero(np.any(system.input_map, axis=1))}
+    while True:
+        reached = {k for k in met if passing[k]}
+        columns = [j for j, k in enumerate(outputs) if k in reached]
+        more = {inputs[row] for row in np.flatnonzero(np.any(system.connect_map[:, columns], axis=1))} - met
+        if not more:
+            break
+        met |= more
+    direct = system.output_map[:, len(outputs) :] @ system.input_map
+    return bool(np.any(direct)) or bool(np.any(system.output_map[:, columns]))
+
+
+def _mentions(function: FunctionType, position: int) -> bool:
+    """Return whether a function looks at its argument at ``position``; one it cannot be asked about counts as yes."""
+    if function.__code__.co_argcount <= position:
+        return True
+    name = function.__code__.co_varnames[position]
+    for step in dis.get_instructions(function):
+        names = step.argval if isinstance(step.argval, tuple) else (step.argval,)
+        if step.opname.startswith(("LOAD", "MAKE_CELL")) and name in names:
+            return True
+    return False
+
+
+# --- compiled -------------------------------------------------------------------------------------------------
+
+
+def _compilable(system: ct.NonlinearIOSystem, params: Mapping[str, float]) -> _Compilable:
+    if isinstance(system, ct.InterconnectedSystem):
+        raise NotReadable("an interconnected system is evaluated by python-control; wire its parts instead")
+    if type(system) is not ct.NonlinearIOSystem:
+        raise NotReadable(f"a {type(system).__name__} is evaluated by its own class")
+    found = dict(params)
+    n = system.nstates or 0
+    update = _with_tuple(system.updfcn, found) if n else None
+    output = None if system.outfcn is None else _with_tuple(system.outfcn, found)
+    return _Compilable(update, output, found)
+
+
+def _with_tuple(function: Function, params: dict[str, float]) -> Function:
+    """Return the function with ``params["m"]`` read from a tuple by number; add what it has defaults for."""
+    if not isinstance(function, FunctionType) or function.__code__.co_argcount != 4:
+        raise NotReadable("its functions are not plain functions of (t, x, u, params)")
+    if not _mentions(function, 3):
+        return function
+    made = _source(function)
+    _Params(function.__code__.co_varnames[3], params).visit(made)
+    if isinstance(made, ast.Lambda):
+        tree = ast.Module([ast.Assign([ast.Name("function", ast.Store())], made)], [])
+    else:
+        made.name = "function"
+        tree = ast.Module([made], [])
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    known = {**function.__globals__, **{name: cell.cell_contents for name, cell in cells}}
+    exec(compile(ast.fix_missing_locations(tree), f"<{function.__qualname__}>", "exec"), known)
+    rewritten: Function = known["function"]
+    return rewritten
+
+
+def _source(function: FunctionType) -> ast.FunctionDef | ast.Lambda:
+    """Return the source of a plain function or of a lambda."""
+    code = function.__code__
+    try:
+        tree = ast.parse("".join(inspect.findsource(function)[0]))
+    except (OSError, SyntaxError):
+        raise NotReadable("the source of its functions cannot be read") from None
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.Lambda) and node.lineno == code.co_firstlineno:
+            if isinstance(node, ast.FunctionDef):
+                if node.name == function.__name__ and not node.decorator_list:
+                    return node
+            elif _code(node) == (code.co_code, code.co_names, code.co_freevars):
+                return node
+    raise NotReadable("the source of its functions cannot be found, or has decorators")
+
+
+def _code(node: ast.Lambda) -> tuple[object, ...]:
+    """Return what tells one lambda of a line from another."""
+    module = compile(ast.Expression(node), "<lambda>", "eval")
+    code = next(constant for constant in module.co_consts if isinstance(constant, CodeType))
+    return code.co_code, code.co_names, code.co_freevars
+
+
+class _Params(ast.NodeTransformer):
+    """Puts ``params[3]`` for ``params["m"]`` and for ``params.get("m", default)``."""
+
+    def __init__(self, name: str, params: dict[str, float]) -> None:
+        self.name, self.params = name, params
+
+    def _numbered(self, key: object) -> ast.AST:
+        if key not in self.params:
+            raise NotReadable(f"its functions read params[{key!r}], which is not a number")
+        index = ast.Constant(list(self.params).index(str(key)))
+        return ast.Subscript(ast.Name(self.name, ast.Load()), index, ast.Load())
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        if isinstance(node.value, ast.Name) and node.value.id == self.name and isinstance(node.slice, ast.Constant):
+            return self._numbered(node.slice.value)
+        return self.generic_visit(node)
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        called, first = node.func, node.args[0] if node.args else None
+        get = isinstance(called, ast.Attribute) and called.attr == "get"
+        if not (get and ast.unparse(called) == f"{self.name}.get" and isinstance(first, ast.Constant)):
+            return self.generic_visit(node)
+        key = first.value
+        if key not in self.params:
+            try:
+                default = ast.literal_eval(node.args[1])
+            except (ValueError, IndexError):
+                raise NotReadable(f"params.get({key!r}) has no constant default") from None
+            if not _is_number(default):
+                raise NotReadable(f"the default of params.get({key!r}) is not a number")
+            self.params[str(key)] = float(default)
+        return self._numbered(key)
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        if node.id == self.name:
+            raise NotReadable("its functions hand params on as a whole")
+        return node
+
+
+def _compiled_kernels(system: ct.NonlinearIOSystem, made: _Compilable) -> tuple[Kernel | None, Kernel, Kernel]:
+    n, m, q = system.nstates or 0, system.ninputs, system.noutputs
+    params = f"({''.join(f'p[{i}], ' for i in range(len(made.params)))})" if made.params else "(0.0,)"
+    values = tuple(made.params.values()) or (0.0,)
+    take_u = [f"U = np.empty({m})", *(f"U[{j}] = u[{j}]" for j in range(m))]
+
+    def take_x(array: str) -> list[str]:
+        return [f"X = np.empty({n})", *(f"X[{i}] = {array}[{i}]" for i in range(n))]
+
+    def put(function: Function, count: int, array: str, result: str) -> list[str]:
+        shape = _shape(function, n, m, values)
+        if shape == () and count == 1:
+            return [f"{array}[0] = {result}"]
+        if shape != (count,):
+            raise NotReadable(f"its functions return an array of shape {shape}, not ({count},)")
+        return [f"{array}[{i}] = {result}[{i}]" for i in range(count)]
+
+    f, h = made.update, made.output
+    if h is None:
+        out_lines = [f"out[{i}] = x[{i}]" for i in range(q)]
+        out = generated(out_lines)
+        given = [line.replace("= x[", "= d[") for line in out_lines]
+    else:
+        ask = f"y = function(t, X, U, {params})"
+        out = generated([*take_x("x"), *take_u, ask, *put(h, q, "out", "y")], h)
+        given = [ask.replace("function", "output"), *put(h, q, "out", "y")]
+    if f is None:
+        return None, out, generated([*take_x("d"), *take_u, *given], output=h)
+    ask = f"r = function(t, X, U, {params})"
+    der = generated([*take_x("x"), *take_u, ask, *put(f, n, "out", "r")], f)
+    step = generated([*take_x("d"), *take_u, *given, ask, *put(f, n, "d", "r")], f, output=h)
+    return der, out, step
+
+
+def _shape(function: Function, n: int, m: int, params: tuple[float, ...]) -> tuple[int, ...]:
+    """Return the shape of what a function returns, tried at zeros and at ones."""
+    for value in (0.0, 1.0):
+        try:
+            with np.errstate(all="ignore"):
+                return np.shape(function(0.0, np.full(n, value), np.full(m, value), params))
+        except Exception as error:
+            reason = error
+    raise NotReadable(f"its functions cannot be tried at zeros or ones: {reason}")
+
+
+# --- called in Python -----------------------------------------------------------------------------------------
+
+
+def _python_kernels(system: ct.NonlinearIOSystem, names: tuple[str, ...], reason: str) -> tuple[Kernel, Kernel, Kernel]:
+    n, m, q = system.nstates or 0, system.ninputs, system.noutputs
+    lock = threading.Lock()  # a system keeps the parameters of its last call
+
+    def ask(what: Function, t: float, x: Any, u: Any, p: Any) -> Any:
+        params = {**system.params, **{key: p[i] for i, key in enumerate(names)}}
+        state, given = np.array([x[i] for i in range(n)]), np.array([u[j] for j in range(m)])
+        with lock:
+            return np.asarray(what(t, state, given, params=params), dtype=float).reshape(-1)
+
+    def der(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
+        for i, rate in enumerate(ask(system.dynamics, t, x, u, p).tolist()):
+            out[i] = rate
+
+    def outputs(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
+        for i, value in enumerate(ask(system.output, t, x, u, p).tolist()[:q]):
+            out[i] = value
+
+    def step(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
+        outputs(t, d, d, u, p, out)
+        for i, value in enumerate(ask(system.dynamics, t, d, u, p).tolist() if n else ()):
+            d[i] = value
+
+    for kernel in (der, outputs, step):
+        kernel.may_run_in_python = reason  # type: ignore[attr-defined]
+    return der, outputs, step

@@ -1,0 +1,12 @@
+"""A figure that a notebook shows by itself, without a magic command."""
+
+from matplotlib.figure import Figure
+
+from logs.notebook import png
+
+
+class Picture(Figure):
+    """What every ``.plot()`` of the house returns: a matplotlib figure, with its image for a notebook."""
+
+    def _repr_png_(self) -> bytes:
+        return png(self)
