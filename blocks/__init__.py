@@ -6,13 +6,15 @@ valves       StickSlip QuasiStaticStem (physical)   KanoValve ChoudhuryValve HeV
              (two-parameter, sampled)   Deadband IdealValve Characteristic
 processes    FirstOrder SecondOrder Integrator DeadTime
 sensors      Sensor SampledSensor
-arithmetic   Sum Gain Limit
+arithmetic   Sum Gain
+switching    Saturation DeadZone RateLimiter Relay Lookup1D
+filters      LeadLag
 plant        Separator Scrubber ControlValveFlow GasValveFlow CheckValve FlowResistance Plenum Compressor
              (CubicMap, TabulatedMap) AntiSurge Shaft GasTurbine Flare
 """
 
 from blocks.anti_surge import AntiSurge
-from blocks.arithmetic import Gain, Limit, Sum
+from blocks.arithmetic import Gain, Sum
 from blocks.block import Block, Host, Kernels
 from blocks.characteristic import Characteristic
 from blocks.check_valve import CheckValve
@@ -22,6 +24,7 @@ from blocks.compressor import Compressor
 from blocks.compressor_map import CubicMap
 from blocks.control_valve_flow import ControlValveFlow
 from blocks.dead_time import DeadTime
+from blocks.dead_zone import DeadZone
 from blocks.deadband import Deadband
 from blocks.first_order import FirstOrder
 from blocks.flare import Flare
@@ -32,6 +35,8 @@ from blocks.he_valve import HeValve
 from blocks.ideal_valve import IdealValve
 from blocks.integrator import Integrator
 from blocks.kano_valve import KanoValve
+from blocks.lead_lag import LeadLag
+from blocks.lookup_1d import Lookup1D
 from blocks.noise import Noise
 from blocks.periodic import Sine, Slug, Square, Triangle
 from blocks.pi import PI
@@ -39,8 +44,11 @@ from blocks.pid import PID
 from blocks.plenum import Plenum
 from blocks.ports import BlockError, Labels, Port
 from blocks.quasi_static_stem import QuasiStaticStem
+from blocks.rate_limiter import RateLimiter
 from blocks.recorded import Recorded, Staircase
+from blocks.relay import Relay
 from blocks.sampled_pi import SampledPI
+from blocks.saturation import Saturation
 from blocks.scrubber import Scrubber
 from blocks.second_order import SecondOrder
 from blocks.sensor import SampledSensor, Sensor
@@ -50,6 +58,8 @@ from blocks.sources import Constant, Ramp, Step
 from blocks.stenman_valve import StenmanValve
 from blocks.stick_slip import StickSlip
 from blocks.tabulated_map import TabulatedMap
+
+Limit = Saturation  # its earlier name
 
 __all__ = [
     "PI",
@@ -66,6 +76,7 @@ __all__ = [
     "ControlValveFlow",
     "CubicMap",
     "DeadTime",
+    "DeadZone",
     "Deadband",
     "FirstOrder",
     "Flare",
@@ -80,15 +91,20 @@ __all__ = [
     "KanoValve",
     "Kernels",
     "Labels",
+    "LeadLag",
     "Limit",
+    "Lookup1D",
     "Noise",
     "Plenum",
     "Port",
     "QuasiStaticStem",
     "Ramp",
+    "RateLimiter",
     "Recorded",
+    "Relay",
     "SampledPI",
     "SampledSensor",
+    "Saturation",
     "Scrubber",
     "SecondOrder",
     "Sensor",

@@ -4,7 +4,7 @@
     at high (low) limit         v beyond that limit    event: v back within
 
 Shared by blocks with limits, so that each limit is located in the same way; v is what the value would be without.
-See also: arithmetic (Limit), sensor, limited_pi, gas_turbine.
+See also: saturation, dead_zone, sensor, limited_pi, gas_turbine.
 """
 
 from typing import Any

@@ -48,7 +48,12 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
     },
     "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
-    "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Limit": TEXTBOOK},
+    "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Lookup1D": TEXTBOOK},
+    "Limits and switches": {
+        "Saturation": TEXTBOOK, "DeadZone": "Khalil 2002", "RateLimiter": TEXTBOOK,
+        "Relay": "Astrom and Hagglund 2006",
+    },
+    "Compensators and filters": {"LeadLag": "Seborg, Edgar and Mellichamp 2004"},
 }  # fmt: skip
 
 # what a block cannot be built without, where 1 will not do; the values serve to show its ports
@@ -61,7 +66,10 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "HeValve": {"f_s": 0.04, "f_d": 0.02},
     "Sum": {"signal": "out", "weights": {"in_1": 1.0, "in_2": 1.0}},
     "Gain": {"signal": "out", "source": "in"},
-    "Limit": {"signal": "out", "source": "in", "low": 0.0},
+    "Saturation": {"signal": "out", "source": "in", "low": 0.0},
+    "DeadZone": {"signal": "out", "source": "in", "low": 0.0},
+    **{name: {"signal": "out", "source": "in"} for name in ("RateLimiter", "Relay", "LeadLag")},
+    "Lookup1D": {"signal": "out", "source": "in", "x": [0.0, 1.0], "y": [0.0, 1.0]},
 }
 
 HEAD = """# The blocks
