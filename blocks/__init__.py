@@ -2,8 +2,8 @@
 
 sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise
 controllers  PI PID SampledPI
-valves       StickSlip QuasiStaticStem (physical)   KanoValve ChoudhuryValve HeValve ChenValve StenmanValve
-             (two-parameter, sampled)   Deadband IdealValve Characteristic
+valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
+             KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
 processes    FirstOrder SecondOrder Integrator DeadTime
 sensors      Sensor SampledSensor
 arithmetic   Sum Gain
@@ -37,6 +37,7 @@ from blocks.integrator import Integrator
 from blocks.kano_valve import KanoValve
 from blocks.lead_lag import LeadLag
 from blocks.lookup_1d import Lookup1D
+from blocks.lugre_stem import LuGreStem
 from blocks.noise import Noise
 from blocks.periodic import Sine, Slug, Square, Triangle
 from blocks.pi import PI
@@ -57,6 +58,7 @@ from blocks.shaft import Shaft
 from blocks.sources import Constant, Ramp, Step
 from blocks.stenman_valve import StenmanValve
 from blocks.stick_slip import StickSlip
+from blocks.stribeck_stem import StribeckStem
 from blocks.tabulated_map import TabulatedMap
 
 Limit = Saturation  # its earlier name
@@ -94,6 +96,7 @@ __all__ = [
     "LeadLag",
     "Limit",
     "Lookup1D",
+    "LuGreStem",
     "Noise",
     "Plenum",
     "Port",
@@ -117,6 +120,7 @@ __all__ = [
     "StenmanValve",
     "Step",
     "StickSlip",
+    "StribeckStem",
     "Sum",
     "TabulatedMap",
     "Triangle",

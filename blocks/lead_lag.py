@@ -10,7 +10,7 @@ start    input at which it starts settled [unit of in]
 
 A step of the input jumps through by K T_lead/T_lag and then decays with T_lag.  A negative lead is an inverse response.
 Valid for any input; noise is amplified by T_lead/T_lag.  Source: textbook, for example Seborg, Edgar and Mellichamp,
-Process Dynamics and Control, 2nd ed. 2004, section 15.2 (feedforward control).
+Process Dynamics and Control, 2nd ed. 2004, chapter 15 (feedforward control).
 See also: first_order (a process, with dead time), sampled_filter.
 """
 

@@ -12,8 +12,8 @@ Each switching is located and logged.  The output does not depend on the input w
 loop without an algebraic loop.  Without hysteresis the loop around a process of first order slides along the
 threshold and switches without end (status CHATTERING), as the real contact would; give it a hysteresis.
 Python-control sees the position that the present input calls for, and the first one within the hysteresis.
-Valid for any signal.  Source: textbook; describing function and limit cycle: Astrom and Hagglund, Advanced PID
-Control, 2006, section 7.5.
+Valid for any signal.  Source: textbook; its limit cycle in a loop: Astrom and Hagglund, Automatica 20(5), 1984, pp.
+645-651.
 See also: saturation, switch, relay_tuner.
 """
 

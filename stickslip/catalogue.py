@@ -31,7 +31,8 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "AntiSurge": "thesis section 3.5.1, table 5.1", "Flare": "thesis section 3.5.4, table 5.1",
     },
     "Valve stems: OP to MV": {
-        "StickSlip": STEM, "QuasiStaticStem": STEM, "KanoValve": "Kano 2004", "ChoudhuryValve": "Choudhury 2005",
+        "StickSlip": STEM, "StribeckStem": "Olsson 1998", "LuGreStem": "Canudas de Wit 1995", "QuasiStaticStem": STEM,
+        "KanoValve": "Kano 2004", "ChoudhuryValve": "Choudhury 2005",
         "HeValve": "He 2007", "ChenValve": "Chen 2008", "StenmanValve": "Stenman 2003",
         "Deadband": TEXTBOOK, "IdealValve": TEXTBOOK,
     },
@@ -51,7 +52,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Lookup1D": TEXTBOOK},
     "Limits and switches": {
         "Saturation": TEXTBOOK, "DeadZone": "Khalil 2002", "RateLimiter": TEXTBOOK,
-        "Relay": "Astrom and Hagglund 2006",
+        "Relay": "Astrom and Hagglund 1984",
     },
     "Compensators and filters": {"LeadLag": "Seborg, Edgar and Mellichamp 2004"},
 }  # fmt: skip
