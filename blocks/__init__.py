@@ -3,12 +3,13 @@
 sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise
 controllers  PI PID SampledPI
 valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
+             Positioner (pneumatic, in front of a stem)
              KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
 processes    FirstOrder SecondOrder Integrator DeadTime
 sensors      Sensor SampledSensor
-arithmetic   Sum Gain
-switching    Saturation DeadZone RateLimiter Relay Lookup1D
-filters      LeadLag
+arithmetic   Sum Gain Product Divide Lookup1D
+switching    Saturation DeadZone RateLimiter Relay Switch MinSelect MaxSelect
+filters      LeadLag SampledFilter Biquad ZeroOrderHold
 plant        Separator Scrubber ControlValveFlow GasValveFlow CheckValve FlowResistance Plenum Compressor
              (CubicMap, TabulatedMap) AntiSurge Shaft GasTurbine Flare
 """
@@ -44,14 +45,18 @@ from blocks.pi import PI
 from blocks.pid import PID
 from blocks.plenum import Plenum
 from blocks.ports import BlockError, Labels, Port
+from blocks.positioner import Positioner
+from blocks.product import Divide, Product
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.rate_limiter import RateLimiter
 from blocks.recorded import Recorded, Staircase
 from blocks.relay import Relay
+from blocks.sampled_filter import Biquad, SampledFilter
 from blocks.sampled_pi import SampledPI
 from blocks.saturation import Saturation
 from blocks.scrubber import Scrubber
 from blocks.second_order import SecondOrder
+from blocks.select import MaxSelect, MinSelect
 from blocks.sensor import SampledSensor, Sensor
 from blocks.separator import Separator
 from blocks.shaft import Shaft
@@ -59,7 +64,9 @@ from blocks.sources import Constant, Ramp, Step
 from blocks.stenman_valve import StenmanValve
 from blocks.stick_slip import StickSlip
 from blocks.stribeck_stem import StribeckStem
+from blocks.switch import Switch
 from blocks.tabulated_map import TabulatedMap
+from blocks.zero_order_hold import ZeroOrderHold
 
 Limit = Saturation  # its earlier name
 
@@ -67,6 +74,7 @@ __all__ = [
     "PI",
     "PID",
     "AntiSurge",
+    "Biquad",
     "Block",
     "BlockError",
     "Characteristic",
@@ -80,6 +88,7 @@ __all__ = [
     "DeadTime",
     "DeadZone",
     "Deadband",
+    "Divide",
     "FirstOrder",
     "Flare",
     "FlowResistance",
@@ -97,14 +106,19 @@ __all__ = [
     "Limit",
     "Lookup1D",
     "LuGreStem",
+    "MaxSelect",
+    "MinSelect",
     "Noise",
     "Plenum",
     "Port",
+    "Positioner",
+    "Product",
     "QuasiStaticStem",
     "Ramp",
     "RateLimiter",
     "Recorded",
     "Relay",
+    "SampledFilter",
     "SampledPI",
     "SampledSensor",
     "Saturation",
@@ -122,6 +136,8 @@ __all__ = [
     "StickSlip",
     "StribeckStem",
     "Sum",
+    "Switch",
     "TabulatedMap",
     "Triangle",
+    "ZeroOrderHold",
 ]

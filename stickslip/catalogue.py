@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 TEXTBOOK = "textbook"
 STEM = "thesis eqs. 4.4 and 4.5"
+SELECTIVE = "Seborg, Edgar and Mellichamp 2004"
+SAMPLED = "Astrom and Wittenmark 1997"
 SLUGS = "thesis sections 1.3 and 5.1.3"
 
 # group -> block -> source in short; the block's page has it in full
@@ -34,7 +36,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "StickSlip": STEM, "StribeckStem": "Olsson 1998", "LuGreStem": "Canudas de Wit 1995", "QuasiStaticStem": STEM,
         "KanoValve": "Kano 2004", "ChoudhuryValve": "Choudhury 2005",
         "HeValve": "He 2007", "ChenValve": "Chen 2008", "StenmanValve": "Stenman 2003",
-        "Deadband": TEXTBOOK, "IdealValve": TEXTBOOK,
+        "Deadband": TEXTBOOK, "IdealValve": TEXTBOOK, "Positioner": "Merritt 1967",
     },
     "Valve bodies and pipes: MV to flow": {
         "ControlValveFlow": "thesis eqs. 4.1 and 4.2, table A.2", "GasValveFlow": "IEC 60534-2-1:2011",
@@ -49,12 +51,16 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
     },
     "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
-    "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Lookup1D": TEXTBOOK},
+    "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Product": TEXTBOOK, "Divide": TEXTBOOK, "Lookup1D": TEXTBOOK},
     "Limits and switches": {
         "Saturation": TEXTBOOK, "DeadZone": "Khalil 2002", "RateLimiter": TEXTBOOK,
-        "Relay": "Astrom and Hagglund 1984",
+        "Relay": "Astrom and Hagglund 1984", "Switch": TEXTBOOK,
+        "MinSelect": SELECTIVE, "MaxSelect": SELECTIVE,
     },
-    "Compensators and filters": {"LeadLag": "Seborg, Edgar and Mellichamp 2004"},
+    "Compensators and filters": {
+        "LeadLag": "Seborg, Edgar and Mellichamp 2004", "SampledFilter": SAMPLED,
+        "Biquad": "Oppenheim and Schafer 2010", "ZeroOrderHold": SAMPLED,
+    },
 }  # fmt: skip
 
 # what a block cannot be built without, where 1 will not do; the values serve to show its ports
@@ -69,7 +75,14 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "Gain": {"signal": "out", "source": "in"},
     "Saturation": {"signal": "out", "source": "in", "low": 0.0},
     "DeadZone": {"signal": "out", "source": "in", "low": 0.0},
-    **{name: {"signal": "out", "source": "in"} for name in ("RateLimiter", "Relay", "LeadLag")},
+    **{
+        name: {"signal": "out", "source": "in"}
+        for name in ("RateLimiter", "Relay", "LeadLag", "SampledFilter", "ZeroOrderHold")
+    },
+    "Biquad": {"signal": "out", "source": "in", "b": [1.0, 0.0, 0.0], "a": [0.0, 0.0]},
+    **{name: {"signal": "out", "sources": ["in_1", "in_2"]} for name in ("Product", "MinSelect", "MaxSelect")},
+    "Divide": {"signal": "out", "numerator": "in_1", "denominator": "in_2"},
+    "Switch": {"signal": "out", "control": "control", "above": "in_1", "below": "in_2"},
     "Lookup1D": {"signal": "out", "source": "in", "x": [0.0, 1.0], "y": [0.0, 1.0]},
 }
 
