@@ -1,15 +1,15 @@
 """Blocks: one python-control nonlinear I/O system per file, made of pure kernels.
 
-sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise
-controllers  PI PID SampledPI
+sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise PRBS Chirp
+controllers  PI PID SampledPI RelayTuner
 valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
              Positioner (pneumatic, in front of a stem)
              KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
-processes    FirstOrder SecondOrder Integrator DeadTime
+processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay
 sensors      Sensor SampledSensor
-arithmetic   Sum Gain Product Divide Lookup1D
+arithmetic   Sum Gain Product Divide Lookup1D Lookup2D
 switching    Saturation DeadZone RateLimiter Relay Switch MinSelect MaxSelect
-filters      LeadLag SampledFilter Biquad ZeroOrderHold
+filters      LeadLag SampledFilter Biquad ZeroOrderHold ResetIntegrator
 plant        Separator Scrubber ControlValveFlow GasValveFlow CheckValve FlowResistance Plenum Compressor
              (CubicMap, TabulatedMap) AntiSurge Shaft GasTurbine Flare
 """
@@ -20,6 +20,7 @@ from blocks.block import Block, Host, Kernels
 from blocks.characteristic import Characteristic
 from blocks.check_valve import CheckValve
 from blocks.chen_valve import ChenValve
+from blocks.chirp import Chirp
 from blocks.choudhury_valve import ChoudhuryValve
 from blocks.compressor import Compressor
 from blocks.compressor_map import CubicMap
@@ -38,6 +39,7 @@ from blocks.integrator import Integrator
 from blocks.kano_valve import KanoValve
 from blocks.lead_lag import LeadLag
 from blocks.lookup_1d import Lookup1D
+from blocks.lookup_2d import Lookup2D
 from blocks.lugre_stem import LuGreStem
 from blocks.noise import Noise
 from blocks.periodic import Sine, Slug, Square, Triangle
@@ -46,11 +48,14 @@ from blocks.pid import PID
 from blocks.plenum import Plenum
 from blocks.ports import BlockError, Labels, Port
 from blocks.positioner import Positioner
+from blocks.prbs import PRBS
 from blocks.product import Divide, Product
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.rate_limiter import RateLimiter
 from blocks.recorded import Recorded, Staircase
 from blocks.relay import Relay
+from blocks.relay_tuner import RelayTuner
+from blocks.reset_integrator import ResetIntegrator
 from blocks.sampled_filter import Biquad, SampledFilter
 from blocks.sampled_pi import SampledPI
 from blocks.saturation import Saturation
@@ -66,6 +71,7 @@ from blocks.stick_slip import StickSlip
 from blocks.stribeck_stem import StribeckStem
 from blocks.switch import Switch
 from blocks.tabulated_map import TabulatedMap
+from blocks.variable_delay import VariableDelay
 from blocks.zero_order_hold import ZeroOrderHold
 
 Limit = Saturation  # its earlier name
@@ -73,6 +79,7 @@ Limit = Saturation  # its earlier name
 __all__ = [
     "PI",
     "PID",
+    "PRBS",
     "AntiSurge",
     "Biquad",
     "Block",
@@ -80,6 +87,7 @@ __all__ = [
     "Characteristic",
     "CheckValve",
     "ChenValve",
+    "Chirp",
     "ChoudhuryValve",
     "Compressor",
     "Constant",
@@ -105,6 +113,7 @@ __all__ = [
     "LeadLag",
     "Limit",
     "Lookup1D",
+    "Lookup2D",
     "LuGreStem",
     "MaxSelect",
     "MinSelect",
@@ -118,6 +127,8 @@ __all__ = [
     "RateLimiter",
     "Recorded",
     "Relay",
+    "RelayTuner",
+    "ResetIntegrator",
     "SampledFilter",
     "SampledPI",
     "SampledSensor",
@@ -139,5 +150,6 @@ __all__ = [
     "Switch",
     "TabulatedMap",
     "Triangle",
+    "VariableDelay",
     "ZeroOrderHold",
 ]

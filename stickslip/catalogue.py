@@ -27,9 +27,11 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     "Signals and boundary conditions": {
         "Constant": TEXTBOOK, "Step": TEXTBOOK, "Ramp": TEXTBOOK, "Sine": SLUGS, "Square": TEXTBOOK,
         "Triangle": TEXTBOOK, "Slug": SLUGS, "Staircase": TEXTBOOK, "Recorded": TEXTBOOK, "Noise": "L'Ecuyer 1999",
+        "PRBS": "Ljung 1999", "Chirp": TEXTBOOK,
     },
     "Controllers": {
         "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
+        "RelayTuner": "Astrom and Hagglund 1984",
         "AntiSurge": "thesis section 3.5.1, table 5.1", "Flare": "thesis section 3.5.4, table 5.1",
     },
     "Valve stems: OP to MV": {
@@ -49,9 +51,13 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Processes of test loops": {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
+        "VariableDelay": TEXTBOOK,
     },
     "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
-    "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Product": TEXTBOOK, "Divide": TEXTBOOK, "Lookup1D": TEXTBOOK},
+    "Arithmetic": {
+        "Sum": TEXTBOOK, "Gain": TEXTBOOK, "Product": TEXTBOOK, "Divide": TEXTBOOK, "Lookup1D": TEXTBOOK,
+        "Lookup2D": TEXTBOOK,
+    },
     "Limits and switches": {
         "Saturation": TEXTBOOK, "DeadZone": "Khalil 2002", "RateLimiter": TEXTBOOK,
         "Relay": "Astrom and Hagglund 1984", "Switch": TEXTBOOK,
@@ -59,7 +65,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Compensators and filters": {
         "LeadLag": "Seborg, Edgar and Mellichamp 2004", "SampledFilter": SAMPLED,
-        "Biquad": "Oppenheim and Schafer 2010", "ZeroOrderHold": SAMPLED,
+        "Biquad": "Oppenheim and Schafer 2010", "ZeroOrderHold": SAMPLED, "ResetIntegrator": TEXTBOOK,
     },
 }  # fmt: skip
 
@@ -81,6 +87,17 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     },
     "Biquad": {"signal": "out", "source": "in", "b": [1.0, 0.0, 0.0], "a": [0.0, 0.0]},
     **{name: {"signal": "out", "sources": ["in_1", "in_2"]} for name in ("Product", "MinSelect", "MaxSelect")},
+    **{name: {"signal": "out"} for name in ("PRBS", "Chirp")},
+    "Lookup2D": {
+        "signal": "out",
+        "first": "in_1",
+        "second": "in_2",
+        "x": [0.0, 1.0],
+        "y": [0.0, 1.0],
+        "z": [[0.0, 1.0], [1.0, 2.0]],
+    },
+    "ResetIntegrator": {"signal": "out", "source": "in", "reset": "reset"},
+    "VariableDelay": {"signal": "out", "source": "in", "theta": "theta"},
     "Divide": {"signal": "out", "numerator": "in_1", "denominator": "in_2"},
     "Switch": {"signal": "out", "control": "control", "above": "in_1", "below": "in_2"},
     "Lookup1D": {"signal": "out", "source": "in", "x": [0.0, 1.0], "y": [0.0, 1.0]},
