@@ -16,6 +16,7 @@ plant        Separator Scrubber ControlValveFlow GasValveFlow CheckValve FlowRes
 
 from blocks.anti_surge import AntiSurge
 from blocks.arithmetic import Gain, Sum
+from blocks.biquad import Biquad
 from blocks.block import Block, Host, Kernels
 from blocks.characteristic import Characteristic
 from blocks.check_valve import CheckValve
@@ -56,7 +57,7 @@ from blocks.recorded import Recorded, Staircase
 from blocks.relay import Relay
 from blocks.relay_tuner import RelayTuner
 from blocks.reset_integrator import ResetIntegrator
-from blocks.sampled_filter import Biquad, SampledFilter
+from blocks.sampled_filter import SampledFilter
 from blocks.sampled_pi import SampledPI
 from blocks.saturation import Saturation
 from blocks.scrubber import Scrubber

@@ -16,7 +16,8 @@ start            pressure at the start [fraction of the spring range]
 The stem follows: wire a StickSlip, StribeckStem or LuGreStem that reads p in place of OP.  Positioner and actuator
 integrate: a stuck stem is pushed harder until it breaks away.  Stiction then turns from an offset into dead time, and
 where band is smaller than the slip jump J of the stem the positioner's own loop hunts.  Without friction and limits the
-closed inner loop is a lag of 1/G.  At band edges, full rates, supply and exhaust the mode changes, each located.
+closed inner loop is a lag of 1/G.  At band edges, full rates, supply and exhaust the mode changes, each located;
+python-control sees the mode that the present values call for.
 Valid for a single-acting actuator whose pressure changes little compared with the supply, so that choked flow is
 nearly constant; no leak, no pressure loss in tubes, no integral action.
 
@@ -29,7 +30,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
+import numpy as np
+
+from blocks.block import Block, Floats, Kernels
 from blocks.ports import Port, require
 from blocks.rules import finite, not_negative, positive
 
@@ -147,3 +150,14 @@ class Positioner(Block):
         finite(params, name, "exhaust", "supply")
         exhaust, supply = float(params["exhaust"]), float(params["supply"])
         require(exhaust < supply, name, "exhaust", exhaust, f"it must be below supply = {supply!r}", "exchange them")
+
+    def seen_memory(self, x: Floats, u: Floats) -> Floats:
+        """Return the mode, shape (1,), that the present values call for."""
+        G, band, r_fill, r_vent, exhaust, supply = self._p_now
+        over = abs(u[0] - u[1]) - 0.5 * band
+        s = 1.0 if u[0] > u[1] else -1.0
+        if over <= 0.0:
+            return np.array([HOLDING])
+        if (x[0] >= supply) if s > 0.0 else (x[0] <= exhaust):
+            return np.array([s * ENDED])
+        return np.array([s * (FULLY if G * over > (r_fill if s > 0.0 else r_vent) else OPEN)])

@@ -15,7 +15,8 @@ low, high  end stops [fraction of travel]; -inf and inf lift them
 Friction is continuous at v = 0+, so the stem takes a moment to start and stops in a finite time, with F_s; a
 stick-slip stem goes over to F_c at once, and with F_v creeps to rest.  As v_s -> 0 this stem becomes that one.
 Sliding is unstable below the speed where F'(v) = 0: there a slow ramp of OP gives stick-slip, above it smooth motion.
-Breakaway and standstill are located; each waits for F_s plus a millionth, so that the stem does start.
+Breakaway and standstill are located; breakaway waits for F_s plus a millionth, so that the stem does start.
+Mode "ideal" is the stem without dry friction and stops, to linearise.
 Valid for a spring-opposed actuator without positioner.  Not for: creep and elastic displacement before breakaway.
 
 Source: eq. 1 is the exponential model in Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30(7), 1994, pp.
@@ -29,7 +30,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from blocks.quasi_static_stem import STUCK, UP, check_stops, started_between
+from blocks.quasi_static_stem import IDEAL, STUCK, UP, check_stops, started_between
 from blocks.rules import not_negative, positive
 from blocks.stick_slip import TIE, StickSlip, check_friction
 
@@ -52,18 +53,19 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
         dx[0] = 0.0
         dx[1] = 0.0
     else:
-        dry = d[0] * stribeck(d[0] * x[1], p[3], p[4], p[7], p[8])
+        dry = 0.0 if d[0] == IDEAL else d[0] * stribeck(d[0] * x[1], p[3], p[4], p[7], p[8])
         dx[0] = x[1]
         dx[1] = (p[0] * (u[0] - x[0]) - dry - p[2] * x[1]) / p[1]
 
 
 def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
+    g[0] = -1.0
     g[1] = -1.0
     if d[0] == STUCK:  # away from a stop only
         spring = p[0] * (u[0] - x[0])
         free = x[0] < p[6] if spring > 0.0 else x[0] > p[5]
         g[0] = abs(spring) - p[4] * (1.0 + TIE) if free else -1.0
-    else:
+    elif d[0] != IDEAL:
         g[0] = -d[0] * x[1]
         g[1] = x[0] - p[6] if d[0] == UP else p[5] - x[0]
 
@@ -85,7 +87,7 @@ class StribeckStem(Block):
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=StickSlip.kernels.jump, n_events=2, feeds=False)
-    modes = {"stuck": STUCK, "sliding up": UP, "sliding down": -UP}
+    modes = StickSlip.modes
 
     def __init__(
         self,

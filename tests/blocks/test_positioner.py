@@ -2,6 +2,7 @@
 
 import math
 
+import control as ct
 import numpy as np
 import pytest
 
@@ -106,6 +107,18 @@ def test_without_friction_it_comes_to_rest_without_chattering():
         parts = [Step("SP", 0.5), PI(0.4, 10.0), Positioner(band=band), IdealValve(inputs="p"), FirstOrder(3.0, 10.0)]
         run = simulate(wire(parts), 600.0)
         assert run.ok and run.statistics.steps < 400
+
+
+def test_python_control_sees_the_mode_of_the_present_values():
+    loop = valve(Step("OP", 0.4), IdealValve(inputs="p"), G=2.0, band=0.02, r_fill=0.1)
+    t = np.linspace(0.0, 8.0, 81)
+    seen = ct.input_output_response(
+        loop, t, 0.0, loop.x0, solve_ivp_method="RK45", solve_ivp_kwargs={"rtol": 1e-8, "max_step": 0.05}
+    )
+    ours = simulate(loop, 8.0, times=t)
+    np.testing.assert_allclose(seen.outputs[list(loop.output_labels).index("MV")], ours.log["MV"], atol=1e-5)
+    ends = Positioner(start=1.2).dynamics(0.0, [1.2], [1.5, 0.0])[0], Positioner().dynamics(0.0, [0.0], [-1.0, 0.0])[0]
+    assert ends == (0.0, -0.2)
 
 
 @pytest.mark.parametrize(

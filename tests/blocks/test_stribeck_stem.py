@@ -2,6 +2,7 @@
 
 import math
 
+import control as ct
 import numpy as np
 import pytest
 from hypothesis import given
@@ -99,6 +100,12 @@ def test_the_reference_agrees():
     theirs = simulate_reference(loop(StribeckStem()), 130.0, every=1.0)
     np.testing.assert_allclose(ours.log["PV"], theirs.log["PV"], atol=1e-6)
     assert [e.after for e in ours.events] == [e.after for e in theirs.events]
+
+
+def test_linearised_without_its_dry_friction():
+    ideal = ct.linearize(StribeckStem().in_mode("ideal"), [0.0, 0.0], [0.0])
+    np.testing.assert_allclose(np.sort(ct.poles(ideal).real), np.sort(np.roots([M, F_V, K])), rtol=1e-5)  # analytic
+    np.testing.assert_allclose(ct.dcgain(ideal), 1.0, rtol=1e-6)
 
 
 def test_stops_hold_the_stem():
