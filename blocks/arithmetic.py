@@ -1,11 +1,10 @@
-"""Sums, gains and limits of signals.
+"""Sums and gains of signals.
 
-    sum    y = offset + w_1 u_1 + ... + w_n u_n
-    gain   y = offset + factor u
-    limit  y = low if u < low, high if u > high, else u
+    sum   y = offset + w_1 u_1 + ... + w_n u_n
+    gain  y = offset + factor u
 
-in  the signals named, out the signal named first; no states.  A Limit declares its modes, so that the instants
-at which it takes hold and lets go are located and logged.  See also: sensor (gain, offset and limits in one).
+in  the signals named, out the signal named first; no states.
+See also: product, saturation, sensor (gain, offset and limits in one).
 """
 
 import math
@@ -14,9 +13,8 @@ from typing import Any
 
 from blocks.arguments import by_name
 from blocks.block import Block, Kernels
-from blocks.limits import FREE, MODES, limit_events, limit_transition
 from blocks.ports import BlockError, Port, require
-from blocks.rules import check_limits, finite
+from blocks.rules import finite
 
 
 def _sum_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -29,14 +27,6 @@ def _sum_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 def _gain_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     y[0] = p[1] + p[0] * u[0]
-
-
-def _limit_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = min(max(u[0], p[0]), p[1])
-
-
-def _limit_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    limit_events(u[0], p[0], p[1], d, g)
 
 
 class Sum(Block):
@@ -107,41 +97,3 @@ class Gain(Block):
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless factor and offset are finite."""
         finite(params, name, "factor", "offset")
-
-
-class Limit(Block):
-    """A limiter: ``signal`` is ``source`` kept within ``low`` ... ``high``.
-
-    >>> valve = Limit("x", "OP", low=0.0, high=1.0)
-    >>> [float(valve.output(0.0, [], [OP])[0]) for OP in (-0.2, 0.3, 1.4)]
-    [0.0, 0.3, 1.0]
-    """
-
-    ports_in = (Port("in"),)
-    ports_out = (Port("out"),)
-    kernels = Kernels(out=_limit_out, zc=_limit_zc, jump=limit_transition, n_events=2)
-    modes = MODES
-
-    def __init__(
-        self,
-        signal: str,
-        source: str,
-        low: float = -math.inf,
-        high: float = math.inf,
-        *,
-        unit: str = "",
-        name: str = "",
-    ) -> None:
-        super().__init__(
-            name=name or signal,
-            params={"low": low, "high": high},
-            memory={"mode": FREE},
-            inputs=source,
-            outputs=signal,
-            units={"in": unit, "out": unit},
-        )
-
-    @staticmethod
-    def check(params: Mapping[str, float], name: str) -> None:
-        """Raise ``BlockError`` unless low < high."""
-        check_limits(params, name)

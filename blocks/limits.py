@@ -7,7 +7,7 @@ The band, 1e-12 (1 + |limit|), keeps rounding from switching modes: a value that
 next to nothing, and without a band several that feel each other free and catch each other for ever.
 
 Shared by blocks with limits, so that each limit is located in the same way; v is what the value would be without.
-See also: arithmetic (Limit), sensor, limited_pi, gas_turbine.
+See also: saturation, dead_zone, sensor, limited_pi, gas_turbine.
 """
 
 from typing import Any

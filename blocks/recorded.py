@@ -19,26 +19,14 @@ from numpy.typing import ArrayLike
 from blocks.block import Kernels
 from blocks.ports import BlockError, nearest, require
 from blocks.sources import Source
+from blocks.table import passed, same_size
 
 HOLDS = {"previous": 0.0, "linear": 1.0}
 
 
-def _passed(t: float, p: Any) -> int:
-    """Return how many of the knots lie at or before ``t``."""
-    low = 0
-    high = int(p[0])
-    while low < high:
-        mid = (low + high) // 2
-        if p[2 + mid] <= t:
-            low = mid + 1
-        else:
-            high = mid
-    return low
-
-
 def _recorded_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     n = int(p[0])
-    k = _passed(t, p)
+    k = passed(t, int(p[0]), 2, p)
     at = 1 + n + k  # the value of the last knot passed
     if k == 0:
         y[0] = p[2 + n]
@@ -49,7 +37,7 @@ def _recorded_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 def _recorded_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
-    k = _passed(t, p)
+    k = passed(t, int(p[0]), 2, p)
     out[0] = p[2 + k] if k < int(p[0]) else math.inf
 
 
@@ -109,9 +97,7 @@ class Recorded(Source):
 
         Raises ``BlockError`` for another length or an unknown name.
         """
-        if "n" in changes:
-            require(changes["n"] == self.p[0], self.name, "n", changes["n"], "it is the length of the table",
-                    "make another Recorded")  # fmt: skip
+        same_size(self, changes, "n")
         return super().with_params(**changes)
 
 

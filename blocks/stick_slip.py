@@ -27,7 +27,8 @@ friction and without stops, M x'' = k (OP - x) - F_v v; no event leaves it, so i
 that meets a stop rests there (stuck) until the spring pulls it away with more than F_s.
 
 Valid for a spring-opposed actuator without positioner.  Not for: Stribeck effect, creep, seat load.
-See also: quasi_static_stem (the same without mass), kano_valve and its siblings (sampled two-band models).
+See also: quasi_static_stem (the same without mass), stribeck_stem, lugre_stem (other laws of friction),
+kano_valve and its siblings (sampled two-band models).
 """
 
 import math
@@ -170,10 +171,8 @@ class StickSlip(Block):
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless k, M > 0, F_v, v_stop >= 0, F_s >= F_c >= 0 and low < high."""
         positive(params, name, "k", "M", remedy="give a positive one")
-        not_negative(params, name, "F_v", "F_c", "v_stop")
-        F_s, F_c = float(params["F_s"]), float(params["F_c"])
-        rule = f"static friction is at least the Coulomb friction, F_s >= F_c = {F_c}"
-        require(F_c <= F_s < math.inf, name, "F_s", F_s, rule, "raise F_s or lower F_c")
+        not_negative(params, name, "F_v", "v_stop")
+        check_friction(params, name)
         check_stops(params, name)
 
     # --- what the MV-OP figure shows ------------------------------------------------------------------------
@@ -209,3 +208,11 @@ class StickSlip(Block):
             units=self.units,
             spans=self.spans,
         )
+
+
+def check_friction(params: Mapping[str, float], name: str) -> None:
+    """Raise ``BlockError`` unless F_s >= F_c >= 0, both finite."""
+    not_negative(params, name, "F_c")
+    F_s, F_c = float(params["F_s"]), float(params["F_c"])
+    rule = f"static friction is at least the Coulomb friction, F_s >= F_c = {F_c}"
+    require(F_c <= F_s < math.inf, name, "F_s", F_s, rule, "raise F_s or lower F_c")

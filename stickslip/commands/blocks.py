@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 TEXTBOOK = "textbook"
 STEM = "thesis eqs. 4.4 and 4.5"
+SELECTIVE = "Seborg, Edgar and Mellichamp 2004"
+SAMPLED = "Astrom and Wittenmark 1997"
 SLUGS = "thesis sections 1.3 and 5.1.3"
 
 # group -> block -> source in short; the block's page has it in full
@@ -25,15 +27,18 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     "Signals and boundary conditions": {
         "Constant": TEXTBOOK, "Step": TEXTBOOK, "Ramp": TEXTBOOK, "Sine": SLUGS, "Square": TEXTBOOK,
         "Triangle": TEXTBOOK, "Slug": SLUGS, "Staircase": TEXTBOOK, "Recorded": TEXTBOOK, "Noise": "L'Ecuyer 1999",
+        "PRBS": "Ljung 1999", "Chirp": TEXTBOOK,
     },
     "Controllers": {
         "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
+        "RelayTuner": "Astrom and Hagglund 1984",
         "AntiSurge": "thesis section 3.5.1, table 5.1", "Flare": "thesis section 3.5.4, table 5.1",
     },
     "Valve stems: OP to MV": {
-        "StickSlip": STEM, "QuasiStaticStem": STEM, "KanoValve": "Kano 2004", "ChoudhuryValve": "Choudhury 2005",
+        "StickSlip": STEM, "StribeckStem": "Olsson 1998", "LuGreStem": "Canudas de Wit 1995", "QuasiStaticStem": STEM,
+        "KanoValve": "Kano 2004", "ChoudhuryValve": "Choudhury 2005",
         "HeValve": "He 2007", "ChenValve": "Chen 2008", "StenmanValve": "Stenman 2003",
-        "Deadband": TEXTBOOK, "IdealValve": TEXTBOOK,
+        "Deadband": TEXTBOOK, "IdealValve": TEXTBOOK, "Positioner": "Merritt 1967",
     },
     "Valve bodies and pipes: MV to flow": {
         "ControlValveFlow": "thesis eqs. 4.1 and 4.2, table A.2", "GasValveFlow": "IEC 60534-2-1:2011",
@@ -46,11 +51,24 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Processes of test loops": {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
+        "VariableDelay": TEXTBOOK,
     },
     "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
-    "Arithmetic": {"Sum": TEXTBOOK, "Gain": TEXTBOOK, "Limit": TEXTBOOK},
+    "Arithmetic": {
+        "Sum": TEXTBOOK, "Gain": TEXTBOOK, "Product": TEXTBOOK, "Divide": TEXTBOOK, "Lookup1D": TEXTBOOK,
+        "Lookup2D": TEXTBOOK,
+    },
     "Any system": {
         "StateSpace": TEXTBOOK, "TransferFunction": TEXTBOOK, "Equations": TEXTBOOK, "SampledFunction": TEXTBOOK,
+    },
+    "Limits and switches": {
+        "Saturation": TEXTBOOK, "DeadZone": "Khalil 2002", "RateLimiter": TEXTBOOK,
+        "Relay": "Astrom and Hagglund 1984", "Switch": TEXTBOOK,
+        "MinSelect": SELECTIVE, "MaxSelect": SELECTIVE,
+    },
+    "Compensators and filters": {
+        "LeadLag": "Seborg, Edgar and Mellichamp 2004", "SampledFilter": SAMPLED,
+        "Biquad": "Oppenheim and Schafer 2010", "ZeroOrderHold": SAMPLED, "ResetIntegrator": TEXTBOOK,
     },
 }  # fmt: skip
 
@@ -64,11 +82,32 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "HeValve": {"f_s": 0.04, "f_d": 0.02},
     "Sum": {"signal": "out", "weights": {"in_1": 1.0, "in_2": 1.0}},
     "Gain": {"signal": "out", "source": "in"},
-    "Limit": {"signal": "out", "source": "in", "low": 0.0},
     "StateSpace": {"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]]},
     "TransferFunction": {"num": [1.0], "den": [1.0, 1.0]},
     "Equations": {"name": "yours", "out": lambda u: u, "inputs": "u", "outputs": "y"},
     "SampledFunction": {"name": "yours", "step": lambda u: u, "inputs": "u", "outputs": "y"},
+    "Saturation": {"signal": "out", "source": "in", "low": 0.0},
+    "DeadZone": {"signal": "out", "source": "in", "low": 0.0},
+    **{
+        name: {"signal": "out", "source": "in"}
+        for name in ("RateLimiter", "Relay", "LeadLag", "SampledFilter", "ZeroOrderHold")
+    },
+    "Biquad": {"signal": "out", "source": "in", "b": [1.0, 0.0, 0.0], "a": [0.0, 0.0]},
+    **{name: {"signal": "out", "sources": ["in_1", "in_2"]} for name in ("Product", "MinSelect", "MaxSelect")},
+    **{name: {"signal": "out"} for name in ("PRBS", "Chirp")},
+    "Lookup2D": {
+        "signal": "out",
+        "first": "in_1",
+        "second": "in_2",
+        "x": [0.0, 1.0],
+        "y": [0.0, 1.0],
+        "z": [[0.0, 1.0], [1.0, 2.0]],
+    },
+    "ResetIntegrator": {"signal": "out", "source": "in", "reset": "reset"},
+    "VariableDelay": {"signal": "out", "source": "in", "theta": "theta"},
+    "Divide": {"signal": "out", "numerator": "in_1", "denominator": "in_2"},
+    "Switch": {"signal": "out", "control": "control", "above": "in_1", "below": "in_2"},
+    "Lookup1D": {"signal": "out", "source": "in", "x": [0.0, 1.0], "y": [0.0, 1.0]},
 }
 
 HEAD = """# The blocks

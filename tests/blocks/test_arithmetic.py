@@ -1,15 +1,13 @@
-"""Sum, gain, limit; expected numbers are analytic."""
+"""Sum and gain; expected numbers are analytic."""
 
 import math
 
-import numpy as np
 import pytest
 
-from blocks.arithmetic import Gain, Limit, Sum
-from blocks.periodic import Sine
+from blocks.arithmetic import Gain, Sum
 from blocks.ports import BlockError
 from blocks.sources import Constant
-from diagram import drive, ensemble, simulate, wire
+from diagram import ensemble, simulate, wire
 
 
 def test_sum_weighs_its_inputs():
@@ -41,15 +39,6 @@ def test_gain_and_offset_convert_units():
     assert fahrenheit.units["out"] == "degF"
 
 
-def test_limit_cuts_and_tells_when():
-    run = drive(Limit("x", "OP", -0.5, 0.5), 10.0, every=0.1, OP=Sine("OP", 1.0, 10.0))
-    sine = np.sin(2 * np.pi * run.log.t / 10.0)
-    np.testing.assert_allclose(run.log["x"], np.clip(sine, -0.5, 0.5), atol=1e-12)
-    # sin = 1/2 at 1/12, 5/12 of the period, -1/2 at 7/12, 11/12
-    assert [e.t for e in run.events] == pytest.approx([10 / 12, 50 / 12, 70 / 12, 110 / 12], abs=1e-9)
-    assert [e.after for e in run.events] == ["at high limit", "free", "at low limit", "free"]
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [
@@ -57,7 +46,6 @@ def test_limit_cuts_and_tells_when():
         (lambda: Sum("y", {"A": 1.0}).with_params(n=3), ["no parameter 'n'", "offset, w_A"]),
         (lambda: Sum("y", {"A": math.inf}), ["w_A = inf", "finite"]),
         (lambda: Gain("y", "u", math.nan), ["factor = nan"]),
-        (lambda: Limit("y", "u", 1.0, 1.0), ["low = 1.0", "below high = 1.0"]),
     ],
 )
 def test_misuse_is_refused_with_value_rule_and_remedy(make, words):

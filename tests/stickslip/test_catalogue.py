@@ -20,8 +20,8 @@ LIMITS = {"low", "high", "T_t", "action"}  # of the PI behind AntiSurge and Flar
 
 
 def test_every_block_is_listed_once():
-    found = {name for name in blocks.__all__ if isinstance(getattr(blocks, name), type)}
-    found = {name for name in found if issubclass(getattr(blocks, name), Block)} - {"Block"}
+    classes = [getattr(blocks, name) for name in blocks.__all__ if isinstance(getattr(blocks, name), type)]
+    found = {made.__name__ for made in classes if issubclass(made, Block)} - {"Block"}
     listed = [name for names in BLOCKS.values() for name in names]
     assert sorted(listed) == sorted(found)
 

@@ -1,0 +1,92 @@
+"""Integrator with reset: a totaliser, a timer, a batch counter.
+
+    dy/dt = rate u;    y = to   at the instant at which reset rises above threshold
+
+in   in       any signal, named second            reset  the signal that resets, named third
+out  out      the integral, named first
+rate          [unit of out per s and unit of in]  threshold  [unit of reset]      to  y after a reset [unit of out]
+start         y at the start [unit of out]
+
+Only a rise resets: reset must fall below the threshold before the next one counts.  Each rise is located and logged
+(modes "armed" and "reset").  The output does not depend on the inputs within an instant, so it may reset itself.
+Valid for any signals.  Source: textbook.
+See also: integrator (a process), switch.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block, Kernels
+from blocks.ports import Port
+from blocks.rules import finite
+
+ARMED, RESET = 0.0, 1.0
+
+# p = rate, threshold, to
+
+
+def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = x[0]
+
+
+def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
+    dx[0] = p[0] * u[0]
+
+
+def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
+    g[0] = u[1] - p[1] if d[0] == ARMED else p[1] - u[1]
+
+
+def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
+    if d[0] == ARMED:
+        x[0] = p[2]
+        d[0] = RESET
+    else:
+        d[0] = ARMED
+
+
+class ResetIntegrator(Block):
+    """The integral of ``source``, set to ``to`` when ``reset`` rises above ``threshold``.
+
+    Raises ``BlockError`` unless all are finite.
+
+    >>> from blocks import Staircase
+    >>> from diagram import drive
+    >>> total = ResetIntegrator("V", "F", "new_batch")
+    >>> new = Staircase("new_batch", [0.0, 1.0, 0.0], at=[0.0, 2.5, 2.6])
+    >>> drive(total, 4.0, every=1.0, F=2.0, new_batch=new).log["V"].round(6).tolist()
+    [0.0, 2.0, 4.0, 1.0, 3.0]
+    """
+
+    ports_in = (Port("in"), Port("reset"))
+    ports_out = (Port("out"),)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=1, feeds=False)
+    modes = {"armed": ARMED, "reset": RESET}
+
+    def __init__(
+        self,
+        signal: str,
+        source: str,
+        reset: str,
+        *,
+        rate: float = 1.0,
+        threshold: float = 0.5,
+        to: float = 0.0,
+        start: float = 0.0,
+        unit: str = "",
+        name: str = "",
+    ) -> None:
+        super().__init__(
+            name=name or signal,
+            params={"rate": rate, "threshold": threshold, "to": to},
+            states={"y": start},
+            memory={"mode": ARMED},
+            inputs=[source, reset],
+            outputs=signal,
+            units={"out": unit},
+        )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless all are finite."""
+        finite(params, name, *params)
