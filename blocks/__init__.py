@@ -81,8 +81,6 @@ from blocks.transfer_function import TransferFunction
 from blocks.variable_delay import VariableDelay
 from blocks.zero_order_hold import ZeroOrderHold
 
-Limit = Saturation  # its earlier name
-
 __all__ = [
     "PI",
     "PID",
@@ -119,7 +117,6 @@ __all__ = [
     "Kernels",
     "Labels",
     "LeadLag",
-    "Limit",
     "Lookup1D",
     "Lookup2D",
     "LuGreStem",

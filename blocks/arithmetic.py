@@ -53,9 +53,6 @@ class Sum(Block):
             raise BlockError(f"{name or signal}: weights = {weights!r}, but each signal needs its factor; give {ones}")
         by_name(name or signal, "weights", weights or {}, {"SP": 1.0, "PV": -1.0})
         require(bool(weights), name or signal, "weights", weights, "a sum needs at least one input", "name one")
-        free = not {"n", "offset"} & set(weights)
-        rule = "n and offset are parameters of the sum itself"
-        require(free, name or signal, "weights", dict(weights), rule, "give the signal another label")
         self.ports_in = tuple(Port(key) for key in weights)
         self.ports_out = (Port(signal, unit),)  # under its own name, because an input may be called "out"
         super().__init__(

@@ -80,7 +80,8 @@ def dry_run(block: "Block") -> None:
         with contextlib.redirect_stdout(io.StringIO()) as said, np.errstate(all="ignore"):
             for name in ("step",) if block.sampled else ("out", "der", "zc", "jump", "next_time"):
                 kernel = getattr(k, name)
-                if kernel is not None and (name != "der" or len(block.x0)):
+                always_python = isinstance(getattr(kernel, "may_run_in_python", None), str)  # cannot harm memory
+                if kernel is not None and not always_python and (name != "der" or len(block.x0)):
                     _Trial(block, name, kernel).run()
     except Mistake as mistake:
         raise BlockError(f"block '{block.name}': {mistake}; correct it") from mistake

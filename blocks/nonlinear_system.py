@@ -71,9 +71,9 @@ class NonlinearSystem(Block):
         try:
             readable = _compilable(system, params)
             params = readable.params
-            der, out, step = _compiled_kernels(system, readable)
+            der, out, step = _compiled_kernels(system, readable, feeds)
         except NotReadable as reason:
-            der, out, step = _python_kernels(system, tuple(params), str(reason))
+            der, out, step = _python_kernels(system, tuple(params), str(reason), feeds)
         names = system.state_labels[:n]
         params["dt"] = dt
         states = dict.fromkeys(names, 0.0)
@@ -251,11 +251,14 @@ class _Params(ast.NodeTransformer):
         return node
 
 
-def _compiled_kernels(system: ct.NonlinearIOSystem, made: _Compilable) -> tuple[Kernel | None, Kernel, Kernel]:
+def _compiled_kernels(
+    system: ct.NonlinearIOSystem, made: _Compilable, feeds: bool
+) -> tuple[Kernel | None, Kernel, Kernel]:
     n, m, q = system.nstates or 0, system.ninputs, system.noutputs
     params = f"({''.join(f'p[{i}], ' for i in range(len(made.params)))})" if made.params else "(0.0,)"
     values = tuple(made.params.values()) or (0.0,)
     take_u = [f"U = np.empty({m})", *(f"U[{j}] = u[{j}]" for j in range(m))]
+    take_seen = take_u if feeds else [f"U = np.zeros({m})"]  # by the outputs
 
     def take_x(array: str) -> list[str]:
         return [f"X = np.empty({n})", *(f"X[{i}] = {array}[{i}]" for i in range(n))]
@@ -275,7 +278,7 @@ def _compiled_kernels(system: ct.NonlinearIOSystem, made: _Compilable) -> tuple[
         given = [line.replace("= x[", "= d[") for line in out_lines]
     else:
         ask = f"y = function(t, X, U, {params})"
-        out = generated([*take_x("x"), *take_u, ask, *put(h, q, "out", "y")], h)
+        out = generated([*take_x("x"), *take_seen, ask, *put(h, q, "out", "y")], h)
         given = [ask.replace("function", "output"), *put(h, q, "out", "y")]
     if f is None:
         return None, out, generated([*take_x("d"), *take_u, *given], output=h)
@@ -299,7 +302,9 @@ def _shape(function: Function, n: int, m: int, params: tuple[float, ...]) -> tup
 # --- called in Python -----------------------------------------------------------------------------------------
 
 
-def _python_kernels(system: ct.NonlinearIOSystem, names: tuple[str, ...], reason: str) -> tuple[Kernel, Kernel, Kernel]:
+def _python_kernels(
+    system: ct.NonlinearIOSystem, names: tuple[str, ...], reason: str, feeds: bool
+) -> tuple[Kernel, Kernel, Kernel]:
     n, m, q = system.nstates or 0, system.ninputs, system.noutputs
     lock = threading.Lock()  # a system keeps the parameters of its last call
 
@@ -314,7 +319,7 @@ def _python_kernels(system: ct.NonlinearIOSystem, names: tuple[str, ...], reason
             out[i] = rate
 
     def outputs(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
-        for i, value in enumerate(ask(system.output, t, x, u, p).tolist()[:q]):
+        for i, value in enumerate(ask(system.output, t, x, u if feeds else [0.0] * m, p).tolist()[:q]):
             out[i] = value
 
     def step(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:

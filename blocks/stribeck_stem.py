@@ -30,7 +30,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from blocks.quasi_static_stem import IDEAL, STUCK, UP, check_stops, started_between
+from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, check_stops, started_between
 from blocks.rules import not_negative, positive
 from blocks.stick_slip import TIE, StickSlip, check_friction
 
@@ -70,6 +70,16 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
         g[1] = x[0] - p[6] if d[0] == UP else p[5] - x[0]
 
 
+def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
+    if d[0] == STUCK:
+        d[0] = UP if u[0] > x[0] else DOWN
+    else:
+        if k[0] == 1.0:
+            x[0] = p[6] if d[0] == UP else p[5]
+        d[0] = STUCK  # where it stands: at rest friction is F_s, so it does not creep on
+    x[1] = 0.0
+
+
 class StribeckStem(Block):
     """A valve stem with Stribeck friction; spring, mass and forces default to the thesis's high stiction.
 
@@ -86,7 +96,7 @@ class StribeckStem(Block):
 
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=StickSlip.kernels.jump, n_events=2, feeds=False)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
     modes = StickSlip.modes
 
     def __init__(

@@ -61,7 +61,7 @@ def _strict_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     n = int(p[0])
-    y[0] = _lower(x, p) + p[5 + 2 * n] * p[2] ** n / p[3] * _highest(x, u, p)
+    y[0] = _lower(x, p) + p[5 + 2 * n] * math.pow(p[2], float(n)) / p[3] * _highest(x, u, p)
 
 
 def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:

@@ -32,7 +32,8 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     size = math.ceil(p[1] / p[0]) + 2
     taken = int(d[0])
     d[1 + taken % size] = u[0]
-    back = min(max(u[1], 0.0), p[1]) / p[0]
+    theta = u[1] if u[1] > 0.0 else 0.0  # also what is no number
+    back = min(theta, p[1]) / p[0]
     whole = int(back)
     newer = d[1 + (taken - whole) % size]
     older = d[1 + (taken - whole - 1) % size]

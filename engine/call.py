@@ -19,7 +19,7 @@ from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
 from engine.callback import Callback
-from engine.reach import fingerprint, make_callable
+from engine.reach import fingerprint, make_callable, raises
 from engine.stamp import locked
 
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
@@ -76,6 +76,7 @@ class _Compiled(CFunc):
     """A compiled kernel."""
 
     _pyfunc: Any
+    trusted = False  # True: allocating arrays, which could fail for want of memory, is allowed
 
     def enable_caching(self) -> None:
         self._cache = _Cache(self._pyfunc)
@@ -100,7 +101,7 @@ class _Compiled(CFunc):
                 "functions, conditions, loops, and helpers made of the same"
             ) from error
         made.library.finalize()
-        if BACK_TO_PYTHON in made.library.get_llvm_str():
+        if not self.trusted and BACK_TO_PYTHON in made.library.get_llvm_str():
             raise KernelError(
                 f"{told} could raise an error or print while it runs, which compiled code cannot: take out raise, "
                 "assert, print, and lists or tuples with an index that is not constant; refuse bad parameters in "
@@ -128,15 +129,17 @@ def _compiled_if_possible(kernel: Kernel) -> Any:
     reason = kernel.may_run_in_python  # type: ignore[attr-defined]
     if isinstance(reason, str):
         return Callback(kernel, reason)
+    if raises(kernel):
+        return Callback(kernel, "it can raise an error or print, which compiled code cannot")
     try:
         make_callable(kernel)
         made = _Compiled(kernel, (SIGNATURE.args, SIGNATURE.return_type), {}, dict(OPTIONS))
+        made.trusted = True
         with warnings.catch_warnings(action="ignore"):
             made.compile()
     except Exception as error:  # whatever the compiler has against it, Python can run it
         cause = error.__cause__
-        why = _in_short(cause) if isinstance(cause, Exception) else "it could raise an error or print while it runs"
-        return Callback(kernel, f"it cannot be compiled: {why}")
+        return Callback(kernel, f"it cannot be compiled: {_in_short(cause if isinstance(cause, Exception) else error)}")
     return made
 
 

@@ -5,6 +5,7 @@ the file of the kernel only; a constant from another file would keep its old val
 So compiled kernels are kept under a fingerprint of all they reach.
 """
 
+import dis
 import hashlib
 import sys
 from collections.abc import Iterable, Iterator
@@ -36,14 +37,35 @@ def fingerprint(kernel: FunctionType) -> str:
 
 def make_callable(function: Any) -> None:
     """Let compiled code call the plain Python functions of its module, or from around it, that ``function`` names."""
+    for helper in _helpers(function):
+        if helper not in _callable:
+            _callable.add(helper)
+            register_jitable(helper)
+            make_callable(helper)
+
+
+def raises(function: Any, _seen: frozenset[FunctionType] = frozenset()) -> bool:
+    """Return whether a function, or a plain one that it calls, says ``raise`` or ``assert``, or prints.
+
+    >>> def f(x):
+    ...     assert x > 0.0
+    >>> raises(f), raises(make_callable)
+    (True, False)
+    """
+    steps = list(dis.get_instructions(function))
+    if any(step.opname == "RAISE_VARARGS" or step.argval == "print" for step in steps):
+        return True
+    return any(raises(helper, _seen | {function}) for helper in _helpers(function) if helper not in _seen | {function})
+
+
+def _helpers(function: Any) -> Iterator[FunctionType]:
+    """Yield the plain functions that a function names, of its module and from around it."""
     cells = (cell.cell_contents for cell in function.__closure__ or ())
     around = dict(zip(function.__code__.co_freevars, cells, strict=True))
     for name in (*function.__code__.co_names, *around):
         helper = around[name] if name in around else function.__globals__.get(name)
-        if isinstance(helper, FunctionType) and helper not in _callable:
-            _callable.add(helper)
-            register_jitable(helper)
-            make_callable(helper)
+        if isinstance(helper, FunctionType):
+            yield helper
 
 
 def _facts(value: Any, names: frozenset[str], seen: set[int]) -> Iterator[str | bytes]:

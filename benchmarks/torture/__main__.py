@@ -24,7 +24,7 @@ QUICK = 12  # diagrams
 NOTES = {
     "diagrams": "drawn and simulated",
     "agree": "of them the oracle finds the same in every signal, off the scans, within 1e-5 of 1 + its size",
-    "findings": "of them it does not (required: 0)",
+    "findings": "of them it does not (required: at most 0)",
     "undecided": "of them the oracle differs from itself, or asked more finely both agree: nothing proved",
     "skipped": "of them the oracle failed or took too long",
     "by_c": "of all judged by the C program",

@@ -24,13 +24,24 @@ KINDS: dict[str, tuple[str, ...]] = {  # in the order of oracle.c, with the para
     "Constant": ("value",), "Step": ("before", "after", "at"), "Ramp": ("before", "slope", "start", "end"),
     "Sine": ("mean", "amplitude", "period", "phase", "start"),
     "Square": ("mean", "amplitude", "period", "start", "duty"), "Sum": (), "Gain": ("factor", "offset"),
-    "Limit": ("low", "high"), "FirstOrder": ("K", "tau"), "SecondOrder": ("K", "omega", "zeta"),
+    "Saturation": ("low", "high"), "FirstOrder": ("K", "tau"), "SecondOrder": ("K", "omega", "zeta"),
     "Integrator": ("K", "T", "u_0"), "DeadTime": (), "PI": PI, "PID": (*PI, "T_d", "N", "b", "c"), "Sensor": SENSOR,
     "StickSlip": ("k", "M", "F_v", "F_c", "F_s", "low", "high", "v_stop"), "QuasiStaticStem": ("S", "J", "low", "high"),
     "SampledPI": PI, "Noise": ("mean", "sd", "correlation_time"),
     "SampledSensor": (*SENSOR, "sd", "correlation_time", "step"), "KanoValve": ("S", "J", "low", "high"),
 }  # fmt: skip
-FEEDS = {"Sum", "Gain", "Limit", "PI", "PID", "QuasiStaticStem", "Deadband", "SampledPI", "SampledSensor", "KanoValve"}
+FEEDS = {
+    "Sum",
+    "Gain",
+    "Saturation",
+    "PI",
+    "PID",
+    "QuasiStaticStem",
+    "Deadband",
+    "SampledPI",
+    "SampledSensor",
+    "KanoValve",
+}
 ANTI_WINDUP = {"none": 0, "back_calculation": 1, "conditional": 2}
 
 
@@ -92,7 +103,7 @@ def _line(block: Block, number: dict[str, int]) -> str:
     if kind == "Deadband":
         kind, values = "QuasiStaticStem", [params["width"], 0.0, params["low"], params["high"]]
     elif kind == "Sum":
-        values = [params["offset"], *(params[port.name] for port in block.ports_in)]
+        values = [params["offset"], *(params[f"w_{port.name}"] for port in block.ports_in)]
     elif kind == "SampledPI":
         values.append(float(ANTI_WINDUP[block.anti_windup]))  # type: ignore[attr-defined]
         place = memory["z"]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import blocks
-from blocks.arithmetic import Limit
+from blocks import Saturation
 from blocks.block import Block
 from blocks.noise import Noise
 from blocks.periodic import Sine, Square
@@ -108,7 +108,7 @@ def _loop(rng: np.random.Generator, n: int, read: list[str], measured: bool, con
         made.append(_controller(rng, {"SP": signal, "PV": feedback}, conditional))
         signal = "OP"
     if rng.random() < 0.2:
-        made.append(Limit("limited", signal, low=float(rng.uniform(-0.2, 0.2)), high=float(rng.uniform(0.3, 0.8))))
+        made.append(Saturation("limited", signal, low=float(rng.uniform(-0.2, 0.2)), high=float(rng.uniform(0.3, 0.8))))
         signal = "limited"
     if rng.random() < 0.2:
         made.append(blocks.Gain("scaled", signal, float(rng.uniform(0.5, 1.5)), offset=float(rng.uniform(-0.1, 0.1))))

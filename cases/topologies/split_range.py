@@ -34,7 +34,7 @@ def split_range(F_s: float = F_S) -> "Diagram":
     >>> loop["vent"].input_labels, loop["inert"].input_labels
     (['OP_vent'], ['OP_inert'])
     """
-    from blocks import PI, Characteristic, Constant, ControlValveFlow, Gain, IdealValve, Limit, Plenum, Square
+    from blocks import PI, Characteristic, Constant, ControlValveFlow, Gain, IdealValve, Plenum, Saturation, Square
     from blocks import StickSlip as Sticky
     from diagram import wire
 
@@ -47,8 +47,8 @@ def split_range(F_s: float = F_S) -> "Diagram":
             PI(2e-5, 300.0, action="direct", start_op=0.5, name="PC", inputs=["SP", "p"], outputs="OP"),
             Gain("call_vent", "OP", 2.0, offset=-1.0),
             Gain("call_inert", "OP", -2.0, offset=1.0),
-            Limit("OP_vent", "call_vent", 0.0, 1.0),
-            Limit("OP_inert", "call_inert", 0.0, 1.0),
+            Saturation("OP_vent", "call_vent", 0.0, 1.0),
+            Saturation("OP_inert", "call_inert", 0.0, 1.0),
             Sticky(F_s=F_s, F_c=F_C, k=SPRING, name="vent", inputs="OP_vent", outputs="MV_vent"),
             IdealValve(name="inert", inputs="OP_inert", outputs="MV_inert"),
             Characteristic(R, name="vent_trim", inputs="MV_vent", outputs="open_vent"),

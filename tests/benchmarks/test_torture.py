@@ -77,7 +77,7 @@ def test_seeds_draw_the_same_diagrams_again_and_every_kind_of_block():
         assert np.array_equal(drawn.times, again.times)
         kinds |= {type(block).__name__ for block in drawn.diagram.blocks}
     assert kinds >= {
-        "Constant", "Step", "Ramp", "Sine", "Square", "Noise", "Sum", "Gain", "Limit", "DeadTime", "FirstOrder",
+        "Constant", "Step", "Ramp", "Sine", "Square", "Noise", "Sum", "Gain", "Saturation", "DeadTime", "FirstOrder",
         "SecondOrder", "Integrator", "PI", "PID", "SampledPI", "StickSlip", "QuasiStaticStem", "Deadband", "KanoValve",
         "Sensor", "SampledSensor",
     }  # fmt: skip

@@ -53,9 +53,3 @@ def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
         make()
     for word in words:
         assert word in str(error.value)
-
-
-def test_a_sum_refuses_signals_that_are_called_like_its_own_parameters():
-    for signal in ("n", "offset"):  # a signal n used to replace the number of inputs, without a word
-        with pytest.raises(BlockError, match=f"'{signal}': 1.0.*another label"):
-            Sum("y", {"PV": 1.0, signal: 1.0})

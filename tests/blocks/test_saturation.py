@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import blocks
 from blocks.periodic import Sine
 from blocks.ports import BlockError
 from blocks.saturation import Saturation
@@ -17,10 +16,6 @@ def test_it_cuts_and_tells_when():
     # sin = 1/2 at 1/12, 5/12 of the period, -1/2 at 7/12, 11/12
     assert [e.t for e in run.events] == pytest.approx([10 / 12, 50 / 12, 70 / 12, 110 / 12], abs=1e-9)
     assert [e.after for e in run.events] == ["at high limit", "free", "at low limit", "free"]
-
-
-def test_its_earlier_name_is_still_known():
-    assert blocks.Limit is Saturation
 
 
 def test_misuse_is_refused_with_value_rule_and_remedy():

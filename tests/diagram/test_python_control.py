@@ -73,7 +73,7 @@ def test_what_python_control_joined_can_be_wired_again(what):
 
 @pytest.mark.parametrize("make", [block, diagram])
 def test_append_says_what_to_use_instead(make):
-    with pytest.raises(TypeError, match=r"plant\.wire.*ct\.interconnect.*ct\.linearize"):
+    with pytest.raises(TypeError, match=r"diagram\.wire.*ct\.interconnect.*ct\.linearize"):
         ct.append(make(), H)
     linear = ct.append(ct.linearize(make(), [0.0], [0.0]), H)
     assert linear.ninputs == 2

@@ -8,10 +8,10 @@ import inspect
 import os
 
 import numpy as np
-import online
 import pytest
 
 import blocks
+import detect.blocks
 from blocks import (
     PI,
     ChenValve,
@@ -23,12 +23,12 @@ from blocks import (
     IdealValve,
     Integrator,
     KanoValve,
-    Limit,
     Noise,
     QuasiStaticStem,
     Ramp,
     SampledPI,
     SampledSensor,
+    Saturation,
     SecondOrder,
     Sine,
     StenmanValve,
@@ -84,7 +84,7 @@ SAMPLED = {
 def every_sampled_block():
     return {
         kind
-        for room in (blocks, online)
+        for room in (blocks, detect.blocks)
         for kind in vars(room).values()
         if inspect.isclass(kind) and issubclass(kind, Block) and kind.period_param
     }
@@ -157,7 +157,7 @@ def random_diagram(rng):
         lambda s: Gain(s, read(), number(-2.0, 2.0), offset=number(-1.0, 1.0)),
         lambda s: Sum(s, {key: number(-1.0, 1.0) for key in dict.fromkeys([read(), read()])}),
         lambda s: IdealValve(inputs=read(), outputs=s, name=s),
-        lambda s: Limit(s, read(), number(-1.0, 0.0), number(0.1, 1.0)),
+        lambda s: Saturation(s, read(), number(-1.0, 0.0), number(0.1, 1.0)),
     ]
     sampled = [
         lambda s: Noise(s, sd=number(0.01, 1.0), dt=number(0.2, 2.0), seed=int(rng.integers(1000))),
