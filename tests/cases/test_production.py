@@ -149,7 +149,7 @@ def test_numbers_of_a_case(monkeypatch):
 
 
 def test_an_interrupted_study_is_no_study(monkeypatch):
-    module = import_module("diagram.ensembles.running")
+    module = import_module("diagram.ensembles")
     whole = module.ensemble
 
     def stopped(*arguments, **options):

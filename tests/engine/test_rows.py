@@ -14,6 +14,7 @@ import blocks
 import detect.blocks
 from blocks import (
     PI,
+    Biquad,
     ChenValve,
     ChoudhuryValve,
     DeadTime,
@@ -26,6 +27,9 @@ from blocks import (
     Noise,
     QuasiStaticStem,
     Ramp,
+    RelayTuner,
+    SampledFilter,
+    SampledFunction,
     SampledPI,
     SampledSensor,
     Saturation,
@@ -34,6 +38,8 @@ from blocks import (
     StenmanValve,
     Step,
     Sum,
+    VariableDelay,
+    ZeroOrderHold,
 )
 from blocks.block import Block, Kernels
 from blocks.ports import Port
@@ -78,6 +84,12 @@ SAMPLED = {
     PrefilterBlock: lambda: PrefilterBlock(1.0, inputs="a", outputs=["D", "E"]),
     DetectorBlock: lambda: DetectorBlock(area_ratio, 1.0, verdict_every=3, inputs=["b", "a", "x"], outputs=["E", "D"]),
     UnitDelay: lambda: UnitDelay(1.0, inputs="a", outputs="D"),
+    ZeroOrderHold: lambda: ZeroOrderHold("D", "a", 1.0),
+    SampledFilter: lambda: SampledFilter("D", "a", 3.0, 1.0),
+    Biquad: lambda: Biquad("D", "a", [0.3, 0.2, 0.1], [-0.4, 0.1], 1.0),
+    VariableDelay: lambda: VariableDelay("D", "a", "b", dt=1.0, longest=5.0),
+    RelayTuner: lambda: RelayTuner(0.2, dt=1.0, bias=0.5, inputs=["a", "b"], outputs=["D", "K_u", "T_u", "K_p", "E"]),
+    SampledFunction: lambda: SampledFunction("D", lambda a: 2.0 * a, dt=1.0, inputs="a", outputs="D"),
 }
 
 
@@ -127,7 +139,9 @@ def test_algebraic_blocks_behind_a_sampled_block(kind):
 
 
 @pytest.mark.parametrize(
-    "kind", [kind for kind in SAMPLED if kind not in (PrefilterBlock, DetectorBlock)], ids=lambda kind: kind.__name__
+    "kind",
+    [kind for kind in SAMPLED if kind not in (PrefilterBlock, DetectorBlock, SampledFunction)],
+    ids=lambda kind: kind.__name__,
 )
 def test_in_an_ensemble_too(kind):
     logs = ensemble(behind(SAMPLED[kind]()), 10.0, params={"u.factor": [1.0, 2.0, 3.0]}, every=0.23).values

@@ -124,7 +124,7 @@ def test_ok_means_every_row(q, t0, duration, rtol):
         ({"duration": 0.0}, "positive number of seconds"),
         ({"duration": math.inf}, "positive number of seconds"),
         ({"every": 0.0}, "log interval"),
-        ({"every": 11.0}, "at most 10"),
+        ({"every": 11.0}, "at most the duration, 10.0 s"),
         ({"t0": math.nan}, "t0"),
         ({"times": [0.0, math.nan]}, "finite"),
         ({"times": [1.0, 0.5]}, "increase"),

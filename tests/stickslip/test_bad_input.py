@@ -149,7 +149,7 @@ REQUESTS = [
     (["simulate", "sine", "--duration", "1e15"], ["1e+16 rows", "--every"]),
     (["simulate", "sine", "--every", "1e-9"], ["6e+11 rows", "--every"]),
     (["simulate", "sine", "--every", "0"], ["0.0", "positive"]),
-    (["simulate", "sine", "--every", "601"], ["601", "at most 600"]),
+    (["simulate", "sine", "--every", "601"], ["601", "at most the duration, 600.0 s"]),
     (["simulate", "sine", "--out", "log.xls"], ["--out log.xls", "'.xls'", ".parquet"]),
     (["simulate", "sine", "--out", "log"], ["--out log", ".csv"]),
     (["simulate", "sine", "--out", "absent/log.csv"], ["--out absent/log.csv", "no folder"]),

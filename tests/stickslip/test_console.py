@@ -91,7 +91,7 @@ def first_line_of(*arguments):
     ("export", "code", "line"),
     [
         ("FIC101_pi_export.csv", 1, "FIC101: STICTION"),
-        ("PIC305_long_form.csv", 0, "PIC305: NO STICTION"),
+        ("PIC305_long_form.csv", 0, "PIC305: INCONCLUSIVE"),
         ("LIC410_level.csv", 0, "LIC410: NOT APPLICABLE"),
     ],
 )
