@@ -14,7 +14,9 @@ v_stop     a stem slower than this that comes to rest sticks, where it would cre
            overdamped stem only ever approach rest while OP is held, as it is between the scans of a controller; a stem
            that has stuck needs F_s to move again, one that creeps only F_c, so that with 0 rounding would decide
            whether a loop cycles.  In a plant it sticks: the default, 1e-6, is slower than any stem is seen to move
-           (a travel in 12 days), and moves where it rests by F_v v_stop/k = 1e-8 of travel at most
+           (a travel in 12 days), and moves where it rests by F_v v_stop/k = 1e-8 of travel at most.  It comes to rest,
+           and does not just follow a slow OP, where M |dv/dt| > min(k M/F_v, F_v) |v|/2; it then stands at
+           OP -+ F_c/k if the spring still pulls with more than F_c, else where it is
 
 What the MV-OP figure of the block shows (all in fractions of OP):
     J = (F_s - F_c)/k        jump when it breaks away

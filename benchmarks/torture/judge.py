@@ -4,6 +4,10 @@ The oracle is the C program where it knows all blocks, else ``diagram.reference`
 again, more finely.  If they then agree, or if the oracle differs from itself, the diagram is sensitive (chaotic, or two
 events whose order rounding decides) and nothing is proved: it counts as undecided.  What is left is a finding, also
 where only the engine differs from itself: log rows that go with its steps are wrong.
+
+Both locate a jump of a signal to about a microsecond.  A row that the search happens to draw nearer than ``NEAR`` to a
+jump of the engine's may therefore stand on the other side of it for the oracle: it counts as equal if it lies between
+what the engine has just before, at and just behind that time.
 """
 
 import signal
@@ -27,6 +31,7 @@ ITSELF = 0.1  # of AGREED: who differs more from itself decides nothing
 STEPS = 3_000_000
 REFERENCE_STEPS = 60_000
 PATIENCE = 30.0  # with the reference [s]
+NEAR = 1e-5  # s
 ENGINE = ((1e-9, 1e-11), (1e-11, 1e-13))  # rtol, atol: first, and when asked again
 SHARES = (1.0 / 30.0, 1.0 / 60.0)
 REFERENCE: tuple[dict[str, Any], ...] = (
@@ -79,17 +84,24 @@ def judge(drawn: Drawn) -> Judgement:
         again = _asked(drawn, oracle, 1)
     except OracleFailed as reason:
         return Judgement(seed, "skipped", oracle, f"the oracle failed: {reason}", **cost)
-    fine = simulate(
-        drawn.diagram, drawn.duration, times=drawn.times, rtol=ENGINE[1][0], atol=ENGINE[1][1], max_steps=STEPS
-    )
-    finer = np.stack([fine.log[s] for s in drawn.diagram.signals], axis=1)
-    apart = np.abs(finer - again).max(axis=0) / size
+    difference = _difference(drawn, again)
+    apart = difference.max(axis=0) / size
     worst = float(AGREED * apart.max())
     if apart.max() <= 1.0:
         return Judgement(seed, "undecided", oracle, "asked more finely, they agree", worst, **cost)
     if (np.abs(theirs - again).max(axis=0) / size).max() > ITSELF:
         return Judgement(seed, "undecided", oracle, "the oracle differs from itself", worst, **cost)
-    return Judgement(seed, "finding", oracle, _told(drawn, np.abs(finer - again), apart), worst, **cost)
+    return Judgement(seed, "finding", oracle, _told(drawn, difference, apart), worst, **cost)
+
+
+def _difference(drawn: Drawn, theirs: Floats) -> Floats:
+    """Return how far the oracle's rows lie outside of what the engine, run finely, has around each time."""
+    around = [np.clip(drawn.times + shift, 0.0, drawn.duration) for shift in (-NEAR, 0.0, NEAR)]
+    times = np.unique(np.concatenate(around))
+    fine = simulate(drawn.diagram, drawn.duration, times=times, rtol=ENGINE[1][0], atol=ENGINE[1][1], max_steps=STEPS)
+    rows = np.stack([fine.log[s] for s in drawn.diagram.signals], axis=1)
+    ours = np.stack([rows[np.searchsorted(times, at)] for at in around])
+    return np.maximum(np.maximum(ours.min(axis=0) - theirs, theirs - ours.max(axis=0)), 0.0)
 
 
 def _told(drawn: Drawn, difference: Floats, apart: Floats) -> str:

@@ -166,10 +166,12 @@ static int wish(const Block *b, double t, const double *x, int reversals) {
     double u = s[b->in[0]];
     if (b->kind == STEM) {
         double at = x[b->x], v = x[b->x + 1], spring = p[0] * (u - at);
-        if (b->mode == 0) return fabs(spring) > p[4] && (spring > 0 ? at < p[6] : at > p[5]) ? 1 : 0;
+        double even = p[3] + fmax(1e-6 * p[3], 1e-9 * p[0]); /* with F_s = F_c a stem rests exactly at breakaway */
+        if (b->mode == 0) return fabs(spring) > fmax(p[4], even) && (spring > 0 ? at < p[6] : at > p[5]) ? 1 : 0;
         if (b->mode > 0 ? at > p[6] : at < p[5]) return 3;
         double forward = b->mode * v;
-        int braking = b->mode * spring < p[3] + p[2] * forward;
+        double slack = p[2] > 0 ? fmin(0.5 * p[0] * p[1] / p[2], 0.5 * p[2]) : 0; /* comes to rest, follows no OP */
+        int braking = b->mode * spring < p[3] + (p[2] - slack) * forward;
         return forward < (braking ? p[7] : 0) ? 2 : 0;
     }
     if (b->kind == MASSLESS) {
@@ -201,6 +203,8 @@ static int transitions(double t, double *x, int reversals) { /* all that stems d
         done++;
         if (b->kind == STEM) {
             if (what == 3) x[b->x] = b->mode > 0 ? p[6] : p[5];
+            else if (what == 2 && b->mode * p[0] * (u - x[b->x]) > p[3]) /* it would creep on, to where forces balance */
+                x[b->x] = clip(u - b->mode * p[3] / p[0], p[5], p[6]);
             b->mode = what == 1 ? (u > x[b->x] ? 1 : -1) : 0;
             x[b->x + 1] = 0;
         } else if (what == 1) b->mode = u > b->place ? 1 : -1;
@@ -313,6 +317,7 @@ static int settle(double t) { /* samples, then transitions, until nothing happen
             signals(t, X);
             sample(b, t);
             b->taken++;
+            note(t, 0); /* a breakpoint less than SAME before the scan may have brought us here */
         }
     }
     for (int chain = 0; chain < 200; chain++) {

@@ -66,7 +66,7 @@ def test_equal_signals_hand_nothing_over():
         (lambda: MinSelect("y", ["a"]), "there are two or more to select from"),
         (lambda: MinSelect("y", ["a", "b"]).with_params(n=3), "n = 3.0, but the selector has 2 inputs"),
         (lambda: MinSelect("y", ["a", "b"]).with_params(sign=-1), "sign = -1.0, but it is as built"),
-        (lambda: MaxSelect("y", ["a", "a"]), "two inputs labelled 'a'"),
+        (lambda: MaxSelect("y", ["a", "a"]), "two ports called 'a'"),
     ],
 )
 def test_misuse_is_explained(make, words):
