@@ -6,7 +6,8 @@ ensemble   one diagram over thousands of parameter sets    reference  slow, inde
 linear     operating points, poles, loops, relative gains
 """
 
-from diagram.diagram import Diagram, wire
+from diagram.composition import wire
+from diagram.diagram import Diagram
 from diagram.ensembles import ensemble
 from diagram.ensembles.result import Ensemble
 from diagram.simulation import Event, Run, simulate

@@ -15,11 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import by_name, text, texts
 from blocks.block import NO_APPEND, Block
-from blocks.control_system import as_block
 from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
 from blocks.ports import nearest, number, shortened
-from diagram.past import Past, together
+from diagram import changes
+from diagram.connections import connection_maps
+from diagram.past import Past
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
 if TYPE_CHECKING:
@@ -66,26 +67,9 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         )  # fmt: skip
         self._fix_params(_all_params(seen))
         self.updfcn, self.outfcn = self._update, self._output
-        self._connect()
-
-    def _connect(self) -> None:
-        """Fill python-control's connection maps."""
-        columns = {signal: self.output_offset[b] + j for signal, (b, j) in self.driven.items()}
-        connect = np.zeros((sum(len(b.ports_in) for b in self.blocks), sum(len(b.ports_out) for b in self.blocks)))
-        entry = np.zeros((connect.shape[0], len(self.open_inputs)))
-        row = 0
-        for block in self.blocks:
-            for signal in block.input_labels:
-                if signal in columns:
-                    connect[row, columns[signal]] = 1.0
-                else:
-                    entry[row, self.open_inputs.index(signal)] = 1.0
-                row += 1
-        self.set_connect_map(connect)
-        self.set_input_map(entry)
-        exits = np.zeros((len(self.chosen_outputs), connect.shape[1] + connect.shape[0]))
-        for i, signal in enumerate(self.chosen_outputs):
-            exits[i, columns[signal]] = 1.0
+        connections, entries, exits = connection_maps(self)
+        self.set_connect_map(connections)
+        self.set_input_map(entries)
         self.set_output_map(exits)
 
     def __repr__(self) -> str:
@@ -155,10 +139,10 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         other._past = past
         return other
 
-    def with_params(self, changes: Mapping[str, float]) -> Self:
+    def with_params(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
-        by_name(self.name, "params", changes, {"valve.F_s": 1750.0})
-        return self._with_blocks(self._changed(changes, "with_params"))
+        by_name(self.name, "params", values, {"valve.F_s": 1750.0})
+        return self._with_blocks(changes.changed_blocks(self, values, "with_params"))
 
     def starting_at(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``.
@@ -168,7 +152,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         for key, value in by_name(self.name, "start", values, {"process.PV": 0.5}).items():
             if not math.isfinite(number("start", key, value)):
                 raise WiringError(f"'{key}' is to start at {float(value):g}, but it must be finite; give a number")
-        return self._with_blocks(self._changed(values, "starting_at"))
+        return self._with_blocks(changes.changed_blocks(self, values, "starting_at"))
 
     def in_mode(self, modes: str | Mapping[str, str]) -> Self:
         """Return the diagram with blocks in a mode: one name for all that have it, or block -> mode.
@@ -176,34 +160,11 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         A stuck stem linearises to zero; ``ct.linearize(loop.in_mode("ideal"), ...)`` shows the loop behind it.
         Raises ``WiringError`` for a mode that no block has, ``BlockError`` for one that the named block has not.
         """
-        if isinstance(modes, str):
-            having = {block.name: modes for block in self.blocks if modes in block.modes}
-            if not having:
-                known = sorted({m for block in self.blocks for m in block.modes})
-                raise WiringError(f"no block of the diagram has a mode '{modes}'; {nearest(modes, known)}")
-            modes = having
-        changed = list(self.blocks)
-        for name, mode in by_name(self.name, "modes", modes, {"valve": "ideal"}).items():
-            b = self.block_index(name)
-            changed[b] = changed[b].in_mode(mode)
-        return self._with_blocks(changed)
+        return self._with_blocks(changes.blocks_in_mode(self, modes))
 
     def at_state(self, x: ArrayLike) -> Self:
         """Return the diagram starting from a python-control state vector (e.g. of ``find_operating_point``)."""
-        given = [number("at_state", "x", value) for value in np.ravel(x).tolist()]
-        if len(given) != self.nstates:
-            raise WiringError(
-                f"{len(given)} values are given, but python-control counts {self.nstates} states: "
-                f"{', '.join(self.state_labels)}; give one value for each"
-            )
-        values = dict(zip(self.state_labels, given, strict=True))
-        plain = {
-            f"{block.name}.{state}": values[label]
-            for block in self.blocks
-            for state in (*block.state_names, *block.memory_names)
-            if (label := f"{block.name}[{state}]") in values
-        }
-        return self.starting_at(plain)
+        return self.starting_at(changes.start_values(self, x))
 
     def replace(self, name: str, block: Block | ct.InputOutputSystem) -> "Diagram":
         """Return the diagram with one block replaced; the new one takes over name and labels, port by port.
@@ -212,88 +173,29 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
         Raises ``WiringError`` if there is no such block, or if the new one has other numbers of ports.
         """
-        if isinstance(block, Diagram) or not isinstance(block, ct.InputOutputSystem):
-            raise WiringError(
-                f"'{name}' cannot be replaced by {type(block).__name__}: it is no block; take the old blocks out with "
-                "without(), and wire() a diagram in their place"
-            )
-        block = as_block(block)
-        b = self.block_index(name)
-        old = self.blocks[b]
-        if len(block.ports_in) != len(old.ports_in) or len(block.ports_out) != len(old.ports_out):
-            raise WiringError(
-                f"block '{name}' has {len(old.ports_in)} inputs and {len(old.ports_out)} outputs, its replacement "
-                f"'{block.name}' {len(block.ports_in)} and {len(block.ports_out)}; they must agree"
-            )
-        new = block.relabelled(name, list(old.input_labels), list(old.output_labels))
-        past = self._past
-        if past is not None and new.sampled:
-            new = new.holding(old.y0) if old.sampled else new  # until the next sample
-            past = past if old.sampled else past.without(name)
-        changed = [*self.blocks[:b], new, *self.blocks[b + 1 :]]
-        return Diagram(changed, self.open_inputs, self.declared_outputs, self.name).with_past(past)
+        return changes.replaced(self, name, block)
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""
-        kept = [self[n] for n in texts(self.name, "names", names if isinstance(names, str) else _listed(names))]
-        driven = {s for block in kept for s in block.output_labels}
-        inputs = dict.fromkeys(s for block in kept for s in block.input_labels if s not in driven)
-        return Diagram(kept, list(inputs), None, name).with_past(self._past)
+        return changes.part(self, names, name)
 
     def without(self, *names: str) -> "Diagram":
         """Return the diagram without some blocks; what they drove becomes an open input where it is read.
 
         A source that only they read, e.g. the set point of a controller, goes with them.
         """
-        for n in names:
-            self.block_index(n)
-        kept = [block for block in self.blocks if block.name not in names]
-        gone = {signal for block in self.blocks if block.name in names for signal in block.input_labels}
-        read = {signal for block in kept for signal in block.input_labels}
-        idle = gone - read
-        return self.part([b.name for b in kept if b.ports_in or not idle.issuperset(b.output_labels)], self.name)
+        return changes.without(self, names)
 
     def named(self, name: str, **inputs: str) -> "Diagram":
         """Return the diagram under another name, its open inputs relabelled (``SP="SP1"``), for nesting.
 
         Raises ``WiringError`` for an input that is not open.
         """
-        for key, signal in inputs.items():
-            text(self.name, key, signal)
-            if key not in self.open_inputs:
-                raise WiringError(
-                    f"diagram '{self.name}' has no open input '{key}'; {nearest(key, list(self.open_inputs))}"
-                )
-        blocks = [
-            block.relabelled(block.name, [inputs.get(s, s) for s in block.input_labels], list(block.output_labels))
-            for block in self.blocks
-        ]
-        opened = [inputs.get(s, s) for s in self.open_inputs]
-        return Diagram(blocks, opened, self.declared_outputs, name).with_past(self._past)
+        return changes.named(self, name, inputs)
 
     def leaves(self) -> list[Block]:
         """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
-        prefix = f"{self.name}/"
-        return [
-            block.relabelled(
-                prefix + block.name,
-                [prefix + s if s in self.driven else s for s in block.input_labels],
-                [prefix + s for s in block.output_labels],
-            )
-            for block in self.blocks
-        ]
-
-    def _changed(self, values: Mapping[str, float], change: str) -> list[Block]:
-        grouped: dict[int, dict[str, float]] = {}
-        for key, value in values.items():
-            name, _, what = key.rpartition(".")
-            if not name:
-                raise WiringError(f"'{key}' does not say which block; write 'block.name', e.g. 'valve.F_s'")
-            grouped.setdefault(self.block_index(name), {})[what] = value
-        blocks = list(self.blocks)
-        for b, group in grouped.items():
-            blocks[b] = getattr(blocks[b], change)(**group)
-        return blocks
+        return changes.nested_blocks(self)
 
     def _with_blocks(self, blocks: Sequence[Block]) -> Self:
         """Return a copy with blocks that differ only in values; wiring and plan are shared.
@@ -342,44 +244,3 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
 def _all_params(blocks: Iterable[Block]) -> dict[str, float]:
     return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
-
-
-def _listed(items: Any) -> list[Any]:
-    """Return what is given in a list or the like as a list."""
-    if isinstance(items, Iterable) and not isinstance(items, str | Block | Diagram):
-        return list(items)
-    raise WiringError(f"{items!r:.60} is no list; give several things as one, e.g. [valve, process]")
-
-
-def wire(
-    items: Iterable[Block | Diagram | ct.InputOutputSystem],
-    inputs: Sequence[str] = (),
-    outputs: Sequence[str] | None = None,
-    name: str = "diagram",
-) -> Diagram:
-    """Join blocks, diagrams and python-control systems by signal name into one diagram.
-
-    A signal is driven by exactly one output label and read by every input with the same label.  A nested diagram
-    ``loop`` shows its signals as ``loop/PV`` and reads its open inputs by name.
-
-    Parameters: ``items`` blocks, diagrams and systems of python-control (``ct.tf``, ``ct.zpk``, ``ct.ss``,
-    ``ct.nlsys``, continuous or sampled, see ``blocks.control_system``), whose ports are called by their labels;
-    ``inputs`` signals left open on purpose; ``outputs`` the outputs of the python-control system (default: all).
-
-    Raises ``WiringError`` for unknown, dangling, doubly driven or unit-mismatched signals and algebraic loops,
-    ``BlockError`` for what is no such item, or a system that cannot be simulated (improper, dt = True).
-
-    >>> from blocks import PI, FirstOrder, Step
-    >>> loop = wire([Step("SP", 0.5), PI(K_p=0.4, T_i=10.0, outputs="MV"), FirstOrder(K=3.0, tau=10.0)])
-    >>> loop.signals
-    ('SP', 'MV', 'PV')
-    """
-    leaves: list[Block] = []
-    pasts: list[Past] = []
-    for item in _listed(items):
-        if isinstance(item, Diagram):
-            leaves += item.leaves()
-            pasts += [item.past.inside(item.name)] if item.past is not None else []
-        else:
-            leaves.append(as_block(item))
-    return Diagram(leaves, inputs, outputs, name).with_past(together(pasts))

@@ -41,11 +41,7 @@ def drivers(blocks: Sequence[Block], inputs: Sequence[str]) -> dict[str, tuple[i
 def check_readers(
     blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], inputs: Sequence[str], outputs: Sequence[str]
 ) -> None:
-    """Refuse inputs nobody drives, declared inputs nobody reads, sources nobody reads, unknown outputs.
-
-    A block without inputs that has states of its own, such as Lorenz's equations, is a system, not a source: it may
-    stand alone.
-    """
+    """Refuse inputs nobody drives, declared inputs nobody reads, unknown outputs."""
     known = [*driven, *inputs]
     read: set[str] = set()
     for block in blocks:
@@ -66,7 +62,16 @@ def check_readers(
             raise WiringError(
                 f"the diagram declares an output '{signal}' that nothing drives; {nearest(signal, list(driven))}"
             )
-    for block in blocks:
+
+
+def check_sources(sources: Iterable[Block], blocks: Iterable[Block], outputs: Sequence[str]) -> None:
+    """Refuse sources whose signal no block reads.
+
+    A block without inputs that has states of its own, such as Lorenz's equations, is a system, not a source: it may
+    stand alone.
+    """
+    read = {signal for block in blocks for signal in block.input_labels}
+    for block in sources:
         source = not block.ports_in and not len(block.x0) and (isinstance(block, Seeded) or not len(block.d0))
         if source and not any(s in read or s in outputs for s in block.output_labels):
             wanted = nearest(block.output_labels[0], sorted(read))
