@@ -1,7 +1,7 @@
 """A diagram: blocks wired by signal names, a ``control.InterconnectedSystem`` and at the same time a value.
 
-It can be taken apart (``blocks``, ``part``), changed (``with_params``, ``replace``, ``starting_at``, ``in_mode``)
-and nested; every change returns a new diagram and leaves the old one as it was.
+It can be taken apart (``blocks``, ``part``, ``cut``, ``segments``), changed (``with_params``, ``replace``, ``insert``,
+``rewire``, ``starting_at``, ``in_mode``) and nested; a change returns a new diagram and leaves the old one as it is.
 """
 
 import copy
@@ -18,7 +18,7 @@ from blocks.block import NO_APPEND, Block
 from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
 from blocks.ports import nearest, number, shortened
-from diagram import changes
+from diagram import changes, cuts
 from diagram.connections import connection_maps
 from diagram.past import Past
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
@@ -27,15 +27,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from diagram.flatten import Plan
+    from diagram.segments import Segment
 
 
 class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
-    ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  Every kernel is tried once, see
-    ``blocks.dry_run``.  As a python-control system its inputs are
-    the open inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
+    ``input_units``, ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  Every kernel is tried once,
+    see ``blocks.dry_run``.  As a python-control system its inputs are the open inputs, its outputs the declared
+    outputs, and it sees each block's ``smooth()`` view.
     """
 
     def _owner(self) -> str:
@@ -55,7 +56,9 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.declared_outputs = None if outputs is None else tuple(outputs)
         self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
         check_readers(self.blocks, self.driven, self.open_inputs, self.declared_outputs or ())
-        self.signal_units = check_units(self.blocks, self.driven)
+        units = check_units(self.blocks)
+        self.signal_units = {signal: units[signal] for signal in self.driven}
+        self.input_units = {signal: units[signal] for signal in self.open_inputs}
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None
@@ -185,6 +188,72 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         A source that only they read, e.g. the set point of a controller, goes with them.
         """
         return changes.without(self, names)
+
+    def cut(self, signals: str | Iterable[str]) -> "Diagram":
+        """Return the diagram with signals cut: blocks that read one now read an open input of its name.
+
+        What drives it goes on under its name and the block's, ``PV:sensor``, also where the signal is a declared
+        output.  An open input stays one.  Between the two the loop is open: ``ct.linearize(loop.cut("PV"), ...)``.
+
+        Raises ``WiringError`` for a signal that is unknown or that no block reads.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> opened = self_regulating_loop().cut("PV")
+        >>> opened.open_inputs, opened.signals
+        (('PV',), ('SP', 'OP', 'MV', 'PV:process'))
+        """
+        return cuts.cut(self, signals)
+
+    def segments(self, logged: str | Iterable[str]) -> "tuple[Segment, ...]":
+        """Return the maximal pieces between logged signals: what each reads and drives, and the piece alone.
+
+        Every block is in one segment.  Raises ``WiringError`` for a signal that is unknown.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> for segment in self_regulating_loop().segments(["SP", "OP", "PV"]):
+        ...     print(segment)
+        <Segment SP: reads nothing, drives SP>
+        <Segment controller: reads SP, PV, drives OP>
+        <Segment valve, process: reads OP, drives PV>
+        """
+        from diagram.segments import segments
+
+        return segments(self, logged)
+
+    def insert(
+        self, signal: str, block: "Block | Diagram | ct.InputOutputSystem", readers: str | Iterable[str] | None = None,
+        inputs: Sequence[str] = (),
+    ) -> "Diagram":  # fmt: skip
+        """Return the diagram with a block, or a small diagram, in the path of a signal.
+
+        Without ``readers`` all see the new block, a log included: it drives the signal, and what drove it before goes
+        on as ``PV:sensor``.  With ``readers`` (names of blocks), and at an open input, the signal stays what it was,
+        and the readers read ``PV:`` and the new block's name.
+
+        The block's labels do not matter if it has one input and one output; of several the one of the signal's name
+        lies in the path, the others are wired by name, or left open on purpose with ``inputs``.
+
+        Raises ``WiringError`` for an unknown signal, a block that does not read it, or a path that is not clear.
+
+        >>> from blocks import Gain
+        >>> from plant.loops import self_regulating_loop
+        >>> biased = self_regulating_loop().insert("PV", Gain("bias", "in", 1.0, offset=0.02))
+        >>> biased["bias"].input_labels, biased["bias"].output_labels
+        (['PV:process'], ['PV'])
+        """
+        return cuts.inserted(self, signal, block, readers, inputs)
+
+    def rewire(self, block: str, port: str, signal: str, inputs: Sequence[str] = ()) -> "Diagram":
+        """Return the diagram with an input of a block, named by its port or label, reading another signal.
+
+        A signal that nothing drives is left open on purpose with ``inputs``; an open input that no block reads any
+        more goes.  Raises ``WiringError`` for an unknown block, port or signal, and for an algebraic loop.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> self_regulating_loop().rewire("controller", "PV", "MV")["controller"].input_labels
+        ['SP', 'MV']
+        """
+        return cuts.rewired(self, block, port, signal, inputs)
 
     def named(self, name: str, **inputs: str) -> "Diagram":
         """Return the diagram under another name, its open inputs relabelled (``SP="SP1"``), for nesting.

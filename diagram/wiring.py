@@ -81,23 +81,24 @@ def check_sources(sources: Iterable[Block], blocks: Iterable[Block], outputs: Se
             )
 
 
-def check_units(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) -> dict[str, str]:
-    """Return signal -> unit; refuse a signal whose ports state different units ("" fits every unit)."""
+def check_units(blocks: Sequence[Block]) -> dict[str, str]:
+    """Return signal -> unit, "" if none is stated; refuse a signal whose ports state different units."""
     stated: dict[str, dict[str, str]] = {}
     for block in blocks:
         ports = [*zip(block.ports_in, block.input_labels, strict=True)]
         ports += zip(block.ports_out, block.output_labels, strict=True)
         for port, signal in ports:
             unit = block.units[port.name]
+            here = stated.setdefault(signal, {})
             if unit:
-                stated.setdefault(signal, {})[unit] = f"{port.name} of '{block.name}'"
+                here[unit] = f"{port.name} of '{block.name}'"
     for signal, units in stated.items():
         if len(units) > 1:
             said = "; ".join(f"{where} is in [{unit}]" for unit, where in units.items())
             raise WiringError(
                 f"signal '{signal}' has mismatched units: {said}; convert with a Gain block, or correct units="
             )
-    return {signal: next(iter(stated[signal])) if signal in stated else "" for signal in driven}
+    return {signal: next(iter(units), "") for signal, units in stated.items()}
 
 
 def feeds_now(block: Block) -> bool:
