@@ -32,7 +32,7 @@ def source(signal: str, given: Any, name: str = "", unit: str = "") -> Block:
         return given.relabelled(name, [], [signal])
     if isinstance(given, tuple) and len(given) == 2:
         return Recorded(signal, *given, name=name)
-    if np.ndim(given) == 0 and isinstance(given, int | float | np.floating | np.integer):
+    if isinstance(given, int | float | np.floating | np.integer):
         return Constant(signal, float(given), name=name)
     if is_table(given) or isinstance(given, Mapping):
         given = held(given)

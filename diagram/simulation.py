@@ -134,7 +134,8 @@ def simulate(
     A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
 
     Raises ``ValueError`` for a request that makes no sense, a run beyond the log played back, or a log beyond the
-    machine's memory; numerical failure is a status, not an exception.  Warns (``ToleranceWarning``) if ``atol`` is too large for some blocks.
+    machine's memory; numerical failure is a status, not an exception.  Warns (``ToleranceWarning``) if ``atol`` is too
+    large for some blocks.
 
     >>> from blocks import Step, FirstOrder
     >>> from diagram import simulate, wire
