@@ -4,6 +4,7 @@ Each change returns a new diagram with the open inputs, declared outputs, parame
 one, as far as they still fit.  See also: ``cuts``, which changes what reads what.
 """
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -32,8 +33,20 @@ def rebuilt(
     return type(diagram)(blocks, inputs, outputs, diagram.name if name is None else name).with_past(diagram.past)
 
 
-def changed_blocks(diagram: "Diagram", values: Mapping[str, float], change: str) -> list[Block]:
-    """Return the blocks after ``with_params`` or ``starting_at`` of those that ``{"valve.F_s": 1750.0}`` names."""
+def blocks_with_params(diagram: "Diagram", values: Mapping[str, float]) -> list[Block]:
+    """Return the blocks with other parameters: see ``Diagram.with_params``."""
+    return _changed(diagram, by_name(diagram.name, "params", values, {"valve.F_s": 1750.0}), "with_params")
+
+
+def blocks_starting_at(diagram: "Diagram", values: Mapping[str, float]) -> list[Block]:
+    """Return the blocks with other start values: see ``Diagram.starting_at``."""
+    for key, value in by_name(diagram.name, "start", values, {"process.PV": 0.5}).items():
+        if not math.isfinite(number("start", key, value)):
+            raise WiringError(f"'{key}' is to start at {float(value):g}, but it must be finite; give a number")
+    return _changed(diagram, values, "starting_at")
+
+
+def _changed(diagram: "Diagram", values: Mapping[str, float], change: str) -> list[Block]:
     grouped: dict[int, dict[str, float]] = {}
     for key, value in values.items():
         name, _, what = key.rpartition(".")

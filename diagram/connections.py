@@ -1,9 +1,13 @@
-"""How python-control sees the wiring of a diagram: which input of which block is fed by what, as matrices."""
+"""How python-control sees a diagram: which input of which block is fed by what, as matrices, and its parameters."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from blocks.ports import nearest
+from diagram.wiring import WiringError
 
 if TYPE_CHECKING:
     from diagram.diagram import Diagram
@@ -29,3 +33,15 @@ def connection_maps(diagram: "Diagram") -> tuple[Floats, Floats, Floats]:
     for i, signal in enumerate(diagram.chosen_outputs):
         exits[i, columns[signal]] = 1.0
     return connections, entries, exits
+
+
+def own_params(diagram: "Diagram", given: Mapping[str, float]) -> dict[str, float]:
+    """Return the diagram's own of the parameters that python-control hands over.
+
+    In an interconnection there are those of other systems among them; alone, an unknown one is refused.
+    """
+    joined = diagram.params.keys() <= given.keys()
+    for key in given.keys() - diagram.params.keys():
+        if not joined or any(key.startswith(f"{block.name}.") for block in diagram.blocks):
+            raise WiringError(f"the diagram has no parameter '{key}'; {nearest(key, list(diagram.params))}")
+    return {key: value for key, value in given.items() if key in diagram.params}

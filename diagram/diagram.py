@@ -5,7 +5,6 @@ It can be taken apart (``blocks``, ``part``, ``cut``, ``segments``), changed (``
 """
 
 import copy
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
@@ -13,13 +12,13 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.arguments import by_name, text, texts
+from blocks.arguments import text, texts
 from blocks.block import NO_APPEND, Block
 from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
-from blocks.ports import nearest, number, shortened
+from blocks.ports import nearest, shortened
 from diagram import changes, cuts
-from diagram.connections import connection_maps
+from diagram.connections import connection_maps, own_params
 from diagram.past import Past
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
@@ -144,18 +143,14 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def with_params(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
-        by_name(self.name, "params", values, {"valve.F_s": 1750.0})
-        return self._with_blocks(changes.changed_blocks(self, values, "with_params"))
+        return self._with_blocks(changes.blocks_with_params(self, values))
 
     def starting_at(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``.
 
         Raises ``WiringError`` for an unknown block or state, or a value that is not finite.
         """
-        for key, value in by_name(self.name, "start", values, {"process.PV": 0.5}).items():
-            if not math.isfinite(number("start", key, value)):
-                raise WiringError(f"'{key}' is to start at {float(value):g}, but it must be finite; give a number")
-        return self._with_blocks(changes.changed_blocks(self, values, "starting_at"))
+        return self._with_blocks(changes.blocks_starting_at(self, values))
 
     def in_mode(self, modes: str | Mapping[str, str]) -> Self:
         """Return the diagram with blocks in a mode: one name for all that have it, or block -> mode.
@@ -295,12 +290,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""
-        given = params or {}
-        joined = self.params.keys() <= given.keys()
-        for key in given.keys() - self.params.keys():
-            if not joined or any(key.startswith(f"{block.name}.") for block in self.blocks):
-                raise WiringError(f"the diagram has no parameter '{key}'; {nearest(key, list(self.params))}")
-        super()._update_params({key: value for key, value in given.items() if key in self.params})
+        super()._update_params(own_params(self, params or {}))
 
     def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)

@@ -188,6 +188,14 @@ def test_several_blocks_are_inserted_as_a_diagram():
     assert "leak/drift" in log
 
 
+def test_a_system_of_python_control_is_inserted_as_it_is():
+    made = loop().insert("PV", ct.tf([1.0], [2.0, 1.0], name="lag"), readers=["controller"])
+    like = loop().insert("PV", FirstOrder(1.0, 2.0, name="lag"), readers=["controller"])
+    expected, run = simulate(like, 30.0, rtol=1e-9).log, simulate(made, 30.0, rtol=1e-9).log
+    np.testing.assert_allclose(run["PV:lag"], expected["PV:lag"], atol=1e-8)
+    assert made.driven.keys() == like.driven.keys()
+
+
 def test_of_several_ports_the_one_of_the_name_lies_in_the_path():
     loaded = loop().insert("MV", Sum("MV", {"MV": 1.0, "D": -1.0}, name="load"), inputs=["D"])
     assert loaded.open_inputs == ("D",) and loaded["load"].input_labels == ["MV:valve", "D"]
