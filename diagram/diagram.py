@@ -20,7 +20,7 @@ from blocks.ports import nearest, shortened
 from diagram import changes, cuts
 from diagram.connections import connection_maps, own_params
 from diagram.past import Past
-from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
+from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,9 +33,9 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
-    ``input_units``, ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  Every kernel is tried once,
-    see ``blocks.dry_run``.  As a python-control system its inputs are the open inputs, its outputs the declared
-    outputs, and it sees each block's ``smooth()`` view.
+    ``input_units``, ``signal_spans`` (of instruments), ``driven`` (signal -> (block, port)), ``order`` (signal-flow
+    order).  Every kernel is tried once, see ``blocks.dry_run``.  As a python-control system its inputs are the open
+    inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
 
     def _owner(self) -> str:
@@ -58,6 +58,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         units = check_units(self.blocks)
         self.signal_units = {signal: units[signal] for signal in self.driven}
         self.input_units = {signal: units[signal] for signal in self.open_inputs}
+        self.signal_spans = spans(self.blocks)
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None
@@ -104,16 +105,6 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
                 return b
         known = [block.name for block in self.blocks]
         raise WiringError(f"the diagram has no block '{name}'; {nearest(name, known)}")
-
-    @property
-    def signal_spans(self) -> dict[str, tuple[float, float]]:
-        """Instrument spans of the signals that have one, low and high in the unit of the signal."""
-        return {
-            signal: block.spans[port.name]
-            for block in self.blocks
-            for port, signal in zip(block.ports_out, block.output_labels, strict=True)
-            if port.name in block.spans
-        }
 
     @property
     def x0(self) -> NDArray[np.float64]:

@@ -101,6 +101,16 @@ def check_units(blocks: Sequence[Block]) -> dict[str, str]:
     return {signal: next(iter(units), "") for signal, units in stated.items()}
 
 
+def spans(blocks: Iterable[Block]) -> dict[str, tuple[float, float]]:
+    """Return the instrument spans of the signals that have one, low and high in the unit of the signal."""
+    return {
+        signal: block.spans[port.name]
+        for block in blocks
+        for port, signal in zip(block.ports_out, block.output_labels, strict=True)
+        if port.name in block.spans
+    }
+
+
 def feeds_now(block: Block) -> bool:
     """Return whether a block's outputs depend on its inputs at the same instant."""
     return block.dead_time == 0.0 and block.kernels.feeds and bool(block.ports_in)
