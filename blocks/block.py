@@ -291,6 +291,18 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         other.set_outputs(labelled(name, "output", self.ports_out, outputs))
         return other
 
+    def with_units(self, units: Mapping[str, str]) -> Self:
+        """Return a copy whose ports state these units, given as ``{"PV": "bar"}``; "" fits every unit.
+
+        Raises ``BlockError`` for a port that is not there.
+        """
+        for key in units:
+            if key not in self.units:
+                raise BlockError(f"block '{self.name}' has no port '{key}'; {nearest(key, list(self.units))}")
+        other = self._copy()
+        other.units = {**self.units, **units}
+        return other
+
     def _checked_outputs(self, given: ArrayLike, name: str) -> Floats:
         outputs = np.array([number(name, "output held", value) for value in np.ravel(given).tolist()])
         rule, n = len(outputs) == len(self.ports_out), len(self.ports_out)

@@ -3,14 +3,28 @@
 wire       blocks and diagrams joined by signal names      Diagram    what it returns, a python-control system
 simulate   the compiled engine                             drive      one block alone
 ensemble   one diagram over thousands of parameter sets    reference  slow, independent integrators
-linear     operating points, poles, loops, relative gains
+linear     operating points, poles, loops, relative gains      held, interpolated   a log as input of a run
 """
 
-from diagram.diagram import Diagram, wire
+from diagram.composition import wire
+from diagram.diagram import Diagram
 from diagram.ensembles import ensemble
 from diagram.ensembles.result import Ensemble
+from diagram.playback import held, interpolated
 from diagram.simulation import Event, Run, simulate
 from diagram.single_block import drive
 from diagram.wiring import WiringError
 
-__all__ = ["Diagram", "Ensemble", "Event", "Run", "WiringError", "drive", "ensemble", "simulate", "wire"]
+__all__ = [
+    "Diagram",
+    "Ensemble",
+    "Event",
+    "Run",
+    "WiringError",
+    "drive",
+    "ensemble",
+    "held",
+    "interpolated",
+    "simulate",
+    "wire",
+]

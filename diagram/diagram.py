@@ -1,11 +1,10 @@
 """A diagram: blocks wired by signal names, a ``control.InterconnectedSystem`` and at the same time a value.
 
-It can be taken apart (``blocks``, ``part``), changed (``with_params``, ``replace``, ``starting_at``, ``in_mode``)
-and nested; every change returns a new diagram and leaves the old one as it was.
+It can be taken apart (``blocks``, ``part``, ``cut``, ``segments``), changed (``with_params``, ``replace``, ``insert``,
+``rewire``, ``starting_at``, ``in_mode``) and nested; a change returns a new diagram and leaves the old one as it is.
 """
 
 import copy
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
@@ -13,28 +12,30 @@ import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.arguments import by_name, text, texts
+from blocks.arguments import text, texts
 from blocks.block import NO_APPEND, Block
-from blocks.control_system import as_block
 from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
-from blocks.ports import nearest, number, shortened
-from diagram.past import Past, together
-from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
+from blocks.ports import nearest, shortened
+from diagram import changes, cuts
+from diagram.connections import connection_maps, own_params
+from diagram.past import Past
+from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from diagram.flatten import Plan
+    from diagram.segments import Segment
 
 
 class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
-    ``driven`` (signal -> (block, port)), ``order`` (signal-flow order).  Every kernel is tried once, see
-    ``blocks.dry_run``.  As a python-control system its inputs are
-    the open inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
+    ``input_units``, ``signal_spans`` (of instruments), ``driven`` (signal -> (block, port)), ``order`` (signal-flow
+    order).  Every kernel is tried once, see ``blocks.dry_run``.  As a python-control system its inputs are the open
+    inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
 
     def _owner(self) -> str:
@@ -54,7 +55,10 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.declared_outputs = None if outputs is None else tuple(outputs)
         self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
         check_readers(self.blocks, self.driven, self.open_inputs, self.declared_outputs or ())
-        self.signal_units = check_units(self.blocks, self.driven)
+        units = check_units(self.blocks)
+        self.signal_units = {signal: units[signal] for signal in self.driven}
+        self.input_units = {signal: units[signal] for signal in self.open_inputs}
+        self.signal_spans = spans(self.blocks)
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None
@@ -66,26 +70,9 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         )  # fmt: skip
         self._fix_params(_all_params(seen))
         self.updfcn, self.outfcn = self._update, self._output
-        self._connect()
-
-    def _connect(self) -> None:
-        """Fill python-control's connection maps."""
-        columns = {signal: self.output_offset[b] + j for signal, (b, j) in self.driven.items()}
-        connect = np.zeros((sum(len(b.ports_in) for b in self.blocks), sum(len(b.ports_out) for b in self.blocks)))
-        entry = np.zeros((connect.shape[0], len(self.open_inputs)))
-        row = 0
-        for block in self.blocks:
-            for signal in block.input_labels:
-                if signal in columns:
-                    connect[row, columns[signal]] = 1.0
-                else:
-                    entry[row, self.open_inputs.index(signal)] = 1.0
-                row += 1
-        self.set_connect_map(connect)
-        self.set_input_map(entry)
-        exits = np.zeros((len(self.chosen_outputs), connect.shape[1] + connect.shape[0]))
-        for i, signal in enumerate(self.chosen_outputs):
-            exits[i, columns[signal]] = 1.0
+        connections, entries, exits = connection_maps(self)
+        self.set_connect_map(connections)
+        self.set_input_map(entries)
         self.set_output_map(exits)
 
     def __repr__(self) -> str:
@@ -120,16 +107,6 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         raise WiringError(f"the diagram has no block '{name}'; {nearest(name, known)}")
 
     @property
-    def signal_spans(self) -> dict[str, tuple[float, float]]:
-        """Instrument spans of the signals that have one, low and high in the unit of the signal."""
-        return {
-            signal: block.spans[port.name]
-            for block in self.blocks
-            for port, signal in zip(block.ports_out, block.output_labels, strict=True)
-            if port.name in block.spans
-        }
-
-    @property
     def x0(self) -> NDArray[np.float64]:
         """Start state as python-control counts states, shape (nstates,)."""
         return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
@@ -155,20 +132,16 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         other._past = past
         return other
 
-    def with_params(self, changes: Mapping[str, float]) -> Self:
+    def with_params(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
-        by_name(self.name, "params", changes, {"valve.F_s": 1750.0})
-        return self._with_blocks(self._changed(changes, "with_params"))
+        return self._with_blocks(changes.blocks_with_params(self, values))
 
     def starting_at(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``.
 
         Raises ``WiringError`` for an unknown block or state, or a value that is not finite.
         """
-        for key, value in by_name(self.name, "start", values, {"process.PV": 0.5}).items():
-            if not math.isfinite(number("start", key, value)):
-                raise WiringError(f"'{key}' is to start at {float(value):g}, but it must be finite; give a number")
-        return self._with_blocks(self._changed(values, "starting_at"))
+        return self._with_blocks(changes.blocks_starting_at(self, values))
 
     def in_mode(self, modes: str | Mapping[str, str]) -> Self:
         """Return the diagram with blocks in a mode: one name for all that have it, or block -> mode.
@@ -176,34 +149,11 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         A stuck stem linearises to zero; ``ct.linearize(loop.in_mode("ideal"), ...)`` shows the loop behind it.
         Raises ``WiringError`` for a mode that no block has, ``BlockError`` for one that the named block has not.
         """
-        if isinstance(modes, str):
-            having = {block.name: modes for block in self.blocks if modes in block.modes}
-            if not having:
-                known = sorted({m for block in self.blocks for m in block.modes})
-                raise WiringError(f"no block of the diagram has a mode '{modes}'; {nearest(modes, known)}")
-            modes = having
-        changed = list(self.blocks)
-        for name, mode in by_name(self.name, "modes", modes, {"valve": "ideal"}).items():
-            b = self.block_index(name)
-            changed[b] = changed[b].in_mode(mode)
-        return self._with_blocks(changed)
+        return self._with_blocks(changes.blocks_in_mode(self, modes))
 
     def at_state(self, x: ArrayLike) -> Self:
         """Return the diagram starting from a python-control state vector (e.g. of ``find_operating_point``)."""
-        given = [number("at_state", "x", value) for value in np.ravel(x).tolist()]
-        if len(given) != self.nstates:
-            raise WiringError(
-                f"{len(given)} values are given, but python-control counts {self.nstates} states: "
-                f"{', '.join(self.state_labels)}; give one value for each"
-            )
-        values = dict(zip(self.state_labels, given, strict=True))
-        plain = {
-            f"{block.name}.{state}": values[label]
-            for block in self.blocks
-            for state in (*block.state_names, *block.memory_names)
-            if (label := f"{block.name}[{state}]") in values
-        }
-        return self.starting_at(plain)
+        return self.starting_at(changes.start_values(self, x))
 
     def replace(self, name: str, block: Block | ct.InputOutputSystem) -> "Diagram":
         """Return the diagram with one block replaced; the new one takes over name and labels, port by port.
@@ -212,88 +162,95 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
         Raises ``WiringError`` if there is no such block, or if the new one has other numbers of ports.
         """
-        if isinstance(block, Diagram) or not isinstance(block, ct.InputOutputSystem):
-            raise WiringError(
-                f"'{name}' cannot be replaced by {type(block).__name__}: it is no block; take the old blocks out with "
-                "without(), and wire() a diagram in their place"
-            )
-        block = as_block(block)
-        b = self.block_index(name)
-        old = self.blocks[b]
-        if len(block.ports_in) != len(old.ports_in) or len(block.ports_out) != len(old.ports_out):
-            raise WiringError(
-                f"block '{name}' has {len(old.ports_in)} inputs and {len(old.ports_out)} outputs, its replacement "
-                f"'{block.name}' {len(block.ports_in)} and {len(block.ports_out)}; they must agree"
-            )
-        new = block.relabelled(name, list(old.input_labels), list(old.output_labels))
-        past = self._past
-        if past is not None and new.sampled:
-            new = new.holding(old.y0) if old.sampled else new  # until the next sample
-            past = past if old.sampled else past.without(name)
-        changed = [*self.blocks[:b], new, *self.blocks[b + 1 :]]
-        return Diagram(changed, self.open_inputs, self.declared_outputs, self.name).with_past(past)
+        return changes.replaced(self, name, block)
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""
-        kept = [self[n] for n in texts(self.name, "names", names if isinstance(names, str) else _listed(names))]
-        driven = {s for block in kept for s in block.output_labels}
-        inputs = dict.fromkeys(s for block in kept for s in block.input_labels if s not in driven)
-        return Diagram(kept, list(inputs), None, name).with_past(self._past)
+        return changes.part(self, names, name)
 
     def without(self, *names: str) -> "Diagram":
         """Return the diagram without some blocks; what they drove becomes an open input where it is read.
 
         A source that only they read, e.g. the set point of a controller, goes with them.
         """
-        for n in names:
-            self.block_index(n)
-        kept = [block for block in self.blocks if block.name not in names]
-        gone = {signal for block in self.blocks if block.name in names for signal in block.input_labels}
-        read = {signal for block in kept for signal in block.input_labels}
-        idle = gone - read
-        return self.part([b.name for b in kept if b.ports_in or not idle.issuperset(b.output_labels)], self.name)
+        return changes.without(self, names)
+
+    def cut(self, signals: str | Iterable[str]) -> "Diagram":
+        """Return the diagram with signals cut: blocks that read one now read an open input of its name.
+
+        What drives it goes on under its name and the block's, ``PV:sensor``, also where the signal is a declared
+        output.  An open input stays one.  Between the two the loop is open: ``ct.linearize(loop.cut("PV"), ...)``.
+
+        Raises ``WiringError`` for a signal that is unknown or that no block reads.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> opened = self_regulating_loop().cut("PV")
+        >>> opened.open_inputs, opened.signals
+        (('PV',), ('SP', 'OP', 'MV', 'PV:process'))
+        """
+        return cuts.cut(self, signals)
+
+    def segments(self, logged: str | Iterable[str]) -> "tuple[Segment, ...]":
+        """Return the maximal pieces between logged signals: what each reads and drives, and the piece alone.
+
+        Every block is in one segment.  Raises ``WiringError`` for a signal that is unknown.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> for segment in self_regulating_loop().segments(["SP", "OP", "PV"]):
+        ...     print(segment)
+        <Segment SP: reads nothing, drives SP>
+        <Segment controller: reads SP, PV, drives OP>
+        <Segment valve, process: reads OP, drives PV>
+        """
+        from diagram.segments import segments
+
+        return segments(self, logged)
+
+    def insert(
+        self, signal: str, block: "Block | Diagram | ct.InputOutputSystem", readers: str | Iterable[str] | None = None,
+        inputs: Sequence[str] = (),
+    ) -> "Diagram":  # fmt: skip
+        """Return the diagram with a block, or a small diagram, in the path of a signal.
+
+        Without ``readers`` all see the new block, a log included: it drives the signal, and what drove it before goes
+        on as ``PV:sensor``.  With ``readers`` (names of blocks), and at an open input, the signal stays what it was,
+        and the readers read ``PV:`` and the new block's name.
+
+        The block's labels do not matter if it has one input and one output; of several the one of the signal's name
+        lies in the path, the others are wired by name, or left open on purpose with ``inputs``.
+
+        Raises ``WiringError`` for an unknown signal, a block that does not read it, or a path that is not clear.
+
+        >>> from blocks import Gain
+        >>> from plant.loops import self_regulating_loop
+        >>> biased = self_regulating_loop().insert("PV", Gain("bias", "in", 1.0, offset=0.02))
+        >>> biased["bias"].input_labels, biased["bias"].output_labels
+        (['PV:process'], ['PV'])
+        """
+        return cuts.inserted(self, signal, block, readers, inputs)
+
+    def rewire(self, block: str, port: str, signal: str, inputs: Sequence[str] = ()) -> "Diagram":
+        """Return the diagram with an input of a block, named by its port or label, reading another signal.
+
+        A signal that nothing drives is left open on purpose with ``inputs``; an open input that no block reads any
+        more goes.  Raises ``WiringError`` for an unknown block, port or signal, and for an algebraic loop.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> self_regulating_loop().rewire("controller", "PV", "MV")["controller"].input_labels
+        ['SP', 'MV']
+        """
+        return cuts.rewired(self, block, port, signal, inputs)
 
     def named(self, name: str, **inputs: str) -> "Diagram":
         """Return the diagram under another name, its open inputs relabelled (``SP="SP1"``), for nesting.
 
         Raises ``WiringError`` for an input that is not open.
         """
-        for key, signal in inputs.items():
-            text(self.name, key, signal)
-            if key not in self.open_inputs:
-                raise WiringError(
-                    f"diagram '{self.name}' has no open input '{key}'; {nearest(key, list(self.open_inputs))}"
-                )
-        blocks = [
-            block.relabelled(block.name, [inputs.get(s, s) for s in block.input_labels], list(block.output_labels))
-            for block in self.blocks
-        ]
-        opened = [inputs.get(s, s) for s in self.open_inputs]
-        return Diagram(blocks, opened, self.declared_outputs, name).with_past(self._past)
+        return changes.named(self, name, inputs)
 
     def leaves(self) -> list[Block]:
         """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
-        prefix = f"{self.name}/"
-        return [
-            block.relabelled(
-                prefix + block.name,
-                [prefix + s if s in self.driven else s for s in block.input_labels],
-                [prefix + s for s in block.output_labels],
-            )
-            for block in self.blocks
-        ]
-
-    def _changed(self, values: Mapping[str, float], change: str) -> list[Block]:
-        grouped: dict[int, dict[str, float]] = {}
-        for key, value in values.items():
-            name, _, what = key.rpartition(".")
-            if not name:
-                raise WiringError(f"'{key}' does not say which block; write 'block.name', e.g. 'valve.F_s'")
-            grouped.setdefault(self.block_index(name), {})[what] = value
-        blocks = list(self.blocks)
-        for b, group in grouped.items():
-            blocks[b] = getattr(blocks[b], change)(**group)
-        return blocks
+        return changes.nested_blocks(self)
 
     def _with_blocks(self, blocks: Sequence[Block]) -> Self:
         """Return a copy with blocks that differ only in values; wiring and plan are shared.
@@ -324,12 +281,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""
-        given = params or {}
-        joined = self.params.keys() <= given.keys()
-        for key in given.keys() - self.params.keys():
-            if not joined or any(key.startswith(f"{block.name}.") for block in self.blocks):
-                raise WiringError(f"the diagram has no parameter '{key}'; {nearest(key, list(self.params))}")
-        super()._update_params({key: value for key, value in given.items() if key in self.params})
+        super()._update_params(own_params(self, params or {}))
 
     def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)
@@ -342,44 +294,3 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
 def _all_params(blocks: Iterable[Block]) -> dict[str, float]:
     return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
-
-
-def _listed(items: Any) -> list[Any]:
-    """Return what is given in a list or the like as a list."""
-    if isinstance(items, Iterable) and not isinstance(items, str | Block | Diagram):
-        return list(items)
-    raise WiringError(f"{items!r:.60} is no list; give several things as one, e.g. [valve, process]")
-
-
-def wire(
-    items: Iterable[Block | Diagram | ct.InputOutputSystem],
-    inputs: Sequence[str] = (),
-    outputs: Sequence[str] | None = None,
-    name: str = "diagram",
-) -> Diagram:
-    """Join blocks, diagrams and python-control systems by signal name into one diagram.
-
-    A signal is driven by exactly one output label and read by every input with the same label.  A nested diagram
-    ``loop`` shows its signals as ``loop/PV`` and reads its open inputs by name.
-
-    Parameters: ``items`` blocks, diagrams and systems of python-control (``ct.tf``, ``ct.zpk``, ``ct.ss``,
-    ``ct.nlsys``, continuous or sampled, see ``blocks.control_system``), whose ports are called by their labels;
-    ``inputs`` signals left open on purpose; ``outputs`` the outputs of the python-control system (default: all).
-
-    Raises ``WiringError`` for unknown, dangling, doubly driven or unit-mismatched signals and algebraic loops,
-    ``BlockError`` for what is no such item, or a system that cannot be simulated (improper, dt = True).
-
-    >>> from blocks import PI, FirstOrder, Step
-    >>> loop = wire([Step("SP", 0.5), PI(K_p=0.4, T_i=10.0, outputs="MV"), FirstOrder(K=3.0, tau=10.0)])
-    >>> loop.signals
-    ('SP', 'MV', 'PV')
-    """
-    leaves: list[Block] = []
-    pasts: list[Past] = []
-    for item in _listed(items):
-        if isinstance(item, Diagram):
-            leaves += item.leaves()
-            pasts += [item.past.inside(item.name)] if item.past is not None else []
-        else:
-            leaves.append(as_block(item))
-    return Diagram(leaves, inputs, outputs, name).with_past(together(pasts))

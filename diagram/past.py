@@ -80,9 +80,10 @@ class Past:
             frozenset(f"{name}/{block}" for block in self.sampled),
         )
 
-    def without(self, name: str) -> "Past":
-        """Return the past of a diagram one of whose blocks takes its samples for the first time."""
-        return replace(self, sampled=self.sampled - {name})
+    def without(self, *names: str) -> "Past":
+        """Return the past of a diagram some of whose blocks are new in it."""
+        delays = {place: delay for place, delay in self.delays.items() if place[0] not in names}
+        return replace(self, delays=delays, sampled=self.sampled.difference(names))
 
 
 def together(pasts: Iterable[Past]) -> Past | None:

@@ -16,9 +16,10 @@ from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
 from diagram.flatten import DELAY_RECORDS, Ends, Plan, plan
 from diagram.in_python import InPython, counts, spent
-from diagram.inputs import close
+from diagram.inputs import Inputs, close
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
+from diagram.playback import check_logged
 from diagram.wiring import WiringError
 from engine import layout as at
 from engine.run import METHODS, Outcome, Settings, prepare, run
@@ -110,7 +111,7 @@ def simulate(
     *,
     every: float | None = None,
     times: ArrayLike | None = None,
-    inputs: Mapping[str, Any] | None = None,
+    inputs: Inputs | None = None,
     params: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
     signals: Sequence[str] | None = None,
@@ -124,15 +125,17 @@ def simulate(
     """Simulate ``duration`` seconds and log every signal, or the ``signals`` named.
 
     Parameters: ``every`` log interval [s] (default: 1000 intervals) or ``times`` [s]; ``inputs`` open input ->
-    number, ``(t, values)`` or source block; ``params`` as in ``Diagram.with_params``; ``start`` as in
+    number, ``(t, values)`` (straight lines), log or table (held; ``diagram.playback``) or source block, or a log or
+    table alone for all open inputs that it has; ``params`` as in ``Diagram.with_params``; ``start`` as in
     ``Diagram.starting_at``; ``rtol``, ``atol`` local error per step; ``method`` "auto", "explicit" or "stiff";
     ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
     ends the run with status INTERRUPTED, and what is simulated so far is kept.
 
     A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
 
-    Raises ``ValueError`` for a request that makes no sense or a log beyond the machine's memory; numerical failure is
-    a status, not an exception.  Warns (``ToleranceWarning``) if ``atol`` is too large for some blocks.
+    Raises ``ValueError`` for a request that makes no sense, a run beyond the log played back, or a log beyond the
+    machine's memory; numerical failure is a status, not an exception.  Warns (``ToleranceWarning``) if ``atol`` is too
+    large for some blocks.
 
     >>> from blocks import Step, FirstOrder
     >>> from diagram import simulate, wire
@@ -147,6 +150,7 @@ def simulate(
     if on_progress is not None and not callable(on_progress):
         raise ValueError(f"on_progress = {on_progress!r}, but it is called with the time reached; give a function of t")
     t0, t_end = float(t0), float(t0) + float(duration)  # the engine is compiled for these and no other numbers
+    check_logged(ready, t0, t_end)
     past = resumed(ready, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     before = counts(ready)
@@ -167,7 +171,7 @@ def _told(given: Any) -> str:
 
 def set_up(
     diagram: Diagram,
-    inputs: Mapping[str, Any] | None = None,
+    inputs: Inputs | None = None,
     params: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
 ) -> Diagram:
@@ -175,11 +179,11 @@ def set_up(
     if not isinstance(diagram, Diagram):
         alone = "; wire([block]) makes one of a block, drive(block, ...) runs it alone" * isinstance(diagram, Block)
         raise ValueError(f"{_told(diagram)} is no diagram{alone or '; wire([...]) makes one of blocks'}")
-    examples = {"inputs": {"SP": 0.5}, "params": {"valve.F_s": 1750.0}, "start": {"process.PV": 0.5}}
-    for name, values in {"inputs": inputs, "params": params, "start": start}.items():
+    examples = {"params": {"valve.F_s": 1750.0}, "start": {"process.PV": 0.5}}
+    for name, values in {"params": params, "start": start}.items():
         if values is not None:
             by_name("simulate", name, values, examples[name])
-    if inputs:
+    if inputs is not None:
         diagram = close(diagram, inputs)
     if diagram.open_inputs:
         raise WiringError(

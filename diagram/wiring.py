@@ -41,11 +41,7 @@ def drivers(blocks: Sequence[Block], inputs: Sequence[str]) -> dict[str, tuple[i
 def check_readers(
     blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], inputs: Sequence[str], outputs: Sequence[str]
 ) -> None:
-    """Refuse inputs nobody drives, declared inputs nobody reads, sources nobody reads, unknown outputs.
-
-    A block without inputs that has states of its own, such as Lorenz's equations, is a system, not a source: it may
-    stand alone.
-    """
+    """Refuse inputs nobody drives, declared inputs nobody reads, unknown outputs."""
     known = [*driven, *inputs]
     read: set[str] = set()
     for block in blocks:
@@ -66,7 +62,16 @@ def check_readers(
             raise WiringError(
                 f"the diagram declares an output '{signal}' that nothing drives; {nearest(signal, list(driven))}"
             )
-    for block in blocks:
+
+
+def check_sources(sources: Iterable[Block], blocks: Iterable[Block], outputs: Sequence[str]) -> None:
+    """Refuse sources whose signal no block reads.
+
+    A block without inputs that has states of its own, such as Lorenz's equations, is a system, not a source: it may
+    stand alone.
+    """
+    read = {signal for block in blocks for signal in block.input_labels}
+    for block in sources:
         source = not block.ports_in and not len(block.x0) and (isinstance(block, Seeded) or not len(block.d0))
         if source and not any(s in read or s in outputs for s in block.output_labels):
             wanted = nearest(block.output_labels[0], sorted(read))
@@ -76,23 +81,34 @@ def check_readers(
             )
 
 
-def check_units(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) -> dict[str, str]:
-    """Return signal -> unit; refuse a signal whose ports state different units ("" fits every unit)."""
+def check_units(blocks: Sequence[Block]) -> dict[str, str]:
+    """Return signal -> unit, "" if none is stated; refuse a signal whose ports state different units."""
     stated: dict[str, dict[str, str]] = {}
     for block in blocks:
         ports = [*zip(block.ports_in, block.input_labels, strict=True)]
         ports += zip(block.ports_out, block.output_labels, strict=True)
         for port, signal in ports:
             unit = block.units[port.name]
+            here = stated.setdefault(signal, {})
             if unit:
-                stated.setdefault(signal, {})[unit] = f"{port.name} of '{block.name}'"
+                here[unit] = f"{port.name} of '{block.name}'"
     for signal, units in stated.items():
         if len(units) > 1:
             said = "; ".join(f"{where} is in [{unit}]" for unit, where in units.items())
             raise WiringError(
                 f"signal '{signal}' has mismatched units: {said}; convert with a Gain block, or correct units="
             )
-    return {signal: next(iter(stated[signal])) if signal in stated else "" for signal in driven}
+    return {signal: next(iter(units), "") for signal, units in stated.items()}
+
+
+def spans(blocks: Iterable[Block]) -> dict[str, tuple[float, float]]:
+    """Return the instrument spans of the signals that have one, low and high in the unit of the signal."""
+    return {
+        signal: block.spans[port.name]
+        for block in blocks
+        for port, signal in zip(block.ports_out, block.output_labels, strict=True)
+        if port.name in block.spans
+    }
 
 
 def feeds_now(block: Block) -> bool:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
-from diagram.diagram import Diagram, wire
+from diagram import Diagram, wire
 
 ACCOUNTS = ("methane", "oil", "moles", "gas", "energy")
 FLOWS = {

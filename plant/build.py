@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from blocks.block import Block
 from blocks.ports import nearest
 from blocks.sources import Constant
-from diagram.diagram import Diagram, wire
+from diagram import Diagram, wire
 from diagram.wiring import WiringError
 from plant import feed as feeds
 from plant import parts

@@ -6,7 +6,7 @@ All signals are fractions: OP and MV of full travel, SP and PV of the measuremen
 """
 
 from blocks import PI, FirstOrder, Integrator, Step, StickSlip
-from diagram.diagram import Diagram, wire
+from diagram import Diagram, wire
 
 
 def self_regulating_loop(

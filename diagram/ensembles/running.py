@@ -19,8 +19,10 @@ from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble, freeze
 from diagram.ensembles.variants import Floats, Members, Places, members
 from diagram.flatten import DELAY_RECORDS, Plan, plan
+from diagram.inputs import Inputs
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import resumed
+from diagram.playback import check_logged
 from diagram.progress import Progress, told
 from diagram.simulation import check_settings, set_up, troubles
 from engine import layout as at
@@ -45,7 +47,7 @@ def ensemble(
     seeds: ArrayLike | None = None,
     every: float | None = None,
     signals: Sequence[str] | None = None,
-    inputs: Mapping[str, object] | None = None,
+    inputs: Inputs | None = None,
     rtol: float = 1e-6,
     atol: float = 1e-9,
     method: str = "auto",
@@ -81,6 +83,7 @@ def ensemble(
     settings = check_settings(rtol, atol, method, max_steps)
     cast = members(ready, params, start, seeds)
     grid = log_times(duration, every, None, 0.0, len(wanted), len(cast) if keep_logs else 1)
+    check_logged(ready, 0.0, float(duration))
     if not keep_logs and summary is None:
         raise ValueError("keep_logs=False without a summary leaves nothing; give summary=, or keep the logs")
     if workers is not None and not (isinstance(workers, int | np.integer) and workers >= 1):

@@ -9,15 +9,16 @@ Limits: hundreds of times slower than ``simulate``; steps are never longer than 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.ports import nearest, number
 from diagram.diagram import Diagram
+from diagram.inputs import Inputs
 from diagram.kept import log_times
 from diagram.past import resumed
+from diagram.playback import check_logged
 from diagram.reference.interpreter import Interpreter
 from diagram.simulation import Event, Run, set_up
 from engine.status import HINTS, Statistics, Status
@@ -61,7 +62,7 @@ def simulate_reference(
     *,
     every: float | None = None,
     times: ArrayLike | None = None,
-    inputs: Mapping[str, Any] | None = None,
+    inputs: Inputs | None = None,
     params: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
     backend: str = "scipy",
@@ -99,6 +100,7 @@ def simulate_reference(
     ready = set_up(diagram, inputs, params, start)
     grid = log_times(duration, every, times, t0, len(ready.signals))
     duration, t0 = float(duration), float(t0)
+    check_logged(ready, t0, t0 + duration)
     past = resumed(ready, t0)
     if past is not None and (past.delays or past.sampled):
         raise ValueError("the reference goes on from no run; start afresh with diagram.with_past(None), or simulate")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from blocks import Plenum
+from blocks import FirstOrder, Plenum
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port
 
@@ -36,3 +36,11 @@ class Twice(Block):
 def test_names_that_hide_each_other_are_refused(make, words):
     with pytest.raises(BlockError, match=words):
         make()
+
+
+def test_units_are_stated_in_a_copy():
+    process = FirstOrder(K=1.0, tau=1.0, units={"PV": "bar"})
+    both = process.with_units({"MV": "%"})
+    assert both.units == {"MV": "%", "PV": "bar"} and process.units["MV"] == ""
+    with pytest.raises(BlockError, match="no port 'PVV'; did you mean 'PV'"):
+        process.with_units({"PVV": "bar"})

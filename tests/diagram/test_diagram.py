@@ -7,8 +7,8 @@ import control as ct
 import numpy as np
 import pytest
 
-from blocks import PI, Constant, FirstOrder, IdealValve, Sine, Step, StickSlip
-from diagram import simulate, wire
+from blocks import PI, Constant, FirstOrder, IdealValve, Ramp, Sine, Step, StickSlip
+from diagram import WiringError, drive, simulate, wire
 from engine import call
 from engine.advance import advance
 
@@ -198,3 +198,20 @@ def test_python_control_copies_and_pickle_work_with_fixed_params():
     for system in (loop.copy("twin"), ct.series(loop, ct.tf([1.0], [1.0, 1.0])), ct.feedback(loop, 1.0)):
         assert system.nstates >= 2
     assert copy.deepcopy(loop).with_params({"process.K": 5.0}).params["process.K"] == 5.0
+
+
+def test_a_part_keeps_the_outputs_declared_that_it_drives():
+    declared = wire([*loop().blocks], outputs=["PV", "OP"])
+    assert declared.part(["process", "valve"]).output_labels == ["PV"]
+    assert declared.without("controller").output_labels == ["PV"]
+    assert declared.part(["controller"]).declared_outputs == ("OP",)
+    assert declared.part(["valve"]).output_labels == ["MV"]  # none of those declared: all, as by default
+    assert loop().part(["process"]).declared_outputs is None
+
+
+def test_a_source_may_stand_alone_where_it_is_no_slip_of_the_pen():
+    ramp = Ramp("F", slope=2.0)
+    assert drive(ramp, 3.0, every=1.0).log["F"].tolist() == [0.0, 2.0, 4.0, 6.0]  # analytic: 2 t
+    assert loop().part(["SP"]).signals == ("SP",)
+    with pytest.raises(WiringError, match="no block reads 'F' from source 'F'"):
+        wire([*loop().blocks, ramp])
