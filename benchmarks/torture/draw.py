@@ -149,8 +149,8 @@ def _valve(rng: np.random.Generator, signal: str) -> Block:
     common = {"start": start, "inputs": signal}
     kind = int(rng.integers(0, 6))
     if kind <= 2:
-        # a stem that creeps to rest between scans sticks where rounding says, unless v_stop decides
-        v_stop = 0.0 if rng.random() < 0.2 else float(rng.choice([1e-3, 1e-4]))
+        # a stem that creeps to rest behind a held or slow OP sticks where rounding says, unless v_stop decides
+        v_stop = 1e-6 if rng.random() < 0.2 else float(rng.choice([1e-3, 1e-4]))  # never 0, see there
         mass = float(rng.choice([1.36, 10.0, 100.0]))
         friction = mass * float(rng.uniform(30.0, 450.0))
         return blocks.StickSlip.from_bands(S, J, M=mass, F_v=friction, v_stop=v_stop, **common)
