@@ -23,14 +23,18 @@ from types import ModuleType
 from detect.card import Card
 from detect.diagnosis import Diagnosis, diagnose
 from detect.method import Method
-from detect.methods import area_ratio, cross_correlation
+from detect.methods import area_ratio, cross_correlation, relay_fit
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
 
 __all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict", "diagnose"]
 
-METHODS: tuple[Method, ...] = (area_ratio, cross_correlation)
+METHODS: tuple[Method, ...] = (
+    area_ratio,
+    cross_correlation,
+    relay_fit,
+)
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
 GATES: tuple[ModuleType, ...] = (acf_crossings, hagglund1995)

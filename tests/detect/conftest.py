@@ -33,9 +33,12 @@ def _loop(t, e, **more):
     return LoopRecord.from_arrays(t, pv=30 - e, op=op, sp=np.full(len(e), 30.0), name="FIC1", **more)
 
 
-def _sticky(process="self_regulating", S=6.0, J=4.0, noise=0.0, n=3000, K=1.0, tau=10.0, K_p=0.5, T_i=10.0, seed=0):
+def _sticky(
+    process="self_regulating", S=6.0, J=4.0, noise=0.0, n=3000, K=1.0, tau=10.0, K_p=0.5, T_i=10.0, load=50.0, seed=0
+):
     """A PI loop with a sticky valve (Kano et al. 2004), a lag or an integrator, one sample a second, all in %.
 
+    `load` is the outflow of the integrator; in the middle of the two places of the valve, half waves are alike.
     Written anew for the tests: plain recursions, no block and no engine.
     """
     rng = np.random.default_rng(seed)
@@ -58,7 +61,7 @@ def _sticky(process="self_regulating", S=6.0, J=4.0, noise=0.0, n=3000, K=1.0, t
         if not stuck:
             m = u - way * (S - J) / 2.0
         u_prev = u
-        pv += (m - 50.0) / (5.0 * tau) if process == "integrating" else (K * m - pv) * -np.expm1(-1.0 / tau)
+        pv += (m - load) / (5.0 * tau) if process == "integrating" else (K * m - pv) * -np.expm1(-1.0 / tau)
         rows[k] = seen, u, m
     rows = rows[n // 5 :]
     return LoopRecord.from_arrays(
