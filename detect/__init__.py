@@ -23,7 +23,7 @@ from types import ModuleType
 from detect.card import Card
 from detect.diagnosis import Diagnosis, diagnose
 from detect.method import Method
-from detect.methods import area_ratio, cross_correlation, relay_fit
+from detect.methods import area_ratio, cross_correlation, curve_fit, relay_fit
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
@@ -33,6 +33,7 @@ __all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict",
 METHODS: tuple[Method, ...] = (
     area_ratio,
     cross_correlation,
+    curve_fit,
     relay_fit,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""

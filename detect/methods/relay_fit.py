@@ -132,10 +132,10 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     return Verdict(NAME, word, found.index, p.S_stiction, reason, interval=(low, high), evidence=evidence, draw=draw)
 
 
-def _word(S: float, low: float, p: Params) -> tuple[Word, str]:
-    if p.S_stiction < S and low > 0.0:
+def _word(index: float, low: float, p: Params) -> tuple[Word, str]:
+    if index > p.S_stiction and low > 0.0:
         return "stiction", "the half waves are those that a relay makes, as a sticky valve is one"
-    if p.S_sine > S:
+    if index < p.S_sine:
         return "inconclusive", (
             "the half waves are those of a sine, as an outside wave or tight tuning makes them; a slow process or "
             "noise hides a sticky valve behind such a wave too, so it is not cleared"
