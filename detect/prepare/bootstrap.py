@@ -28,5 +28,5 @@ def interval(
     weights = np.random.default_rng(seed).standard_exponential((resamples, n))
     weights /= weights.sum(axis=1, keepdims=True)
     tail = 0.5 * (1.0 - coverage)
-    low, high = np.quantile(of(weights @ rows), [tail, 1.0 - tail])
+    low, high = np.quantile(of(np.einsum("rn,nk->rk", weights, rows)), [tail, 1.0 - tail])
     return float(low), float(high)

@@ -14,6 +14,7 @@ from logs import LoopRecord
 # The loop in which a method can see a sticky valve at all, where its card asks for a special one.
 SEEN_IN = {
     "hagglund2011": {"tau": 1.0, "K_p": 0.2, "T_i": 5.0},  # a process fast against the half period
+    "harmonics": {"load": 50.85},  # unequal half waves have a second harmonic
     "relay_fit": {"load": 50.85},  # half waves of a relay are symmetric
 }
 
