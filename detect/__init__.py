@@ -23,7 +23,15 @@ from types import ModuleType
 from detect.card import Card
 from detect.diagnosis import Diagnosis, diagnose
 from detect.method import Method
-from detect.methods import area_ratio, cross_correlation, curve_fit, hagglund2011, harmonics, relay_fit
+from detect.methods import (
+    area_ratio,
+    cross_correlation,
+    curve_fit,
+    derivative_histogram,
+    hagglund2011,
+    harmonics,
+    relay_fit,
+)
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
@@ -34,6 +42,7 @@ METHODS: tuple[Method, ...] = (
     area_ratio,
     cross_correlation,
     curve_fit,
+    derivative_histogram,
     hagglund2011,
     harmonics,
     relay_fit,
