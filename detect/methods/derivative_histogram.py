@@ -167,10 +167,12 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 def noise_share(loop: Prepared, cut: float, order: int, variance: float) -> float:
     """Share of a derivative's variance that is white noise of PV after the low-pass [-].
 
-    The filter runs to and fro, so its gain is 1 / (1 + (f / f_c)^4); the derivative multiplies by (2 pi f)^order.
+    The filter runs to and fro, so its gain is 1 / (1 + x^4), x = tan(w / 2) / tan(w_c / 2) at w = 2 pi f dt; the central
+    difference has the gain sin(w) / dt.
     """
-    f = np.linspace(0.0, 0.5 / loop.stretch.dt, 2000)
-    gain = (2.0 * np.pi * f) ** order / (1.0 + (f * loop.period / cut) ** 4)
+    w = np.linspace(0.0, np.pi, 2000, endpoint=False)
+    x = np.tan(0.5 * w) / math.tan(math.pi * cut / loop.samples_per_period)
+    gain = (np.sin(w) / loop.stretch.dt) ** order / (1.0 + x**4)
     return float(loop.noise("PV") ** 2 * np.mean(gain**2) / max(variance, 1e-300))
 
 
