@@ -30,6 +30,7 @@ from detect.methods import (
     derivative_histogram,
     hagglund2011,
     harmonics,
+    qualitative_shapes,
     relay_fit,
 )
 from detect.oscillation import acf_crossings, hagglund1995
@@ -45,6 +46,7 @@ METHODS: tuple[Method, ...] = (
     derivative_histogram,
     hagglund2011,
     harmonics,
+    qualitative_shapes,
     relay_fit,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""

@@ -167,8 +167,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 def noise_share(loop: Prepared, cut: float, order: int, variance: float) -> float:
     """Share of a derivative's variance that is white noise of PV after the low-pass [-].
 
-    The filter runs to and fro, so its gain is 1 / (1 + x^4), x = tan(w / 2) / tan(w_c / 2) at w = 2 pi f dt; the central
-    difference has the gain sin(w) / dt.
+    The filter runs to and fro, so its gain is 1 / (1 + x^4), x = tan(w / 2) / tan(w_c / 2) at w = 2 pi f dt; the
+    central difference has the gain sin(w) / dt.
     """
     w = np.linspace(0.0, np.pi, 2000, endpoint=False)
     x = np.tan(0.5 * w) / math.tan(math.pi * cut / loop.samples_per_period)

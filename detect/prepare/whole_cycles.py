@@ -1,0 +1,55 @@
+"""Whole cycles of an oscillation, each on the same number of points, for the methods that name the shape of a cycle."""
+
+from __future__ import annotations
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.prepare.prepared import Prepared, Signal
+
+__all__ = ["WholeCycles", "whole_cycles"]
+
+Values = npt.NDArray[np.float64]
+
+
+class WholeCycles(NamedTuple):
+    """Start and end of each cycle [s] (c,), its values (c, points), and the noise on each value [unit]."""
+
+    start: Values
+    end: Values
+    y: Values
+    noise: float
+
+
+def whole_cycles(loop: Prepared, signal: Signal, points: int = 64, most: int = 40, cut_at: float = 0.0) -> WholeCycles:
+    """At most `most` cycles of a signal, evenly spread, from a crossing upwards to the next.
+
+    A cycle is a positive half wave with the negative one after it, drift off. Each of the `points` values is the mean
+    of the signal over its share of the cycle, so that many samples a period also mean little noise.  ``cut_at`` is that
+    of `Prepared.wave`; crossings are always those of the smoothed wave.
+
+    >>> from logs import LoopRecord
+    >>> t = np.arange(1000.0)
+    >>> loop = Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t))
+    >>> whole_cycles(loop, "PV").y.shape
+    (19, 64)
+    """
+    halves, t = loop.half_waves(signal), loop.stretch.t
+    ends = []
+    for a, b in itertools.pairwise(halves):
+        start, middle = t[a.start] - a.phase[1] * a.length, t[b.start] - b.phase[1] * b.length
+        if a.sign > 0.0 and b.sign < 0.0 and abs(start + a.length - middle) < loop.stretch.dt:
+            ends.append((start, middle + b.length))
+    ends = ends[:: max(-(-len(ends) // most), 1)]
+    y = loop.wave(signal, cut_at)
+    area = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))])
+    rows = []
+    for start, end in ends:
+        edges = np.linspace(start, end, points + 1)
+        rows.append(np.diff(np.interp(edges, t, area)) / (edges[1] - edges[0]))
+    bounds = np.array(ends).reshape(-1, 2)
+    noise = loop.noise(signal) / max(loop.samples_per_period / points, 1.0) ** 0.5
+    return WholeCycles(bounds[:, 0], bounds[:, 1], np.array(rows).reshape(-1, points), noise)
