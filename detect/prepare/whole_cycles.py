@@ -24,12 +24,20 @@ class WholeCycles(NamedTuple):
     noise: float
 
 
-def whole_cycles(loop: Prepared, signal: Signal, points: int = 64, most: int = 40, cut_at: float = 0.0) -> WholeCycles:
+def whole_cycles(
+    loop: Prepared,
+    signal: Signal,
+    points: int = 64,
+    most: int = 40,
+    cut_at: float = 0.0,
+    even_halves: bool = False,
+) -> WholeCycles:
     """At most `most` cycles of a signal, evenly spread, from a crossing upwards to the next.
 
     A cycle is a positive half wave with the negative one after it, drift off. Each of the `points` values is the mean
     of the signal over its share of the cycle, so that many samples a period also mean little noise.  ``cut_at`` is that
-    of `Prepared.wave`; crossings are always those of the smoothed wave.
+    of `Prepared.wave`; crossings are always those of the smoothed wave.  ``even_halves`` puts as many points on either
+    half wave, however long each is.
 
     >>> from logs import LoopRecord
     >>> t = np.arange(1000.0)
@@ -42,14 +50,16 @@ def whole_cycles(loop: Prepared, signal: Signal, points: int = 64, most: int = 4
     for a, b in itertools.pairwise(halves):
         start, middle = t[a.start] - a.phase[1] * a.length, t[b.start] - b.phase[1] * b.length
         if a.sign > 0.0 and b.sign < 0.0 and abs(start + a.length - middle) < loop.stretch.dt:
-            ends.append((start, middle + b.length))
+            ends.append((start, middle, middle + b.length))
     ends = ends[:: max(-(-len(ends) // most), 1)]
     y = loop.wave(signal, cut_at)
     area = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))])
     rows = []
-    for start, end in ends:
+    for start, middle, end in ends:
         edges = np.linspace(start, end, points + 1)
-        rows.append(np.diff(np.interp(edges, t, area)) / (edges[1] - edges[0]))
-    bounds = np.array(ends).reshape(-1, 2)
+        if even_halves:
+            edges = np.interp(np.linspace(0.0, 2.0, points + 1), [0.0, 1.0, 2.0], [start, middle, end])
+        rows.append(np.diff(np.interp(edges, t, area)) / np.diff(edges))
+    bounds = np.array(ends).reshape(-1, 3)[:, ::2]
     noise = loop.noise(signal) / max(loop.samples_per_period / points, 1.0) ** 0.5
     return WholeCycles(bounds[:, 0], bounds[:, 1], np.array(rows).reshape(-1, points), noise)

@@ -33,7 +33,7 @@ def letters(y, noise=0.01):
 )
 def test_letters_of_plain_shapes(y, word):
     """Pieces of fewer than nine samples, where two others meet, are left out."""
-    found = primitives(y + 0.01 * np.random.default_rng(0).normal(size=64), 0.01)
+    found = primitives(y + 0.03 * np.random.default_rng(0).normal(size=64), 0.03)
     assert "".join(piece.name for piece in found if piece.stop - piece.start >= 9) == word
 
 
