@@ -28,14 +28,14 @@ from detect.card import Card
 from detect.prepare.interval_halving import Piece, primitives
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, Signal, prepared
-from detect.prepare.whole_cycles import WholeCycles, whole_cycles
+from detect.prepare.whole_cycles import WholeCycles, averaged, whole_cycles
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Params", "averaged", "detect", "draw", "share_of"]
+__all__ = ["CARD", "Params", "detect", "draw", "share_of"]
 
 Values = npt.NDArray[np.float64]
 NAME = "qualitative_shapes"
@@ -99,25 +99,6 @@ def share_of(names: str, pieces: tuple[Piece, ...]) -> float:
     """
     inside = sum(piece.stop - piece.start for piece in pieces if piece.name in names)
     return inside / max(pieces[-1].stop - pieces[0].start, 1)
-
-
-def averaged(cycles: WholeCycles, noise: float, least: int) -> WholeCycles:
-    """Means of neighbouring cycles, with noise of `noise` standard deviations or as much as leaves `least` of them.
-
-    >>> y = np.sin(np.arange(64) / 10.2)
-    >>> many = WholeCycles(np.arange(40.0), np.arange(1.0, 41.0), np.tile(y, (40, 1)), 0.1)
-    >>> few = averaged(many, 0.05, 4)
-    >>> len(few.y), round(few.noise, 3)
-    (5, 0.035)
-    """
-    spread = float(np.std(cycles.y)) if len(cycles.y) else 0.0
-    wanted = math.ceil((cycles.noise / (noise * spread)) ** 2) if spread > 0.0 else 1
-    group = max(min(wanted, len(cycles.y) // least), 1)
-    kept = len(cycles.y) // group * group
-    means = cycles.y[:kept].reshape(-1, group, cycles.y.shape[1]).mean(axis=1)
-    return WholeCycles(
-        cycles.start[:kept:group], cycles.end[group - 1 : kept : group], means, cycles.noise / group**0.5
-    )
 
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 
 from detect.prepare.prepared import Prepared, Signal
 
-__all__ = ["WholeCycles", "whole_cycles"]
+__all__ = ["WholeCycles", "averaged", "whole_cycles"]
 
 Values = npt.NDArray[np.float64]
 
@@ -63,3 +64,22 @@ def whole_cycles(
     bounds = np.array(ends).reshape(-1, 3)[:, ::2]
     noise = loop.noise(signal) / max(loop.samples_per_period / points, 1.0) ** 0.5
     return WholeCycles(bounds[:, 0], bounds[:, 1], np.array(rows).reshape(-1, points), noise)
+
+
+def averaged(cycles: WholeCycles, noise: float, least: int) -> WholeCycles:
+    """Means of neighbouring cycles, with noise of `noise` standard deviations or as much as leaves `least` of them.
+
+    >>> y = np.sin(np.arange(64) / 10.2)
+    >>> many = WholeCycles(np.arange(40.0), np.arange(1.0, 41.0), np.tile(y, (40, 1)), 0.1)
+    >>> few = averaged(many, 0.05, 4)
+    >>> len(few.y), round(few.noise, 3)
+    (5, 0.035)
+    """
+    spread = float(np.std(cycles.y)) if len(cycles.y) else 0.0
+    wanted = math.ceil((cycles.noise / (noise * spread)) ** 2) if spread > 0.0 else 1
+    group = max(min(wanted, len(cycles.y) // least), 1)
+    kept = len(cycles.y) // group * group
+    means = cycles.y[:kept].reshape(-1, group, cycles.y.shape[1]).mean(axis=1)
+    return WholeCycles(
+        cycles.start[:kept:group], cycles.end[group - 1 : kept : group], means, cycles.noise / group**0.5
+    )
