@@ -78,7 +78,7 @@ class Errors(NamedTuple):
     apex: Values
 
     @property
-    def index(self) -> float:
+    def SI(self) -> float:
         """SI [-]."""
         return float(_index(np.array([self.sine.mean(), self.triangle.mean()])))
 
@@ -89,7 +89,7 @@ def errors(x: Samples) -> Errors:
     >>> phase = (np.arange(4000) + 0.5) / 4000
     >>> late = Samples(phase, np.minimum(phase / 0.9, 10 * (1 - phase)), np.array([0]), np.array([4000.0]))
     >>> found = errors(late)
-    >>> round(found.index, 3), round(float(found.apex[0]), 2)
+    >>> round(found.SI, 3), round(float(found.apex[0]), 2)
     (1.0, 0.9)
     """
     bent = free_triangle(x)
@@ -120,9 +120,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.SI_stiction)
     found = errors(gather(halves))
     low, high = interval(_index, np.column_stack([found.sine, found.triangle]))
-    word, why = _word(found.index, low, p)
+    word, why = _word(found.SI, low, p)
     reason = (
-        f"SI = {found.index:.2f} (90 % interval {low:.2f} to {high:.2f}, {len(halves)} half waves of {signal}, period "
+        f"SI = {found.SI:.2f} (90 % interval {low:.2f} to {high:.2f}, {len(halves)} half waves of {signal}, period "
         f"{loop.period:.4g} s): {why}."
     )
     phase, waves = folded(halves)
@@ -133,7 +133,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "other": bent * (waves.mean(0) @ bent) / (bent @ bent),
         "error_sine": found.sine, "error_other": found.triangle, "apex": found.apex, "of_pv": float(signal == "PV"),
     }  # fmt: skip
-    return Verdict(NAME, word, found.index, p.SI_stiction, reason, interval=(low, high), evidence=evidence, draw=draw)
+    return Verdict(NAME, word, found.SI, p.SI_stiction, reason, interval=(low, high), evidence=evidence, draw=draw)
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:

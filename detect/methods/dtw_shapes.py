@@ -166,11 +166,12 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     found: dict[str, Values] = {}
     signals: tuple[Signal, ...] = ("OP", "PV")
     for signal in signals:
-        cycles = whole_cycles(loop, signal, POINTS, p.cycles_max, CUT, even_halves=True)
+        cycles = whole_cycles(loop, signal, POINTS, cut_at=CUT, even_halves=True)
         if len(cycles.y) < p.cycles_min:
             reason = f"{len(cycles.y)} cycles of {signal} are whole; {p.cycles_min} are needed."
             return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.cycles_stiction)
-        found[signal] = averaged(cycles, p.noise_wanted, p.cycles_min).y
+        means = averaged(cycles, p.noise_wanted, p.cycles_min).y
+        found[signal] = means[:: -(-len(means) // p.cycles_max)]
     names, best = named(np.concatenate([found["OP"], found["PV"]]), p)
     shares: dict[str, dict[str, float]] = {}
     evidence: dict[str, Values | float] = {"phase": (np.arange(POINTS) + 0.5) / POINTS}

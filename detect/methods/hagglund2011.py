@@ -120,7 +120,7 @@ class HalfWave(NamedTuple):
     fault: str = ""
 
     @property
-    def index(self) -> float:
+    def shape_index(self) -> float:
         """I of this half wave [-]."""
         return (self.v_sine - self.v_square) / max(self.v_sine + self.v_square, 1e-300)
 
@@ -133,7 +133,7 @@ def measure(t: Values, e: Values, sp: Values, start: float, end: float, block: i
 
     >>> t = (np.arange(5000) + 0.5) / 100
     >>> one = measure(t, -3 * np.sin(np.pi * t / 50), 0 * t, 0.0, 50.0, block=5000)
-    >>> round(one.iae, 2), round(one.index, 3)
+    >>> round(one.iae, 2), round(one.shape_index, 3)
     (95.49, -1.0)
     """
     T = end - start
@@ -218,7 +218,7 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
     if regularity <= p.regularity_min:
         return no("no_oscillation", f"The periods of e spread too much for an oscillation: regularity {regularity:.2g} "
                                     f"(limit {p.regularity_min:g}).")  # fmt: skip
-    of_each = np.array([half.index for half in used])
+    of_each = np.array([half.shape_index for half in used])
     index = float(of_each.mean())
     low, high = interval(lambda means: means[:, 0], of_each[:, None])
     word, why = _word(index, low, p)
@@ -268,7 +268,7 @@ def _dead_band(used: list[HalfWave], p: Params) -> float | None:
 
 
 class State(NamedTuple):
-    """Facts, samples since the last crossing (the first is `since` [s]), half waves, mean |e| and its count.
+    """Facts, samples since the last crossing (the first is `since` [s]), half waves, mean |e| and of how many samples.
 
     `firm` is the time of the last sample beyond the band and `side` its sign.
     """
@@ -280,7 +280,7 @@ class State(NamedTuple):
     side: float = 0.0
     half_waves: tuple[HalfWave, ...] = ()
     mean_abs: float = 0.0
-    count: int = 0
+    seen: int = 0
     cut_off: bool = False
 
 
@@ -294,8 +294,8 @@ def update(p: Params, state: State, t: float, sample: Sample) -> State:
     if not (math.isfinite(sample.pv) and math.isfinite(sample.op) and math.isfinite(sample.sp) and sample.mode >= 1.0):
         return state
     e = sample.sp - sample.pv
-    count = min(state.count + 1, p.memory)
-    mean_abs = state.mean_abs + (abs(e) - state.mean_abs) / count
+    seen = min(state.seen + 1, p.memory)
+    mean_abs = state.mean_abs + (abs(e) - state.mean_abs) / seen
     buffer, cut_off = state.buffer.append(t, sample), state.cut_off
     if len(buffer) > p.block + 64:
         buffer, cut_off = buffer.last(p.block // 2), True
@@ -311,7 +311,7 @@ def update(p: Params, state: State, t: float, sample: Sample) -> State:
         side,
         state.half_waves,
         mean_abs,
-        count,
+        seen,
         cut_off,
     )
     return _close(p, new, t) if turned else new

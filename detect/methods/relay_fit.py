@@ -78,7 +78,7 @@ class Errors(NamedTuple):
     ratio: Values
 
     @property
-    def index(self) -> float:
+    def S_I(self) -> float:
         """S_I [-]."""
         return float(_index(np.array([self.sine.mean(), self.relay.mean()])))
 
@@ -88,7 +88,7 @@ def errors(x: Samples) -> Errors:
 
     >>> phase = (np.arange(4000) + 0.5) / 4000
     >>> square = Samples(phase, np.ones(4000), np.array([0]), np.array([4000.0]))
-    >>> round(errors(square).index, 3)
+    >>> round(errors(square).S_I, 3)
     0.769
     """
     straight, curved = triangle(x), relay(x)
@@ -123,13 +123,13 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.S_stiction)
     found = errors(gather(halves))
     low, high = interval(_index, np.column_stack([found.sine, found.relay]))
-    word, why = _word(found.index, low, p)
+    word, why = _word(found.S_I, low, p)
     reason = (
-        f"S_I = {found.index:.2f} (90 % interval {low:.2f} to {high:.2f}, {len(halves)} half waves of PV, period "
+        f"S_I = {found.S_I:.2f} (90 % interval {low:.2f} to {high:.2f}, {len(halves)} half waves of PV, period "
         f"{loop.period:.4g} s): {why}."
     )
     evidence = {"error_sine": found.sine, "error_other": found.relay, "ratio": found.ratio, **_shown(loop, found)}
-    return Verdict(NAME, word, found.index, p.S_stiction, reason, interval=(low, high), evidence=evidence, draw=draw)
+    return Verdict(NAME, word, found.S_I, p.S_stiction, reason, interval=(low, high), evidence=evidence, draw=draw)
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:

@@ -35,12 +35,12 @@ RATIOS: Values = np.geomspace(0.05, 30.0, 25)  # theta / tau tried, as in the pa
 
 
 class Samples(NamedTuple):
-    """The inner samples of H half waves in one row: phase and y (N,), first sample (H,), count (H,)."""
+    """The inner samples of H half waves in one row: phase and y (N,), first sample (H,), number of samples (H,)."""
 
     phase: Values
     y: Values
     first: npt.NDArray[np.intp]
-    count: Values
+    length: Values
 
     def sums(self, x: Values) -> Values:
         """The sum of x (N,) over each half wave, (H,)."""
@@ -74,7 +74,7 @@ def gather(halves: Sequence[HalfWave]) -> Samples:
 
 def _fit(x: Samples, shape: Values) -> Fit:
     product, power, energy = x.sums(x.y * shape), x.sums(shape * shape), x.sums(x.y * x.y)
-    error = np.maximum(energy - product**2 / power, 0.0) / x.count
+    error = np.maximum(energy - product**2 / power, 0.0) / x.length
     return Fit(error, product / power, np.full(len(x.first), math.nan))
 
 
@@ -106,7 +106,7 @@ def relay(x: Samples, ratios: Values = RATIOS) -> Fit:
     power = np.array([x.sums(shape * shape) for shape in shapes])
     best, each = np.argmax(product**2 / power, axis=0), np.arange(len(x.first))
     height = product[best, each] / power[best, each]
-    error = np.maximum(x.sums(x.y * x.y) - height * product[best, each], 0.0) / x.count
+    error = np.maximum(x.sums(x.y * x.y) - height * product[best, each], 0.0) / x.length
     return Fit(error, height, ratios[best])
 
 
@@ -119,9 +119,9 @@ def free_triangle(x: Samples) -> Fit:
 
     def before_and_after(left: Values, right: Values) -> tuple[Values, Values]:
         run_left, run_right = np.cumsum(left), np.cumsum(right)
-        of_sample = np.repeat(np.arange(len(x.first)), x.count.astype(int))
+        of_sample = np.repeat(np.arange(len(x.first)), x.length.astype(int))
         start = (run_left - left)[x.first][of_sample]
-        end = run_right[x.first + x.count.astype(int) - 1][of_sample]
+        end = run_right[x.first + x.length.astype(int) - 1][of_sample]
         return run_left - start, end - run_right
 
     yu, yd = before_and_after(x.y * up, x.y * down)
@@ -129,8 +129,10 @@ def free_triangle(x: Samples) -> Fit:
     product = yu / up + yd / down
     power = uu / up**2 + dd / down**2
     gain = product**2 / power
-    best = np.array([a + np.argmax(gain[a : a + int(m)]) for a, m in zip(x.first, x.count, strict=True)], dtype=np.intp)
-    error = np.maximum(x.sums(x.y * x.y) - gain[best], 0.0) / x.count
+    best = np.array(
+        [a + np.argmax(gain[a : a + int(m)]) for a, m in zip(x.first, x.length, strict=True)], dtype=np.intp
+    )
+    error = np.maximum(x.sums(x.y * x.y) - gain[best], 0.0) / x.length
     return Fit(error, (product / power)[best], x.phase[best])
 
 

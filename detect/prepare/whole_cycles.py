@@ -29,7 +29,7 @@ def whole_cycles(
     loop: Prepared,
     signal: Signal,
     points: int = 64,
-    most: int = 40,
+    most: int = 400,
     cut_at: float = 0.0,
     even_halves: bool = False,
 ) -> WholeCycles:
@@ -44,7 +44,7 @@ def whole_cycles(
     >>> t = np.arange(1000.0)
     >>> loop = Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t))
     >>> whole_cycles(loop, "PV").y.shape
-    (19, 64)
+    (18, 64)
     """
     halves, t = loop.half_waves(signal), loop.stretch.t
     ends = []

@@ -13,7 +13,7 @@ from logs import LoopRecord
 def continuum(shape, m=4000):
     x = (np.arange(m) + 0.5) / m
     y = np.concatenate([[0.0], shape(x), [0.0]])
-    return errors(gather([HalfWave(0, np.concatenate([[0.0], x, [1.0]]), y, 1.0, 1.0)])).index
+    return errors(gather([HalfWave(0, np.concatenate([[0.0], x, [1.0]]), y, 1.0, 1.0)])).SI
 
 
 def bent(x, apex):

@@ -13,7 +13,7 @@ from logs import LoopRecord
 
 def continuum(shape, m=4000):
     x = (np.arange(m) + 0.5) / m
-    return measure(x, shape(x), 0 * x, 0.0, 1.0).index
+    return measure(x, shape(x), 0 * x, 0.0, 1.0).shape_index
 
 
 def exponential(x, h=25 / 8):
