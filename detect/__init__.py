@@ -31,8 +31,10 @@ from detect.methods import (
     dtw_shapes,
     hagglund2011,
     harmonics,
+    high_passed_pv,
     qualitative_shapes,
     relay_fit,
+    shifted_pv,
 )
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
@@ -48,8 +50,10 @@ METHODS: tuple[Method, ...] = (
     dtw_shapes,
     hagglund2011,
     harmonics,
+    high_passed_pv,
     qualitative_shapes,
     relay_fit,
+    shifted_pv,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 

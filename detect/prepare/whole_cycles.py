@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from detect.prepare.prepared import Prepared, Signal
 
-__all__ = ["WholeCycles", "averaged", "whole_cycles"]
+__all__ = ["WholeCycles", "averaged", "means_between", "whole_cycles"]
 
 Values = npt.NDArray[np.float64]
 
@@ -53,17 +53,27 @@ def whole_cycles(
         if a.sign > 0.0 and b.sign < 0.0 and abs(start + a.length - middle) < loop.stretch.dt:
             ends.append((start, middle, middle + b.length))
     ends = ends[:: max(-(-len(ends) // most), 1)]
-    y = loop.wave(signal, cut_at)
-    area = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))])
     rows = []
     for start, middle, end in ends:
         edges = np.linspace(start, end, points + 1)
         if even_halves:
             edges = np.interp(np.linspace(0.0, 2.0, points + 1), [0.0, 1.0, 2.0], [start, middle, end])
-        rows.append(np.diff(np.interp(edges, t, area)) / np.diff(edges))
+        rows.append(edges)
     bounds = np.array(ends).reshape(-1, 3)[:, ::2]
     noise = loop.noise(signal) / max(loop.samples_per_period / points, 1.0) ** 0.5
-    return WholeCycles(bounds[:, 0], bounds[:, 1], np.array(rows).reshape(-1, points), noise)
+    y = means_between(t, loop.wave(signal, cut_at), np.array(rows).reshape(-1, points + 1))
+    return WholeCycles(bounds[:, 0], bounds[:, 1], y, noise)
+
+
+def means_between(t: Values, y: Values, edges: Values) -> Values:
+    """The mean of y (n,) over t (n,) [s] between neighbouring edges (c, m + 1) [s], (c, m).
+
+    >>> t = np.arange(5.0)
+    >>> means_between(t, 2 * t, np.array([[0.0, 2.0, 4.0]])).tolist()
+    [[2.0, 6.0]]
+    """
+    area = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))])
+    return np.asarray(np.diff(np.interp(edges, t, area), axis=1) / np.diff(edges, axis=1))
 
 
 def averaged(cycles: WholeCycles, noise: float, least: int) -> WholeCycles:
