@@ -12,7 +12,9 @@ loops had 0.81 to 0.965, sines with up to 40 % noise 0.977 and more.
 Source of the idea: Kvam, NTNU 2009, section 7.2; index, size, rule and limits ours.  The weaker of the two ideas,
 because a shifted triangle is a triangle still, where `high_passed_pv` makes it the square of the valve: waves with a
 second harmonic lower G as corners do (10 % of it, far from the opposite phase, gives 0.95), and S is 10 to 20 % low in
-simulation. A round curve clears nothing.  Measured on the prepared record: 4 ms for 7,200 samples.
+simulation. As in `high_passed_pv`, the flow must stand still while OP travels.  Simulated as there: 16 of 30
+sticky levels found, 7 of 59 accused under outside squares, 0 of 60 under sines, 16 of 26 with a deadband.  A round
+curve clears nothing.  Measured on the prepared record: 4 ms for 7,200 samples.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.methods import high_passed_pv
-from detect.methods.high_passed_pv import judged
+from detect.methods.high_passed_pv import flow_loops, judged
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
 from detect.prepare.pv_op_loops import SMOOTHED_AT, loops
@@ -86,7 +88,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     found = loops(loop, loop.wave("PV", SMOOTHED_AT), shift)
     rule = high_passed_pv.Params(repeats_min=p.repeats_min, travel_min=p.travel_min)
     how = f"with PV {shift:.4g} s (N = {round(shift / loop.stretch.dt)} samples) later"
-    return judged(CARD, loop, found, p.G_stiction, rule, how, draw)
+    return judged(CARD, loop, found, flow_loops(loop, rule.tau), p.G_stiction, rule, how, draw)
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:

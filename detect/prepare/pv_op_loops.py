@@ -22,7 +22,7 @@ import numpy.typing as npt
 from detect.prepare.prepared import Prepared
 from detect.prepare.whole_cycles import averaged, means_between, whole_cycles
 
-__all__ = ["SMOOTHED_AT", "Loops", "loops", "roundness"]
+__all__ = ["SMOOTHED_AT", "Loops", "loops", "roundness", "tilt"]
 
 Values = npt.NDArray[np.float64]
 POINTS = 64
@@ -95,3 +95,21 @@ def _travel(op: Values, pv: Values) -> float:
     at = op[k] + (np.roll(op, -1)[k] - op[k]) * pv[k] / (pv[k] - after[k])
     up = after[k] > 0.0
     return float(abs(at[up].mean() - at[~up].mean()))
+
+
+def tilt(op: Values, pv: Values) -> float:
+    """How much the form of PV follows OP between its jumps, over the jump [-]: the median over curves (g, m).
+
+    Least squares of  pv = c + b op + j sign(pv - middle)  in each curve; the tilt is b range(op) / (2 j).
+
+    >>> turn = np.arange(64) / 64
+    >>> op, jump = np.abs(2 * turn - 1)[None], np.sign(turn - 0.499)[None]
+    >>> round(tilt(op, 3 * jump + 0.6 * op), 3)
+    0.1
+    """
+    found = []
+    for x, y in zip(op, pv, strict=True):
+        jumps = np.sign(y - 0.5 * (y.max() + y.min()))
+        _, b, j = np.linalg.lstsq(np.column_stack([np.ones(len(x)), x, jumps]), y, rcond=None)[0]
+        found.append(b * np.ptp(x) / (2.0 * j) if j != 0.0 else math.inf)
+    return float(np.median(found))

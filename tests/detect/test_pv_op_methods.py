@@ -6,7 +6,7 @@ import pytest
 from detect.methods import high_passed_pv, shifted_pv
 from detect.methods.high_passed_pv import high_passed
 from detect.prepare.prepared import Prepared
-from detect.prepare.pv_op_loops import loops, roundness
+from detect.prepare.pv_op_loops import loops, roundness, tilt
 from logs import LoopRecord
 
 both = pytest.mark.parametrize("method", [high_passed_pv, shifted_pv], ids=lambda m: m.CARD.name)
@@ -76,6 +76,31 @@ def test_sines_at_any_phase_are_not_accused(method, phase, noise):
     v = method.detect(sines(phase, noise))
     assert v.verdict == "inconclusive"
     assert v.amount_percent_op is None
+
+
+@both
+@pytest.mark.parametrize("period", [80, 150])
+def test_an_outside_flow_that_steps_is_not_accused(method, period):
+    """A level with a sound valve under PI control and a square inflow: while OP travels the flow follows it."""
+    rng, n = np.random.default_rng(0), 4000
+    level, integral, rows = 50.0, 50.0, np.empty((n, 2))
+    for k in range(n):
+        seen = level + 0.02 * rng.normal()
+        integral += 2.0 * (50.0 - seen) / 100.0
+        op = integral + 2.0 * (50.0 - seen)
+        level += (op - 50.0 + 3.0 * np.sign(np.sin(2 * np.pi * (k + 0.5) / period))) / 50.0
+        rows[k] = seen, op
+    t = np.arange(float(n))
+    v = method.detect(LoopRecord.from_arrays(t, pv=rows[:, 0], op=rows[:, 1], sp=0 * t + 50, process="integrating"))
+    assert v.verdict == "inconclusive" and "flow follows OP" in v.reason
+
+
+def test_tilt_by_hand():
+    """Analytic: pv = 3 sign + 0.6 op with op from 0 to 1: 0.6 / 6."""
+    turn = np.arange(64) / 64
+    op, jump = np.abs(2 * turn - 1)[None], np.sign(turn - 0.499)[None]
+    assert tilt(op, 3 * jump + 0.6 * op) == pytest.approx(0.1, abs=1e-6)
+    assert tilt(op, 3 * jump) == pytest.approx(0.0, abs=1e-9)
 
 
 @both
