@@ -126,9 +126,11 @@ def free_triangle(x: Samples) -> Fit:
 
     yu, yd = before_and_after(x.y * up, x.y * down)
     uu, dd = before_and_after(up * up, down * down)
-    product = yu / up + yd / down
-    power = uu / up**2 + dd / down**2
-    gain = product**2 / power
+    possible = (up > 0.0) & (down > 0.0)  # a sample may fall on the crossing itself
+    left, right = np.where(possible, up, 1.0), np.where(possible, down, 1.0)
+    product = yu / left + yd / right
+    power = uu / left**2 + dd / right**2
+    gain = np.where(possible, product**2 / power, -1.0)
     best = np.array(
         [a + np.argmax(gain[a : a + int(m)]) for a, m in zip(x.first, x.length, strict=True)], dtype=np.intp
     )

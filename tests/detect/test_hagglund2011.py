@@ -66,7 +66,11 @@ def test_dead_band_of_a_square_error():
     known = Params(K=0.5, T_i=10.0, K_p=2.0)
     v = detect(of(np.ones_like, period=200.0, gain=2.0, noise=0.0001), known)
     assert v.amount_percent_op == pytest.approx(9.0, rel=0.02)
+    reverse = detect(of(np.ones_like, period=200.0, gain=-2.0, noise=0.0001), Params(K=-0.5, T_i=10.0, K_p=-2.0))
+    assert reverse.amount_percent_op == pytest.approx(9.0, rel=0.02)
     assert detect(of(np.ones_like, period=200.0, gain=2.0)).amount_percent_op is None
+    with pytest.raises(ValueError, match="give all three"):
+        Params(K=0.5)
     short = detect(of(np.ones_like, period=90.0, gain=2.0), known)  # half waves of 45 s, below 5 T_i
     assert short.verdict == "stiction" and short.amount_percent_op is None
 

@@ -63,6 +63,15 @@ def test_free_triangle_finds_the_apex(apex):
     assert fit.error[0] < 1e-5 and fit.height[0] == pytest.approx(2.0, rel=1e-3)
 
 
+def test_a_sample_on_the_crossing_does_no_harm():
+    """Analytic: samples at 0, 1/8, ... of a triangle with its apex at 3/8."""
+    x = np.arange(8) / 8
+    one = HalfWave(0, np.concatenate([[0.0], x, [1.0]]), np.concatenate([[0.0], bent(x, 3 / 8), [0.0]]), 1.0, 8.0)
+    fit = free_triangle(gather([one, one]))
+    assert fit.parameter.tolist() == [3 / 8, 3 / 8]
+    assert fit.error == pytest.approx(0.0, abs=1e-12)
+
+
 def test_fits_of_many_equal_those_of_each_by_a_general_solver():
     """The sums over ragged half waves against numpy's least squares, apex by apex."""
     rng = np.random.default_rng(3)
