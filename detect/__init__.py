@@ -35,6 +35,7 @@ from detect.methods import (
     qualitative_shapes,
     relay_fit,
     shifted_pv,
+    play_fit,
 )
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
@@ -54,6 +55,7 @@ METHODS: tuple[Method, ...] = (
     qualitative_shapes,
     relay_fit,
     shifted_pv,
+    play_fit,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 

@@ -34,19 +34,25 @@ def _loop(t, e, **more):
 
 
 def _sticky(
-    process="self_regulating", S=6.0, J=4.0, noise=0.0, n=3000, K=1.0, tau=10.0, K_p=0.5, T_i=10.0, load=50.0, seed=0
-):
+    process="self_regulating", S=6.0, J=4.0, noise=0.0, n=3000, K=1.0, tau=10.0, K_p=0.5, T_i=10.0, load=50.0, seed=0,
+    moves=(),
+):  # fmt: skip
     """A PI loop with a sticky valve (Kano et al. 2004), a lag or an integrator, one sample a second, all in %.
 
     `load` is the outflow of the integrator; in the middle of the two places of the valve, half waves are alike.
+    `moves` of the set point follow one another evenly over the record: 51.3 and what each adds to it.
+
     Written anew for the tests: plain recursions, no block and no engine.
     """
     rng = np.random.default_rng(seed)
-    sp, pv, m, us, u_prev, way, stuck, integral = 51.3, 50.0, 50.0, 50.0, 50.0, 1.0, True, 50.0
+    pv, m, us, u_prev, way, stuck, integral = 50.0, 50.0, 50.0, 50.0, 1.0, True, 50.0
     if process == "integrating":
         K_p, T_i = 1.2, 120.0
     rows = np.empty((n, 3))
+    steps = np.concatenate([[0.0], np.asarray(moves, dtype=float)])
+    sps = 51.3 + steps[np.arange(n) * len(steps) // n]
     for k in range(n):
+        sp = sps[k]
         seen = pv + noise * rng.normal()
         e = sp - seen
         integral += K_p * e / T_i
@@ -65,7 +71,7 @@ def _sticky(
         rows[k] = seen, u, m
     rows = rows[n // 5 :]
     return LoopRecord.from_arrays(
-        np.arange(float(len(rows))), pv=rows[:, 0], op=rows[:, 1], mv=rows[:, 2], sp=np.full(len(rows), sp),
+        np.arange(float(len(rows))), pv=rows[:, 0], op=rows[:, 1], mv=rows[:, 2], sp=sps[n // 5 :],
         name="LIC1" if process == "integrating" else "FIC1", process=process,
     )  # fmt: skip
 
@@ -86,6 +92,39 @@ def _noise(kind, n, seed):
     else:
         x = lfilter([1], [1, -kind], w)
     return x[1000:]
+
+
+def _simulated(valve, process="self_regulating", S=6.0, J=4.0, moves=(), noise=0.05, theta=0.0, n=1500, seed=0):
+    """The same loop from the blocks and the engine; `valve` is "kano", "choudhury" or "he", S, J and noise in %."""
+    from blocks import ChoudhuryValve, FirstOrder, HeValve, Integrator, KanoValve, SampledPI, Staircase
+    from diagram import simulate, wire
+
+    bands = {"S": S / 100, "J": J / 100}
+    if valve == "he":
+        stem = HeValve(f_s=(S + J) / 200, f_d=(S - J) / 200, dt=1.0, start=0.5)
+    else:
+        stem = (KanoValve if valve == "kano" else ChoudhuryValve)(**bands, dt=1.0, start=0.5)
+    level = process == "integrating"
+    body = Integrator(K=1.0, T=50.0, theta=theta, u_0=0.5, start=0.5) if level else FirstOrder(
+        K=1.0, tau=3.0, theta=theta, start=0.5
+    )  # fmt: skip
+    K_p, T_i = (1.2, 40.0) if level else (0.4, 2.0)
+    levels = 0.513 + np.concatenate([[0.0], np.asarray(moves, dtype=float)]) / 100
+    run = simulate(
+        wire([Staircase("SP", levels, dwell=n / len(levels)), SampledPI(K_p, T_i, dt=1.0, offset=0.5), stem, body]),
+        float(n), every=1.0,
+    )  # fmt: skip
+    assert run.ok
+    pv = run.log["PV"] + noise / 100 * np.random.default_rng(seed).normal(size=len(run.log))
+    return LoopRecord.from_arrays(
+        run.log.t, pv=pv, op=run.log["OP"], mv=run.log["MV"], sp=run.log["SP"], process=process, op_span=(0.0, 1.0),
+        name="LIC2" if level else "FIC2",
+    )  # fmt: skip
+
+
+@pytest.fixture
+def simulated():
+    return _simulated
 
 
 @pytest.fixture
