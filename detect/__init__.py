@@ -25,6 +25,7 @@ from detect.diagnosis import Diagnosis, diagnose
 from detect.method import Method
 from detect.methods import (
     area_ratio,
+    change_no_change,
     cross_correlation,
     curve_fit,
     derivative_histogram,
@@ -35,6 +36,7 @@ from detect.methods import (
     qualitative_shapes,
     relay_fit,
     shifted_pv,
+    parallelogram,
     play_fit,
 )
 from detect.oscillation import acf_crossings, hagglund1995
@@ -45,6 +47,7 @@ __all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict",
 
 METHODS: tuple[Method, ...] = (
     area_ratio,
+    change_no_change,
     cross_correlation,
     curve_fit,
     derivative_histogram,
@@ -55,6 +58,7 @@ METHODS: tuple[Method, ...] = (
     qualitative_shapes,
     relay_fit,
     shifted_pv,
+    parallelogram,
     play_fit,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""

@@ -35,17 +35,18 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
+from detect.prepare.controller import controller_sign
 from detect.prepare.play import Fit, fit
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Grid, Prepared, prepared
-from detect.prepare.stick import turns
+from detect.prepare.stick import turn_time
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Fit", "Params", "controller_sign", "detect", "draw", "fit"]
+__all__ = ["CARD", "Fit", "Params", "detect", "draw", "fit"]
 
 Values = npt.NDArray[np.float64]
 NAME = "play_fit"
@@ -94,22 +95,6 @@ class Params:
     points: int = 1200
 
 
-def controller_sign(op: Values, e: Values) -> float:
-    """Whether OP rises (+1) or falls (-1) with e = SP - PV, from their steps and from e itself: a PI moves by both.
-
-    >>> e = np.sin(np.arange(100.0) / 5)
-    >>> controller_sign(-2 * e - 0.1 * np.cumsum(e), e)
-    -1.0
-    """
-    move, step, level = np.diff(op), np.diff(e), e[1:] - np.mean(e)
-
-    def alike(other: Values) -> float:
-        size = float(np.linalg.norm(move) * np.linalg.norm(other))
-        return float(move @ other) / size if size > 0.0 else 0.0
-
-    return -1.0 if alike(step) + alike(level) < 0.0 else 1.0
-
-
 def _blocks(grid: Grid, turn: float, points: int) -> tuple[int, Values, Values, Values]:
     """OP, PV, e averaged over blocks of k samples, so that about `points` are left and 8 between two turns."""
     k = max(1, min(math.ceil(len(grid) / points), int(turn / 8.0)))
@@ -128,14 +113,13 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     if len(grid) < p.samples:
         reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed to weigh two models."
         return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.ratio)
-    at = turns(grid.op, 0.25 * float(np.percentile(grid.op, 98) - np.percentile(grid.op, 2)))
+    at, turn = turn_time(grid.op, loop.period / grid.dt)
     if len(at) < p.reversals:
         reason = (
             f"OP turns {len(at)} times in the record; a one-way drift proves nothing, because a load ramp looks the "
             f"same ({p.reversals} reversals are needed)."
         )
         return Verdict(NAME, "inconclusive", None, p.ratio, reason)
-    turn = 0.5 * loop.period / grid.dt if math.isfinite(loop.period) else len(grid) / (len(at) + 1.0)
     k, u, y, e = _blocks(grid, turn, p.points)
     sign = controller_sign(u, e)
     kinds = (False, True) if loop.integrating is None else (loop.integrating,)

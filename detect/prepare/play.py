@@ -15,7 +15,7 @@ import numpy.typing as npt
 from detect.prepare.lags import Lags, Response
 from detect.prepare.stick import stick, turns
 
-__all__ = ["Fit", "fit"]
+__all__ = ["Fit", "fit", "interval", "travel_of"]
 
 Values = npt.NDArray[np.float64]
 Candidate = tuple[float, float, float]  # S, J / S, start
@@ -64,7 +64,7 @@ def fit(u: Values, y: Values, turn: float, sign: float = 1.0, integrating: bool 
     >>> round(found.S, 2), found.ratio > 10, found.told > 0.999
     (4.0, True, True)
     """
-    travel = _travel(u, turn)
+    travel = travel_of(u, turn)
     quick = _Table(u, Lags(y, turn, integrating, sign, every=max(1, int(turn / 12.0))))
     quick.add([(share * travel, q, a) for share in SIZES for q in JUMPS for a in STARTS])
     model = Lags(y, turn, integrating, sign)
@@ -92,7 +92,7 @@ def fit(u: Values, y: Values, turn: float, sign: float = 1.0, integrating: bool 
             loss[size] = min(loss.get(size, math.inf), value)
     sizes, profile = np.array(sorted(loss)), np.array([loss[s] for s in sorted(loss)])
     # Each reversal is one look at S: what is left within one is the same misfit, however many samples it has.
-    low, high = _interval(sizes, profile * min(n_eff, max(len(each), 1.0)) / n_eff, S)
+    low, high = interval(sizes, profile * min(n_eff, max(len(each), 1.0)) / n_eff, S)
     spread = float(np.percentile(each, 75) - np.percentile(each, 25)) / (1.35 * S) if len(each) else math.inf
     told, told_without = 1.0 - played.rss / model.tss, 1.0 - linear.rss / model.tss
     return Fit(
@@ -126,14 +126,14 @@ class _Table:
         return sorted(self.responses, key=lambda key: self.responses[key].rss)[:m]
 
 
-def _travel(u: Values, turn: float) -> float:
+def travel_of(u: Values, turn: float) -> float:
     """How far OP moves between two turns: the 90th percentile over windows of two."""
     width = min(max(round(2.0 * turn), 2), len(u))
     starts = np.arange(0, len(u) - width + 1, max(width // 8, 1))
     return float(np.percentile([np.ptp(u[k : k + width]) for k in starts], 90))
 
 
-def _interval(at: Values, loss: Values, S: float) -> tuple[float, float]:
+def interval(at: Values, loss: Values, S: float) -> tuple[float, float]:
     """The sizes about S where the loss stays below half the 90 % point of chi-square with one degree of freedom."""
     limit, k = 1.353, int(np.searchsorted(at, S))
 

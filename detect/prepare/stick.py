@@ -11,10 +11,12 @@ many candidates side by side.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["stick", "turns"]
+__all__ = ["play", "stick", "turn_time", "turns"]
 
 Values = npt.NDArray[np.float64]
 
@@ -52,6 +54,21 @@ def stick(u: Values, S: npt.ArrayLike, J: npt.ArrayLike = 0.0, start: npt.ArrayL
     return x[:, 0] if np.ndim(S) == np.ndim(J) == np.ndim(start) == 0 else x
 
 
+def play(u: Values, S: Values, start: Values) -> Values:
+    """Stem positions (n, m) of a play without slip jump, J = 0: the same as `stick`, in a third of the time.
+
+    >>> play(np.array([0.0, 3.0, 6.0, 4.0, 1.0]), np.array([4.0]), np.zeros(1))[:, 0].tolist()
+    [0.0, 1.0, 4.0, 4.0, 3.0]
+    """
+    half = 0.5 * S
+    x = np.empty((len(u), len(S)))
+    here = u[0] - start * half
+    for k, op in enumerate(u.tolist()):
+        here = np.minimum(np.maximum(here, op - half), op + half)
+        x[k] = here
+    return x
+
+
 def turns(u: Values, travel: float) -> npt.NDArray[np.intp]:
     """Where u turns: the extremes that are followed and preceded by a move of more than `travel`, in order.
 
@@ -75,3 +92,12 @@ def turns(u: Values, travel: float) -> npt.NDArray[np.intp]:
                 found.append(low)
             way, high = 1, k
     return np.array(found, dtype=np.intp)
+
+
+def turn_time(u: Values, period: float) -> tuple[npt.NDArray[np.intp], float]:
+    """The large turns of u, by more than a quarter of its range, and the time between two turns [samples].
+
+    That time is half the period where there is one (`period` [samples] finite), else the record over its turns.
+    """
+    at = turns(u, 0.25 * float(np.percentile(u, 98) - np.percentile(u, 2)))
+    return at, max(0.5 * period if math.isfinite(period) else len(u) / (len(at) + 1.0), 2.0)

@@ -111,7 +111,7 @@ def _simulated(valve, process="self_regulating", S=6.0, J=4.0, moves=(), noise=0
     K_p, T_i = (1.2, 40.0) if level else (0.4, 2.0)
     levels = 0.513 + np.concatenate([[0.0], np.asarray(moves, dtype=float)]) / 100
     run = simulate(
-        wire([Staircase("SP", levels, dwell=n / len(levels)), SampledPI(K_p, T_i, dt=1.0, offset=0.5), stem, body]),
+        wire([Staircase("SP", levels, dwell=n / len(levels)), SampledPI(K_p, T_i, dt=1.0, start_op=0.5), stem, body]),
         float(n), every=1.0,
     )  # fmt: skip
     assert run.ok
@@ -120,6 +120,20 @@ def _simulated(valve, process="self_regulating", S=6.0, J=4.0, moves=(), noise=0
         run.log.t, pv=pv, op=run.log["OP"], mv=run.log["MV"], sp=run.log["SP"], process=process, op_span=(0.0, 1.0),
         name="LIC2" if level else "FIC2",
     )  # fmt: skip
+
+
+def _bare(record, gain=1.0, offset=0.0, op_gain=1.0, every=1):
+    """The record without MV, PV and SP in another unit, OP mirrored about 50 or scaled, every n-th sample."""
+    r, pick = record, slice(None, None, every)
+    return LoopRecord.from_arrays(
+        r.t[pick], pv=gain * r.pv[pick] + offset, sp=gain * r.sp[pick] + offset, process=r.process,
+        op=50 + op_gain * (r.op[pick] - 50), op_span=(50 - 50 * abs(op_gain), 50 + 50 * abs(op_gain)), name=r.name,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def bare():
+    return _bare
 
 
 @pytest.fixture

@@ -5,7 +5,8 @@ import pytest
 from scipy.signal import lfilter
 
 from detect.methods import play_fit
-from detect.methods.play_fit import controller_sign, detect, fit
+from detect.methods.play_fit import detect, fit
+from detect.prepare.controller import controller_sign
 from detect.prepare.lags import Lags
 from detect.prepare.stick import stick, turns
 from logs import LoopRecord
