@@ -15,8 +15,9 @@ grid of 50 widths and 5 starts; stiction where rho* >= 0.5, W >= 0.25 and OP - F
 that OP alone leaves (a limit on rho* - rho0, as the paper's readers use, loses plain parallelograms that are densely
 sampled).  A small W clears nothing: two signals that have nothing in common have one too.
 
-F_max is S where J is small; a slip has steeper sides than a play, and F_max then lies between S - J / 2 and S.  Deadband and stiction are told apart by J alone.  Not for levels, where any wave lags a quarter period,
-nor for slow processes without MV.  Cost: about 60 ms for 7,200 samples.
+F_max is S where J is small; a slip has steeper sides than a play, and F_max then lies between S - J / 2 and S.
+Deadband and stiction are told apart by J alone.  Not for levels, where any wave lags a quarter period, nor for slow
+processes without MV.  Cost: about 60 ms for 7,200 samples.
 """
 
 from __future__ import annotations
@@ -112,8 +113,8 @@ def width(u: Values, y: Values, turn: float) -> Width:
     rho = rho.reshape(50, 5)
     k = int(np.argmax(np.max(rho, axis=1)))
     start = float(starts[np.argmax(rho[k])])
-    fine = np.linspace(max(sizes[k] - 0.02 * span, 1e-3 * span), min(sizes[k] + 0.02 * span, span), 21)
-    stems = play(u, fine, np.full(21, start))
+    fine = np.linspace(max(sizes[k] - 0.06 * span, 1e-3 * span), min(sizes[k] + 0.06 * span, span), 61)
+    stems = play(u, fine, np.full(61, start))
     middle, reach = int(short[at.reshape(50, 5)[k, np.argmax(rho[k])]]), int(np.max(np.diff(short), initial=1))
     short = np.arange(max(middle - reach, 0), min(middle + reach, int(short[-1])) + 1)
     close, at = _correlate(stems, y, short, drop)
