@@ -38,6 +38,8 @@ from detect.methods import (
     shifted_pv,
     parallelogram,
     play_fit,
+    qualitative_movements,
+    second_difference_kurtosis,
 )
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
@@ -60,6 +62,8 @@ METHODS: tuple[Method, ...] = (
     shifted_pv,
     parallelogram,
     play_fit,
+    qualitative_movements,
+    second_difference_kurtosis,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 

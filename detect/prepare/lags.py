@@ -92,11 +92,11 @@ class Lags:
             np.subtract(slopes[i], slopes[i + 1], out[:, i])
         return out
 
-    def fit(self, x: Values, columns: Values | None = None) -> list[Response]:
+    def fit(self, x: Values) -> list[Response]:
         """The best response to each of the inputs x (n, m)."""
         from scipy.optimize import nnls
 
-        columns = self.columns(x) if columns is None else columns
+        columns = self.columns(x)
         load = np.matmul(columns, self.load)
         gram = np.matmul(columns, columns.transpose(0, 2, 1))
         whole = np.trace(gram, axis1=1, axis2=2)  # what rounding is measured by

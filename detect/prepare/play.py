@@ -7,7 +7,7 @@ best; what S, J and start are good for is only ever told by the same response mo
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,7 @@ import numpy.typing as npt
 from detect.prepare.lags import Lags, Response
 from detect.prepare.stick import stick, turns
 
-__all__ = ["Fit", "fit", "interval", "travel_of"]
+__all__ = ["Candidate", "Fit", "Model", "Table", "fit", "interval", "search", "travel_of"]
 
 Values = npt.NDArray[np.float64]
 Candidate = tuple[float, float, float]  # S, J / S, start
@@ -65,14 +65,9 @@ def fit(u: Values, y: Values, turn: float, sign: float = 1.0, integrating: bool 
     (4.0, True, True)
     """
     travel = travel_of(u, turn)
-    quick = _Table(u, Lags(y, turn, integrating, sign, every=max(1, int(turn / 12.0))))
-    quick.add([(share * travel, q, a) for share in SIZES for q in JUMPS for a in STARTS])
+    coarse = Lags(y, turn, integrating, sign, every=max(1, int(turn / 12.0)))
     model = Lags(y, turn, integrating, sign)
-    table, width, centres = _Table(u, model), 0.13, quick.best(4)  # half the widest gap of SIZES
-    for kept in (3, 2, 1):
-        table.add([near for centre in centres for near in _about(centre, width)])
-        centres, width = table.best(kept), 0.35 * width
-    table.add([(0.0, 0.0, 0.0)])
+    quick, table = search(u, travel, coarse, model)
     S, ratio, start = table.best(1)[0]
     linear = table.responses[(0.0, 0.0, 0.0)]
     played = table.responses[(S, ratio, start)]
@@ -81,10 +76,9 @@ def fit(u: Values, y: Values, turn: float, sign: float = 1.0, integrating: bool 
     a = float(left[1:] @ left[:-1]) / max(float(left @ left), 1e-300)
     # The load model leaves no swing beyond a few turns, so there is about one look per turn even where a nears one.
     n_eff = min(max(len(u) * (1.0 - a) / (1.0 + a), len(u) / turn), float(len(u)))
-    wins, each = _reversals(u, S, ratio, start, table, left, left_without)
+    wins, each = _reversals(u, S, ratio, start, table, model, left, left_without)
     gain = 0.5 * n_eff * math.log(linear.rss / played.rss)
     loss: dict[float, float] = {}
-    quick.add([(0.0, 0.0, 0.0)])
     for tried in (quick, table):
         without = tried.responses[(0.0, 0.0, 0.0)]
         for (size, _, _), response in tried.responses.items():
@@ -101,6 +95,18 @@ def fit(u: Values, y: Values, turn: float, sign: float = 1.0, integrating: bool 
     )  # fmt: skip
 
 
+def search(u: Values, travel: float, coarse: Model, close: Model) -> tuple[Table, Table]:
+    """Try stems for u (n,) on the whole grid by the coarse model, then about the best by the close one, S = 0 too."""
+    quick, table = Table(u, coarse), Table(u, close)
+    quick.add([(0.0, 0.0, 0.0)] + [(share * travel, q, a) for share in SIZES for q in JUMPS for a in STARTS])
+    table.add([(0.0, 0.0, 0.0)])
+    width, centres = 0.13, quick.best(4)  # half the widest gap of SIZES
+    for kept in (3, 2, 1):
+        table.add([near for centre in centres for near in _about(centre, width)])
+        centres, width = table.best(kept), 0.35 * width
+    return quick, table
+
+
 def _about(centre: Candidate, width: float) -> list[Candidate]:
     """Candidates around one: S within `width` of it [-], J / S and start further, because they matter less."""
     S, ratio, start = centre
@@ -109,17 +115,26 @@ def _about(centre: Candidate, width: float) -> list[Candidate]:
     return [(S * (1.0 + width * i), r, a) for i in (-1.0, -0.5, 0.0, 0.5, 1.0) for r in ratios for a in starts]
 
 
-class _Table:
-    """Every candidate tried, with its best response."""
+class Model(Protocol):
+    """Anything that fits a measurement by each of the stems x (n, m)."""
 
-    def __init__(self, u: Values, model: Lags) -> None:
+    def fit(self, x: Values) -> list[Response]:
+        """The best response to each."""
+
+
+class Table:
+    """Every candidate tried for u (n,), with its best response."""
+
+    def __init__(self, u: Values, model: Model) -> None:
         self.u, self.model = u, model
         self.responses: dict[Candidate, Response] = {}
 
     def add(self, keys: list[Candidate]) -> None:
+        """Try those that are new."""
         keys = list(dict.fromkeys(key for key in keys if key not in self.responses))
-        s, r, a = np.array(keys).T
-        self.responses.update(zip(keys, self.model.fit(stick(self.u, s, r * s, a)), strict=True))
+        if keys:
+            s, r, a = np.array(keys).T
+            self.responses.update(zip(keys, self.model.fit(stick(self.u, s, r * s, a)), strict=True))
 
     def best(self, m: int) -> list[Candidate]:
         """The m best, best first."""
@@ -151,7 +166,7 @@ def interval(at: Values, loss: Values, S: float) -> tuple[float, float]:
 
 
 def _reversals(
-    u: Values, S: float, ratio: float, start: float, table: _Table, left: Values, left_without: Values
+    u: Values, S: float, ratio: float, start: float, table: Table, model: Lags, left: Values, left_without: Values
 ) -> tuple[float, Values]:
     """Share of the reversals with travel beyond S at which play wins, and the best S at each."""
     at = turns(u, S) if S > 0.0 else np.empty(0, dtype=np.intp)
@@ -159,7 +174,7 @@ def _reversals(
         return 0.0, np.empty(0)
     with_, without = np.add.reduceat(left**2, at), np.add.reduceat(left_without**2, at)
     trial = S * np.concatenate([np.linspace(0.5, 0.95, 8), [1.0], np.linspace(1.05, 1.5, 8)])
-    stems, model = stick(u, trial, ratio * trial, start), table.model
+    stems = stick(u, trial, ratio * trial, start)
     squares = []
     for size, stem, response in zip(trial.tolist(), stems.T, model.fit(stems), strict=True):
         squares.append(np.add.reduceat(model.residual(stem, response) ** 2, at))
