@@ -40,6 +40,7 @@ from detect.methods import (
     play_fit,
     qualitative_movements,
     second_difference_kurtosis,
+    stem_play,
 )
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
@@ -64,6 +65,7 @@ METHODS: tuple[Method, ...] = (
     play_fit,
     qualitative_movements,
     second_difference_kurtosis,
+    stem_play,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
