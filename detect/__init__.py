@@ -41,6 +41,7 @@ from detect.methods import (
     qualitative_movements,
     second_difference_kurtosis,
     stem_play,
+    window_tests,
 )
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
@@ -66,6 +67,7 @@ METHODS: tuple[Method, ...] = (
     qualitative_movements,
     second_difference_kurtosis,
     stem_play,
+    window_tests,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
