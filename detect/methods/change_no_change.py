@@ -9,8 +9,9 @@ y is MV where it is logged, else PV, which stands for the stem in a flow loop of
 Source: Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, whose three limits belong to each loop.  Ours: k is a thirtieth of
 the period, y is averaged over k, eps is three sigma of the noise in that difference but at least 1 % of the range of y,
 eps_u a quarter of OP's travel between two turns, eps_y twice eps but at most 15 % of the range of y; stiction where
-rho >= 0.3.  A small rho clears nothing: noise breaks the intervals up as well as a healthy valve does.  The travel is S
-where y is the stem; a lag of PV eats the beginning of each stand, and the travel comes out low.
+rho >= 0.3, in four intervals or more and with as many turns of OP, because a load ramp looks the same.  A small rho
+clears nothing: noise breaks the intervals up as well as a healthy valve does.  The travel is S where y is the stem; a
+lag of PV eats the beginning of each stand, and the travel comes out low.
 
 Not for slow processes without MV, long dead time, or PV on a coarse grid.  Cost: about 5 ms for 7,200 samples.
 """
@@ -63,7 +64,7 @@ class Params:
     """rho_stiction : as in `methods.md` of the notes; the other limits are ours, see the module.
 
     noise : eps over the noise of the difference [-]     floor, cap : least eps and most eps_y [share of y's range]
-    travel : eps_u [share of OP's travel]                 intervals, samples : fewest of each
+    travel : eps_u [share of OP's travel]                 intervals, samples : fewest of each, of the turns of OP, too
     """
 
     rho_stiction: float = 0.3
@@ -126,14 +127,16 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.rho_stiction)
     name, y = stem_signal(grid)
     u = grid.op
-    turn = turn_time(u, loop.period / grid.dt)[1]
+    at, turn = turn_time(u, loop.period / grid.dt)
     found = stuck(u, y, max(1, round(turn / 15.0)), noise_std(grid.t, y), travel_of(u, turn), p)
     m = len(found.travel)
-    word: Word = "stiction" if found.rho >= p.rho_stiction and m >= p.intervals else "inconclusive"
+    enough = min(m, len(at)) >= p.intervals
+    word: Word = "stiction" if found.rho >= p.rho_stiction and enough else "inconclusive"
     amount = loop.op_percent(float(np.mean(found.travel))) if word == "stiction" else None
     size = "" if amount is None else f", on average by {amount:.3g} % of OP"
     why = (
         f"{name} stands while OP travels{size}" if word == "stiction"
+        else f"fewer than {p.intervals} intervals or turns of OP ({len(at)})" if found.rho >= p.rho_stiction
         else "which clears nothing, because noise and lag break the intervals up too"
     )  # fmt: skip
     reason = f"rho = {found.rho:.2f} of the time in {m} intervals ({p.rho_stiction:g} for stiction): {why}."

@@ -114,17 +114,17 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed to weigh two models."
         return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.ratio)
     at, turn = turn_time(grid.op, loop.period / grid.dt)
-    if len(at) < p.reversals:
+    if not len(at) and not math.isfinite(loop.period):
         reason = (
-            f"OP turns {len(at)} times in the record; a one-way drift proves nothing, because a load ramp looks the "
-            f"same ({p.reversals} reversals are needed)."
+            "OP never turns back by a quarter of its range; a one-way drift proves nothing, because a load ramp looks "
+            "the same."
         )
         return Verdict(NAME, "inconclusive", None, p.ratio, reason)
     k, u, y, e = _blocks(grid, turn, p.points)
     sign = controller_sign(u, e)
     kinds = (False, True) if loop.integrating is None else (loop.integrating,)
     found = max((fit(u, y, max(turn / k, 2.0), sign, kind) for kind in kinds), key=lambda f: f.told)
-    word, why = _word(found, turn / k, loop, p)
+    word, why = _word(found, turn / k, len(at), loop, p)
     amount = loop.op_percent(found.S) if word == "stiction" else None
     evidence: dict[str, Values | float] = {
         "t": grid.t[-len(u) * k :: k], "u": u, "x": found.x, "y": found.y, "linear": found.linear,
@@ -142,7 +142,7 @@ def _size(loop: Prepared, amount: float) -> str:
     return f"{amount:.3g} in the unit of OP" if percent is None else f"{percent:.3g} % of OP"
 
 
-def _word(f: Fit, turn: float, loop: Prepared, p: Params) -> tuple[Word, str]:
+def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[Word, str]:
     r, m = f"ratio {f.ratio:.2f}, log-likelihood gain {f.gain:.3g}", len(f.S_each)
     model = " (integrating)" if f.integrating else ""
     told = f"{max(f.told, 0.0):.0%} of PV{model} told"
@@ -181,6 +181,8 @@ def _word(f: Fit, turn: float, loop: Prepared, p: Params) -> tuple[Word, str]:
         return "inconclusive", (
             f"{no_better}; PV follows OP by {lag:.2f} half periods, {told}: {why}, so nothing is cleared."
         )
+    if turned < p.reversals and not math.isfinite(loop.period):
+        return "inconclusive", f"{no_better}, and OP turns back once only: a load ramp looks the same as a valve then."
     if largest > p.cleared * f.travel:
         return "inconclusive", (
             f"{no_better}, but S up to {'any size' if math.isinf(largest) else _size(loop, largest)} would hide in OP "

@@ -14,7 +14,8 @@ travel of OP over runs of flagged windows.  PV stands for the stem; MV is taken 
 Source: Damarla et al. 2022, AdCONIP pp 210-215, and 2023, IECR 62(12), read through a re-implementation by others; they
 have w = 8 and call Omega > 0 stiction.  That calls every real loop sticky, and w must follow the period.  Ours: eight
 windows a period (8 samples where there is none), a limit of 0.12, and twice as many windows flagged as those where OP
-stays and PV does not, because chance, noise and a sine make both alike.
+stays and PV does not, because chance, noise and a sine make both alike.  And OP must turn back: under a load ramp the
+controller moves OP to hold PV, whatever the valve is like.
 
 Not for slow processes without MV, coarse PV, or PV lost in noise.  Cost: about 3 ms for 7,200 samples.
 """
@@ -32,6 +33,7 @@ from detect.card import Card
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
 from detect.prepare.stem import stem_signal
+from detect.prepare.stick import turn_time
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
 
@@ -63,9 +65,10 @@ CARD = Card(
 
 @dataclass(frozen=True)
 class Params:
-    """alpha, window of the papers; omega, excess, per_period, samples ours, see the module.
+    """alpha, window of the papers; the others ours, see the module.
 
     alpha : level of significance [-]               window : samples a window where there is no period
+    reversals : fewest turns of OP by a quarter of its range
     omega : least Omega for stiction [-]            excess : flagged windows over those the other way round [-]
     per_period : windows a period                   samples : fewest in the record
     """
@@ -75,6 +78,7 @@ class Params:
     per_period: float = 8.0
     omega: float = 0.12
     excess: float = 2.0
+    reversals: int = 4
     samples: int = 150
 
 
@@ -147,7 +151,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     found = flags(u, y, w, p.alpha)
     omega, opposite = float(np.mean(found.means)), float(np.mean(found.opposite))
     travel = _travel(u, found.means, w)
-    word, why = _word(omega, opposite, name, p)
+    turned = len(turn_time(u, loop.samples_per_period)[0])
+    word, why = _word(omega, opposite, turned, name, p)
     size = float(np.percentile(travel, 95)) if len(travel) else math.nan
     amount = loop.op_percent(size) if word == "stiction" else None
     reason = (
@@ -168,7 +173,9 @@ def _travel(u: Values, flagged: Mask, w: int) -> Values:
     return np.asarray(np.abs(middles[np.flatnonzero(edges == -1)] - middles[np.flatnonzero(edges == 1)]))
 
 
-def _word(omega: float, opposite: float, name: str, p: Params) -> tuple[Word, str]:
+def _word(omega: float, opposite: float, turned: int, name: str, p: Params) -> tuple[Word, str]:
+    if omega > p.omega and turned < p.reversals:
+        return "inconclusive", f"OP turns back {turned} times ({p.reversals} needed), and a load ramp looks the same"
     if omega > p.omega and omega > p.excess * opposite:
         return "stiction", f"{name} stays while OP changes, more than chance would have it"
     if omega > p.omega:

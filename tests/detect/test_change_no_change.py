@@ -63,6 +63,13 @@ def test_clears_nothing(simulated):
     assert v.verdict == "inconclusive" and "clears nothing" in v.reason
 
 
+def test_load_ramp_proves_nothing():
+    t, rng = np.arange(2000.0), np.random.default_rng(0)
+    pv = 30 + np.where(t % 500 < 450, 0.0, 3.0) + 0.02 * rng.normal(size=2000)
+    v = detect(LoopRecord.from_arrays(t, pv=pv, op=40 + 0.01 * t, sp=0 * t + 30))
+    assert v.verdict == "inconclusive"
+
+
 def test_unit_sign_action_and_sampling_do_not_matter(sticky, bare):
     base = sticky(S=6.0, J=4.0, noise=0.02, tau=1.0, T_i=8.0, K_p=0.3)
     first = detect(bare(base))

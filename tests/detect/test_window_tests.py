@@ -56,6 +56,13 @@ def test_noise_passes_the_published_limit_but_not_ours():
     assert detect(record, Params(omega=0.0, excess=0.5)).verdict == "stiction"
 
 
+def test_load_ramp_proves_nothing():
+    t, rng = np.arange(2000.0), np.random.default_rng(0)
+    pv, op = 30 + 0.1 * rng.normal(size=2000), 40 + 0.01 * t + 0.01 * rng.normal(size=2000)
+    v = detect(LoopRecord.from_arrays(t, pv=pv, op=op, sp=0 * t + 30))
+    assert v.index > 0.5 and v.verdict == "inconclusive" and "load ramp" in v.reason
+
+
 def test_unit_sign_action_and_sampling_do_not_matter(sticky, bare):
     base = sticky(S=6.0, J=4.0, noise=0.05, tau=1.0, T_i=8.0, K_p=0.3)
     first = detect(bare(base))
