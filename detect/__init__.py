@@ -43,6 +43,7 @@ from detect.methods import (
     stem_play,
     window_tests,
 )
+from detect.methods import area_ratio, cross_correlation, hammerstein
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
@@ -68,6 +69,8 @@ METHODS: tuple[Method, ...] = (
     second_difference_kurtosis,
     stem_play,
     window_tests,
+    cross_correlation,
+    hammerstein,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 

@@ -76,6 +76,31 @@ def _sticky(
     )  # fmt: skip
 
 
+def _forced(n=3000, period=60.0, S=0.0, J=0.0, noise=0.05, swing=3.0, walk=0.03, seed=0):
+    """A PI loop on a lag of 10 s that an outside sine of amplitude `swing` and a random walk move, all in %.
+
+    The valve is Kano's: with S = 0 it follows OP.
+    """
+    rng = np.random.default_rng([77, seed])
+    load = swing * np.sin(2 * np.pi * (np.arange(n) / period + rng.uniform())) + np.cumsum(rng.normal(0, walk, n))
+    f_s, f_d = (S + J) / 2.0, (S - J) / 2.0
+    pv, integral, m, way, moves, rows = 50.0, 50.0, 50.0, 1.0, True, np.empty((n, 3))
+    for k in range(n):
+        seen = pv + noise * rng.normal()
+        integral += 0.04 * (50.0 - seen)
+        u = integral + 0.4 * (50.0 - seen)
+        back = way * (u - m) < -f_s
+        moves = back or way * (u - m) > (f_d if moves else f_s)
+        way = -way if back else way
+        m = u - way * f_d if moves else m
+        pv += (m + load[k] - pv) * -np.expm1(-1.0 / 10.0)
+        rows[k] = seen, u, m
+    t = np.arange(float(n))
+    return LoopRecord.from_arrays(
+        t, pv=rows[:, 0], op=rows[:, 1], mv=rows[:, 2], sp=np.full(n, 50.0), name="FIC1", process="self_regulating"
+    )
+
+
 def _noise(kind, n, seed):
     """Noise without any period: white, AR(1), a random walk, white noise through two lags, a loop under a walk."""
     rng = np.random.default_rng([2009, seed, n])
@@ -139,6 +164,11 @@ def bare():
 @pytest.fixture
 def simulated():
     return _simulated
+
+
+@pytest.fixture
+def forced():
+    return _forced
 
 
 @pytest.fixture
