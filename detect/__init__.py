@@ -25,25 +25,27 @@ from detect.diagnosis import Diagnosis, diagnose
 from detect.method import Method
 from detect.methods import (
     area_ratio,
+    bicoherence,
     change_no_change,
     cross_correlation,
     curve_fit,
     derivative_histogram,
     dtw_shapes,
     hagglund2011,
+    hammerstein,
     harmonics,
     high_passed_pv,
-    qualitative_shapes,
-    relay_fit,
-    shifted_pv,
     parallelogram,
     play_fit,
     qualitative_movements,
+    qualitative_shapes,
+    relay_fit,
     second_difference_kurtosis,
+    shifted_pv,
     stem_play,
+    surrogates,
     window_tests,
 )
-from detect.methods import area_ratio, cross_correlation, hammerstein
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
@@ -52,25 +54,26 @@ __all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict",
 
 METHODS: tuple[Method, ...] = (
     area_ratio,
+    bicoherence,
     change_no_change,
     cross_correlation,
     curve_fit,
     derivative_histogram,
     dtw_shapes,
     hagglund2011,
+    hammerstein,
     harmonics,
     high_passed_pv,
-    qualitative_shapes,
-    relay_fit,
-    shifted_pv,
     parallelogram,
     play_fit,
     qualitative_movements,
+    qualitative_shapes,
+    relay_fit,
     second_difference_kurtosis,
+    shifted_pv,
     stem_play,
+    surrogates,
     window_tests,
-    cross_correlation,
-    hammerstein,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 

@@ -34,13 +34,14 @@ def _loop(t, e, **more):
 
 
 def _sticky(
-    process="self_regulating", S=6.0, J=4.0, noise=0.0, n=3000, K=1.0, tau=10.0, K_p=0.5, T_i=10.0, load=50.0, seed=0,
-    moves=(),
+    process="self_regulating", S=6.0, J=4.0, noise=0.0, n=3000, K=1.0, tau=10.0, K_p=0.5, T_i=10.0, load=50.0,
+    moves=(), walk=0.0, R=1.0, seed=0,
 ):  # fmt: skip
     """A PI loop with a sticky valve (Kano et al. 2004), a lag or an integrator, one sample a second, all in %.
 
     `load` is the outflow of the integrator; in the middle of the two places of the valve, half waves are alike.
-    `moves` of the set point follow one another evenly over the record: 51.3 and what each adds to it.
+    `moves` of the set point follow one another evenly over the record: 51.3 and what each adds to it. `walk` is the
+    step of a random load (correlated over 1000 s), `R` the rangeability of an equal-percentage valve, 1 for a linear one.
 
     Written anew for the tests: plain recursions, no block and no engine.
     """
@@ -51,6 +52,7 @@ def _sticky(
     rows = np.empty((n, 3))
     steps = np.concatenate([[0.0], np.asarray(moves, dtype=float)])
     sps = 51.3 + steps[np.arange(n) * len(steps) // n]
+    loads = lfilter([1], [1, -0.999], walk * np.random.default_rng([5, seed]).normal(size=n))
     for k in range(n):
         sp = sps[k]
         seen = pv + noise * rng.normal()
@@ -67,7 +69,9 @@ def _sticky(
         if not stuck:
             m = u - way * (S - J) / 2.0
         u_prev = u
-        pv += (m - load) / (5.0 * tau) if process == "integrating" else (K * m - pv) * -np.expm1(-1.0 / tau)
+        flow = m if R == 1.0 else 50.0 + 100.0 / np.log(R) * np.expm1(np.log(R) * (m - 50.0) / 100.0)
+        flow += loads[k]
+        pv += (flow - load) / (5.0 * tau) if process == "integrating" else (K * flow - pv) * -np.expm1(-1.0 / tau)
         rows[k] = seen, u, m
     rows = rows[n // 5 :]
     return LoopRecord.from_arrays(
