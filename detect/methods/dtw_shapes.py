@@ -15,8 +15,8 @@ where OP is triangular and PV square in the same share of cycles, an integrating
 Source: Srinivasan, Rengaswamy and Miller 2005, Ind. Eng. Chem. Res. 44:6708 (shapes, one template a cycle); Sakoe and
 Chiba 1978 for the path.  Templates, band, margin 10 % and share 60 % are ours.
 
-Not where dead time rounds all shapes: then the cycles are
-sines, which clears nothing.  Measured on the prepared record: 10 ms for 7,200 samples (at most 40 cycles are read).
+Not where dead time rounds all shapes: then the cycles are sines, which clears nothing.  Measured on the prepared
+record: 5 to 10 ms for 7,200 samples (at most 40 cycles are read).
 """
 
 from __future__ import annotations

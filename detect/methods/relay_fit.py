@@ -13,7 +13,7 @@ demand that an accusation's interval stays above zero.
 
 A sine is not cleared: noise draws S_I to 0, and slow processes behind a sticky valve turn every wave into a sine.
 An outside wave that is a square or a triangle is accused; a triangle with its apex near an end (0.9) has S_I = 0.2.
-Measured on the prepared record: 2 ms for 7,200 samples and 60 cycles, 8 ms for 240 cycles.
+Measured on the prepared record: 2 ms for 7,200 samples and 60 cycles, 4 ms for 240 cycles.
 """
 
 from __future__ import annotations
