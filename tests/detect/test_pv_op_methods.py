@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from detect.methods import high_passed_pv, shifted_pv
 from detect.methods.high_passed_pv import high_passed
@@ -93,6 +94,19 @@ def test_an_outside_flow_that_steps_is_not_accused(method, period):
     t = np.arange(float(n))
     v = method.detect(LoopRecord.from_arrays(t, pv=rows[:, 0], op=rows[:, 1], sp=0 * t + 50, process="integrating"))
     assert v.verdict == "inconclusive" and "flow follows OP" in v.reason
+
+
+@both
+def test_a_resonance_driven_by_noise_is_not_accused(method):
+    """No valve at all: the swings of OP differ, where the stick would set them."""
+    for seed in range(12):
+        rng = np.random.default_rng([9, seed])
+        pole = np.exp((-0.05 + 1j * np.sqrt(1 - 0.05**2)) * 2 * np.pi / 60)
+        e = lfilter([1], [1, -2 * pole.real, abs(pole) ** 2], rng.normal(size=5000))[2000:]
+        e /= e.std()
+        op = 50 + 0.5 * e + 0.05 * np.cumsum(e - e.mean())
+        loop = LoopRecord.from_arrays(np.arange(3000.0), pv=30 - e, op=op, sp=0 * e + 30, process="integrating")
+        assert method.detect(loop).verdict != "stiction"
 
 
 def test_tilt_by_hand():
