@@ -11,7 +11,8 @@ are medians over the stands, with 90 % intervals from their scatter and from the
 offset and the gain of positioner and transmitter, come from least squares where OP rests at different places, else b is
 1.  MV may be up to three samples late: a delay is taken where it halves the scatter of S.
 
-A stick is called where the interval of J lies above `slip`.  Where it lies below, or where OP turned often and far and
+A stick is called where the interval of J lies above `slip` and above six sigma of the noise, and where MV does stray
+from OP: by S + J over a stick.  Where it lies below, or where OP turned often and far and
 MV never strayed from it, the valve does not stick; a deadband that is left is told: it wears the control, but is no
 stick.
 
@@ -212,10 +213,11 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     u = grid.op
     at, turn = turn_time(u, loop.period / grid.dt)
     travel = travel_of(u, turn)
-    found = stem(u, mv, noise_std(grid.t, mv))
+    sigma = min(noise_std(grid.t, mv), noise_std(grid.t, mv - u))  # a stem that follows has the noise of OP, too
+    found = stem(u, mv, sigma)
     percent = loop.op_percent(1.0)
     unit = 100.0 / travel if percent is None else percent
-    word, why = _word(found, unit, unit * travel, len(at), unit * band(u, mv), p)
+    word, why = _word(found, unit, unit * travel, len(at), unit * band(u, mv), unit * 6.0 * sigma / abs(found.gain), p)
     S, J = (tuple(unit * v for v in triple) for triple in (found.S, found.J))
     evidence: dict[str, Values | float] = {
         "t": grid.t, "u": u, "mv": mv, "S": S[0], "S_low": S[1], "S_high": S[2], "J": J[0], "J_low": J[1],
@@ -231,11 +233,13 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     )  # fmt: skip
 
 
-def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, p: Params) -> tuple[Word, str]:
+def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise: float, p: Params) -> tuple[Word, str]:
     m, of = len(f.S_each), "% of OP"
-    sticks = m >= p.reversals and f.scatter <= p.scatter and unit * f.J[1] > p.slip
+    least = max(p.slip, noise)  # a stand ends where MV leaves the noise, which alone makes a small jump
+    seen = unit * (f.S[0] + f.J[0]) if m else 0.0
+    sticks = m >= p.reversals and f.scatter <= p.scatter and unit * f.J[1] > least and apart > 0.5 * seen
     if not sticks and turned >= p.turns and apart < 0.1 * travel:
-        size = max(apart, p.slip)
+        size = max(apart, least)
         return "no_stiction", (
             f"MV keeps within {apart:.2g} {of} of OP over {turned} turns of OP by some {travel:.3g} %: S + J below "
             f"{size:.2g} %."
@@ -253,12 +257,15 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, p: Par
     )
     if f.scatter > p.scatter:
         return "inconclusive", f"OP does not say when the stem moves (S scatters by {f.scatter:.0%}): {fit}."
-    if J[1] > p.slip:
+    if sticks:
         return "stiction", f"The stem stands and jumps: {fit}."
-    if J[2] > max(p.slip, 0.25 * travel):
-        return "inconclusive", f"A jump of up to {J[2]:.3g} % would not have shown: {fit}."
+    if J[2] > 0.25 * travel or apart <= 0.5 * seen or J[1] > p.slip:
+        return "inconclusive", (
+            f"A jump of up to {max(J[2], least):.3g} % would not have shown (noise {noise:.2g} %, MV strays from OP by "
+            f"{apart:.2g} %): {fit}."
+        )
     band = "; but it has a deadband" if S[1] > p.slip else ""
-    return "no_stiction", f"The stem does not jump by more than {max(J[2], p.slip):.2g} {of}: {fit}{band}."
+    return "no_stiction", f"The stem does not jump by more than {max(J[2], least):.2g} {of}: {fit}{band}."
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:

@@ -74,6 +74,15 @@ def test_healthy_valve(process, sticky):
         assert v.verdict == "no_stiction" and "below" in v.reason
 
 
+@pytest.mark.parametrize("own", [0.0, 0.05, 0.5])
+def test_stem_that_copies_a_noisy_op(own):
+    rng, t = np.random.default_rng(0), np.arange(3000.0)
+    for wave in (np.sin(t / 20), np.sign(np.sin(t / 20)), np.cumsum(0.1 * rng.normal(size=3000))):
+        op = 50 + 3 * wave + 0.3 * rng.normal(size=3000)
+        mv = op + own * rng.normal(size=3000)
+        assert detect(LoopRecord.from_arrays(t, pv=op, op=op, mv=mv)).verdict in ("no_stiction", "inconclusive")
+
+
 def test_stem_of_another_valve():
     rng = np.random.default_rng(0)
     u, other = swings(), 50 + 5 * np.cumsum(rng.normal(size=4000) * (rng.random(4000) < 0.02))
