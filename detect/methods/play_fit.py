@@ -22,6 +22,10 @@ wave at a constant period looks the same as a sticky valve to it.  Not for OP th
 In a steady cycle an earlier slip and a longer lag look alike, and S comes out low by up to a fifth (6 % read
 as 5 to 5.9 % in the tests); the interval knows nothing of that.
 
+Measured on 450 simulated loops (Kano's valve, a lag or an integrator, dead time, walking load, a third of the sticky
+ones with set-point moves): 74 of 100 sticky valves found, none cleared, S within 8 % in the median; called sticky 8 of
+250 healthy ones, most of them levels, 12 of 50 deadbands and 22 of 50 under an outside square wave.
+
 Cost: 200 ms for 7,200 samples on one slow core; records of more than `points` samples are averaged in blocks first.
 """
 
@@ -62,8 +66,8 @@ CARD = Card(
     process=("self_regulating", "integrating"),
     streams="no",
     pros=("no oscillation needed", "any lag and dead time", "gives S and what would hide", "set point may move"),
-    cons=("outside square waves pass for a valve", "needs reversals of OP", "weak under large loads"),
-    cost="O(60 n)",
+    cons=("outside square waves pass for a valve", "needs reversals of OP", "levels under walking loads"),
+    cost="O(600 n)",
     experimental=True,
     needs=("unsaturated", "fine_pv", "raw_pv"),
 )
