@@ -23,14 +23,58 @@ from types import ModuleType
 from detect.card import Card
 from detect.diagnosis import Diagnosis, diagnose
 from detect.method import Method
-from detect.methods import area_ratio, cross_correlation
+from detect.methods import (
+    area_ratio,
+    bicoherence,
+    change_no_change,
+    cross_correlation,
+    curve_fit,
+    derivative_histogram,
+    dtw_shapes,
+    hagglund2011,
+    hammerstein,
+    harmonics,
+    high_passed_pv,
+    parallelogram,
+    play_fit,
+    qualitative_movements,
+    qualitative_shapes,
+    relay_fit,
+    second_difference_kurtosis,
+    shifted_pv,
+    stem_play,
+    surrogates,
+    window_tests,
+)
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
 
 __all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict", "diagnose"]
 
-METHODS: tuple[Method, ...] = (area_ratio, cross_correlation)
+METHODS: tuple[Method, ...] = (
+    area_ratio,
+    bicoherence,
+    change_no_change,
+    cross_correlation,
+    curve_fit,
+    derivative_histogram,
+    dtw_shapes,
+    hagglund2011,
+    hammerstein,
+    harmonics,
+    high_passed_pv,
+    parallelogram,
+    play_fit,
+    qualitative_movements,
+    qualitative_shapes,
+    relay_fit,
+    second_difference_kurtosis,
+    shifted_pv,
+    stem_play,
+    surrogates,
+    window_tests,
+)
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
 GATES: tuple[ModuleType, ...] = (acf_crossings, hagglund1995)

@@ -27,6 +27,8 @@ class Card:
         Those that are checked before the method looks at a record (`prepare.preconditions`): a sustained
         oscillation, a set point that stands still, OP away from its limits, PV not on a coarse grid, PV not
         compressed, the kind of process known, the stem position logged.
+    accuses : bool
+        Whether it may say "stiction"; a method that only ranks tags or measures does not.
     cycles : float
         Fewest cycles of the oscillation [-].
     samples : (low, high)
@@ -69,5 +71,6 @@ class Card:
     kind: Literal["detector", "gate"] = "detector"
     experimental: bool = False
     needs: tuple[Need, ...] = ()
+    accuses: bool = True
     cycles: float = 0.0
     samples: tuple[float, float] = (0.0, math.inf)

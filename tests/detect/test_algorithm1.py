@@ -48,6 +48,15 @@ def test_stream_is_the_batch():
     assert found == algorithm1.ratios(t, y).R.tolist()
 
 
+def test_why_it_is_no_detector(sticky):
+    """A clean sine, coarsely sampled, has a higher R than a sticky loop with noise of 5 % of its wave."""
+    t = np.arange(2000.0)
+    sine = algorithm1.ratios(t, np.sin(2 * np.pi * t / 50)).mean
+    loop = sticky(noise=0.1)
+    assert sine > 1.25
+    assert algorithm1.ratios(loop.t, loop.sp - loop.pv).mean < sine
+
+
 def test_wrong_calls_are_refused():
     with pytest.raises(ValueError, match="equal length"):
         algorithm1.ratios([0, 1], [1])

@@ -11,6 +11,22 @@ import detect.oscillation
 from detect import GATES, METHODS, stream
 from logs import LoopRecord
 
+# The loop in which a method can see a sticky valve at all, where its card asks for a special one.
+SEEN_IN = {
+    "bicoherence": {"n": 6000, "walk": 0.01, "R": 10.0},  # blind on symmetric waves and on exact repetition
+    "hagglund2011": {"tau": 1.0, "K_p": 0.2, "T_i": 5.0},  # a process fast against the half period
+    "harmonics": {"load": 50.85},  # unequal half waves have a second harmonic
+    "relay_fit": {"load": 50.85},  # half waves of a relay are symmetric
+    "surrogates": {"n": 9000, "walk": 0.03},  # so is this one, and it wants twelve cycles
+    ("surrogates", "integrating"): {"n": 9000, "walk": 0.01},  # a load moves a level more
+}
+
+
+def seen(sticky, method, process, **more):
+    name = method.CARD.name
+    return sticky(process, **{**more, **SEEN_IN.get((name, process), SEEN_IN.get(name, {}))})
+
+
 by_name = pytest.mark.parametrize("method", METHODS, ids=lambda m: m.CARD.name)
 
 
@@ -93,8 +109,11 @@ def test_finds_a_strong_stick_and_slip(method, process, sticky):
         assert method.detect(sticky(process)).code == "wrong_process_type"
         return
     for noise in (0.02, 0.1):
-        v = method.detect(sticky(process, noise=noise))
-        assert v.verdict == "stiction", v.reason
+        v = method.detect(seen(sticky, method, process, noise=noise))
+        if method.CARD.accuses:
+            assert v.verdict == "stiction", v.reason
+        else:
+            assert v.verdict == "inconclusive" and v.index > v.threshold, v.reason
         assert method.CARD.index[0] <= v.index <= method.CARD.index[1]
         if v.amount_percent_op is not None:
             assert 3.0 < v.amount_percent_op < 9.0  # S = 6 %
@@ -113,7 +132,7 @@ def test_abstains_on_awkward_data(method, loop, case):
 def test_stream_agrees_with_batch(method, sticky):
     if method.CARD.streams == "no":
         pytest.skip("does not stream")
-    record = sticky(method.CARD.process[0], noise=0.1, n=6000)
+    record = seen(sticky, method, method.CARD.process[0], noise=0.1, n=6000)
     p = method.Params()
     batch, twin = method.detect(record, p), method.verdict(p, stream.replay(method, record, p))
     assert twin.verdict == batch.verdict
@@ -122,7 +141,7 @@ def test_stream_agrees_with_batch(method, sticky):
 
 @by_name
 def test_picture_shows_something(method, loop, sticky):
-    for record in (sticky(method.CARD.process[0], noise=0.1), loop(np.arange(1000.0), np.zeros(1000))):
+    for record in (seen(sticky, method, method.CARD.process[0], noise=0.1), loop(np.arange(1000.0), np.zeros(1000))):
         figure = method.detect(record).plot()
         figure.canvas.draw()
         assert figure.axes

@@ -1,0 +1,47 @@
+"""Pictures of the methods that fit shapes to half waves: the waves with two shapes, and the error of each fit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from detect.figures.verdict import LINE, draw_reason, legend
+from detect.verdict import Verdict
+from logs.style import tidy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import FigureBase
+
+__all__ = ["draw_fits"]
+
+SINE, OTHER, WAVE = "#3b6ea8", "#c8553d", "#b8b8b8"
+
+
+def draw_fits(v: Verdict, figure: FigureBase, signal: str, other: str, score: str) -> None:
+    """Half waves of `signal` with the sine and the shape called `other`, beside both errors of every half wave.
+
+    Reads `phase` (m,), `waves` (h, m), `sine` and `other` (m,), `error_sine` and `error_other` (H,) of the evidence;
+    `score` is the title of the right panel.
+    """
+    if "waves" not in v.evidence:
+        draw_reason(v.reason, figure)
+        return
+    left, right = figure.subplots(1, 2, width_ratios=(3, 2))
+    phase = v.array("phase")
+    left.plot(phase, v.array("waves").T, color=WAVE, lw=0.6)
+    left.plot(phase, v.array("sine"), color=SINE, lw=1.6, ls="--", label="sine")
+    left.plot(phase, v.array("other"), color=OTHER, lw=1.6, label=other)
+    left.set_xlabel("phase between two crossings [-]")
+    left.set_ylabel(f"{signal}, each half wave over its best sine [-]")
+    left.set_title(f"half waves of {signal}", fontsize=9, loc="left")
+    legend(left)
+    tidy(left)
+    a, b = v.array("error_sine"), v.array("error_other")
+    unit = max(float(np.max([a.max(), b.max()])), 1e-300)
+    right.plot(a / unit, b / unit, "o", ms=4, color=LINE, alpha=0.5, lw=0)
+    right.plot([0, 1], [0, 1], color=LINE, lw=0.8, ls=":")
+    right.set_xlabel("error of the sine, largest = 1 [-]")
+    right.set_ylabel(f"error of the {other} [-]")
+    right.set_title(score, fontsize=9, loc="left")
+    tidy(right)

@@ -1,0 +1,178 @@
+"""Change and no change, Kano et al. 2004 method A: the stem stands still while OP travels.
+
+    stuck    longest intervals with |y(t) - y(t - k)| < eps;    u~, y~ = range of OP and y over one
+    counts   u~ >= eps_u and y~ <= eps_y
+    rho = samples in intervals that count / all samples;    amount = mean of u~ over them
+
+y is MV where it is logged, else PV, which stands for the stem in a flow loop of short dead time.
+
+Source: Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, whose three limits belong to each loop.  Ours: k is a thirtieth of
+the period, y is averaged over k, eps is three sigma of the noise in that difference but at least 1 % of the range of y,
+eps_u a quarter of OP's travel between two turns, eps_y twice eps but at most 15 % of the range of y; stiction where
+rho >= 0.3, in four intervals or more and with as many turns of OP, because a load ramp looks the same.  A small rho
+clears nothing: noise breaks the intervals up as well as a healthy valve does.  The travel is S where y is the stem; a
+lag of PV eats the beginning of each stand, and the travel comes out low.
+
+Not for slow processes without MV, long dead time, or PV on a coarse grid.  Cost: about 5 ms for 7,200 samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.card import Card
+from detect.prepare.play import travel_of
+from detect.prepare.preconditions import refused
+from detect.prepare.prepared import Prepared, prepared
+from detect.prepare.smoothing import noise_std
+from detect.prepare.stem import stem_signal
+from detect.prepare.stick import turn_time
+from detect.verdict import Verdict, Word
+from logs import LoopRecord
+
+if TYPE_CHECKING:
+    from matplotlib.figure import FigureBase
+
+__all__ = ["CARD", "Params", "Stuck", "detect", "draw", "stuck"]
+
+Values = npt.NDArray[np.float64]
+NAME = "change_no_change"
+
+CARD = Card(
+    name=NAME,
+    title="Change and no change",
+    source="Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, method A",
+    signals=("OP", "MV", "PV"),
+    assumes=("MV logged, or a fast flow loop", "short dead time"),
+    finds="stiction, from the time that the stem stands while OP travels; the travel in % of OP",
+    index=(0.0, 1.0),
+    process=("self_regulating",),
+    streams="no",
+    pros=("simple", "no oscillation needed", "gives the travel"),
+    cons=("limits belong to each loop", "noise hides it", "slow processes without MV"),
+    experimental=True,
+    needs=("unsaturated", "fine_pv", "raw_pv"),
+)
+
+
+@dataclass(frozen=True)
+class Params:
+    """rho_stiction : as in `methods.md` of the notes; the other limits are ours, see the module.
+
+    noise : eps over the noise of the difference [-]     floor, cap : least eps and most eps_y [share of y's range]
+    travel : eps_u [share of OP's travel]                 intervals, samples : fewest of each, of the turns of OP, too
+    """
+
+    rho_stiction: float = 0.3
+    noise: float = 3.0
+    floor: float = 0.01
+    cap: float = 0.15
+    travel: float = 0.25
+    intervals: int = 4
+    samples: int = 150
+
+
+class Stuck(NamedTuple):
+    """rho [-], first and last sample of the intervals that count (r,), OP travel over each (r,), eps [unit of y]."""
+
+    rho: float
+    first: npt.NDArray[np.intp]
+    last: npt.NDArray[np.intp]
+    travel: Values
+    eps: float
+
+
+def stuck(u: Values, y: Values, k: int, sigma: float, reach: float, p: Params = Params()) -> Stuck:
+    """Where y (n,) stands and u (n,) travels; differences over k samples; sigma: noise of y, `reach`: travel of u.
+
+    A stem that jumps once in 40 samples, while OP moves by 1 a sample and turns 9 after each jump:
+
+    >>> u = 50.0 - np.abs(np.arange(401.0) % 80 - 40)
+    >>> y = np.sign(np.sin(np.arange(401.0) * np.pi / 40 - 0.7))
+    >>> found = stuck(u, y, 1, 0.0, 40.0)
+    >>> round(found.rho, 1), round(float(np.median(found.travel)))
+    (1.0, 31)
+    """
+    smooth = np.convolve(np.pad(y, (k // 2, k - 1 - k // 2), mode="edge"), np.ones(k) / k, mode="valid")
+    swing = float(np.percentile(smooth, 99) - np.percentile(smooth, 1))
+    eps = max(p.noise * sigma * np.sqrt(2.0 / k), p.floor * swing)
+    quiet = np.concatenate([np.zeros(k, dtype=bool), np.abs(smooth[k:] - smooth[:-k]) < eps])
+    edges = np.diff(np.concatenate([[0], quiet.astype(np.int8), [0]]))
+    first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    keep, travel = [], []
+    for i, (a, b) in enumerate(zip(first.tolist(), last.tolist(), strict=True)):
+        a = max(a - k, 0)
+        moved = float(np.ptp(u[a : b + 1]))
+        if moved >= p.travel * reach and np.ptp(smooth[a : b + 1]) <= min(2.0 * eps, p.cap * swing):
+            keep.append(i)
+            travel.append(moved)
+    first, last = first[keep], last[keep]
+    rho = min(float(np.sum(last - first + k)) / len(y), 1.0)
+    return Stuck(rho, first, last, np.array(travel), float(eps))
+
+
+def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
+    """The verdict on one loop."""
+    loop = prepared(record)
+    refusal = refused(CARD, loop, p.rho_stiction)
+    if refusal is not None:
+        return refusal
+    grid = loop.whole
+    if len(grid) < p.samples:
+        reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
+        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.rho_stiction)
+    name, y = stem_signal(grid)
+    u = grid.op
+    at, turn = turn_time(u, loop.period / grid.dt)
+    found = stuck(u, y, max(1, round(turn / 15.0)), noise_std(grid.t, y), travel_of(u, turn), p)
+    m = len(found.travel)
+    enough = min(m, len(at)) >= p.intervals
+    word: Word = "stiction" if found.rho >= p.rho_stiction and enough else "inconclusive"
+    amount = loop.op_percent(float(np.mean(found.travel))) if word == "stiction" else None
+    size = "" if amount is None else f", on average by {amount:.3g} % of OP"
+    why = (
+        f"{name} stands while OP travels{size}" if word == "stiction"
+        else f"fewer than {p.intervals} intervals or turns of OP ({len(at)})" if found.rho >= p.rho_stiction
+        else "which clears nothing, because noise and lag break the intervals up too"
+    )  # fmt: skip
+    reason = f"rho = {found.rho:.2f} of the time in {m} intervals ({p.rho_stiction:g} for stiction): {why}."
+    evidence: dict[str, Values | float] = {
+        "t": grid.t, "u": u, "y": y, "first": grid.t[found.first], "last": grid.t[found.last], "travel": found.travel,
+        "eps": found.eps, "mv": float(name == "MV"),
+    }  # fmt: skip
+    if m > 1:
+        half = 1.645 * float(np.std(found.travel, ddof=1)) / np.sqrt(m)
+        mean = float(np.mean(found.travel))
+        for key, value in (("S_low", mean - half), ("S_high", mean + half)):
+            evidence[key] = loop.op_percent(value) or value
+    return Verdict(
+        NAME, word, found.rho, p.rho_stiction, reason, amount_percent_op=amount, evidence=evidence, draw=draw
+    )
+
+
+def draw(v: Verdict, figure: FigureBase) -> None:
+    """OP and the stem (or PV) over time, with the intervals that count shaded."""
+    from detect.figures.verdict import draw_reason
+    from logs.style import INK, SOFT, tidy
+
+    if not len(v.array("t")):
+        draw_reason(v.reason, figure)
+        return
+    top, low = figure.subplots(2, 1, sharex=True)
+    shown = slice(0, 800)
+    t = v.array("t")[shown]
+    top.plot(t, v.array("u")[shown], color=INK)
+    top.set_ylabel("OP")
+    low.plot(t, v.array("y")[shown], color=INK)
+    low.set_ylabel("MV" if v.array("mv")[0] else "PV")
+    for a, b in zip(v.array("first"), v.array("last"), strict=True):
+        if a < t[-1]:
+            for axes in (top, low):
+                axes.axvspan(a, min(b, t[-1]), color=SOFT, alpha=0.3, lw=0)
+    low.set_xlabel("time [s]")
+    for axes in (top, low):
+        tidy(axes)

@@ -1,0 +1,358 @@
+"""Square against sine in the control error, Hagglund 2011, with his backlash estimate of 2007: made for streaming.
+
+For each half wave of e = SP - PV of length T, with IAE the integral of |e| over it,
+
+    a_sine = pi IAE / (2 T),   V_sine   = sum (|e| - a_sine sin(pi t / T))^2
+    a_square = IAE / T,        V_square = sum (|e| - a_square)^2
+    I = (V_sine - V_square) / (V_sine + V_square)
+
+Both shapes have the area of the half wave.  I is 1 for a square and -1 for a sine; its mean over the half waves is the
+index, and positive means stiction.  Where the controller is known (K in OP per PV, T_i) and the gain K_p of the
+process, a half wave that stands still long enough (T >= 5 T_i, peak below 2 IAE / T) also gives the dead band
+
+    d = K (T / T_i - 1 / (K K_p)) IAE / T        [unit of OP]
+
+Source: Hagglund 2011, Control Eng. Practice 19:782; 2007, J. Process Control 17:489; the formulas as a public
+implementation has them, with sums over the half wave instead of its last sample.  Limit 0 in the paper; ours: 0.1 with
+an interval above 0, a crossing that counts beyond 0.3 of the mean |e|, ten half waves, regular in length.
+
+The process must be fast: PV of a half wave three time constants long has I = -0.6, so a low index clears nothing.
+
+The streaming twin remembers the samples of the present half wave and 400 half waves; every half wave is worked out
+by the same lines in both forms, so that they differ by rounding only.  The batch form asks the autocorrelation for an
+oscillation besides.  Measured: 6 ms for 7,200 samples and 120 half waves; 5 us per sample when streaming.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.card import Card
+from detect.prepare.bootstrap import interval
+from detect.prepare.half_cycles import crossings
+from detect.prepare.preconditions import refused
+from detect.prepare.prepared import Prepared, prepared
+from detect.stream import Buffer, LoopFacts, Sample
+from detect.verdict import Code, Verdict, Word
+from logs import LoopRecord
+
+if TYPE_CHECKING:
+    from matplotlib.figure import FigureBase
+
+__all__ = ["CARD", "HalfWave", "Params", "State", "detect", "draw", "init", "measure", "update", "verdict"]
+
+Values = npt.NDArray[np.float64]
+NAME = "hagglund2011"
+
+CARD = Card(
+    name=NAME,
+    title="Hagglund shape index",
+    source="Hagglund 2011, Control Eng. Practice 19:782; backlash 2007, J. Process Control 17:489",
+    signals=("SP", "PV"),
+    assumes=("sustained oscillation of the loop's own making", "process fast against the half period", "constant SP"),
+    finds="whether PV is square, as a sticky valve makes it in a fast loop; a dead band where the controller is known",
+    index=(-1.0, 1.0),
+    process=("self_regulating",),
+    streams="exact",
+    pros=("runs in the controller", "no period needed", "a few kB of memory"),
+    cons=("misses slow processes", "noise draws it to 0", "an outside square looks the same"),
+    cost="O(1) per sample",
+    experimental=True,
+    needs=("oscillation", "constant_sp", "unsaturated", "fine_pv"),
+    cycles=5.0,
+    samples=(16.0, math.inf),
+)
+
+
+@dataclass(frozen=True)
+class Params:
+    """Limits and, where known, the controller.
+
+    I_stiction : float
+        Index above which the half waves are square [-].
+    half_waves_min, half_waves_max : int
+        Fewest for a verdict (n_lim of Hagglund 1995), and how many are remembered.
+    band : float
+        Hysteresis of the crossings [share of the mean |e|].
+    memory : int
+        Samples over which the mean of |e| forgets.
+    samples_min, block : int
+        Fewest and most samples of a half wave.
+    regularity_min : float
+        mean / (3 std) of the full periods [-], above which they are those of an oscillation.
+    K, T_i, K_p : float or None
+        Gain [OP per PV] and integral time [s] of the controller, gain of the process [PV per OP].
+    """
+
+    I_stiction: float = 0.1
+    half_waves_min: int = 10
+    half_waves_max: int = 400
+    band: float = 0.3
+    memory: int = 2000
+    samples_min: int = 8
+    block: int = 4096
+    regularity_min: float = 1.0
+    K: float | None = None
+    T_i: float | None = None
+    K_p: float | None = None
+
+    def __post_init__(self) -> None:
+        known = [x for x in (self.K, self.T_i, self.K_p) if x is not None]
+        if len(known) not in (0, 3) or 0.0 in known or (self.T_i is not None and self.T_i < 0.0):
+            raise ValueError(
+                f"K = {self.K}, T_i = {self.T_i}, K_p = {self.K_p}; give all three (T_i > 0, no zero) or none"
+            )
+
+
+class HalfWave(NamedTuple):
+    """Start [s], length T [s], IAE [unit s], mean squares V_sine and V_square [unit^2], largest |e|, shape (21,).
+
+    `fault` says why it does not count: "gap", "sp" or "long"; `samples` is the number of samples inside.
+    """
+
+    start: float
+    length: float
+    iae: float
+    v_sine: float
+    v_square: float
+    peak: float
+    samples: int
+    shape: Values
+    fault: str = ""
+
+    @property
+    def shape_index(self) -> float:
+        """I of this half wave [-]."""
+        return (self.v_sine - self.v_square) / max(self.v_sine + self.v_square, 1e-300)
+
+
+_PHASE = np.linspace(0.0, 1.0, 21)
+
+
+def measure(t: Values, e: Values, sp: Values, start: float, end: float, block: int = 4096) -> HalfWave:
+    """The half wave between two crossings [s] from the samples between them, (m,).
+
+    >>> t = (np.arange(5000) + 0.5) / 100
+    >>> one = measure(t, -3 * np.sin(np.pi * t / 50), 0 * t, 0.0, 50.0, block=5000)
+    >>> round(one.iae, 2), round(one.shape_index, 3)
+    (95.49, -1.0)
+    """
+    T = end - start
+    x = np.abs(e)
+    at, of = np.concatenate([[start], t, [end]]), np.concatenate([[0.0], x, [0.0]])
+    step = np.diff(at)
+    iae = float(np.sum(0.5 * (of[1:] + of[:-1]) * step))
+    a_sine, a_square = 0.5 * math.pi * iae / T, iae / T
+    fault = "long" if len(t) > block else "sp" if np.ptp(sp) > 0.0 else "gap" if step.max() > 0.25 * T else ""
+    return HalfWave(
+        start, T, iae, float(np.mean((x - a_sine * np.sin(np.pi * (t - start) / T)) ** 2)),
+        float(np.mean((x - a_square) ** 2)), float(x.max()), len(t),
+        np.interp(start + T * _PHASE, at, of) / max(a_square, 1e-300), fault,
+    )  # fmt: skip
+
+
+# ---- batch -------------------------------------------------------------------------------------------------
+
+
+def _mean_abs(e: Values, memory: int) -> Values:
+    """Mean of |e| up to each sample: of all samples while they are fewer than `memory`, forgetting afterwards."""
+    from scipy.signal import lfilter
+
+    x = np.abs(e)
+    young = np.cumsum(x[:memory]) / np.arange(1.0, min(len(x), memory) + 1.0)
+    if len(x) <= memory:
+        return np.asarray(young)
+    keep = 1.0 - 1.0 / memory
+    old, _ = lfilter([1.0 - keep], [1.0, -keep], x[memory:], zi=[keep * young[-1]])
+    return np.concatenate([young, old])
+
+
+def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
+    """The verdict on one loop.
+
+    >>> t = np.arange(2000.0)
+    >>> square = np.tanh(9 * np.sin(t / 12.7)) + 0.02 * np.sin(t**2)
+    >>> loop = LoopRecord.from_arrays(t, pv=square, op=50 + np.cos(t / 12.7), sp=0 * t, process="self_regulating")
+    >>> detect(loop).verdict, detect(loop).index > 0.5
+    ('stiction', True)
+    """
+    loop = prepared(record)
+    refusal = refused(CARD, loop, p.I_stiction)
+    if refusal is not None:
+        return refusal
+    record = loop.record
+    if record.sp is None:
+        return _no_set_point(p)
+    good = record.good
+    t, sp = record.t[good], record.sp[good]
+    e = sp - record.pv[good]
+    cut = crossings(t, e, p.band * _mean_abs(e, p.memory))
+    cut = cut[-(p.half_waves_max + 1) :]
+    at = np.searchsorted(t, cut, side="left")
+    found = [
+        measure(t[a:b], e[a:b], sp[a:b], float(cut[k]), float(cut[k + 1]), p.block)
+        for k, (a, b) in enumerate(itertools.pairwise(at))
+        if b > a
+    ]
+    return _judge(tuple(found), LoopFacts.of(record), p)
+
+
+def _no_set_point(p: Params) -> Verdict:
+    return Verdict.not_applicable(
+        NAME, "signal_missing", "SP is not logged, and this method reads the control error e = SP - PV.", p.I_stiction
+    )
+
+
+def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict:
+    def no(code: Code, reason: str) -> Verdict:
+        return Verdict.not_applicable(NAME, code, reason, p.I_stiction)
+
+    typical = float(np.median([half.iae / half.length for half in halves])) if halves else 0.0
+    used = [half for half in halves if not half.fault and half.iae / half.length > 0.5 * typical]
+    if len(used) < p.half_waves_min:
+        return no("too_few_cycles", f"{len(used)} half waves of e count so far; {p.half_waves_min} are needed.")
+    samples = float(np.median([half.samples for half in used]))
+    if samples < p.samples_min:
+        return no("undersampled", f"A half wave of e has {samples:g} samples; {p.samples_min} are needed.")
+    lengths = np.array([half.length for half in used])
+    periods = lengths[1:] + lengths[:-1]  # a wave of unequal half waves is regular too
+    regularity = float(np.mean(periods) / max(3.0 * np.std(periods), 1e-3 * np.mean(periods)))
+    if regularity <= p.regularity_min:
+        return no("no_oscillation", f"The periods of e spread too much for an oscillation: regularity {regularity:.2g} "
+                                    f"(limit {p.regularity_min:g}).")  # fmt: skip
+    of_each = np.array([half.shape_index for half in used])
+    index = float(of_each.mean())
+    low, high = interval(lambda means: means[:, 0], of_each[:, None])
+    word, why = _word(index, low, p)
+    dead_band = _dead_band(used, p)
+    span = facts.op_span
+    amount = None if dead_band is None or span is None else 100.0 * dead_band / (span[1] - span[0])
+    size = "" if dead_band is None else f"; the dead band is {dead_band:.3g} in the unit of OP (Hagglund 2007)"
+    reason = (
+        f"I = {index:.2f} (90 % interval {low:.2f} to {high:.2f}, {len(used)} half waves of e, period "
+        f"{float(np.mean(periods)):.4g} s): {why}{size}."
+    )
+    shown = used[:: -(-len(used) // 60)]
+    evidence: dict[str, Values | float] = {
+        "phase": _PHASE,
+        "waves": np.array([half.shape for half in shown]),
+        "sine": 0.5 * np.pi * np.sin(np.pi * _PHASE),
+        "other": np.ones(len(_PHASE)),
+        "error_sine": np.array([half.v_sine for half in used]),
+        "error_other": np.array([half.v_square for half in used]),
+        "I": of_each,
+    }
+    return Verdict(NAME, word, index, p.I_stiction, reason, interval=(low, high), amount_percent_op=amount,
+                   evidence=evidence, draw=draw)  # fmt: skip
+
+
+def _word(index: float, low: float, p: Params) -> tuple[Word, str]:
+    if index > p.I_stiction and low > 0.0:
+        return "stiction", "the half waves of e are square, as a sticky valve makes them in a fast loop"
+    if index < -p.I_stiction:
+        return "inconclusive", (
+            "the half waves of e are nearer to a sine than to a square; a sticky valve before a process that is not "
+            "fast against the half period gives them too, so it is not cleared"
+        )
+    return "inconclusive", f"the half waves are neither square nor sine (limit {p.I_stiction:g})"
+
+
+def _dead_band(used: list[HalfWave], p: Params) -> float | None:
+    """The mean dead band of the half waves that stood still, at least three [unit of OP]; None without a controller."""
+    if p.K is None or p.T_i is None or p.K_p is None:
+        return None
+    still = [half for half in used if half.length >= 5.0 * p.T_i and half.peak < 2.0 * half.iae / half.length]
+    K, K_p = abs(p.K), abs(p.K_p)  # of one sign in a stable loop, whatever the action
+    found = [K * (half.length / p.T_i - 1.0 / (K * K_p)) * half.iae / half.length for half in still]
+    return float(np.mean(found)) if len(found) >= 3 and np.mean(found) > 0.0 else None
+
+
+# ---- streaming twin ----------------------------------------------------------------------------------------
+
+
+class State(NamedTuple):
+    """Facts, samples since the last crossing (the first is `since` [s]), half waves, mean |e| and of how many samples.
+
+    `firm` is the time of the last sample beyond the band and `side` its sign.
+    """
+
+    facts: LoopFacts
+    buffer: Buffer = Buffer()
+    since: float = math.nan
+    firm: float = math.nan
+    side: float = 0.0
+    half_waves: tuple[HalfWave, ...] = ()
+    mean_abs: float = 0.0
+    seen: int = 0
+    cut_off: bool = False
+
+
+def init(p: Params, facts: LoopFacts | None = None) -> State:
+    """The state before the first sample."""
+    return State(facts or LoopFacts())
+
+
+def update(p: Params, state: State, t: float, sample: Sample) -> State:
+    """The state after one more sample at t [s]; a missing one, or one in manual, is skipped."""
+    if not (math.isfinite(sample.pv) and math.isfinite(sample.op) and math.isfinite(sample.sp) and sample.mode >= 1.0):
+        return state
+    e = sample.sp - sample.pv
+    seen = min(state.seen + 1, p.memory)
+    mean_abs = state.mean_abs + (abs(e) - state.mean_abs) / seen
+    buffer, cut_off = state.buffer.append(t, sample), state.cut_off
+    if len(buffer) > p.block + 64:
+        buffer, cut_off = buffer.last(p.block // 2), True
+    firm, side = state.firm, state.side
+    if abs(e) > p.band * mean_abs:
+        firm, side = t, math.copysign(1.0, e)
+    turned = side != state.side and state.side != 0.0
+    new = State(
+        state.facts,
+        buffer,
+        state.since,
+        state.firm if turned else firm,
+        side,
+        state.half_waves,
+        mean_abs,
+        seen,
+        cut_off,
+    )
+    return _close(p, new, t) if turned else new
+
+
+def _close(p: Params, state: State, t: float) -> State:
+    """The state after e went firmly to the other side at t."""
+    rows = state.buffer.rows()
+    at, e, sp = rows[:, 0], rows[:, 3] - rows[:, 1], rows[:, 3]
+    between = at >= state.firm
+    band = np.where((at == state.firm) | (at == t), 0.0, math.inf)[between]
+    if state.cut_off and at[0] > state.firm:
+        band[0] = 0.0
+    found = crossings(at[between], e[between], band)
+    cut = float(found[0]) if len(found) else t
+    first = int(np.searchsorted(at, cut, side="left"))
+    halves = state.half_waves
+    if math.isfinite(state.since) and first > 0:
+        half = measure(at[:first], e[:first], sp[:first], state.since, cut, p.block)
+        half = half._replace(fault="long") if state.cut_off else half
+        halves = (*halves, half)[-p.half_waves_max :]
+    rest = state.buffer.last(len(rows) - first)
+    return state._replace(buffer=rest, since=cut, firm=t, half_waves=halves, cut_off=False)
+
+
+def verdict(p: Params, state: State) -> Verdict:
+    """The verdict on the half waves remembered."""
+    return _judge(state.half_waves, state.facts, p) if state.facts.has_sp else _no_set_point(p)
+
+
+def draw(v: Verdict, figure: FigureBase) -> None:
+    """The half waves of e with the sine and the square of equal area, and the two errors of each."""
+    from detect.figures.half_waves import draw_fits
+
+    draw_fits(v, figure, "|e|", "square", "below the diagonal the square fits better")

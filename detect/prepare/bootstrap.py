@@ -1,0 +1,32 @@
+"""Interval of a number that is worked out from means over half waves or cycles, by weighing them anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["interval"]
+
+Values = npt.NDArray[np.float64]
+
+
+def interval(
+    of: Callable[[Values], Values], rows: Values, coverage: float = 0.90, resamples: int = 300, seed: int = 2005
+) -> tuple[float, float]:
+    """The interval (low, high) of `of(means)`, where `means` (..., k) weigh the n rows of `rows` (n, k) at random.
+
+    The same seed gives the same interval.  Source: Rubin 1981, Ann. Statist. 9:130 (the Bayesian bootstrap).
+
+    >>> x = np.random.default_rng(0).normal(5.0, 1.0, (400, 1))
+    >>> low, high = interval(lambda m: m[:, 0], x)
+    >>> 4.85 < low < 5.0 < high < 5.15
+    True
+    """
+    n = len(rows)
+    weights = np.random.default_rng(seed).standard_exponential((resamples, n))
+    weights /= weights.sum(axis=1, keepdims=True)
+    tail = 0.5 * (1.0 - coverage)
+    low, high = np.quantile(of(np.einsum("rn,nk->rk", weights, rows)), [tail, 1.0 - tail])
+    return float(low), float(high)

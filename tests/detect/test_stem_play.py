@@ -1,0 +1,110 @@
+"""Stem and OP: S, J and positioner of known valves come back; deadband and healthy valves are told from sticky ones."""
+
+import numpy as np
+import pytest
+
+from detect.methods.stem_play import band, detect, stem
+from detect.prepare.stick import stick
+from logs import LoopRecord
+
+MOVES = tuple(2.0 * np.cumsum(np.random.default_rng(3).normal(size=20)))
+
+
+def swings(n=4000):
+    t = np.arange(float(n))
+    return 50 + 5 * np.sin(t / 40) + np.sin(t / 171)
+
+
+@pytest.mark.parametrize(("S", "J"), [(4.0, 1.5), (5.0, 5.0), (3.0, 0.0)])
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_known_stick_and_positioner(S, J, noise):  # analytic: as made
+    u = swings()
+    mv = 2.0 + 0.5 * stick(u, S, J) + noise * np.random.default_rng(0).normal(size=len(u))
+    found = stem(u, mv, noise)
+    assert found.S[0] == pytest.approx(S, abs=0.15)
+    assert found.J[0] == pytest.approx(J, abs=0.3)
+    assert found.lag == 0
+    if found.gain_known:
+        assert found.gain == pytest.approx(0.5, rel=0.1)
+        assert found.offset + found.gain * 50 == pytest.approx(27.0, abs=0.2)
+
+
+def test_band():  # analytic: a triangle that swings by more than S strays by S + J, a copy not at all
+    u = 50 + 8 * (np.abs((np.arange(4000.0) % 400) / 200 - 1) - 0.5)
+    assert band(u, 3.0 + 2.0 * u) == pytest.approx(0.0, abs=1e-9)
+    assert band(u, stick(u, 2.0, 0.0)) < 3.0
+    assert band(u, -u) == np.inf
+
+
+def test_late_stem():
+    u = swings()
+    found = stem(u, np.concatenate([[50.0, 50.0], stick(u, 4.0, 1.5)[:-2]]))
+    assert found.S[0] == pytest.approx(4.0, abs=0.5)
+
+
+@pytest.mark.parametrize("valve", ["kano", "choudhury", "he"])
+@pytest.mark.parametrize("process", ["self_regulating", "integrating"])
+@pytest.mark.parametrize("moves", [(), MOVES])
+def test_valves_in_loops(valve, process, moves, simulated):
+    v = detect(simulated(valve, process, S=6.0, J=2.0, n=4000, moves=moves))
+    assert v.verdict == "stiction", v.reason
+    assert v.amount_percent_op == pytest.approx(6.0, rel=0.03)
+    assert v.index == pytest.approx(2.0, abs=0.15)
+    assert v.evidence["S_low"] - 0.1 < 6.0 < v.evidence["S_high"] + 0.1
+    assert v.evidence["deadband"] == pytest.approx(4.0, abs=0.3)
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.2])
+def test_noisy_loop(noise, sticky):
+    v = detect(sticky(S=3.0, J=3.0, noise=noise))
+    assert v.verdict == "stiction" and v.amount_percent_op == pytest.approx(3.0, rel=0.05)
+
+
+def test_deadband_is_no_stick(sticky):
+    v = detect(sticky("integrating", S=4.0, J=0.0, noise=0.02))
+    assert v.verdict == "no_stiction" and "deadband" in v.reason
+    assert v.evidence["S"] == pytest.approx(4.0, abs=0.1)
+    assert v.amount_percent_op is None
+
+
+@pytest.mark.parametrize("process", ["self_regulating", "integrating"])
+def test_healthy_valve(process, sticky):
+    for moves in ((), MOVES):
+        v = detect(sticky(process, S=0.0, J=0.0, noise=0.1, moves=moves))
+        assert v.verdict == "no_stiction" and "below" in v.reason
+
+
+@pytest.mark.parametrize("own", [0.0, 0.05, 0.5])
+def test_stem_that_copies_a_noisy_op(own):
+    rng, t = np.random.default_rng(0), np.arange(3000.0)
+    for wave in (np.sin(t / 20), np.sign(np.sin(t / 20)), np.cumsum(0.1 * rng.normal(size=3000))):
+        op = 50 + 3 * wave + 0.3 * rng.normal(size=3000)
+        mv = op + own * rng.normal(size=3000)
+        assert detect(LoopRecord.from_arrays(t, pv=op, op=op, mv=mv)).verdict in ("no_stiction", "inconclusive")
+
+
+def test_stem_of_another_valve():
+    rng = np.random.default_rng(0)
+    u, other = swings(), 50 + 5 * np.cumsum(rng.normal(size=4000) * (rng.random(4000) < 0.02))
+    assert detect(LoopRecord.from_arrays(np.arange(4000.0), pv=rng.normal(size=4000), op=u, mv=other)).verdict == (
+        "inconclusive"
+    )
+
+
+def test_unit_and_action_do_not_matter(sticky):
+    base = sticky(noise=0.05)
+    first = detect(base)
+    for a, span in ((-1.0, (-100.0, 0.0)), (0.16, (0.0, 16.0))):
+        other = LoopRecord.from_arrays(base.t, pv=base.pv, op=a * base.op, mv=a * base.mv, sp=base.sp, op_span=span)
+        v = detect(other)
+        assert v.verdict == first.verdict
+        assert v.amount_percent_op == pytest.approx(first.amount_percent_op, rel=1e-6)
+        assert v.index == pytest.approx(first.index, rel=1e-6)
+
+
+def test_refusals_and_picture(sticky, bare):
+    assert detect(bare(sticky(noise=0.1))).code == "signal_missing"
+    assert detect(sticky(n=150, noise=0.1)).code == "too_few_cycles"
+    figure = detect(sticky(noise=0.1)).plot()
+    figure.canvas.draw()
+    assert len(figure.axes) == 4
