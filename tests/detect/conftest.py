@@ -41,7 +41,7 @@ def _sticky(
 
     `load` is the outflow of the integrator; in the middle of the two places of the valve, half waves are alike.
     `moves` of the set point follow one another evenly over the record: 51.3 and what each adds to it. `walk` is the
-    step of a random load (correlated over 1000 s), `R` the rangeability of an equal-percentage valve, 1 for a linear one.
+    step of a random load (correlated over 1000 s), `R` the rangeability of an equal-percentage valve, 1 for linear.
 
     Written anew for the tests: plain recursions, no block and no engine.
     """
