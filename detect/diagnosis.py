@@ -93,7 +93,7 @@ def diagnose(record: LoopRecord | Prepared, methods: Sequence[Method] | None = N
     verdicts = tuple(_ask(method, loop) for method in methods)
     votes = [v for v in verdicts if not v.experimental]
     word = _together(votes)
-    trials = [f"{_name(v)} (experimental, no vote): {_sentence(v)}" for v in verdicts if v.experimental]
+    trials = _on_trial([v for v in verdicts if v.experimental])
     return Diagnosis(
         loop=record.name,
         verdict=word,
@@ -119,6 +119,16 @@ def _ask(method: Method, loop: Prepared) -> Verdict:
     draw = verdict.draw or getattr(method, "draw", None)
     on_trial = verdict.experimental or getattr(getattr(method, "CARD", None), "experimental", False)
     return replace(verdict, draw=draw, experimental=on_trial)
+
+
+def _on_trial(verdicts: Sequence[Verdict]) -> list[str]:
+    """One sentence on the methods without a vote: one by name, several by their count."""
+    if len(verdicts) <= 1:
+        return [f"{_name(v)} (experimental, no vote): {_sentence(v)}" for v in verdicts]
+    words = {"stiction": "say stiction", "no_stiction": "say no stiction", "inconclusive": "cannot tell",
+             "not_applicable": "do not apply"}  # fmt: skip
+    counts = [f"{n} {said}" for word, said in words.items() if (n := sum(v.verdict == word for v in verdicts))]
+    return [f"Of {len(verdicts)} experimental methods, which have no vote, {', '.join(counts)}."]
 
 
 def _together(votes: Sequence[Verdict]) -> Word:

@@ -84,16 +84,20 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     rows = [
         [
             verdict.method,
-            WORDS[verdict.verdict].lower() + (" (experimental, no vote)" if verdict.experimental else ""),
+            WORDS[verdict.verdict].lower(),
             "-" if verdict.index is None else f"{verdict.index:.3g}",
             "-" if verdict.threshold is None else f"{verdict.threshold:.3g}",
+            "-" if verdict.amount_percent_op is None else f"{verdict.amount_percent_op:.3g}",
+            "no" if verdict.experimental else "yes",
         ]
-        for verdict in diagnosis.methods
+        for verdict in sorted(diagnosis.methods, key=lambda v: v.experimental)
     ]
-    say.table(["method", "verdict", "index", "threshold"], rows)
+    say.table(["method", "verdict", "index", "threshold", "S [% OP]", "vote"], rows)
     for verdict in diagnosis.methods:
-        if verdict.reason.rstrip(".") not in diagnosis.reason:
+        if not verdict.experimental and verdict.reason.rstrip(".") not in diagnosis.reason:
             say.paragraph(verdict.reason, f"  {verdict.method}: ")
+    if any(verdict.experimental for verdict in diagnosis.methods):
+        say("The methods without a vote are experimental: not yet calibrated on simulation. --json has their reasons.")
 
 
 def _report(diagnosis: "Diagnosis") -> str:
