@@ -16,6 +16,7 @@ from blocks.arguments import by_name
 from blocks.block import Block, Kernels
 from blocks.limits import FREE, MODES, limit_events, limit_transition
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 from blocks.rules import check_limits, finite
 
 
@@ -52,6 +53,7 @@ class Sum(Block):
     0.5
     """
 
+    role = Role.ARITHMETIC
     ports_out = (Port("out"),)
     kernels = Kernels(out=_sum_out)
 
@@ -88,6 +90,7 @@ class Gain(Block):
     25.0
     """
 
+    role = Role.ARITHMETIC
     ports_in = (Port("in"),)
     ports_out = (Port("out"),)
     kernels = Kernels(out=_gain_out)
@@ -117,10 +120,12 @@ class Limit(Block):
     [0.0, 0.3, 1.0]
     """
 
+    role = Role.ARITHMETIC
     ports_in = (Port("in"),)
     ports_out = (Port("out"),)
     kernels = Kernels(out=_limit_out, zc=_limit_zc, jump=limit_transition, n_events=2)
     modes = MODES
+    limit_params = ("low", "high")
 
     def __init__(
         self,

@@ -18,6 +18,7 @@ from typing import Any
 from blocks.block import Block
 from blocks.ports import Port, require
 from blocks.quasi_static_stem import STUCK, QuasiStaticStem, started_between
+from blocks.role import Role
 
 
 class Deadband(Block):
@@ -28,10 +29,12 @@ class Deadband(Block):
     [0.0, 0.45, 0.45, 0.35]
     """
 
+    role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = QuasiStaticStem.kernels
     modes = QuasiStaticStem.modes
+    limit_params = ("low", "high")
 
     def __init__(
         self,

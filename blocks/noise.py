@@ -24,6 +24,7 @@ import numpy as np
 
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 from blocks.rules import finite
 from blocks.sources import Constant
 
@@ -152,6 +153,7 @@ class Noise(Seeded):
     True
     """
 
+    role = Role.DISTURBANCE
     ports_out = (Port("out"),)
     kernels = Kernels(step=_noise_step, feeds=False)
     period_param = "dt"

@@ -30,6 +30,7 @@ import numpy as np
 from blocks.block import Block, Kernel, Kernels
 from blocks.equations import generated
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 
 Function = Callable[..., Any]
 
@@ -61,6 +62,8 @@ class NonlinearSystem(Block):
     [0.0, 4.0, 4.0]
     """
 
+    role = Role.PROCESS
+
     def __init__(self, system: ct.NonlinearIOSystem) -> None:
         name, n = system.name, system.nstates or 0
         dt = sampling_period(system)
@@ -74,6 +77,8 @@ class NonlinearSystem(Block):
             der, out, step = _compiled_kernels(system, readable)
         except NotReadable as reason:
             der, out, step = _python_kernels(system, tuple(params), str(reason))
+        if not self.ports_in and not n:
+            self.role = Role.SOURCE
         names = system.state_labels[:n]
         params["dt"] = dt
         states = dict.fromkeys(names, 0.0)

@@ -21,6 +21,7 @@ from typing import Any
 
 from blocks.block import Kernels
 from blocks.ports import require
+from blocks.role import Role
 from blocks.rules import finite
 from blocks.sources import Source
 
@@ -191,6 +192,8 @@ class Slug(Triangle):
     >>> [round(float(feed.output(t, [], [])[0]), 6) for t in (0.0, 2.0, 4.0, 6.0, 8.0)]
     [0.0, 0.5, 1.0, -1.0, -0.5]
     """
+
+    role = Role.DISTURBANCE
 
     def __init__(
         self,

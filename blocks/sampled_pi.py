@@ -22,6 +22,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.pi import PI, check_tuning, op_span, start_integral, tuned
 from blocks.ports import Labels, Port
+from blocks.role import Role
 from blocks.rules import check_scan
 
 # p = K_p, T_i, low, high, T_t, action, dt, offset; d = z
@@ -55,9 +56,11 @@ class SampledPI(Block):
     (0.504, 0.544)
     """
 
+    role = Role.CONTROLLER
     ports_in = (Port("SP"), Port("PV"))
     ports_out = (Port("OP"),)
     period_param = "dt"
+    limit_params = ("low", "high")
     offset_param = "offset"
 
     def __init__(

@@ -24,6 +24,7 @@ from blocks.block import Block, Kernels
 from blocks.limits import FREE, MODES, limit_events, limit_transition
 from blocks.noise import Seed, Seeded, check_noise, coloured
 from blocks.ports import Labels, Port, require
+from blocks.role import Role
 from blocks.rules import check_limits, check_scan, finite
 
 RESOLUTION = 2.0**52  # values of more steps than this are whole numbers of steps anyway
@@ -92,9 +93,11 @@ class Sensor(Block):
     [0.5, 1.6, 5.0]
     """
 
+    role = Role.SENSOR
     ports_in = (Port("PV"),)
     ports_out = (Port("PV_m"),)
     modes = MODES
+    limit_params = ("low", "high")
 
     def __init__(
         self,
@@ -156,10 +159,12 @@ class SampledSensor(Seeded):
     [0.25, 0.5, 2.0]
     """
 
+    role = Role.SENSOR
     ports_in = (Port("PV"),)
     ports_out = (Port("PV_m"),)
     kernels = Kernels(step=_step)
     period_param = "dt"
+    limit_params = ("low", "high")
     offset_param = "offset"
 
     def __init__(

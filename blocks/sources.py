@@ -16,6 +16,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import finite
 
 
@@ -48,6 +49,7 @@ class Source(Block):
     Subclasses fill in the class data and call ``__init__`` with their parameters.
     """
 
+    role = Role.SOURCE
     ports_out = (Port("out"),)
 
     def __init__(self, signal: str, params: Mapping[str, float], *, unit: str, name: str, **data: Any) -> None:

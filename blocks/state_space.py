@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Labels, Port, require
+from blocks.role import Role
 from blocks.rules import finite
 
 Floats = NDArray[np.float64]
@@ -92,6 +93,8 @@ class StateSpace(Block):
     >>> drive(halves, 3.0, every=1.0, u=1.0).log["y"].tolist()
     [0.0, 1.0, 1.5, 1.75]
     """
+
+    role = Role.PROCESS
 
     def __init__(
         self,

@@ -134,6 +134,16 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """Start state as python-control counts states, shape (nstates,)."""
         return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
 
+    def plan(self, records: int = 0) -> "Plan":
+        """Return how the diagram is laid out for the engine, made once and shared by all that differ only in values.
+
+        ``records``: how many records its dead times have to hold at least.
+        """
+        from diagram.flatten import DELAY_RECORDS, plan
+
+        self._plan = plan(self, max(records, DELAY_RECORDS), self._plan)
+        return self._plan
+
     @property
     def past(self) -> Past | None:
         """What a run that ended here left under way (dead times, samples taken); None if the diagram starts afresh."""
@@ -158,7 +168,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     def with_params(self, changes: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
         by_name(self.name, "params", changes, {"valve.F_s": 1750.0})
-        return self._with_blocks(self._changed(changes, "with_params"))
+        return self.with_blocks(self._changed(changes, "with_params"))
 
     def starting_at(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``.
@@ -168,7 +178,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         for key, value in by_name(self.name, "start", values, {"process.PV": 0.5}).items():
             if not math.isfinite(number("start", key, value)):
                 raise WiringError(f"'{key}' is to start at {float(value):g}, but it must be finite; give a number")
-        return self._with_blocks(self._changed(values, "starting_at"))
+        return self.with_blocks(self._changed(values, "starting_at"))
 
     def in_mode(self, modes: str | Mapping[str, str]) -> Self:
         """Return the diagram with blocks in a mode: one name for all that have it, or block -> mode.
@@ -186,7 +196,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         for name, mode in by_name(self.name, "modes", modes, {"valve": "ideal"}).items():
             b = self.block_index(name)
             changed[b] = changed[b].in_mode(mode)
-        return self._with_blocks(changed)
+        return self.with_blocks(changed)
 
     def at_state(self, x: ArrayLike) -> Self:
         """Return the diagram starting from a python-control state vector (e.g. of ``find_operating_point``)."""
@@ -295,7 +305,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
             blocks[b] = getattr(blocks[b], change)(**group)
         return blocks
 
-    def _with_blocks(self, blocks: Sequence[Block]) -> Self:
+    def with_blocks(self, blocks: Sequence[Block]) -> Self:
         """Return a copy with blocks that differ only in values; wiring and plan are shared.
 
         A dead time that becomes or ceases to be zero changes the signal flow: then everything is checked afresh.

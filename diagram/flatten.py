@@ -54,13 +54,15 @@ class Plan:
                     W[component.params[f] : component.params[f] + 2] = _delay_params(blocks[b])
 
 
-def plan(diagram: "Diagram", records: int = DELAY_RECORDS) -> Plan:
-    """Return the plan of a diagram, made once and shared by all diagrams that differ only in values."""
+def plan(diagram: "Diagram", records: int = DELAY_RECORDS, known: Plan | None = None) -> Plan:
+    """Return the plan of a diagram: ``known`` if that still serves, else a new one.
+
+    ``Diagram.plan`` keeps it, so that diagrams that differ only in values share one.
+    """
     shape = tuple(block.dead_time > 0.0 for block in diagram.blocks)
-    known = diagram._plan
-    if known is None or known.shape != shape or known.records < records:
-        diagram._plan = known = _make(diagram, shape, records)
-    return known
+    if known is not None and known.shape == shape and known.records >= records:
+        return known
+    return _make(diagram, shape, records)
 
 
 def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
@@ -151,10 +153,7 @@ def _upstream(flat: list[FlatBlock], group: Iterable[int], driver: Mapping[int, 
 
 def _delay_params(block: Block) -> Floats:
     """Return (dead time [s], value before the start) of a block."""
-    name = block.dead_time_param or ""
-    before = f"{name}_start"
-    value = block.p[block.param_index(before)] if before in block.param_names else 0.0
-    return np.array([block.p[block.param_index(name)], value])
+    return np.array([block.dead_time, block.value_before])
 
 
 def _delay(name: str, block: Block, wire: int, first: int, records: int) -> FlatBlock:

@@ -14,7 +14,7 @@ from blocks.block import Block
 from blocks.ports import nearest, number, shortened
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
-from diagram.flatten import DELAY_RECORDS, Ends, Plan, plan
+from diagram.flatten import DELAY_RECORDS, Ends, Plan
 from diagram.in_python import InPython, counts, spent
 from diagram.inputs import close
 from diagram.kept import log_times, logging_only, wanted_signals
@@ -151,7 +151,7 @@ def simulate(
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     before = counts(ready)
     while True:
-        laid = plan(ready, records)
+        laid = ready.plan(records)
         if len(wanted) < len(ready.signals):
             laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
         outcomes = [_run(laid, c, ready, settings, grid, t0, t_end, on_progress, past) for c in laid.components]
@@ -336,4 +336,4 @@ def _final(diagram: Diagram, ends: Ends) -> Diagram:
             if b < len(blocks) and blocks[b].sampled:
                 y = component.signals[first[blocks[b].output_labels[0]]]
                 blocks[b] = blocks[b].holding(W[y : y + len(blocks[b].y0)])
-    return diagram._with_blocks(blocks).with_past(Past.of(diagram, plan(diagram), ends))
+    return diagram.with_blocks(blocks).with_past(Past.of(diagram, diagram.plan(), ends))

@@ -6,7 +6,6 @@ Every rule here raises ``WiringError`` with the signals it concerns and, for unk
 from collections.abc import Iterable, Mapping, Sequence
 
 from blocks.block import Block
-from blocks.noise import Seeded
 from blocks.ports import nearest
 
 
@@ -67,8 +66,7 @@ def check_readers(
                 f"the diagram declares an output '{signal}' that nothing drives; {nearest(signal, list(driven))}"
             )
     for block in blocks:
-        source = not block.ports_in and not len(block.x0) and (isinstance(block, Seeded) or not len(block.d0))
-        if source and not any(s in read or s in outputs for s in block.output_labels):
+        if block.role.drives and not any(s in read or s in outputs for s in block.output_labels):
             wanted = nearest(block.output_labels[0], sorted(read))
             raise WiringError(
                 f"no block reads '{block.output_labels[0]}' from source '{block.name}'; {wanted}; "

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
+from blocks.role import Role
 from diagram.diagram import Diagram, wire
 
 ACCOUNTS = ("methane", "oil", "moles", "gas", "energy")
@@ -43,6 +44,7 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 class Books(Block):
     """The five accounts of the production plant, which start with the contents given."""
 
+    role = Role.ARITHMETIC
     ports_in = tuple(Port(signal, unit) for signal, unit in FLOWS.items())
     ports_out = tuple(Port(f"booked_{account}") for account in ACCOUNTS)
     kernels = Kernels(out=_out, der=_der, feeds=False)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from blocks import Block, Kernels, Labels, Port
 from blocks.ports import BlockError, require
+from blocks.role import Role
 from detect.stream import LoopFacts, Sample
 
 PROCESSES = ("self_regulating", "integrating", "unknown")
@@ -78,6 +79,7 @@ def _silent(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 class _Silent(Block):
     """What python-control sees of a detector."""
 
+    role = Role.DETECTOR
     ports_in = (Port("SP"), Port("PV"), Port("OP"))
     ports_out = (Port("index"), Port("verdict"))
     kernels = Kernels(out=_silent, feeds=False)
@@ -110,6 +112,7 @@ class DetectorBlock(Block):
     ['index', 'verdict']
     """
 
+    role = Role.DETECTOR
     ports_in = _Silent.ports_in
     ports_out = _Silent.ports_out
     kernels = Kernels()  # the answer depends on the sample taken at the same instant

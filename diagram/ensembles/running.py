@@ -18,7 +18,7 @@ from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble, freeze
 from diagram.ensembles.variants import Floats, Members, Places, members
-from diagram.flatten import DELAY_RECORDS, Plan, plan
+from diagram.flatten import DELAY_RECORDS, Plan
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import resumed
 from diagram.progress import Progress, told
@@ -117,9 +117,9 @@ class _Layout:
 
 def _lay_out(cast: Members, i: int, wanted: Sequence[str], records: int) -> _Layout:
     """Lay out the diagram for member ``i`` and all others with the same dead times in force."""
-    plan(cast.diagram)  # the copies below share it where it fits
+    cast.diagram.plan()  # the copies below share it where it fits
     diagram = cast.diagram_of(i)
-    laid = plan(diagram, records)
+    laid = diagram.plan(records)
     parts = []
     for component in laid.components:
         reduced = logging_only(component, diagram, wanted)

@@ -36,7 +36,7 @@ def reseeded(diagram: Diagram, seed: int) -> Diagram:
 
     ``numpy.random.SeedSequence`` makes streams of different seeds and blocks independent.
     """
-    return diagram._with_blocks(
+    return diagram.with_blocks(
         [
             block.reseeded((seed, b)) if isinstance(block, Reseedable) else block
             for b, block in enumerate(diagram.blocks)
@@ -85,9 +85,9 @@ class Members:
                 name = (
                     self.diagram.blocks[b].param_names[index] if index < len(self.diagram.blocks[b].param_names) else ""
                 )
-                dead_time = self.diagram.blocks[b].dead_time_param
+                dead_time, before = self.diagram.blocks[b].dead_time_param, self.diagram.blocks[b].before_param
                 for f in laid.delays.get(b, ()):
-                    if f in component.params and name in (dead_time, f"{dead_time}_start"):
+                    if f in component.params and name in (dead_time, before):
                         pairs.append((component.params[f] + (name != dead_time), c))
         return np.array([w for w, _ in pairs], dtype=np.intp), np.array([c for _, c in pairs], dtype=np.intp)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from blocks.block import Block
+from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.figures.placement import Arrow, Grid, Node, common, grid
 from diagram.figures.routes import Box, Sheet, sheet
@@ -118,16 +119,12 @@ def word(block: Block) -> str:
     return " ".join(part if part.isupper() and len(part) > 1 else part.lower() for part in parts)
 
 
-def role(block: Block) -> str:
-    """Return what a block is in a loop: source, controller, valve, python or plain."""
+def colour(block: Block) -> str:
+    """Return the key of a block's colours: its role where that has some, "python" for one that runs in Python."""
     if block.host is not None:
         return "python"
-    if not block.ports_in:
-        return "source"
-    if {"SP", "PV"} <= {port.name for port in block.ports_in}:
-        return "controller"
-    moves = any(p.name == "OP" for p in block.ports_in) and any(p.name == "MV" for p in block.ports_out)
-    return "valve" if moves or "stuck" in block.modes else "plain"
+    role = Role.SOURCE if block.role.drives else block.role
+    return str(role) if role in FILL else "plain"
 
 
 def main_parameters(block: Block) -> list[str]:
@@ -249,7 +246,7 @@ class _Ink:
         from matplotlib.patches import FancyBboxPatch
 
         block = self.diagram.blocks[node.block]
-        kind = role(block)
+        kind = colour(block)
         ax.add_patch(FancyBboxPatch(
             (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height,
             boxstyle="round,pad=0,rounding_size=4", facecolor=FILL[kind], edgecolor=EDGE[kind], linewidth=1.2, zorder=3,

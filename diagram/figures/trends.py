@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.block import Block
+from blocks.block import STUCK_MODE, Block
 from blocks.ports import nearest
 from diagram.figures.panels import choose, heading, parts_played
 from diagram.simulation import Run
@@ -55,11 +55,11 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     for ax, shown in zip(axes, panels, strict=True):
         size, named = _unit(log, shown)
         parts = parts_played(diagram, shown)
-        for colour, port, signal in zip(_colours(parts, shown, groups), parts, shown, strict=True):
+        for colour, part, signal in zip(_colours(parts, shown, groups), parts, shown, strict=True):
             ax.plot(
-                log.t / scale, log[signal] / size, color=colour, linewidth=WIDTHS.get(port, 0.9), label=signal,
-                rasterized=len(log) > 20_000, linestyle=(0, (4, 2)) if port == "SP" and len(shown) > 1 else "-",
-                zorder=1.9 if port in ("SP", "OP") else _above(log, signal, shown),
+                log.t / scale, log[signal] / size, color=colour, linewidth=WIDTHS.get(part, 0.9), label=signal,
+                rasterized=len(log) > 20_000, linestyle=(0, (4, 2)) if part == "SP" and len(shown) > 1 else "-",
+                zorder=1.9 if part in ("SP", "OP") else _above(log, signal, shown),
             )  # fmt: skip
         for block in diagram.blocks:
             if block.modes and any(signal in shown for signal in block.output_labels):
@@ -167,9 +167,9 @@ def modes_over_time(block: Block, run: Run) -> list[tuple[float, float, str]]:
 def _mark(ax: "Axes", block: Block, run: Run, scale: float) -> None:
     """Shade where a valve is stuck; tick the other changes of mode at the foot of the panel."""
     across = ax.get_xaxis_transform()
-    if "stuck" in block.modes:
+    if block.can_stick:
         stuck = [
-            (a / scale, (b - a) / scale) for a, b, mode in modes_over_time(block, run) if mode == "stuck" and b > a
+            (a / scale, (b - a) / scale) for a, b, mode in modes_over_time(block, run) if mode == STUCK_MODE and b > a
         ]
         if stuck:
             ax.broken_barh(

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from blocks import PI, Constant, FirstOrder, Gain, Noise, QuasiStaticStem, Sine, Step
 from diagram import simulate, wire
-from diagram.flatten import plan
 from engine import layout as at
 from engine.call import pointer_to
 from engine.elimination import eliminate
@@ -85,7 +84,7 @@ def test_an_arrow_is_turned_round():
 
 
 def component_of(blocks, **more):
-    laid = plan(wire(blocks, **more))
+    laid = wire(blocks, **more).plan()
     return [laid.flat[b] for b in laid.components[0].blocks]
 
 

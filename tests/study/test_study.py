@@ -121,7 +121,7 @@ def test_ctrl_c_keeps_what_is_finished(whole, tmp_path, monkeypatch, short_parts
 
 def test_kill_9_loses_nothing_but_the_last_part(tmp_path):
     code = (
-        "from tests.plant import test_study as t\n"
+        "from tests.study import test_study as t\n"
         "t.running.PART_SECONDS, t.running.FIRST_PART = 1e-9, 1\n"
         f"t.small(out={str(tmp_path / 'killed')!r}, workers=1, kicks=60, duration=2000.0)\n"
     )
