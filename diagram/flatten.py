@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from blocks.block import Block
-from engine import layout as at
-from engine.flat import FlatBlock, Floats, Ints
+from engine.flat import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED, FlatBlock, Floats
+from engine.snapshot import Snapshot
 from engine.table import Component, build
 
 if TYPE_CHECKING:
     from diagram.diagram import Diagram
 
 DELAY_RECORDS = 2048
-Ends = tuple[tuple[Component, Ints, Floats], ...]  # the components of a diagram with their arrays at the end of a run
+Ends = tuple[Snapshot, ...]  # the components of a diagram at the end of a run
 
 
 @dataclass(frozen=True)
@@ -36,22 +36,20 @@ class Plan:
     shape: tuple[bool, ...]
     records: int = field(default=DELAY_RECORDS)
 
-    def fill(self, component: Component, W: Floats, blocks: tuple[Block, ...]) -> None:
+    def fill(self, run: Snapshot, blocks: tuple[Block, ...]) -> None:
         """Write parameters, start states, modes, memories and held outputs of the blocks into the arrays of a run."""
-        for b in component.blocks:
+        for b in run.component.blocks:
             if b < len(blocks):
                 block = blocks[b]
-                W[component.params[b] : component.params[b] + len(block.p)] = block.p
-                x, d = component.states[b], component.memory[b]
-                W[x : x + len(block.x0)] = block.x0
-                W[d : d + len(block.d0)] = block.d0
+                run.params(b, len(block.p))[:] = block.p
+                run.states(b, len(block.x0))[:] = block.x0
+                run.memory(b, len(block.d0))[:] = block.d0
                 if len(block.y0):
-                    y = component.signals[self.flat[b].first_signal]
-                    W[y : y + len(block.y0)] = block.y0
+                    run.outputs(self.flat[b].first_signal, len(block.y0))[:] = block.y0
         for b, flats in self.delays.items():
             for f in flats:
-                if f in component.params:
-                    W[component.params[f] : component.params[f] + 2] = _delay_params(blocks[b])
+                if f in run.component.params:
+                    run.params(f, 2)[:] = _delay_params(blocks[b])
 
 
 def plan(diagram: "Diagram", records: int = DELAY_RECORDS, known: Plan | None = None) -> Plan:
@@ -111,7 +109,7 @@ def _groups(flat: list[FlatBlock], order: list[int], n_signals: int) -> list[lis
     static: set[int] = set()
     for f in order:
         block = flat[f]
-        alone = block.kind == at.CONTINUOUS and not len(block.x0) and not len(block.d0) and not block.n_events
+        alone = block.kind == CONTINUOUS and not len(block.x0) and not len(block.d0) and not block.n_events
         if alone and all(driver[w] in static for w in block.wires):
             static.add(f)
     parent = {f: f for f in order}
@@ -159,7 +157,7 @@ def _delay_params(block: Block) -> Floats:
 def _delay(name: str, block: Block, wire: int, first: int, records: int) -> FlatBlock:
     return FlatBlock(
         name=name,
-        kind=at.DEAD_TIME,
+        kind=DEAD_TIME,
         p=_delay_params(block),
         x0=np.zeros(0),
         d0=np.zeros(0),
@@ -173,10 +171,10 @@ def _delay(name: str, block: Block, wire: int, first: int, records: int) -> Flat
 
 def _flat(block: Block, wires: tuple[int, ...], first: int) -> FlatBlock:
     k = block.kernels
-    kind = at.CONTINUOUS
+    kind = CONTINUOUS
     if block.sampled:
-        kind = at.HOSTED if block.host is not None else at.SAMPLED
-    continuous = kind == at.CONTINUOUS
+        kind = HOSTED if block.host is not None else SAMPLED
+    continuous = kind == CONTINUOUS
     return FlatBlock(
         name=block.name,
         kind=kind,
@@ -190,7 +188,7 @@ def _flat(block: Block, wires: tuple[int, ...], first: int) -> FlatBlock:
         der=k.der if continuous and len(block.x0) else None,
         zc=k.zc if continuous else None,
         jump=k.jump if continuous else None,
-        step=k.step if kind == at.SAMPLED else None,
+        step=k.step if kind == SAMPLED else None,
         next_time=k.next_time if continuous else None,
         n_events=k.n_events if continuous else 0,
         rates=k.rates,

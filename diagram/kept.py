@@ -3,7 +3,6 @@
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from blocks.arguments import texts
 from blocks.ports import nearest, number
 from diagram.diagram import Diagram
-from engine import layout as at
+from engine import snapshot
 from engine.table import Component
 
 Floats = NDArray[np.float64]
@@ -92,8 +91,4 @@ def wanted_signals(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str
 def logging_only(component: Component, diagram: Diagram, wanted: Sequence[str]) -> Component:
     """Return a copy of a component that logs the wanted signals only; its columns say which."""
     kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in wanted]
-    I, W = component.I.copy(), component.W.copy()
-    first = int(I[at.L_WIRES])
-    I[first : first + len(kept)] = component.I[[first + k for k in kept]]
-    I[at.N_LOG] = len(kept)
-    return replace(component, I=I, W=W, columns=tuple(component.columns[k] for k in kept))
+    return snapshot.logging_only(component, kept)

@@ -8,7 +8,7 @@ import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import Lock
 
 import numpy as np
@@ -23,16 +23,13 @@ from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import resumed
 from diagram.progress import Progress, told
 from diagram.simulation import check_settings, set_up, troubles
-from engine import layout as at
 from engine.run import Outcome, Settings, prepare, run
-from engine.status import Statistics, Status
+from engine.snapshot import COUNTERS, Snapshot, total
+from engine.status import Status
 from engine.table import Component
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 
-COUNTERS = {
-    "steps": at.STEPS, "rejected": at.REJECTED, "rhs": at.RHS, "jacobians": at.JACOBIANS, "events": at.EVENTS,
-}  # fmt: skip
 GLANCE = 0.1  # how often the progress is told [s]
 
 
@@ -123,7 +120,7 @@ def _lay_out(cast: Members, i: int, wanted: Sequence[str], records: int) -> _Lay
     parts = []
     for component in laid.components:
         reduced = logging_only(component, diagram, wanted)
-        laid.fill(component, reduced.W, diagram.blocks)
+        laid.fill(Snapshot(reduced, reduced.I, reduced.W), diagram.blocks)
         parts.append(_Part(reduced, tuple(diagram.signals[c] for c in reduced.columns), *cast.places(laid, component)))
     return _Layout(laid, tuple(parts))
 
@@ -185,11 +182,11 @@ class _Crew:
             self.summaries[i] = self.summary(self.grid, {signal: rows[signal] for signal in self.wanted})
         if self.keep_logs:
             self.events[i] = np.concatenate([o.events for o in outcomes])
-        self.counts[i] = sum(o.I[list(COUNTERS.values())] for o in outcomes)
+        ends = tuple(Snapshot(part.component, o.I, o.W) for part, o in zip(layout.parts, outcomes, strict=True))
+        self.counts[i] = sum(end.counts for end in ends)
         self.ended[i] = min(o.t for o in outcomes)
         self.status[i] = Status.OK if failed is None else failed.status
         if failed is not None:
-            ends = tuple((part.component, o.I, o.W) for part, o in zip(layout.parts, outcomes, strict=True))
             self.troubles[i] = troubles(self.cast.diagram_of(i), ends)
             if self.troubles[i]:
                 self.status[i] = Status.MODEL_ENDED
@@ -198,7 +195,7 @@ class _Crew:
         outcomes = []
         for part in layout.parts:
             I, W = prepare(part.component, self.settings, 0.0)
-            W[part.offsets] = self.cast.table[i, part.columns]
+            Snapshot(part.component, I, W).put(part.offsets, self.cast.table[i, part.columns])
             outcomes.append(run(part.component, layout.laid.flat, I, W, self.grid, self.duration, self._listen))
         return outcomes
 
@@ -234,8 +231,7 @@ class _Crew:
         table = {name: np.array([float(one.get(name, np.nan)) for one in self.summaries]) for name in names}
         freeze([self.grid, self.status, self.ended, *self.values.values(), *table.values()])
         self._doubt()
-        total = dict(zip(COUNTERS, self.counts.sum(axis=0).tolist(), strict=True))
-        cost = Statistics(components=len(self.layouts[0].parts), **total)
+        cost = replace(total(list(self.counts)), components=len(self.layouts[0].parts))
         return Ensemble(
             t=self.grid, values=self.values, status=self.status, ended=self.ended, summary=table,
             event_counts=self.counts[:, -1], troubles=tuple(self.troubles), statistics=cost,

@@ -15,6 +15,7 @@ from blocks.arguments import by_name
 from blocks.block import Block
 from diagram.diagram import Diagram
 from diagram.flatten import Plan
+from engine.snapshot import offset
 from engine.table import Component
 
 Floats = NDArray[np.float64]
@@ -75,12 +76,11 @@ class Members:
         return self.table[:, theta] > 0.0
 
     def places(self, laid: Plan, component: Component) -> tuple[Places, Places]:
-        """Return (offsets in ``W``, columns of the table), such that ``W[offsets] = table[i, columns]``."""
-        starts = {"p": component.params, "x0": component.states, "d0": component.memory}
+        """Return (places in the run, columns of the table): ``Snapshot.put(places, table[i, columns])`` makes one."""
         pairs: list[tuple[int, int]] = []
         for c, (b, kind, index) in enumerate(self.targets):
             if b in component.blocks:
-                pairs.append((starts[kind][b] + index, c))
+                pairs.append((offset(component, kind, b, index), c))
             if kind == "p":
                 name = (
                     self.diagram.blocks[b].param_names[index] if index < len(self.diagram.blocks[b].param_names) else ""
@@ -88,7 +88,7 @@ class Members:
                 dead_time, before = self.diagram.blocks[b].dead_time_param, self.diagram.blocks[b].before_param
                 for f in laid.delays.get(b, ()):
                     if f in component.params and name in (dead_time, before):
-                        pairs.append((component.params[f] + (name != dead_time), c))
+                        pairs.append((offset(component, "p", f, int(name != dead_time)), c))
         return np.array([w for w, _ in pairs], dtype=np.intp), np.array([c for _, c in pairs], dtype=np.intp)
 
 
