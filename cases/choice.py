@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cases.kicks import Study, study
+from cases.kicks import Study, study_of
 from cases.tables import Row, jumps_a_half_cycle, relative
 from plant.parameters import Stem
 
@@ -53,7 +53,7 @@ class Point:
 
 def scan(
     kicks: int = 40, drops: Sequence[float] = DROPS, gains: Sequence[float] = GAINS,
-    told: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[Point]:  # fmt: skip
     """Return the pressure cycles along D at set E's gain, and along the gain at set E's D; skips what cannot rest."""
     from plant import SET_E, InfeasibleFeed
@@ -63,12 +63,12 @@ def scan(
     for done, (D, K_p) in enumerate(settings):
         plant = replace(SET_E, D=D, S1=replace(SET_E.S1, K_p_pressure=K_p))
         try:
-            points += [Point(D, K_p, size, study(plant, size, kicks=kicks)) for size in ("normal", "high")]
+            points += [Point(D, K_p, size, study_of(plant, size, kicks=kicks)) for size in ("normal", "high")]
         except InfeasibleFeed:
             continue
         finally:
-            if told is not None:
-                told(done + 1, len(settings))
+            if progress is not None:
+                progress(done + 1, len(settings))
     return points
 
 

@@ -6,7 +6,8 @@ a change from stuck to sliding.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,14 @@ AT_LIMIT = 1e-9  # of the limit's size, or of 1: rounding at the stop
 STANDS = 1e-12  # of the size of a signal: an amplitude below is rounding, and has no period
 
 NAMES = ("mean", "amplitude", "sd", "period")
+
+
+@dataclass(frozen=True)
+class OwnMeasures:
+    """Measures in place of the usual ones: ``function`` takes times and signals of a run and gives the ``names``."""
+
+    names: tuple[str, ...]
+    function: Callable[[Floats, Mapping[str, Floats]], Mapping[str, float]]
 
 
 class Measures:

@@ -19,7 +19,7 @@ from engine.status import Status
 from study.axes import StudyError, axes_of
 from study.design import design
 from study.folder import Folder, Memory, Store, joined, opened
-from study.measures import Measures, slips, valves
+from study.measures import Measures, OwnMeasures, slips, valves
 from study.points import Casting, Company, Refusal, resolve
 from study.request import code, fingerprint, spelt
 from study.result import StudyResult
@@ -53,6 +53,7 @@ def study(
     every: float,
     measure_from: float | None = None,
     signals: Sequence[str] | None = None,
+    measures: OwnMeasures | None = None,
     rtol: float = 1e-6,
     atol: float = 1e-9,
     method: str | None = None,
@@ -69,10 +70,10 @@ def study(
     grid) or a law such as ``uniform(1250, 2250)`` (laws share ``random`` points of a Latin hypercube).  ``kicks`` None
     starts as the subject does, 0 at rest, N makes N runs of every point, its kicked states times independent factors
     1 -+ ``kick_size``.  ``seed`` fixes hypercube and kicks.  ``duration``, ``every`` [s] of the run and its log;
-    ``measure_from`` [s] (default: half of it); ``signals`` to measure.  ``workers`` threads; ``progress`` True, False,
-    a function of (done, runs), default a bar on a terminal.  ``out`` a folder for the rows: a call with the same
-    request goes on where the last stopped, and gives the same bytes; ``fresh`` throws away what is there.  ``longest``
-    [s] the most the study may take.
+    ``measure_from`` [s] (default: half of it); ``signals`` to measure; ``measures`` of your own in
+    place of the usual ones.  ``workers`` threads; ``progress`` True, False, a function of (done, runs), default a bar
+    on a terminal.  ``out`` a folder for the rows: a call with the same request goes on where the last stopped, and
+    gives the same bytes; ``fresh`` throws away what is there.  ``longest`` [s] the most the study may take.
 
     A run that cannot be made is a row with a status and a reason.  Ctrl-C returns what is finished.
     Raises ``StudyError`` for a request that makes no sense.
@@ -101,14 +102,16 @@ def study(
         "kicks": kicks, "kick_size": kick_size, "seed": seed, "duration": float(duration), "every": float(every),
         "measure_from": since, "signals": list(wanted), "rtol": rtol, "atol": atol, "method": method or chosen.method,
     }  # fmt: skip
-    schema = Schema.of(plan, [first, *_other_shapes(casting)], wanted)
+    if measures is not None:
+        request["measures"] = list(measures.names)
+    schema = Schema.of(plan, [first, *_other_shapes(casting)], wanted, None if measures is None else measures.names)
     options = {"duration": duration, "every": every, "rtol": rtol, "atol": atol, "method": method or chosen.method}
     begun = time.perf_counter()
     held = nullcontext(Memory()) if out is None else opened(Path(out), request, fresh)
     with held as store, told(progress, len(plan), "runs") as tell, stop_asked() as stopped:
         if isinstance(store, Folder):
             store.note(status="running", runs=len(plan))
-        work = _Work(casting, schema, since, options, len(grid), workers or cores(), tell, longest)
+        work = _Work(casting, schema, since, options, len(grid), workers or cores(), tell, longest, measures)
         complete = work.all(store, stopped)
         tables = store.rows()
         table = joined(tables) if tables else schema.empty()
@@ -135,8 +138,9 @@ class _Work:
 
     def __init__(
         self, casting: Casting, schema: Schema, since: float, options: Mapping[str, Any], rows: int, workers: int,
-        tell: Callable[[int, int], None], longest: float,
+        tell: Callable[[int, int], None], longest: float, own: OwnMeasures | None = None,
     ) -> None:  # fmt: skip
+        self.own = own
         self.casting, self.schema, self.since, self.options = casting, schema, since, options
         self.workers, self.tell, self.longest = workers, tell, longest
         self.most = int(min(LARGEST_PART, max(1.0, PART_BYTES / (8.0 * rows * len(schema.signals)))))
@@ -191,11 +195,12 @@ class _Work:
     def _simulated(self, company: Company, tell: Callable[[int, int], None]) -> dict[int, list[Any]]:
         fixed = {key: float(column[0]) for key, column in company.params.items() if key.endswith((".low", ".high"))}
         key = (id(company.reference), tuple(fixed.items()))
-        if key not in self.measures:
+        if self.own is None and key not in self.measures:
             self.measures[key] = Measures(company.reference, self.schema.signals, self.since, fixed)
         result = ensemble(
             company.reference, signals=self.schema.signals, params=company.params or None, start=company.start or None,
-            seeds=company.seeds, workers=self.workers, progress=tell, summary=self.measures[key], **self.options,
+            seeds=company.seeds, workers=self.workers, progress=tell, keep_logs=self.own is None,
+            summary=self.measures[key] if self.own is None else self.own.function, **self.options,
         )  # fmt: skip
         sticky = valves(company.reference)
         rows = {}
@@ -204,7 +209,7 @@ class _Work:
             if status is Status.INTERRUPTED:
                 continue
             numbers = {name: float(column[i]) for name, column in result.summary.items()}
-            if status is Status.OK:
+            if status is Status.OK and self.own is None:
                 numbers |= {f"{valve}.slips": n for valve, n in slips(result.raw_events[i], sticky, self.since).items()}
             rows[run] = self.schema.row(run, status.name, result.hint(i), float(result.ended[i]), numbers)
         return rows

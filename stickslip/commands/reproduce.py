@@ -116,7 +116,7 @@ def _rows(quick: bool, told: Told) -> tuple[list["Row"], "Fresh"]:
         def other(F_s: str, case: int, done: int, total: int, name: str = name) -> None:
             told(f"set {name}, case {case}, {F_s} stiction: {done} of {total} starts")
 
-        rows = [row for row in plant_rows(Studies(name, KICKS, told=other)) if row.within is not None]
+        rows = [row for row in plant_rows(Studies(name, KICKS, progress=other)) if row.within is not None]
         found += [replace(row, table=f"{row.table}, set {name}") for row in rows]
     return found, main
 
@@ -151,7 +151,7 @@ def _headline(found: Sequence["Row"], main: "Fresh") -> list[str]:
 def _scan(told: Told) -> list["Point"]:
     from cases.choice import scan
 
-    return scan(told=lambda done, total: told(f"scan: {done} of {total} settings"))
+    return scan(progress=lambda done, total: told(f"scan: {done} of {total} settings"))
 
 
 def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
