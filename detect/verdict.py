@@ -14,9 +14,13 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
 
-__all__ = ["Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
+__all__ = ["NUMBERS", "SPOKEN", "Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
 
 Word = Literal["stiction", "no_stiction", "inconclusive", "not_applicable"]
+SPOKEN: Mapping[Word, str] = {word: word.replace("_", " ") for word in get_args(Word)}  # as people read them
+NUMBERS: Mapping[Word, float] = {  # as a signal carries them
+    "not_applicable": 0.0, "inconclusive": 1.0, "no_stiction": 2.0, "stiction": 3.0,
+}  # fmt: skip
 Code = Literal[
     "no_oscillation",
     "too_few_cycles",

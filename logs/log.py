@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -15,6 +14,7 @@ import numpy.typing as npt
 
 from logs.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array, seconds_and_start
 from logs.errors import LogError
+from logs.hint import nearest
 
 if TYPE_CHECKING:
     import polars as pl
@@ -86,7 +86,7 @@ class Log:
         for kind, mapping in (("units", self.units), ("spans", self.spans), ("quality", self.quality)):
             for name in mapping:
                 if name not in signals:
-                    raise LogError(f"{kind} name a signal {name!r} that is not logged; {_offer(name, signals)}")
+                    raise LogError(f"{kind} name a signal {name!r} that is not logged; {nearest(name, signals)}")
         set_field = object.__setattr__
         set_field(self, "t", t)
         set_field(self, "start", self.start if start is None else start)
@@ -132,12 +132,12 @@ class Log:
         >>> Log(t=[0.0], signals={"OP": [50.0]})["Op"]
         Traceback (most recent call last):
         ...
-        logs.errors.LogError: no signal 'Op'; did you mean 'OP'? The log has 'OP'
+        logs.errors.LogError: no signal 'Op'; did you mean 'OP'? known: OP
         """
         try:
             return self.signals[name]
         except KeyError:
-            raise LogError(f"no signal {name!r}; {_offer(name, self.signals)}") from None
+            raise LogError(f"no signal {name!r}; {nearest(name, self.signals)}") from None
 
     def good(self, name: str) -> Mask:
         """True where `name` is finite and not marked bad, shape (n,)."""
@@ -323,10 +323,3 @@ class Log:
         from logs.figures import plot_log
 
         return plot_log(self, names)
-
-
-def _offer(name: object, known: Mapping[str, object]) -> str:
-    listed = ", ".join(repr(k) for k in known) or "no signals"
-    by_fold = {k.casefold(): k for k in known}
-    near = difflib.get_close_matches(str(name).casefold(), list(by_fold), n=1, cutoff=0.5)
-    return (f"did you mean {by_fold[near[0]]!r}? " if near else "") + f"The log has {listed}"

@@ -175,3 +175,31 @@ def test_no_slot_of_the_engine_is_addressed_outside_it(path: Path) -> None:
                                   "outcome.W[0]", "I[at.STEPS]"])  # fmt: skip
 def test_the_rule_of_slots_can_fail(line: str) -> None:
     assert slots(line)
+
+
+ONE_PLACE = {
+    "difflib": "logs/hint.py",  # did you mean ...
+    "os.replace(": "logs/files/write.py",  # whole files
+    '"not_applicable": 0.0': "detect/verdict.py",  # verdicts as numbers
+}
+
+
+@pytest.mark.parametrize(("text", "place"), ONE_PLACE.items())
+def test_one_place_for_each_thing(text: str, place: str) -> None:
+    assert [str(p.relative_to(ROOT)) for _, p in FILES if text in p.read_text()] == [place]
+
+
+def test_schemas_are_distinct() -> None:
+    stated = re.compile(r'(?:= |"schema": )"(stickslip\.[a-z-]+/\d+)"')
+    names = [name for _, path in FILES for name in stated.findall(path.read_text())]
+    assert len(names) > 6 and len(set(names)) == len(names)
+
+
+def test_one_name_for_plain_values() -> None:
+    methods = {
+        node.name
+        for _, path in FILES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.FunctionDef) and re.fullmatch(r"(to|as)_?(dict|plain|json|values)", node.name)
+    }
+    assert methods == {"to_dict"}

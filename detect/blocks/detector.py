@@ -22,9 +22,9 @@ from blocks import Block, Kernels, Labels, Port
 from blocks.ports import BlockError, require
 from blocks.role import Role
 from detect.stream import LoopFacts, Sample
+from detect.verdict import NUMBERS
 
 PROCESSES = ("self_regulating", "integrating", "unknown")
-CODES = {"not_applicable": 0.0, "inconclusive": 1.0, "no_stiction": 2.0, "stiction": 3.0}
 
 
 class DetectorState(NamedTuple):
@@ -67,7 +67,7 @@ class DetectorHost:
         taken, said = state.taken + 1, state.said
         if taken % self.verdict_every == 0:
             verdict = self.method.verdict(self.params, inner)
-            said = (np.nan if verdict.index is None else verdict.index, CODES[verdict.verdict])
+            said = (np.nan if verdict.index is None else verdict.index, NUMBERS[verdict.verdict])
         return DetectorState(inner, taken, said), said
 
 

@@ -3,10 +3,8 @@
 import math
 import os
 import re
-import secrets
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from blocks.block import Block
@@ -14,6 +12,7 @@ from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.figures.placement import Arrow, Grid, Node, common, grid
 from diagram.figures.routes import Box, Sheet, sheet
+from logs.files.write import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,13 +84,8 @@ def to_svg(diagram: Diagram, path: str | os.PathLike[str]) -> None:
 
     Raises ``OSError`` if the file cannot be written.
     """
-    target = Path(path)
-    part = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
-    try:
+    with replacing(path) as part:
         draw(diagram).savefig(part, format="svg", metadata={"Date": None})
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def symbol(name: str) -> str:

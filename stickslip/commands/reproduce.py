@@ -78,7 +78,7 @@ def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
             "page": str(target),
             "quick": quick,
             "headline": headline,
-            "rows": [row.as_dict() for row in found],
+            "rows": [row.to_dict() for row in found],
         }
     )
 
@@ -206,7 +206,7 @@ def _badge(rows: Sequence["Row"]) -> tuple[str, str]:
     met = _met(judged)
     others = f", {len(rows) - len(judged)} without tolerance" if len(judged) < len(rows) else ""
     words = f"{met} of {len(judged)} met{others}" if judged else "for comparison"
-    return words, "no_stiction" if met == len(judged) else "inconclusive"
+    return words, "good" if met == len(judged) else "open"
 
 
 def _met(rows: Sequence["Row"]) -> int:
@@ -219,7 +219,7 @@ def _missed(own: Sequence["Row"]) -> "Section":
 
     missed = [row for row in own if row.within is False]
     judged = sum(row.within is not None for row in own)
-    section = Section("What is not met, and why", f"{len(missed)} of {judged} rows", "inconclusive", "")
+    section = Section("What is not met, and why", f"{len(missed)} of {judged} rows", "open", "")
     cells = []
     for row in missed:
         name, *others, _verdict = _cells(row)
@@ -263,7 +263,7 @@ def _sets(found: Sequence["Row"]) -> "Section":
         "and B were fitted to one case each, C by one number to both. ✗: outside the tolerance. Medians."
     )
     section = Section(
-        "The plant's rows with other sets of parameters", f"{met} of {len(sets[first])} met", "inconclusive", reason
+        "The plant's rows with other sets of parameters", f"{met} of {len(sets[first])} met", "open", reason
     )
     section.figures.append(table_to_html(("row", "published", "tolerance", *(f"set {s}" for s in sets)), cells))
     return section

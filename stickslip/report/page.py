@@ -24,9 +24,9 @@ h2 { font-size: 20px; margin: 0; }
 article { background: #fff; border: 1px solid var(--line); border-radius: 10px; padding: 20px 22px; margin: 18px 0; }
 header.row { display: flex; gap: 12px; align-items: baseline; flex-wrap: wrap; }
 .badge { font-size: 13px; font-weight: 650; padding: 2px 10px; border-radius: 99px; border: 1px solid transparent; }
-.stiction { background: #fdecea; color: #96231c; border-color: #f3c1bc; }
-.no_stiction { background: #e8f5ec; color: #1c6b38; border-color: #bfe2cb; }
-.inconclusive, .not_applicable { background: #fff6e0; color: #7a5600; border-color: #f0dca8; }
+.bad { background: #fdecea; color: #96231c; border-color: #f3c1bc; }
+.good { background: #e8f5ec; color: #1c6b38; border-color: #bfe2cb; }
+.open { background: #fff6e0; color: #7a5600; border-color: #f0dca8; }
 .truth { color: var(--soft); font-size: 14px; }
 .reason { margin: 10px 0 4px; max-width: 80ch; }
 .story { color: var(--soft); margin: 6px 0; max-width: 80ch; }
@@ -53,7 +53,7 @@ a { color: #1f5fa8; } footer { color: var(--soft); font-size: 13.5px; margin-top
 
 @dataclass
 class Section:
-    """One article: title, verdict in a badge, a reason, and what helps to believe it."""
+    """One article: title, a badge of a kind (bad, good or open), a reason, and what helps to believe it."""
 
     title: str
     badge: str

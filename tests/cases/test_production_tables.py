@@ -144,8 +144,8 @@ def test_case_2_rows():
 
 def test_rows_tell_and_serialise():
     row = relative("5.4", "x", "s", 100.0, Band(math.nan, 1.0, 2.0, 1), 0.1)
-    assert row.within is False and row.as_dict()["reproduced"] is None
-    json.dumps(row.as_dict(), allow_nan=False)
+    assert row.within is False and row.to_dict()["reproduced"] is None
+    json.dumps(row.to_dict(), allow_nan=False)
     assert relative("5.4", "x", "s", 100.0, Band(110.0, 1.0, 2.0, 1), 0.1).within is True  # the edge counts
     assert between("x", "x", "-", 0.0, Band(0.0, 0.0, 0.0, 1), -math.inf, 0.0).told().endswith("median at most 0: met")
     assert relative("x", "x", "-", 0.0, Band(1.0, 1.0, 1.0, 1), None).deviation is None
