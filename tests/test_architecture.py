@@ -189,6 +189,11 @@ def test_one_place_for_each_thing(text: str, place: str) -> None:
     assert [str(p.relative_to(ROOT)) for _, p in FILES if text in p.read_text()] == [place]
 
 
+def test_every_colour_of_the_house_is_in_one_file() -> None:
+    found = {str(p.relative_to(ROOT)) for _, p in FILES if re.search(r"#[0-9a-fA-F]{6}\b", p.read_text())}
+    assert found == {"logs/style.py"}
+
+
 def test_schemas_are_distinct() -> None:
     stated = re.compile(r'(?:= |"schema": )"(stickslip\.[a-z-]+/\d+)"')
     names = [name for _, path in FILES for name in stated.findall(path.read_text())]

@@ -13,6 +13,7 @@ from diagram.diagram import Diagram
 from diagram.figures.placement import Arrow, Grid, Node, common, grid
 from diagram.figures.routes import Box, Sheet, sheet
 from logs.files.write import replacing
+from logs.style import EDGE, FILL, FRAME, FRAME_EDGE, INK, SOFT, WIRE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,9 +41,6 @@ GREEK = (
     "tau",
     "omega",
 )
-INK, SOFT, WIRE = "#1d2733", "#5b6875", "#3a4653"
-FILL = {"source": "#e9f4ec", "controller": "#e7f0fb", "valve": "#fdf0e1", "python": "#f1eafa", "plain": "#ffffff"}
-EDGE = {"source": "#4d8f63", "controller": "#3f73b0", "valve": "#c07a22", "python": "#7d5bb0", "plain": "#54616e"}
 NAME_SIZE, WORD_SIZE, VALUE_SIZE, SIGNAL_SIZE = 9.5, 7.5, 7.5, 8.0
 LINE = 10.5  # height of a line of small text [points]
 MARGIN = 16.0
@@ -197,7 +195,7 @@ class _Ink:
         for group, (left, top, right, bottom) in laid.frames.items():
             ax.add_patch(FancyBboxPatch(
                 (left, top), right - left, bottom - top, boxstyle="round,pad=0,rounding_size=8",
-                facecolor="#f4f6f9" if len(group) % 2 else "#ffffff", edgecolor="#c3ccd6", linewidth=0.9,
+                facecolor=FRAME if len(group) % 2 else "white", edgecolor=FRAME_EDGE, linewidth=0.9,
                 zorder=0.1 * len(group),
             ))  # fmt: skip
             ax.text(

@@ -12,8 +12,8 @@ from diagram.figures.panels import choose, heading, parts_played
 from diagram.simulation import Run
 from engine.status import Status
 from logs import Log
-from logs.figures import COLOURS, time_unit
-from logs.style import SOFT, tidy
+from logs.figures import time_unit
+from logs.style import COLOURS, CYCLE, EVENT, OUTSIDE, PALE, RED, SOFT, STUCK, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,10 +23,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000")
 WIDTHS = {"MV": 1.4}  # beside OP on grey paper
-OUTSIDE = "#555555"  # a signal of no nested diagram, beside some that are
-STUCK, EVENT, FAILED = "#f3d9b8", "#8a5a2b", "#b00020"
 POINTS = 1500  # as fine as the widest figure can show a band
 SOME = 12  # members drawn as lines
 LEAVES_UNSAID = 2000  # events beyond which single ticks say nothing
@@ -72,7 +69,7 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     figure.suptitle(diagram.name, x=0.01, ha="left", fontsize=11, weight="bold")
     notes = []
     if run.status is not Status.OK:
-        notes.append((_wrapped(f"{run.status.name}: {run.hint}"), FAILED))
+        notes.append((_wrapped(f"{run.status.name}: {run.hint}"), RED))
     unsaid = [f"{len(left_out)} more signals: choose with names="] if left_out else []
     if squashing:
         unsaid.append(f"at rest far off the scale: {', '.join(squashing)}")
@@ -121,7 +118,7 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     some = whole[np.linspace(0, whole.size - 1, min(SOME, whole.size)).astype(int)]
     for k, i in enumerate(some):
         label = f"{len(some)} of {len(result)} members" if k == 0 else None
-        ax.plot(t / scale, result.values[signal][i, ::stride], color="#8896a5", linewidth=0.5, alpha=0.8, label=label)
+        ax.plot(t / scale, result.values[signal][i, ::stride], color=PALE, linewidth=0.5, alpha=0.8, label=label)
     ax.plot(t / scale, middle, color=CYCLE[0], linewidth=1.6, label="median")
     _tidy(ax)
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderpad=0.1)
@@ -133,7 +130,7 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     told = f"{result.members.diagram.name}: {', '.join([*result.params, *result.start]) or 'seeds'} vary"
     figure.suptitle(told, x=0.01, ha="left", fontsize=11, weight="bold")
     if failed:
-        ax.set_title(f"{failed} members not shown: they did not reach the end", loc="left", fontsize=8.5, color=FAILED)
+        ax.set_title(f"{failed} members not shown: they did not reach the end", loc="left", fontsize=8.5, color=RED)
     return figure
 
 

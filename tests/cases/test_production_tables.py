@@ -231,7 +231,7 @@ def test_printed_amplitudes_stand_beside_figure_5_1():
     figure = curves.key_variables(1)
     pressure = figure.axes[1]
     bars = {line.get_color(): np.ptp(line.get_ydata()) for line in pressure.lines if len(line.get_xdata()) == 2}
-    assert bars == {curves.COLOURS["normal"]: pytest.approx(0.52), curves.COLOURS["high"]: pytest.approx(0.88)}
+    assert bars == {curves.STICTION["normal"]: pytest.approx(0.52), curves.STICTION["high"]: pytest.approx(0.88)}
     # published: twice 0.26 and 0.44 bar of table 5.4
     assert not any(len(line.get_xdata()) == 2 for ax in curves.key_variables(2).axes for line in ax.lines)
 
@@ -239,5 +239,5 @@ def test_printed_amplitudes_stand_beside_figure_5_1():
 def test_sizes_of_stiction_are_told_apart_on_grey_paper():
     from matplotlib.colors import to_rgb
 
-    grey = [float(np.dot(to_rgb(curves.COLOURS[size]), (0.299, 0.587, 0.114))) for size in ("none", "normal", "high")]
+    grey = [float(np.dot(to_rgb(curves.STICTION[size]), (0.299, 0.587, 0.114))) for size in ("none", "normal", "high")]
     assert min(-np.diff(grey)) > 0.12  # darker with more stiction
