@@ -42,7 +42,8 @@ class Kernels:
     """The functions of a block and what the engine must know about them.
 
     ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the
-    same instant.  ``rates``: whether ``zc`` and ``jump`` want the input rates behind the inputs in ``u``.
+    same instant.  ``timed``: whether ``out`` or ``der`` reads the time ``t``.  ``rates``: whether ``zc`` and ``jump``
+    want the input rates behind the inputs in ``u``.
     """
 
     out: Kernel | None = None
@@ -54,6 +55,7 @@ class Kernels:
     n_events: int = 0
     feeds: bool = True
     rates: bool = False
+    timed: bool = False
 
 
 class Host(Protocol):

@@ -77,6 +77,7 @@ class Equations(Block):
             der=None if der is None else kernel(name, "der", der, places, values, len(states)),
             out=copies(places, outs) if out is None else kernel(name, "out", out, places, values, len(outs)),
             feeds=out is not None and not set(arguments(name, "out", out)).isdisjoint(ins),
+            timed=any(f is not None and "t" in arguments(name, what, f) for what, f in (("der", der), ("out", out))),
         )
         if not ins and not states:
             self.role = Role.SOURCE

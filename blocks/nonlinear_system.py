@@ -87,7 +87,7 @@ class NonlinearSystem(Block):
             self.kernels = Kernels(step=step, feeds=feeds)
             super().__init__(name=name, params=params, memory=states, **_labels(system))
         else:
-            self.kernels = Kernels(der=der if n else None, out=out, feeds=feeds)
+            self.kernels = Kernels(der=der if n else None, out=out, feeds=feeds, timed=_timed(system))
             super().__init__(name=name, params=params, states=states, **_labels(system))
 
     @staticmethod
@@ -127,6 +127,12 @@ def _feeds(system: ct.InputOutputSystem) -> bool:
     if not system.ninputs or system.outfcn is None:
         return False
     return not isinstance(system.outfcn, FunctionType) or _mentions(system.outfcn, 2)
+
+
+def _timed(system: ct.NonlinearIOSystem) -> bool:
+    """Return whether rates or outputs look at the time; those of an interconnection, or of a class, may."""
+    functions = (system.updfcn, system.outfcn)
+    return any(f is not None and (not isinstance(f, FunctionType) or _mentions(f, 0)) for f in functions)
 
 
 def _passes_through(system: ct.InterconnectedSystem) -> bool:

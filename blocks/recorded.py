@@ -63,7 +63,7 @@ class Recorded(Source):
     [5.0, 5.5, 6.0, 5.0, 4.0]
     """
 
-    kernels = Kernels(out=_recorded_out, next_time=_recorded_next, feeds=False)
+    kernels = Kernels(out=_recorded_out, next_time=_recorded_next, feeds=False, timed=True)
 
     def __init__(
         self,

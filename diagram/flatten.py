@@ -193,6 +193,7 @@ def _flat(block: Block, wires: tuple[int, ...], first: int) -> FlatBlock:
         n_events=k.n_events if continuous else 0,
         rates=k.rates,
         feeds=k.feeds,
+        timed=k.timed,
         logged=bool(block.modes),
         period_at=block.param_index(block.period_param) if block.period_param else -1,
         offset_at=block.param_index(block.offset_param) if block.offset_param else -1,

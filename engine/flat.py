@@ -41,6 +41,7 @@ class FlatBlock:
     n_events: int = 0
     rates: bool = False
     feeds: bool = True
+    timed: bool = False  # whether out or der reads the time
     logged: bool = False
     period_at: int = -1  # where the sampling period stands in p
     offset_at: int = -1  # where the first sampling instant stands in p

@@ -32,7 +32,7 @@ class Smooth(Block):
     """x' = -x^3/2 and y' = y cos t, with x = 1/sqrt(1 + t), y = exp(sin t)."""
 
     ports_out = (Port("x"), Port("y"))
-    kernels = Kernels(out=_out, der=_der, next_time=_limit, feeds=False)
+    kernels = Kernels(out=_out, der=_der, next_time=_limit, feeds=False, timed=True)
 
     def __init__(self, h):
         super().__init__(name="smooth", params={"h": h}, states={"x": 1.0, "y": 1.0})
@@ -47,7 +47,7 @@ class Stiff(Block):
     """Prothero and Robinson's problem: x = sin t and y = cos t, held there by a stiff spring."""
 
     ports_out = (Port("x"), Port("y"))
-    kernels = Kernels(out=_out, der=_stiff_der, next_time=_limit, feeds=False)
+    kernels = Kernels(out=_out, der=_stiff_der, next_time=_limit, feeds=False, timed=True)
 
     def __init__(self, h):
         super().__init__(name="stiff", params={"h": h}, states={"x": 0.0, "y": 1.0})
