@@ -69,7 +69,7 @@ class Row:
         """Reproduced over published less one [-], None where nothing was published or it is zero."""
         return self.reproduced / self.published - 1.0 if self.published else None
 
-    def told(self) -> str:
+    def described(self) -> str:
         """Return band, tolerance and note in one sentence."""
         verdict = {True: "met", False: "NOT met", None: ""}[self.within]
         parts = [f"5 to 95 %: {self.low:.3g} to {self.high:.3g}", f"{self.tolerance}: {verdict}" if verdict else ""]

@@ -89,14 +89,14 @@ def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
     components: list[Component] = []
     places: dict[int, list[int]] = {}
     taken: set[int] = set()
-    for members in groups:
+    for group in groups:
         columns: list[int] = []
-        for f in members:
+        for f in group:
             places.setdefault(f, []).append(len(components))
             if f < len(blocks) and f not in taken:  # a copied source is logged once
                 taken.add(f)
                 columns += range(flat[f].first_signal, flat[f].first_signal + len(flat[f].y0))
-        components.append(build(flat, members, columns))
+        components.append(build(flat, group, columns))
     return Plan(tuple(flat), tuple(components), {b: tuple(c) for b, c in places.items()}, delays, shape, records)
 
 
@@ -125,12 +125,12 @@ def _groups(flat: list[FlatBlock], order: list[int], n_signals: int) -> list[lis
             for w in flat[f].wires:
                 if driver[w] not in static:
                     parent[root(driver[w])] = root(f)
-    members: dict[int, list[int]] = {}
+    joined: dict[int, list[int]] = {}
     for f in order:
         if f not in static:
-            members.setdefault(root(f), []).append(f)
+            joined.setdefault(root(f), []).append(f)
     place = {f: i for i, f in enumerate(order)}
-    apart = list(members.values())
+    apart = list(joined.values())
     used = {f for group in apart for f in _upstream(flat, group, driver, static)}
     left = [f for f in order if f in static and f not in used]  # what no other group reads
     apart += [left] if left else []

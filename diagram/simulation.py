@@ -161,7 +161,7 @@ def simulate(
         records *= 4
 
 
-def _told(given: Any) -> str:
+def _words_for(given: Any) -> str:
     return f"block '{given.name}'" if isinstance(given, Block) else f"{given!r:.60}"
 
 
@@ -174,7 +174,7 @@ def set_up(
     """Return the diagram with its inputs closed and values changed; refuse inputs left open."""
     if not isinstance(diagram, Diagram):
         alone = "; wire([block]) makes one of a block, drive(block, ...) runs it alone" * isinstance(diagram, Block)
-        raise ValueError(f"{_told(diagram)} is no diagram{alone or '; wire([...]) makes one of blocks'}")
+        raise ValueError(f"{_words_for(diagram)} is no diagram{alone or '; wire([...]) makes one of blocks'}")
     examples = {"inputs": {"SP": 0.5}, "params": {"valve.F_s": 1750.0}, "start": {"process.PV": 0.5}}
     for name, values in {"inputs": inputs, "params": params, "start": start}.items():
         if values is not None:

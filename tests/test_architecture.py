@@ -208,3 +208,52 @@ def test_one_name_for_plain_values() -> None:
         if isinstance(node, ast.FunctionDef) and re.fullmatch(r"(to|as)_?(dict|plain|json|values)", node.name)
     }
     assert methods == {"to_dict"}
+
+
+METAPHORS = {"cast", "crew", "company", "casting", "books", "portfolio", "member", "members", "layer", "layers"}
+
+
+def words_of(source: str) -> set[str]:
+    """Return the words that a file's own names are made of: functions, classes, arguments, variables, fields."""
+    names = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.arg):
+            names.add(node.arg)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            names.add(node.attr)
+    return {word for name in names for word in re.findall(r"[A-Z]?[a-z]+", name) for word in [word.lower()]}
+
+
+@pytest.mark.parametrize("path", [p for _, p in FILES], ids=[str(p.relative_to(ROOT)) for _, p in FILES])
+def test_names_are_no_metaphors(path: Path) -> None:
+    assert not words_of(path.read_text()) & METAPHORS
+    assert not set(re.findall(r"[a-z]+", path.stem)) & METAPHORS
+
+
+def test_the_rule_of_names_can_fail() -> None:
+    assert words_of("class _Crew:\n    def cast(self, members): self.books = 1") >= {"crew", "cast", "members", "books"}
+
+
+def hidden(init: str, package: str, modules: set[str]) -> set[str]:
+    """Return the modules of a package that something else of their name, imported in its ``__init__``, hides."""
+    found = set()
+    for node in ast.parse(init).body:
+        if isinstance(node, ast.ImportFrom) and node.module != package:
+            found |= {alias.asname or alias.name for alias in node.names} & modules
+    return found
+
+
+@pytest.mark.parametrize("package", sorted({p.parent for _, p in FILES}), ids=str)
+def test_no_function_hides_a_module_of_its_name(package: Path) -> None:
+    modules = {p.stem for p in package.glob("*.py")} | {p.parent.name for p in package.glob("*/__init__.py")}
+    own = ".".join(package.relative_to(ROOT).parts)
+    assert hidden((package / "__init__.py").read_text(), own, modules) == set()
+
+
+def test_the_rule_of_hidden_modules_can_fail() -> None:
+    assert hidden("from a.slopes import slopes", "a", {"slopes"}) == {"slopes"}
+    assert hidden("from a import slopes", "a", {"slopes"}) == set()

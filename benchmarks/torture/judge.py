@@ -89,10 +89,10 @@ def judge(drawn: Drawn) -> Judgement:
         return Judgement(seed, "undecided", oracle, "asked more finely, they agree", worst, **cost)
     if (np.abs(theirs - again).max(axis=0) / size).max() > ITSELF:
         return Judgement(seed, "undecided", oracle, "the oracle differs from itself", worst, **cost)
-    return Judgement(seed, "finding", oracle, _told(drawn, np.abs(finer - again), apart), worst, **cost)
+    return Judgement(seed, "finding", oracle, _difference(drawn, np.abs(finer - again), apart), worst, **cost)
 
 
-def _told(drawn: Drawn, difference: Floats, apart: Floats) -> str:
+def _difference(drawn: Drawn, difference: Floats, apart: Floats) -> str:
     """Say which signals differ, from when on, and whether a block with states is among them."""
     signals = drawn.diagram.signals
     wrong = [signals[i] for i in np.flatnonzero(apart > 1.0)]

@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 WIDTHS = {"MV": 1.4}  # beside OP on grey paper
 POINTS = 1500  # as fine as the widest figure can show a band
-SOME = 12  # members drawn as lines
+SOME = 12  # variants drawn as lines
 LEAVES_UNSAID = 2000  # events beyond which single ticks say nothing
 
 
@@ -97,9 +97,9 @@ def _above(log: Log, signal: str, shown: Sequence[str]) -> float:
 
 
 def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
-    """Return the spread of a signal over the members that reached their end: median, 5 to 95 %, some members.
+    """Return the spread of a signal over the variants that reached their end: median, 5 to 95 %, some variants.
 
-    Raises ``ValueError`` if the signal was not kept or no member reached its end.
+    Raises ``ValueError`` if the signal was not kept or no variant reached its end.
     """
     from logs.picture import Picture
 
@@ -107,7 +107,7 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
         raise ValueError(f"the ensemble kept no signal '{signal}'; {nearest(signal, list(result.values))}")
     whole = np.flatnonzero(result.ok)
     if not whole.size:
-        raise ValueError(f"no member reached its end, there is nothing to plot; the first: {result.hint(0)}")
+        raise ValueError(f"no variant reached its end, there is nothing to plot; the first: {result.hint(0)}")
     stride = -(-len(result.t) // POINTS)
     t, values = result.t[::stride], result.values[signal][whole, ::stride]
     low, middle, high = np.percentile(values, [5.0, 50.0, 95.0], axis=0)
@@ -117,20 +117,20 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     ax.fill_between(t / scale, low, high, color=CYCLE[0], alpha=0.18, linewidth=0, label="5 to 95 %")
     some = whole[np.linspace(0, whole.size - 1, min(SOME, whole.size)).astype(int)]
     for k, i in enumerate(some):
-        label = f"{len(some)} of {len(result)} members" if k == 0 else None
+        label = f"{len(some)} of {len(result)} variants" if k == 0 else None
         ax.plot(t / scale, result.values[signal][i, ::stride], color=PALE, linewidth=0.5, alpha=0.8, label=label)
     ax.plot(t / scale, middle, color=CYCLE[0], linewidth=1.6, label="median")
     _tidy(ax)
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderpad=0.1)
-    unit_y = result.members.diagram.signal_units.get(signal, "")
+    unit_y = result.variants.diagram.signal_units.get(signal, "")
     ax.set_ylabel(f"{signal} [{unit_y}]" if unit_y not in ("", "1") else signal)
     ax.set_xlabel(f"time [{unit}]")
     ax.set_xlim(t[0] / scale, t[-1] / scale)
     failed = len(result) - whole.size
-    told = f"{result.members.diagram.name}: {', '.join([*result.params, *result.start]) or 'seeds'} vary"
+    told = f"{result.variants.diagram.name}: {', '.join([*result.params, *result.start]) or 'seeds'} vary"
     figure.suptitle(told, x=0.01, ha="left", fontsize=11, weight="bold")
     if failed:
-        ax.set_title(f"{failed} members not shown: they did not reach the end", loc="left", fontsize=8.5, color=RED)
+        ax.set_title(f"{failed} variants not shown: they did not reach the end", loc="left", fontsize=8.5, color=RED)
     return figure
 
 

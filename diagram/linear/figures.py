@@ -75,7 +75,7 @@ def plot_loops(loops: Sequence[Loop]) -> "Figure":
         omega = loop.omega[seen]
         shown += [omega[0], omega[-1]]
         dash = DASHES[i % len(DASHES)]
-        gain.loglog(omega, size[seen], color=colour, linewidth=1.4, linestyle=dash, label=_told(loop))
+        gain.loglog(omega, size[seen], color=colour, linewidth=1.4, linestyle=dash, label=_margins(loop))
         phase.semilogx(omega, loop.phase[seen], color=colour, linewidth=1.4, linestyle=dash)
         for w in loop.crossovers:
             gain.plot([w], [1.0], "o", color=colour, markersize=5)
@@ -123,7 +123,7 @@ def plot_rga(rga: Rga) -> "Figure":
     return figure
 
 
-def _told(loop: Loop) -> str:
+def _margins(loop: Loop) -> str:
     if not loop.crossovers:
         return f"{loop.controller}: |L| < 1 throughout"
     crossover = f"{loop.crossover:.3g}" if loop.crossover < 1000.0 else f"{loop.crossover:.0f}"

@@ -76,7 +76,7 @@ class Linear:
     # --- poles ----------------------------------------------------------------------------------------------
     @cached_property
     def poles(self) -> tuple[Pole, ...]:
-        """Poles of the closed diagram from fast to slow, a complex pair as its upper member.
+        """Poles of the closed diagram from fast to slow, a complex pair as its upper one.
 
         >>> from plant.loops import self_regulating_loop
         >>> [(round(pole.value.real, 3), pole.made_of()) for pole in linearise(self_regulating_loop()).poles[-2:]]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FOLDER = "stickslip-reproduce"
 QUICK = 24  # starts
-Told = Callable[[str], None]
+Tell = Callable[[str], None]
 
 
 @click.command("reproduce")
@@ -51,15 +51,15 @@ def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
     check_targets({"--json": json_file})
     check_folder(out)
     say = Speaker(json_file)
-    with _progress() as told:
-        found, own_starts = _rows(quick, told)
-        points = _scan(told) if scan else []
+    with _progress() as tell:
+        found, own_starts = _rows(quick, tell)
+        points = _scan(tell) if scan else []
         if points:
             from cases import choice
 
             found += choice.rows(points)
         headline = _headline(found, own_starts)
-        page = _page(found, points, headline, told).encode()
+        page = _page(found, points, headline, tell).encode()
     for table in dict.fromkeys(row.table for row in found):
         say(title(table), bold=True)
         say.table(_columns(table), [_cells(row) for row in found if row.table == table])
@@ -84,7 +84,7 @@ def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
 
 
 @contextmanager
-def _progress() -> Iterator[Told]:
+def _progress() -> Iterator[Tell]:
     """Show on a terminal what is being done, and for how long."""
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -96,7 +96,7 @@ def _progress() -> Iterator[Told]:
         yield lambda words: bar.update(task, description=words)
 
 
-def _rows(quick: bool, told: Told) -> tuple[list["Row"], "Fresh"]:
+def _rows(quick: bool, tell: Tell) -> tuple[list["Row"], "Fresh"]:
     """Return all rows, for comparison also those judged with the sets A, B and C; and set E by sets of starts."""
     from cases.kicks import FRESH, KICKS, Studies
     from cases.production import SET
@@ -106,15 +106,15 @@ def _rows(quick: bool, told: Told) -> tuple[list["Row"], "Fresh"]:
     seeds = FRESH[:1] if quick else FRESH
 
     def doing(number: int, F_s: str, case: int, done: int, total: int) -> None:
-        told(f"set {SET}, starts {number + 1} of {len(seeds)}, case {case}, {F_s} stiction: {done} of {total}")
+        tell(f"set {SET}, starts {number + 1} of {len(seeds)}, case {case}, {F_s} stiction: {done} of {total}")
 
     main = fresh(SET, seeds, QUICK if quick else KICKS, doing)
-    told("ideal loops")
+    tell("ideal loops")
     found = [*main.rows, *table_ideal()]
     for name in () if quick else ("A", "B", "C"):
 
         def other(F_s: str, case: int, done: int, total: int, name: str = name) -> None:
-            told(f"set {name}, case {case}, {F_s} stiction: {done} of {total} starts")
+            tell(f"set {name}, case {case}, {F_s} stiction: {done} of {total} starts")
 
         rows = [row for row in plant_rows(Studies(name, KICKS, progress=other)) if row.within is not None]
         found += [replace(row, table=f"{row.table}, set {name}") for row in rows]
@@ -148,10 +148,10 @@ def _headline(found: Sequence["Row"], main: "Fresh") -> list[str]:
     return said
 
 
-def _scan(told: Told) -> list["Point"]:
+def _scan(tell: Tell) -> list["Point"]:
     from cases.choice import scan
 
-    return scan(progress=lambda done, total: told(f"scan: {done} of {total} settings"))
+    return scan(progress=lambda done, total: tell(f"scan: {done} of {total} settings"))
 
 
 def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
@@ -169,7 +169,7 @@ def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
     }  # fmt: skip
 
 
-def _page(found: Sequence["Row"], points: Sequence["Point"], headline: Sequence[str], told: Told) -> str:
+def _page(found: Sequence["Row"], points: Sequence["Point"], headline: Sequence[str], tell: Tell) -> str:
     from stickslip.report.page import Section, captioned, figure_to_svg, page, table_to_html
 
     drawing = _figures(points)
@@ -187,7 +187,7 @@ def _page(found: Sequence["Row"], points: Sequence["Point"], headline: Sequence[
             )
         )
         for number in FIGURES.get(table, ()):
-            told(f"figure {number}")
+            tell(f"figure {number}")
             section.figures.append(captioned(figure_to_svg(drawing[number]()), CAPTIONS[number]))
         sections.append(section)
     if len(own) < len(found):

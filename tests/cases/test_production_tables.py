@@ -147,7 +147,11 @@ def test_rows_tell_and_serialise():
     assert row.within is False and row.to_dict()["reproduced"] is None
     json.dumps(row.to_dict(), allow_nan=False)
     assert relative("5.4", "x", "s", 100.0, Band(110.0, 1.0, 2.0, 1), 0.1).within is True  # the edge counts
-    assert between("x", "x", "-", 0.0, Band(0.0, 0.0, 0.0, 1), -math.inf, 0.0).told().endswith("median at most 0: met")
+    assert (
+        between("x", "x", "-", 0.0, Band(0.0, 0.0, 0.0, 1), -math.inf, 0.0)
+        .described()
+        .endswith("median at most 0: met")
+    )
     assert relative("x", "x", "-", 0.0, Band(1.0, 1.0, 1.0, 1), None).deviation is None
     assert set(Row.__dataclass_fields__) >= {"table", "row", "published", "reproduced", "low", "high", "within"}
 
