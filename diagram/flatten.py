@@ -85,7 +85,7 @@ def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
             delays[b] = tuple(made)
             order += made
         order.append(b)
-    groups = _groups(flat, order, first)
+    groups = _groups(flat, order)
     components: list[Component] = []
     places: dict[int, list[int]] = {}
     taken: set[int] = set()
@@ -100,7 +100,7 @@ def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
     return Plan(tuple(flat), tuple(components), {b: tuple(c) for b, c in places.items()}, delays, shape, records)
 
 
-def _groups(flat: list[FlatBlock], order: list[int], n_signals: int) -> list[list[int]]:
+def _groups(flat: list[FlatBlock], order: list[int]) -> list[list[int]]:
     """Split the blocks (in flow order) into independent groups, copying static functions of time into each."""
     driver = {}
     for f, block in enumerate(flat):

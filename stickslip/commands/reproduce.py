@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from cases.tables import Row
     from stickslip.report.page import Section
 
-FOLDER = "stickslip-reproduce"
 QUICK = 24  # starts
 Tell = Callable[[str], None]
 
