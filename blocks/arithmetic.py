@@ -44,6 +44,7 @@ class Sum(Block):
     """A weighted sum of signals: ``weights`` maps each input signal to its factor.
 
     The parameters are ``offset`` and one weight per input, ``w_`` and the name of the signal.
+    ``weights`` [unit of the sum per unit of each input], ``offset`` [unit of the sum].
     Raises ``BlockError`` without inputs, or for an offset or weight that is not finite.
 
     >>> e = Sum("e", {"SP": 1.0, "PV": -1.0})
@@ -84,6 +85,8 @@ class Sum(Block):
 
 class Gain(Block):
     """A factor and an offset: ``signal`` = offset + factor x ``source``, for example to change units.
+
+    ``factor`` [unit of out per unit of in], ``offset`` [unit of out].
 
     >>> percent = Gain("OP_percent", "OP", 100.0, unit="%")
     >>> float(percent.output(0.0, [], [0.25])[0])

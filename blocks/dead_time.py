@@ -114,6 +114,7 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 class DeadTime(Delayed):
     """A pure dead time of ``theta`` [s]; ``start`` is its output until the first input arrives.
 
+    ``start`` has the unit of the input [unit of in].
     Raises ``BlockError`` for a negative or infinite dead time.
 
     >>> from diagram import drive

@@ -24,6 +24,8 @@ from blocks.role import Role
 class Deadband(Block):
     """Backlash of the given ``width`` [fraction of OP]; raises ``BlockError`` for a negative one.
 
+    ``start``: MV at the start [unit of OP].
+
     >>> from diagram import drive
     >>> drive(Deadband(0.1), 3.0, every=1.0, OP=([0, 1, 2, 3], [0.0, 0.5, 0.42, 0.3])).log["MV"].round(3).tolist()
     [0.0, 0.45, 0.45, 0.35]

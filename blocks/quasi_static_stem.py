@@ -75,6 +75,7 @@ def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
 class QuasiStaticStem(Block):
     """A massless valve stem with the bands ``S`` and ``J``; defaults are the thesis's high stiction.
 
+    ``start``: where the stem rests at the start [fraction of travel].
     Raises ``BlockError`` unless 0 <= J <= S and the stops are in order.
 
     >>> from diagram import drive

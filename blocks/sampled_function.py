@@ -60,6 +60,8 @@ class SampledFunction(Block):
     ports, and the signals unless ``labels`` says otherwise.  Raises ``BlockError`` for an argument that is none of the
     names, a name used twice, or dt <= 0; when it runs, for another number of values than there are outputs.
 
+    ``start_output`` [units of the outputs].
+
     >>> from diagram import drive
     >>> def mean(state, PV, share=0.5):
     ...     state += share * (PV - state)

@@ -48,6 +48,7 @@ def _conditional_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 class SampledPI(Block):
     """PI controller, ideal positional form, with scan time ``dt`` [s]; otherwise the interface of ``PI``.
 
+    ``low``, ``high`` [unit of OP]; ``T_t`` [s]; ``start_error``: SP - PV at the start [unit of PV].
     Raises ``BlockError`` as ``PI`` does, and for dt <= 0.
 
     >>> pi = SampledPI(K_p=0.4, T_i=10.0, dt=1.0, start_op=0.5)

@@ -152,6 +152,7 @@ class SampledSensor(Seeded):
     ``sd`` and ``correlation_time`` [s] describe the noise, ``step`` the quantisation, ``seed`` the random stream
     (by default it follows from the block's name; ``reseeded`` gives another).  Between samples PV_m is held.
 
+    ``start``: the PV at which the lag starts settled [unit of PV]; ``offset``: first sample [s].
     Raises ``BlockError`` for dt <= 0, a negative tau, sd, correlation_time or step, or low >= high.
 
     >>> sensor = SampledSensor(dt=1.0, step=0.25, high=2.0)

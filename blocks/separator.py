@@ -90,6 +90,7 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 class Separator(Block):
     """A separator that starts with the given contents [mol]; defaults are separator 1 of the thesis at rest.
 
+    ``N_metG``: methane in the gas at the start [mol].
     Raises ``BlockError`` unless volume, densities, temperature and contents are positive and the liquid fits in.
 
     >>> S1 = Separator()

@@ -85,6 +85,8 @@ class StateSpace(Block):
     ``D`` may be left out for zeros; ``start`` (n,) is the state at the start; ``states`` names the states (default
     x_1 ... x_n).  Raises ``BlockError`` for shapes that do not fit together, entries that are not finite, or dt < 0.
 
+    ``start`` [units of the states].
+
     >>> from diagram import drive
     >>> oscillator = StateSpace([[0, 1], [-1, 0]], [[0], [1]], [[1, 0]])      # y(t) = 1 - cos t
     >>> drive(oscillator, 4.0, every=2.0, u=1.0).log["y"].round(4).tolist()

@@ -99,6 +99,8 @@ class StickSlip(Block):
     ``StickSlip.none()``, ``.normal()`` and ``.high()`` have F_s = 1250, 1750 and 2250 N; ``none`` still has the
     deadband of its Coulomb friction.  Raises ``BlockError`` for parameters no valve can have.
 
+    ``start``: where the stem rests at the start [fraction of travel].
+
     >>> valve = StickSlip.high()
     >>> round(100 * valve.J, 2), round(100 * valve.S, 2), round(100 * valve.deadband, 2)
     (1.9, 6.67, 4.76)

@@ -28,11 +28,7 @@ _MANY = 20_000  # points above which a line is drawn as pixels inside the vector
 def plot_log(log: Log, names: str | Sequence[str] | None = None) -> Figure:
     """One panel a signal over a common time axis.
 
-    Parameters
-    ----------
-    log : Log
-    names : str or sequence of str, optional
-        Signals to show, all if not given.
+    Parameters: ``log`` (Log); ``names`` (str or sequence of str, optional) Signals to show, all if not given.
 
     Missing samples and gaps in time break the line; bad stretches are shaded, bad values marked with a cross.
 
@@ -113,7 +109,7 @@ def plot_loop(loop: LoopRecord) -> Figure:
 
 
 def time_unit(duration: float) -> tuple[float, str]:
-    """Seconds in the unit that suits a record of `duration` [s], and its name.
+    """Seconds in the unit that suits a record of ``duration`` [s], and its name.
 
     >>> time_unit(90.0), time_unit(7200.0), time_unit(3e5)
     ((1.0, 's'), (60.0, 'min'), (3600.0, 'h'))

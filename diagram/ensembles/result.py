@@ -31,16 +31,12 @@ def freeze(arrays: Iterable[NDArray[Any]]) -> None:
 class Ensemble:
     """The outcome of ``ensemble``.
 
-    Attributes
-    ----------
-    t : (rows,) [s].
-    values : signal -> (variants, rows), read-only; NaN where a variant did not get to.
-    status : (variants,) codes of ``Status``; ``ended`` (variants,) the time reached [s].
-    summary : name -> (variants,), NaN where a variant failed.
-    event_counts : (variants,); ``statistics`` the cost of all variants together.
-    troubles : (variants,) what the blocks say where a variant's model ended, else "".
-    variants, settings, duration : what was asked for, see ``params``, ``start``, ``seeds``.
-    raw_events : per variant (events, 4): t, block, value before, value after; see ``events``.
+    Attributes: ``t`` ((rows,) [s].); ``values`` (signal -> (variants, rows), read-only; NaN where a variant did not get
+    to.); ``status`` ((variants,) codes of ``Status``; ``ended`` (variants,) the time reached [s].); ``summary`` (name
+    -> (variants,), NaN where a variant failed.); ``event_counts`` ((variants,); ``statistics`` the cost of all variants
+    together.); ``troubles`` ((variants,) what the blocks say where a variant's model ended, else "".); ``variants``,
+    ``settings``, ``duration`` (what was asked for, see ``params``, ``start``, ``seeds``.); ``raw_events`` (per variant
+    (events, 4): t, block, value before, value after; see ``events``.).
     """
 
     t: Floats

@@ -218,6 +218,7 @@ def sizes(here: Slopes) -> tuple[Floats, Floats]:
 
 
 def residual(here: Slopes) -> float:
+    """Return the largest rate, each relative to the pace of its state."""
     return float((np.abs(here.rates) / sizes(here)[1]).max(initial=0.0))
 
 

@@ -135,6 +135,7 @@ def _times(case: "Case", duration: float | None, every: float | None) -> tuple[f
 
 
 def parameters(settings: tuple[str, ...]) -> dict[str, float]:
+    """Return ``NAME=VALUE`` settings by name; raise ``ValueError`` for one that is none, or given twice."""
     values = {}
     for setting in settings:
         name, _, value = setting.partition("=")
