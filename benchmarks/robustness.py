@@ -3,7 +3,7 @@
     python -m benchmarks.robustness [--quick] [--json FILE]
 
 Random production plants (``cases.random_plants``: every parameter +-20 %, feeds, kicks, stiction, stems, anti-surge,
-turbine) until 500 could be built; each runs 2000 s with books of its balances inside the model.  It counts as
+turbine) until 500 could be built; each runs 2000 s with balances of its balances inside the model.  It counts as
 integrated if the status is OK, every logged value is finite and within physical bounds, and all balances close.
 What could not be built was refused with the numbers.  ``--quick`` runs 40.
 """
@@ -74,7 +74,7 @@ def main() -> None:
     for status, count in sorted(Counter(outcome.status for _, outcome in others).items()):
         figures[f"status_{status}"] = count
     for asked, outcome in others:
-        print(f"{outcome.status} after {outcome.ended:g} s: {outcome.reason}\n    {asked.told()}", file=sys.stderr)
+        print(f"{outcome.status} after {outcome.ended:g} s: {outcome.reason}\n    {asked.described()}", file=sys.stderr)
     raise SystemExit(0 if publish(figures, NOTES, chosen.json, chosen.quick) else 1)
 
 

@@ -41,7 +41,7 @@ NOTES = {
     "pathsim_error": "PathSim's largest error in e",
     "fifty_loops_s": "50 different loops in one diagram, 600 s [s] (required: at most 0.5)",
     "scaling_exponent": "cost ~ N^this from 1 to 200 loops (required: at most 1.2)",
-    "ensemble_1000_s": "1000 members of the ideal loop, all signals kept [s] (required: at most 3)",
+    "ensemble_1000_s": "1000 variants of the ideal loop, all signals kept [s] (required: at most 3)",
     "simulate_process_s": "whole process 'stickslip simulate ideal_high', warm cache [s] (required: at most 2.0)",
     "help_process_s": "whole process 'stickslip --help' [s] (required: at most 0.3)",
 }
@@ -92,11 +92,11 @@ def main() -> None:
     figures["fifty_loops_s"] = costs[sizes.index(50)]
     figures["scaling_exponent"] = float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
 
-    members = 100 if chosen.quick else 1000
-    spread = {"valve.F_s": np.linspace(1750.0, 2250.0, members)}
+    variants = 100 if chosen.quick else 1000
+    spread = {"valve.F_s": np.linspace(1750.0, 2250.0, variants)}
     begin = time.perf_counter()
     result = ensemble(loop, case.duration, params=spread, every=case.every)
-    figures[f"ensemble_{members}_s"] = time.perf_counter() - begin
+    figures[f"ensemble_{variants}_s"] = time.perf_counter() - begin
     figures["ensemble_failed"] = int(np.sum(np.asarray(result.status) != 0))
 
     figures["simulate_process_s"] = process_seconds(["simulate", "ideal_high"], 3 if chosen.quick else 7)

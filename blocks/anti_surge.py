@@ -109,6 +109,7 @@ class AntiSurge(LimitedController):
     [0.0055, 0.0398, 0.1771]
     """
 
+    plays = {"PV": "q"}
     ports_in = (Port("q"), Port("q_s"))
     ports_out = (Port("OP"),)
 

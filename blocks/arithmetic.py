@@ -14,6 +14,7 @@ from typing import Any
 from blocks.arguments import by_name
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 from blocks.rules import finite
 
 
@@ -33,6 +34,7 @@ class Sum(Block):
     """A weighted sum of signals: ``weights`` maps each input signal to its factor.
 
     The parameters are ``offset`` and one weight per input, ``w_`` and the name of the signal.
+    ``weights`` [unit of the sum per unit of each input], ``offset`` [unit of the sum].
     Raises ``BlockError`` without inputs, or for an offset or weight that is not finite.
 
     >>> e = Sum("e", {"SP": 1.0, "PV": -1.0})
@@ -42,6 +44,7 @@ class Sum(Block):
     0.5
     """
 
+    role = Role.ARITHMETIC
     ports_out = (Port("out"),)
     kernels = Kernels(out=_sum_out)
 
@@ -70,11 +73,14 @@ class Sum(Block):
 class Gain(Block):
     """A factor and an offset: ``signal`` = offset + factor x ``source``, for example to change units.
 
+    ``factor`` [unit of out per unit of in], ``offset`` [unit of out].
+
     >>> percent = Gain("OP_percent", "OP", 100.0, unit="%")
     >>> float(percent.output(0.0, [], [0.25])[0])
     25.0
     """
 
+    role = Role.ARITHMETIC
     ports_in = (Port("in"),)
     ports_out = (Port("out"),)
     kernels = Kernels(out=_gain_out)

@@ -25,12 +25,15 @@ from numpy.typing import ArrayLike, NDArray
 from blocks.arguments import by_name, checked, text
 from blocks.parameters import Parametrised
 from blocks.ports import BlockError, Labels, Port, check_names, labelled, nearest, number, require, shortened
+from blocks.role import Role
 
 Floats = NDArray[np.float64]
 NO_APPEND = (
     "ct.append stacks linear systems only; use diagram.wire([...], inputs=[...]), or ct.interconnect([...], "
     "inplist=..., outlist=...), or give ct.append its linearisation, ct.linearize(system, x0, u0)"
 )
+STUCK_MODE, FREE_MODE = "stuck", "ideal"  # the names that these two modes of a valve have in every block
+PARTS = ("SP", "PV", "OP", "MV")
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 
 
@@ -39,7 +42,8 @@ class Kernels:
     """The functions of a block and what the engine must know about them.
 
     ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the
-    same instant.  ``rates``: whether ``zc`` and ``jump`` want the input rates behind the inputs in ``u``.
+    same instant.  ``timed``: whether ``out`` or ``der`` reads the time ``t``.  ``rates``: whether ``zc`` and ``jump``
+    want the input rates behind the inputs in ``u``.
     """
 
     out: Kernel | None = None
@@ -51,6 +55,7 @@ class Kernels:
     n_events: int = 0
     feeds: bool = True
     rates: bool = False
+    timed: bool = False
 
 
 class Host(Protocol):
@@ -69,10 +74,14 @@ class Host(Protocol):
 class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     """Base of all blocks; see the module docstring.  Subclasses fill in the class data and call ``__init__``.
 
-    Class data: ``ports_in``, ``ports_out``, ``kernels``, ``modes`` (name -> value of ``d[0]``),
-    ``period_param`` and ``offset_param`` (sampled blocks), ``dead_time_param`` (delays all inputs in the engine).
+    Class data: ``role``, ``ports_in``, ``ports_out``, ``kernels``, ``modes`` (name -> value of ``d[0]``),
+    ``period_param`` and ``offset_param`` (sampled blocks), ``dead_time_param`` (delays all inputs in the engine) and
+    ``before_param`` (what they were before the start), ``limit_params`` (low and high end of the output),
+    ``plays`` (part in a loop -> port that plays it, where the port has another name; see ``loop_signal``).
     """
 
+    role: Role = Role.PROCESS
+    plays: Mapping[str, str] = {}
     ports_in: tuple[Port, ...] = ()
     ports_out: tuple[Port, ...] = ()
     kernels: Kernels = Kernels()
@@ -80,6 +89,8 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     period_param: str | None = None
     offset_param: str | None = None
     dead_time_param: str | None = None
+    before_param: str | None = None
+    limit_params: tuple[str, str] | None = None
     host: "Host | None" = None
 
     def __init_subclass__(cls, **keywords: Any) -> None:
@@ -217,11 +228,69 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         return float(self.p[self.param_names.index(self.dead_time_param)]) if self.dead_time_param else 0.0
 
     @property
+    def value_before(self) -> float:
+        """What stood at the inputs before the start, for the dead time to let out; 0 unless a parameter says."""
+        return float(self.p[self.param_names.index(self.before_param)]) if self.before_param else 0.0
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Low and high end of the output in its unit, infinite where there is none."""
+        if self.limit_params is None:
+            return -math.inf, math.inf
+        low, high = (float(self.p[self.param_names.index(key)]) for key in self.limit_params)
+        return low, high
+
+    def loop_signal(self, part: str) -> str | None:
+        """Return the signal at the port that plays ``part`` in a loop (SP, PV, OP or MV), None if no port does.
+
+        A port plays the part it is named after, unless the block's ``plays`` says that another does.
+
+        >>> from blocks import AntiSurge, PI
+        >>> PI(1.0, 10.0, inputs=["level_SP", "level"]).loop_signal("PV"), AntiSurge().loop_signal("PV")
+        ('level', 'q')
+        """
+        wanted = self.plays.get(part, part)
+        ports = zip((*self.ports_in, *self.ports_out), (*self.input_labels, *self.output_labels), strict=True)
+        return next((str(label) for port, label in ports if port.name == wanted), None)
+
+    @property
+    def can_stick(self) -> bool:
+        """Whether the block is a valve with a mode in which its stem is stuck."""
+        return self.role is Role.VALVE and STUCK_MODE in self.modes
+
+    @property
     def mode(self) -> str | None:
         """Name of the present mode, if the block has modes."""
         return next((m for m, value in self.modes.items() if self.d0[0] == value), None) if self.modes else None
 
     # --- changed copies -----------------------------------------------------------------------------------
+    def with_role(self, role: str, **plays: str) -> Self:
+        """Return a copy with another role, for a general block: which port is ``SP``, ``PV``, ``OP`` or ``MV``.
+
+        Raises ``BlockError`` for a role that is none of ``Role``, a part that is none, or a port that is not there.
+
+        >>> from blocks import Equations
+        >>> law = Equations("PC", out=lambda r, y: 2.0 * (r - y), inputs=["r", "y"], outputs="u")
+        >>> law.with_role("controller", SP="r", PV="y", OP="u").loop_signal("PV")
+        'y'
+        """
+        roles = [str(known) for known in Role]
+        if role not in roles:
+            raise BlockError(f"{self.name}: role = {role!r} is none; {nearest(role, roles)}")
+        ports = [port.name for port in (*self.ports_in, *self.ports_out)]
+        for part, port in plays.items():
+            if part not in PARTS:
+                raise BlockError(f"{self.name}: '{part}' is no part in a loop; {nearest(part, PARTS)}")
+            if port not in ports:
+                raise BlockError(f"block '{self.name}' has no port '{port}'; {nearest(port, ports)}")
+        other = self._copy()
+        other.role, other.plays = Role(role), {**self.plays, **plays}
+        return other
+
+    def without_friction(self) -> Self:
+        """Return a copy in the mode "ideal" if the block has one, else the block itself."""
+        return self.in_mode(FREE_MODE) if FREE_MODE in self.modes else self
+
     def with_params(self, **changes: float) -> Self:
         """Return a copy with other parameter values.
 
@@ -388,6 +457,7 @@ class Held(Block):
 
     def __init__(self, block: Block) -> None:
         self.ports_in, self.ports_out = block.ports_in, block.ports_out
+        self.role, self.plays = block.role, block.plays
         super().__init__(
             name=block.name,
             params={},

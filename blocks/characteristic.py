@@ -23,6 +23,7 @@ from typing import Any, Self
 
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port, nearest, require
+from blocks.role import Role
 
 
 def _shifted_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -57,6 +58,7 @@ class Characteristic(Block):
     0.51
     """
 
+    role = Role.PROCESS
     ports_in = (Port("MV"),)
     ports_out = (Port("flow"),)
 

@@ -19,6 +19,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.control_valve_flow import BAND, OPEN, SHUT, root
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import not_negative
 
 # p = K, p_crack, p_lam
@@ -47,6 +48,7 @@ class CheckValve(Block):
     [0.0, 0.0, 0.0, 9.487]
     """
 
+    role = Role.PROCESS
     ports_in = (Port("p_up", "Pa"), Port("p_down", "Pa"))
     ports_out = (Port("m", "kg/s"),)
     kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=1)

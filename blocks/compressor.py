@@ -26,6 +26,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.compressor_map import CompressorMap, CubicMap, cubic, pressure_ratio
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import positive
 from blocks.tabulated_map import TabulatedMap, edge, tabulated, tabulated_work
 
@@ -101,6 +102,7 @@ class Compressor(Block):
     (0.832, 0.56, 14285)
     """
 
+    role = Role.PROCESS
     ports_in = (Port("p_in", "Pa"), Port("p_out", "Pa"), Port("w", "rad/s"))
     ports_out = (Port("m", "kg/s"), Port("tau", "N m"), Port("q"), Port("q_s"))
 

@@ -23,6 +23,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 from blocks.sizing import C_v_from_Kv
 
 OPEN, SHUT = 0.0, 1.0
@@ -78,6 +79,7 @@ class ControlValveFlow(Block):
     0.0
     """
 
+    role = Role.PROCESS
     ports_in = (Port("p_up", "Pa"), Port("p_down", "Pa"), Port("MV"))
     ports_out = (Port("F", "mol/s"),)
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from blocks.block import Block, Floats, Kernels
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 
 ORDER = 5
 
@@ -45,7 +46,9 @@ class Delayed(Block):
     Subclasses have the parameters ``theta`` and ``theta_start`` (the input before the start) among ``params``.
     """
 
+    role = Role.PROCESS
     dead_time_param = "theta"
+    before_param = "theta_start"
 
     @property
     def theta(self) -> float:
@@ -62,7 +65,7 @@ class Delayed(Block):
             return self.x0
         A, _ = pade()
         rest = np.zeros(ORDER)
-        rest[-1] = -self.p[self.param_index("theta_start")] / A[0, -1]
+        rest[-1] = -self.value_before / A[0, -1]
         return np.concatenate([self.x0, rest])
 
     def with_params(self, **changes: float) -> Self:
@@ -111,6 +114,7 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 class DeadTime(Delayed):
     """A pure dead time of ``theta`` [s]; ``start`` is its output until the first input arrives.
 
+    ``start`` has the unit of the input [unit of in].
     Raises ``BlockError`` for a negative or infinite dead time.
 
     >>> from diagram import drive

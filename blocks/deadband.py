@@ -18,20 +18,25 @@ from typing import Any
 from blocks.block import Block
 from blocks.ports import Port, require
 from blocks.quasi_static_stem import STUCK, QuasiStaticStem, started_between
+from blocks.role import Role
 
 
 class Deadband(Block):
     """Backlash of the given ``width`` [fraction of OP]; raises ``BlockError`` for a negative one.
+
+    ``start``: MV at the start [unit of OP].
 
     >>> from diagram import drive
     >>> drive(Deadband(0.1), 3.0, every=1.0, OP=([0, 1, 2, 3], [0.0, 0.5, 0.42, 0.3])).log["MV"].round(3).tolist()
     [0.0, 0.45, 0.45, 0.35]
     """
 
+    role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = QuasiStaticStem.kernels
     modes = QuasiStaticStem.modes
+    limit_params = ("low", "high")
 
     def __init__(
         self,

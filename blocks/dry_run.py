@@ -64,11 +64,56 @@ class Guarded:
         self.written[i] = True
 
 
+class Clock:
+    """A time that knows whether somebody looked at it: by arithmetic, a comparison, or as the float it stands for."""
+
+    __array_ufunc__ = None  # lets numpy's numbers ask it, too
+
+    def __init__(self, t: float) -> None:
+        self.t, self.read = t, False
+
+    def __float__(self) -> float:
+        self.read = True
+        return self.t
+
+
+def _looked_at(name: str) -> Any:
+    def looks(self: Clock, *others: Any) -> Any:
+        self.read = True
+        return getattr(self.t, name)(*(float(other) for other in others))
+
+    return looks
+
+
+for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
+    for _side in ("", "r"):
+        setattr(Clock, f"__{_side}{_name}__", _looked_at(f"__{_side}{_name}__"))
+for _name in [
+    "lt",
+    "le",
+    "gt",
+    "ge",
+    "eq",
+    "ne",
+    "neg",
+    "pos",
+    "abs",
+    "bool",
+    "int",
+    "floor",
+    "ceil",
+    "trunc",
+    "round",
+]:
+    setattr(Clock, f"__{_name}__", _looked_at(f"__{_name}__"))
+
+
 def dry_run(block: "Block") -> None:
     """Try the kernels of a block, once for blocks of the same kernels and sizes.
 
     Raises ``BlockError`` with the kernel and what it did: an index beyond an array, a value that is not its own
-    changed, an output never written, an input read in spite of ``feeds=False``, an error, a loop without end.
+    changed, an output never written, an input read in spite of ``feeds=False``, the time read in spite of
+    ``timed=False``, an error, a loop without end.
     """
     k = block.kernels
     sizes = (len(block.ports_in), len(block.ports_out), len(block.x0), len(block.d0), len(block.p))
@@ -139,6 +184,19 @@ class _Trial:
                                      "an algebraic loop would be hidden")  # fmt: skip
         if self.name == "step":
             self._sequence(blind)
+        if self.name in ("out", "der") and not self.block.kernels.timed:
+            self._without_time()
+
+    def _without_time(self) -> None:
+        """Refuse a kernel that looks at a time which it says it does not read."""
+        for d in self._memories():
+            for t, x, u in self._situations():
+                clock, out = Clock(t), np.zeros(self.n_out)
+                # what fails here has been judged before, with a plain time
+                with contextlib.suppress(Exception), _bounded() if self.loops else contextlib.nullcontext():
+                    self.kernel(clock, x.copy(), d.copy(), u, self.block.p, out)  # type: ignore[arg-type]
+                if clock.read:
+                    self._refuse("reads the time t, but timed=False says that it does not: write Kernels(timed=True)")
 
     def _sequence(self, blind: bool) -> None:
         """Take samples one after the other; without feedthrough the inputs must not show in the outputs at once."""

@@ -23,6 +23,7 @@ import numpy as np
 
 from blocks.block import Block, Kernel, Kernels
 from blocks.ports import BlockError, Port, nearest
+from blocks.role import Role
 
 Function = Callable[..., Any]
 _made: dict[tuple[object, ...], Kernel] = {}
@@ -45,6 +46,8 @@ class Equations(Block):
     >>> drive(lag, 20.0, every=10.0, MV=1.0).log["PV"].round(4).tolist()  # 3 (1 - exp(-t/10))
     [0.0, 1.8964, 2.594]
     """
+
+    role = Role.PROCESS
 
     def __init__(
         self,
@@ -74,7 +77,10 @@ class Equations(Block):
             der=None if der is None else kernel(name, "der", der, places, values, len(states)),
             out=copies(places, outs) if out is None else kernel(name, "out", out, places, values, len(outs)),
             feeds=out is not None and not set(arguments(name, "out", out)).isdisjoint(ins),
+            timed=any(f is not None and "t" in arguments(name, what, f) for what, f in (("der", der), ("out", out))),
         )
+        if not ins and not states:
+            self.role = Role.SOURCE
         signals = dict(labels or {})
         for key in signals:
             if key not in (*ins, *outs):

@@ -31,6 +31,7 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 class FirstOrder(Delayed):
     """A lag with gain ``K``, time constant ``tau`` [s] and dead time ``theta`` [s].
 
+    ``start`` [unit of PV], ``theta_start`` [unit of MV]: both before the start.
     Raises ``BlockError`` unless K is finite, tau > 0 and theta >= 0.
 
     >>> from diagram import drive

@@ -15,6 +15,7 @@ import math
 from typing import Any
 
 from blocks.pi import PI
+from blocks.role import Role
 
 
 class Flare(PI):
@@ -26,6 +27,8 @@ class Flare(PI):
     >>> [round(float(flare.output(0.0, flare.x0, [40e5, p])[0]), 6) for p in (30e5, 40e5, 40.1e5)]
     [0.0, 0.0, 100.0]
     """
+
+    role = Role.VALVE
 
     def __init__(self, K_p: float = 0.01, T_i: float = 0.8, *, name: str = "flare", **labels: Any) -> None:
         super().__init__(

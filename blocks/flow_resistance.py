@@ -17,6 +17,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.control_valve_flow import root
 from blocks.ports import Port, require
+from blocks.role import Role
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -33,6 +34,7 @@ class FlowResistance(Block):
     10.511
     """
 
+    role = Role.PROCESS
     ports_in = (Port("p_up", "Pa"), Port("p_down", "Pa"))
     ports_out = (Port("m", "kg/s"),)
     kernels = Kernels(out=_out)

@@ -20,6 +20,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.limits import FREE, HIGH, LOW, limit_events, limit_transition
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import positive
 
 STILL = 1e-3  # rad/s, keeps the power limit finite at standstill
@@ -56,6 +57,7 @@ class GasTurbine(Block):
     [10000.0, 11264.2, 11729.3]
     """
 
+    role = Role.PROCESS
     ports_in = (Port("tau_SP", "N m"), Port("w", "rad/s"))
     ports_out = (Port("tau_d", "N m"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=limit_transition, n_events=2, feeds=False)

@@ -25,6 +25,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.control_valve_flow import BAND, root
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 from blocks.rules import positive
 from blocks.sizing import PER_KV, C_v_from_Kv, R
 
@@ -83,6 +84,7 @@ class GasValveFlow(Block):
     [0, 2096, 2544, 2551, 2551]
     """
 
+    role = Role.PROCESS
     ports_in = (Port("p_up", "Pa"), Port("p_down", "Pa"), Port("MV"))
     ports_out = (Port("F", "mol/s"),)
     kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2)

@@ -13,6 +13,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
+from blocks.role import Role
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -26,6 +27,7 @@ class IdealValve(Block):
     0.3
     """
 
+    role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = Kernels(out=_out)

@@ -34,6 +34,7 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 class Integrator(Delayed):
     """A process that integrates its input at the rate ``K/T`` [unit of PV per s], balanced at ``u_0``.
 
+    ``start`` [unit of PV], ``theta_start`` [unit of MV]: both before the start.
     Raises ``BlockError`` unless K and u_0 are finite, T > 0 and theta >= 0.
 
     >>> from diagram import drive

@@ -14,6 +14,7 @@ import numpy as np
 
 from blocks.block import Block, Floats
 from blocks.limits import FREE, HIGH, LOW, MODES, limit_events
+from blocks.role import Role
 
 RIDING = 3.0  # times +-1: held at the limit exactly
 
@@ -45,7 +46,9 @@ def output_events(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
 class LimitedController(Block):
     """A controller with p[2], p[3] = low, high; python-control sees the mode that the present values call for."""
 
+    role = Role.CONTROLLER
     modes = MODES
+    limit_params = ("low", "high")
 
     def unlimited(self, x: Floats, u: Floats) -> float:
         """Return v."""

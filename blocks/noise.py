@@ -9,9 +9,9 @@ T_c = 0 gives white noise.
 Random numbers: combined multiple recursive generator MRG32k3a (L'Ecuyer, Operations Research 47(1), 1999,
 pp. 159-164) in double arithmetic, where it is exact, so that interpreted and compiled runs draw the same; normal
 deviates by Box and Muller's cosine.  The six seeds come from ``numpy.random.SeedSequence``; they are memories of
-the block, so ensemble members with other seeds share everything else (``reseeded``).  A block that is given no seed
-takes it from its full name in the diagram (SHA-256), so that two blocks draw different numbers and every run of one
-diagram the same.
+the block, so the variants of an ensemble with other seeds share everything else (``reseeded``).  A block that is given
+no seed takes it from its full name in the diagram (SHA-256), so that two blocks draw different numbers and every run
+of one diagram the same.
 See also: sensor (noise as part of a measurement).
 """
 
@@ -24,6 +24,7 @@ import numpy as np
 
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 from blocks.rules import finite
 from blocks.sources import Constant
 
@@ -70,7 +71,7 @@ def coloured(d: Any, k: int, dt: float, correlation_time: float) -> float:
 def seeded(seed: Seed) -> dict[str, float]:
     """Return the memories that start an independent stream: six seeds of the generator and a first deviate w.
 
-    Equal seeds give equal streams.  A sequence of integers names a member: ``(7, 12)`` is member 12 of study 7.
+    Equal seeds give equal streams.  A sequence of integers names a variant: ``(7, 12)`` is variant 12 of study 7.
 
     Raises ``BlockError`` for a seed that is neither a whole number of 0 or more nor several of them.
 
@@ -152,6 +153,7 @@ class Noise(Seeded):
     True
     """
 
+    role = Role.DISTURBANCE
     ports_out = (Port("out"),)
     kernels = Kernels(step=_noise_step, feeds=False)
     period_param = "dt"

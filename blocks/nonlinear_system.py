@@ -30,6 +30,7 @@ import numpy as np
 from blocks.block import Block, Kernel, Kernels
 from blocks.equations import generated
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 
 Function = Callable[..., Any]
 
@@ -61,6 +62,8 @@ class NonlinearSystem(Block):
     [0.0, 4.0, 4.0]
     """
 
+    role = Role.PROCESS
+
     def __init__(self, system: ct.NonlinearIOSystem) -> None:
         name, n = system.name, system.nstates or 0
         dt = sampling_period(system)
@@ -74,6 +77,8 @@ class NonlinearSystem(Block):
             der, out, step = _compiled_kernels(system, readable, feeds)
         except NotReadable as reason:
             der, out, step = _python_kernels(system, tuple(params), str(reason), feeds)
+        if not self.ports_in and not n:
+            self.role = Role.SOURCE
         names = system.state_labels[:n]
         params["dt"] = dt
         states = dict.fromkeys(names, 0.0)
@@ -82,7 +87,7 @@ class NonlinearSystem(Block):
             self.kernels = Kernels(step=step, feeds=feeds)
             super().__init__(name=name, params=params, memory=states, **_labels(system))
         else:
-            self.kernels = Kernels(der=der if n else None, out=out, feeds=feeds)
+            self.kernels = Kernels(der=der if n else None, out=out, feeds=feeds, timed=_timed(system))
             super().__init__(name=name, params=params, states=states, **_labels(system))
 
     @staticmethod
@@ -122,6 +127,12 @@ def _feeds(system: ct.InputOutputSystem) -> bool:
     if not system.ninputs or system.outfcn is None:
         return False
     return not isinstance(system.outfcn, FunctionType) or _mentions(system.outfcn, 2)
+
+
+def _timed(system: ct.NonlinearIOSystem) -> bool:
+    """Return whether rates or outputs look at the time; those of an interconnection, or of a class, may."""
+    functions = (system.updfcn, system.outfcn)
+    return any(f is not None and (not isinstance(f, FunctionType) or _mentions(f, 0)) for f in functions)
 
 
 def _passes_through(system: ct.InterconnectedSystem) -> bool:

@@ -21,6 +21,7 @@ from typing import Any
 
 from blocks.block import Kernels
 from blocks.ports import require
+from blocks.role import Role
 from blocks.rules import finite
 from blocks.sources import Source
 
@@ -98,7 +99,7 @@ class Sine(Source):
     3.0
     """
 
-    kernels = Kernels(out=_sine_out, next_time=_sine_next, feeds=False)
+    kernels = Kernels(out=_sine_out, next_time=_sine_next, feeds=False, timed=True)
 
     def __init__(
         self,
@@ -130,7 +131,7 @@ class Square(Source):
     [0.5, 0.6, 0.4, 0.6]
     """
 
-    kernels = Kernels(out=_square_out, next_time=_square_next, feeds=False)
+    kernels = Kernels(out=_square_out, next_time=_square_next, feeds=False, timed=True)
 
     def __init__(
         self,
@@ -161,7 +162,7 @@ class Triangle(Source):
     [0.5, 0.6, 0.7, 0.5, 0.3]
     """
 
-    kernels = Kernels(out=_triangle_out, next_time=_triangle_next, feeds=False)
+    kernels = Kernels(out=_triangle_out, next_time=_triangle_next, feeds=False, timed=True)
 
     def __init__(
         self,
@@ -191,6 +192,8 @@ class Slug(Triangle):
     >>> [round(float(feed.output(t, [], [])[0]), 6) for t in (0.0, 2.0, 4.0, 6.0, 8.0)]
     [0.0, 0.5, 1.0, -1.0, -0.5]
     """
+
+    role = Role.DISTURBANCE
 
     def __init__(
         self,

@@ -157,6 +157,7 @@ class PI(LimitedController):
     Python-control, which knows no events, sees the equations above with the mode read from the present values.
     Conditional integration watches input rates, which makes event searching in its loop slower.
 
+    ``start_op``: OP at the start [unit of OP].
     Raises ``BlockError`` for K_p <= 0, T_i <= 0, T_t < 0, low >= high, or a start_op outside the limits.
 
     >>> pi = PI(K_p=0.4, T_i=10.0, start_op=0.5, start_error=0.1)

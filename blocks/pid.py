@@ -64,6 +64,7 @@ class PID(LimitedController):
     ``start_PV``; without ``start_op`` the integral part z starts at 0.  The span of OP is low ... high as built.
     Python-control, which knows no events, sees the equations above with the mode read from the present values.
 
+    ``start_SP``, ``start_PV`` [unit of PV]: where SP and PV start.
     Raises ``BlockError`` for K_p, T_i, T_d or N not positive, T_t, b or c negative, low >= high, or a start_op outside
     the limits.
 

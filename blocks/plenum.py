@@ -17,6 +17,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import positive
 
 # p = V, c_01, inflows, outflows (numbers of ports)
@@ -47,6 +48,7 @@ class Plenum(Block):
     [2000000.0, 2342665.0]
     """
 
+    role = Role.PROCESS
     ports_out = (Port("p", "Pa"),)
     kernels = Kernels(out=_out, der=_der, feeds=False)
 

@@ -1,8 +1,13 @@
 """The ports of a block: textbook names with units, and the labels under which a diagram knows them."""
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+
+from logs.hint import nearest
+
+__all__ = [
+    "BlockError", "Labels", "Port", "check_names", "labelled", "nearest", "number", "require", "shortened",
+]  # fmt: skip
 
 Labels = str | Sequence[str] | Mapping[str, str] | None
 
@@ -17,19 +22,6 @@ class Port:
 
 class BlockError(ValueError):
     """A block was asked for something it cannot be: the message gives the value, the rule and the remedy."""
-
-
-def nearest(wrong: object, names: Sequence[str]) -> str:
-    """Return a hint that names the most similar known name, and all of them when they are few.
-
-    >>> nearest("F_S", ["F_s", "F_c"])
-    "did you mean 'F_s'? known: F_s, F_c"
-    """
-    asked = str(wrong)  # also what is no name at all, such as None, gets the list
-    close = [n for n in names if n.lower() == asked.lower()] or difflib.get_close_matches(asked, names, 1, cutoff=0.4)
-    hint = f"did you mean '{close[0]}'? " if close else ""
-    known = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
-    return f"{hint}known: {known or 'none'}"
 
 
 def check_names(block: str, inputs: Sequence[Port], outputs: Sequence[Port], starts: Sequence[str]) -> None:

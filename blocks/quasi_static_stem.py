@@ -27,6 +27,7 @@ from typing import Any, Self
 
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 
 STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 ROUNDING = 1e-12  # of travel
@@ -74,6 +75,7 @@ def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
 class QuasiStaticStem(Block):
     """A massless valve stem with the bands ``S`` and ``J``; defaults are the thesis's high stiction.
 
+    ``start``: where the stem rests at the start [fraction of travel].
     Raises ``BlockError`` unless 0 <= J <= S and the stops are in order.
 
     >>> from diagram import drive
@@ -82,10 +84,12 @@ class QuasiStaticStem(Block):
     [0.0, 0.0, 0.08, 0.08]
     """
 
+    role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2, rates=True)
     modes = {"stuck": STUCK, "sliding up": UP, "sliding down": DOWN, "ideal": IDEAL}
+    limit_params = ("low", "high")
 
     def __init__(
         self,

@@ -51,7 +51,7 @@ class Recorded(Source):
     [5.0, 5.5, 6.0, 5.0, 4.0]
     """
 
-    kernels = Kernels(out=_recorded_out, next_time=_recorded_next, feeds=False)
+    kernels = Kernels(out=_recorded_out, next_time=_recorded_next, feeds=False, timed=True)
 
     def __init__(
         self,
@@ -106,6 +106,8 @@ class Staircase(Recorded):
 
     Before the first time the first level holds, after the last the last.  Raises ``BlockError`` for a dwell that
     is not positive, or if both or neither of dwell and at are given.
+
+    ``levels``: the values [unit of the signal], one after the other.
 
     >>> stairs = Staircase("OP", [0.4, 0.5, 0.6], dwell=100.0)
     >>> [float(stairs.output(t, [], [])[0]) for t in (0.0, 99.0, 100.0, 500.0)]

@@ -21,6 +21,7 @@ import numpy as np
 from blocks.block import Block, Floats, Kernels
 from blocks.equations import arguments, names, where, with_defaults
 from blocks.ports import BlockError, Labels, Port, nearest
+from blocks.role import Role
 from blocks.rules import check_scan
 
 
@@ -59,6 +60,8 @@ class SampledFunction(Block):
     ports, and the signals unless ``labels`` says otherwise.  Raises ``BlockError`` for an argument that is none of the
     names, a name used twice, or dt <= 0; when it runs, for another number of values than there are outputs.
 
+    ``start_output`` [units of the outputs].
+
     >>> from diagram import drive
     >>> def mean(state, PV, share=0.5):
     ...     state += share * (PV - state)
@@ -68,6 +71,7 @@ class SampledFunction(Block):
     [4.0, 6.0, 7.0]
     """
 
+    role = Role.PROCESS
     period_param = "dt"
     offset_param = "offset"
 
@@ -98,6 +102,8 @@ class SampledFunction(Block):
                     f"{name}: step takes '{key}', which is no input or parameter; {nearest(key, list(places))}"
                 )
         self.ports_in, self.ports_out = tuple(map(Port, ins)), tuple(map(Port, outs))
+        if not ins:
+            self.role = Role.SOURCE
         self.kernels = Kernels(feeds=any(places[key][0] == "u" for key in wanted))
         self.host = _Call(name, step, tuple(places[key] for key in wanted), state, len(outs))
         shown = labels or {}

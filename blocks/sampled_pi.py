@@ -22,6 +22,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.pi import PI, check_tuning, op_span, start_integral, tuned
 from blocks.ports import Labels, Port
+from blocks.role import Role
 from blocks.rules import check_scan
 
 # p = K_p, T_i, low, high, T_t, action, dt, offset; d = z
@@ -47,6 +48,7 @@ def _conditional_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 class SampledPI(Block):
     """PI controller, ideal positional form, with scan time ``dt`` [s]; otherwise the interface of ``PI``.
 
+    ``low``, ``high`` [unit of OP]; ``T_t`` [s]; ``start_error``: SP - PV at the start [unit of PV].
     Raises ``BlockError`` as ``PI`` does, and for dt <= 0.
 
     >>> pi = SampledPI(K_p=0.4, T_i=10.0, dt=1.0, start_op=0.5)
@@ -55,9 +57,11 @@ class SampledPI(Block):
     (0.504, 0.544)
     """
 
+    role = Role.CONTROLLER
     ports_in = (Port("SP"), Port("PV"))
     ports_out = (Port("OP"),)
     period_param = "dt"
+    limit_params = ("low", "high")
     offset_param = "offset"
 
     def __init__(

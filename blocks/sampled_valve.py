@@ -11,14 +11,17 @@ from typing import Any
 from blocks.block import Block
 from blocks.ideal_valve import IdealValve
 from blocks.ports import Port, require
+from blocks.role import Role
 
 
 class SampledValve(Block):
     """A valve model that runs at sampling instants; python-control sees the valve without friction."""
 
+    role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     period_param = "dt"
+    limit_params = ("low", "high")
 
     def smooth(self) -> IdealValve:
         """Return the valve without friction, which is what python-control sees in a diagram."""

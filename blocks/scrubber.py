@@ -18,6 +18,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -33,6 +34,7 @@ class Scrubber(Block):
     2990000.0
     """
 
+    role = Role.PROCESS
     ports_in = (Port("p", "Pa"),)
     ports_out = (Port("p_out", "Pa"),)
     kernels = Kernels(out=_out)

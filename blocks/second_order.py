@@ -33,6 +33,7 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 class SecondOrder(Delayed):
     """A process with gain ``K``, natural frequency ``omega`` [rad/s], damping ``zeta`` [-] and dead time ``theta`` [s].
 
+    ``start`` [unit of PV], ``theta_start`` [unit of MV]: both before the start.
     Raises ``BlockError`` unless K is finite, omega > 0, zeta >= 0 and theta >= 0.
 
     >>> from diagram import drive

@@ -24,6 +24,7 @@ from blocks.block import Block, Kernels
 from blocks.limits import FREE, MODES, limit_events, limit_transition
 from blocks.noise import Seed, Seeded, check_noise, coloured
 from blocks.ports import Labels, Port, require
+from blocks.role import Role
 from blocks.rules import check_limits, check_scan, finite
 
 RESOLUTION = 2.0**52  # values of more steps than this are whole numbers of steps anyway
@@ -92,9 +93,11 @@ class Sensor(Block):
     [0.5, 1.6, 5.0]
     """
 
+    role = Role.SENSOR
     ports_in = (Port("PV"),)
     ports_out = (Port("PV_m"),)
     modes = MODES
+    limit_params = ("low", "high")
 
     def __init__(
         self,
@@ -114,7 +117,7 @@ class Sensor(Block):
     ) -> None:
         self.kernels = Kernels(
             out=_lagged_out if tau > 0.0 else _direct_out, der=_der, zc=_zc, jump=limit_transition, n_events=2,
-            feeds=not tau > 0.0,
+            feeds=not tau > 0.0, timed=True,
         )  # fmt: skip
         super().__init__(
             name=name,
@@ -149,6 +152,7 @@ class SampledSensor(Seeded):
     ``sd`` and ``correlation_time`` [s] describe the noise, ``step`` the quantisation, ``seed`` the random stream
     (by default it follows from the block's name; ``reseeded`` gives another).  Between samples PV_m is held.
 
+    ``start``: the PV at which the lag starts settled [unit of PV]; ``offset``: first sample [s].
     Raises ``BlockError`` for dt <= 0, a negative tau, sd, correlation_time or step, or low >= high.
 
     >>> sensor = SampledSensor(dt=1.0, step=0.25, high=2.0)
@@ -156,10 +160,12 @@ class SampledSensor(Seeded):
     [0.25, 0.5, 2.0]
     """
 
+    role = Role.SENSOR
     ports_in = (Port("PV"),)
     ports_out = (Port("PV_m"),)
     kernels = Kernels(step=_step)
     period_param = "dt"
+    limit_params = ("low", "high")
     offset_param = "offset"
 
     def __init__(

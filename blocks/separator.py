@@ -30,6 +30,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import positive
 
 # p = V_sep, C_4, p_metV, T_sep, R, W_oil, rho_oil, W_met, rho_met;  x = N_oil, N_metL, N_metG
@@ -89,6 +90,7 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
 class Separator(Block):
     """A separator that starts with the given contents [mol]; defaults are separator 1 of the thesis at rest.
 
+    ``N_metG``: methane in the gas at the start [mol].
     Raises ``BlockError`` unless volume, densities, temperature and contents are positive and the liquid fits in.
 
     >>> S1 = Separator()
@@ -97,6 +99,7 @@ class Separator(Block):
     (30.0, 40.95, 0.1183, 23)
     """
 
+    role = Role.PROCESS
     ports_in = (
         Port("F_in", "mol/s"),
         Port("Z_I"),

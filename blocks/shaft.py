@@ -17,6 +17,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 
 # p = J, loads (number of ports)
 
@@ -43,6 +44,7 @@ class Shaft(Block):
     [994.838, 995.338, 995.838]
     """
 
+    role = Role.PROCESS
     ports_out = (Port("w", "rad/s"),)
     kernels = Kernels(out=_out, der=_der, feeds=False)
 

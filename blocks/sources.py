@@ -16,6 +16,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import finite
 
 
@@ -48,6 +49,7 @@ class Source(Block):
     Subclasses fill in the class data and call ``__init__`` with their parameters.
     """
 
+    role = Role.SOURCE
     ports_out = (Port("out"),)
 
     def __init__(self, signal: str, params: Mapping[str, float], *, unit: str, name: str, **data: Any) -> None:
@@ -79,7 +81,7 @@ class Step(Source):
     0.5
     """
 
-    kernels = Kernels(out=_step_out, next_time=_step_next, feeds=False)
+    kernels = Kernels(out=_step_out, next_time=_step_next, feeds=False, timed=True)
 
     def __init__(
         self, signal: str, after: float = 1.0, before: float = 0.0, at: float = 0.0, unit: str = "", name: str = ""
@@ -102,7 +104,7 @@ class Ramp(Source):
     [0.37, 0.31, 0.25, 0.25]
     """
 
-    kernels = Kernels(out=_ramp_out, next_time=_ramp_next, feeds=False)
+    kernels = Kernels(out=_ramp_out, next_time=_ramp_next, feeds=False, timed=True)
 
     def __init__(
         self,

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Labels, Port, require
+from blocks.role import Role
 from blocks.rules import finite
 
 Floats = NDArray[np.float64]
@@ -84,6 +85,8 @@ class StateSpace(Block):
     ``D`` may be left out for zeros; ``start`` (n,) is the state at the start; ``states`` names the states (default
     x_1 ... x_n).  Raises ``BlockError`` for shapes that do not fit together, entries that are not finite, or dt < 0.
 
+    ``start`` [units of the states].
+
     >>> from diagram import drive
     >>> oscillator = StateSpace([[0, 1], [-1, 0]], [[0], [1]], [[1, 0]])      # y(t) = 1 - cos t
     >>> drive(oscillator, 4.0, every=2.0, u=1.0).log["y"].round(4).tolist()
@@ -92,6 +95,8 @@ class StateSpace(Block):
     >>> drive(halves, 3.0, every=1.0, u=1.0).log["y"].tolist()
     [0.0, 1.0, 1.5, 1.75]
     """
+
+    role = Role.PROCESS
 
     def __init__(
         self,

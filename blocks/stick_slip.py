@@ -40,6 +40,7 @@ from typing import Any, Self
 from blocks.block import Block, Kernels
 from blocks.ports import Port, number, require
 from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem, check_stops, started_between
+from blocks.role import Role
 from blocks.rules import not_negative, positive
 
 TIE = 1e-6  # with F_s = F_c a stem comes to rest exactly at breakaway, where rounding would start it again and again;
@@ -101,6 +102,8 @@ class StickSlip(Block):
     ``StickSlip.none()``, ``.normal()`` and ``.high()`` have F_s = 1250, 1750 and 2250 N; ``none`` still has the
     deadband of its Coulomb friction.  Raises ``BlockError`` for parameters no valve can have.
 
+    ``start``: where the stem rests at the start [fraction of travel].
+
     >>> valve = StickSlip.high()
     >>> round(100 * valve.J, 2), round(100 * valve.S, 2), round(100 * valve.deadband, 2)
     (1.9, 6.67, 4.76)
@@ -111,10 +114,12 @@ class StickSlip(Block):
     [0.0, 0.0262]
     """
 
+    role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
     modes = QuasiStaticStem.modes
+    limit_params = ("low", "high")
 
     def __init__(
         self,

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Labels, Port, require
+from blocks.role import Role
 from blocks.rules import finite
 from blocks.state_space import StateSpace
 
@@ -107,6 +108,7 @@ class TransferFunction(Block):
 derivatives of its input; give den at least the degree of num, for example with a filter 1/(s T_f + 1)
     """
 
+    role = Role.PROCESS
     ports_in = (Port("u"),)
     ports_out = (Port("y"),)
 

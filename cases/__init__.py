@@ -13,9 +13,8 @@
 600.0
 """
 
-import difflib
-
 from cases.case import Case, Number
+from logs.hint import nearest
 
 __all__ = ["Case", "CaseError", "Number", "find", "names"]
 
@@ -39,7 +38,5 @@ def find(name: str) -> Case:
     """Return a case by name; raise ``CaseError`` with the nearest names if there is none."""
     known = _all()
     if name not in known:
-        close = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean '{close[0]}'? " if close else ""
-        raise CaseError(f"there is no case '{name}'; {hint}known: {', '.join(known)}")
+        raise CaseError(f"there is no case '{name}'; {nearest(name, known)}")
     return known[name]

@@ -26,7 +26,7 @@ class Number:
     source: str = ""
     note: str = ""
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return the number as plain values for JSON."""
         return dict(self.__dict__)
 

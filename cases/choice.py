@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cases.kicks import Study, study
+from cases.kicks import Study, study_of
 from cases.tables import Row, jumps_a_half_cycle, relative
 from plant.parameters import Stem
 
@@ -53,7 +53,7 @@ class Point:
 
 def scan(
     kicks: int = 40, drops: Sequence[float] = DROPS, gains: Sequence[float] = GAINS,
-    told: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[Point]:  # fmt: skip
     """Return the pressure cycles along D at set E's gain, and along the gain at set E's D; skips what cannot rest."""
     from plant import SET_E, InfeasibleFeed
@@ -63,12 +63,12 @@ def scan(
     for done, (D, K_p) in enumerate(settings):
         plant = replace(SET_E, D=D, S1=replace(SET_E.S1, K_p_pressure=K_p))
         try:
-            points += [Point(D, K_p, size, study(plant, size, kicks=kicks)) for size in ("normal", "high")]
+            points += [Point(D, K_p, size, study_of(plant, size, kicks=kicks)) for size in ("normal", "high")]
         except InfeasibleFeed:
             continue
         finally:
-            if told is not None:
-                told(done + 1, len(settings))
+            if progress is not None:
+                progress(done + 1, len(settings))
     return points
 
 
@@ -91,7 +91,8 @@ def rows(points: Sequence[Point]) -> list[Row]:
 
 def figure(points: Sequence[Point]) -> "Figure":
     """Return amplitude and period of the pressure for every start, along D and along K_p."""
-    from cases.curves import COLOURS, label, panels
+    from cases.curves import label, panels
+    from logs.style import STICTION
     from plant import SET_E
 
     D_E, K_p_E = SET_E.D, SET_E.S1.K_p_pressure
@@ -107,12 +108,12 @@ def figure(points: Sequence[Point]) -> "Figure":
                 values = point.found.numbers[number]
                 side = -0.04 if point.size == "normal" else 0.04
                 x = place(point) + side * np.linspace(0.5, 1.5, len(values))
-                ax.plot(x, values, ".", markersize=3, color=COLOURS[point.size])
+                ax.plot(x, values, ".", markersize=3, color=STICTION[point.size])
             for size, published in PUBLISHED.items():
-                ax.axhline(published[which], color=COLOURS[size], linestyle="--", linewidth=0.9)
+                ax.axhline(published[which], color=STICTION[size], linestyle="--", linewidth=0.9)
             label(ax, ("amplitude, " if row == 0 else "period, ") + fixed, name, f"[{unit}]")
             ax.set_ylim(0.0, None if row == 0 else 250.0)
     for size in PUBLISHED:
-        axes[0].plot([], [], "o", color=COLOURS[size], label=f"{size} stiction")
+        axes[0].plot([], [], "o", color=STICTION[size], label=f"{size} stiction")
     axes[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, fontsize=8, frameon=False)
     return picture

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.kicks import BAR, RPM, Floats
-from logs.style import tidy
+from logs.style import COMMAND, STICTION, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,10 +17,7 @@ if TYPE_CHECKING:
 
     from diagram.simulation import Run
 
-# From light to dark, so that grey paper keeps the order.
-COLOURS = {"none": "#9aa7b4", "normal": "#4a90d0", "high": "#a3281a"}
 WIDTHS = {"none": 1.1, "normal": 1.6, "high": 1.0}
-COMMAND = "#8a97a5"  # OP, beside a stem in the colour of its stiction
 PRINTED = {"normal": (0.30, 0.26, 0.12, 0.13), "high": (0.30, 0.44, 0.29, 0.39)}  # table 5.4: m3, bar, bar, rpm
 LOOPS = {"pressure": ("VPCS1", "p_1", "SP_PCS11", BAR, "bar"), "volume": ("VLCS1", "V_1", "SP_LCS11", 1.0, "m³")}
 WINDOWS = {1: (1000.0, 2000.0), 2: (1400.0, 1900.0)}  # s; the thesis shows one period of the sine
@@ -58,7 +55,7 @@ def key_variables(case: int) -> "Figure":
     number, words = {1: ("5.1", "constant methane fraction"), 2: ("5.4", "sinusoidal methane fraction")}[case]
     figure, axes = panels(4, 1, f"Figure {number}: key process variables, {words}", 1.95)
     first, last = WINDOWS[case]
-    for size, colour in COLOURS.items():
+    for size, colour in STICTION.items():
         log = run(size, case).log
         kept = _between(log.t, first, last)
         t = log.t[kept]
@@ -91,8 +88,9 @@ def _printed_amplitudes(axes: list["Axes"]) -> None:
             y = np.asarray(line.get_ydata())
             middle, half = 0.5 * float(y.min() + y.max()), PRINTED[size][k]
             ax.plot(
-                [place, place], [middle - half, middle + half], transform=ax.get_yaxis_transform(), color=COLOURS[size],
-                linewidth=3.5, solid_capstyle="butt", clip_on=False, label="printed, 2 A" if size == "high" else None,
+                [place, place], [middle - half, middle + half], transform=ax.get_yaxis_transform(),
+                color=STICTION[size], linewidth=3.5, solid_capstyle="butt", clip_on=False,
+                label="printed, 2 A" if size == "high" else None,
             )  # fmt: skip
 
 
@@ -113,7 +111,7 @@ def _four(case: int, number: str, what: str, mv: bool) -> "Figure":
         op = 100.0 * log[f"OP_{valve}"][late]
         y = 100.0 * log[f"MV_{valve}"][late] if mv else (log[pv] - log[sp])[late] / unit
         x, y = thinned(op, y)
-        ax.plot(x, y, color=COLOURS[size], linewidth=0.8)
+        ax.plot(x, y, color=STICTION[size], linewidth=0.8)
         label(ax, f"({letter}) {loop} control, {size} stiction", "OP [%]", "MV [%]" if mv else f"PV - SP [{name}]")
     return figure
 
@@ -151,7 +149,7 @@ def valve_trends(case: int) -> "Figure":
         valve, log = LOOPS[loop][0], run(size, case).log
         kept = _between(log.t, first, last)
         ax.plot(log.t[kept], 100.0 * log[f"OP_{valve}"][kept], color=COMMAND, linewidth=1.1, label="OP")
-        ax.plot(log.t[kept], 100.0 * log[f"MV_{valve}"][kept], color=COLOURS[size], linewidth=1.1, label="MV")
+        ax.plot(log.t[kept], 100.0 * log[f"MV_{valve}"][kept], color=STICTION[size], linewidth=1.1, label="MV")
         label(ax, f"({letter}) {loop} control valve, {size} stiction", "", "% of travel")
         ax.set_xlim(first, last)
         ax.legend(ncols=2, fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1)

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from cases.curves import COLOURS, COMMAND, label, panels, run, thinned
+from cases.curves import label, panels, run, thinned
 from cases.ideal import GAIN_READING, HIGH, NORMAL
+from logs.style import COMMAND, INK, STICTION
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,7 +67,7 @@ def _pictures(title: str, curves: list[tuple[str, Floats, Floats]], unit: str) -
     figure, axes = panels(2, 2, title, 3.1)
     for ax, (name, x, y), letter in zip(axes, curves, "abcd", strict=True):
         width = width_at_middle(x, y)
-        ax.plot(*thinned(100.0 * x, y), color=COLOURS["high"], linewidth=0.8)
+        ax.plot(*thinned(100.0 * x, y), color=STICTION["high"], linewidth=0.8)
         label(ax, f"({letter}) {name}: {100.0 * width:.1f} % of OP wide at mid PV", "OP [%]", f"PV{unit}")
     return figure
 
@@ -108,7 +109,7 @@ def figure_B_4() -> "Figure":
     log = integrating()
     figure, (ax,) = panels(1, 1, "Figure B.4: OP and MV, ideal integrating process, high stiction", 2.6)
     ax.plot(log.t[::5], 100.0 * log["OP"][::5], color=COMMAND, linewidth=1.1, label="OP")
-    ax.plot(log.t[::5], 100.0 * log["MV"][::5], color=COLOURS["high"], linewidth=1.1, label="MV")
+    ax.plot(log.t[::5], 100.0 * log["MV"][::5], color=STICTION["high"], linewidth=1.1, label="MV")
     label(ax, "", "time [s]", "% of travel")
     ax.legend(ncols=2, fontsize=8, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0))
     return figure
@@ -142,11 +143,11 @@ def _sine() -> tuple[Floats, Floats]:
 
 def _areas(cells: list[tuple[tuple[Floats, Floats], str]], title: str) -> "Figure":
     from cases.ideal import index
-    from detect.figures.verdict import AFTER, BEFORE
+    from logs.style import AFTER, BEFORE
 
     figure, axes = panels(len(cells), 1, title, 1.9)
     for ax, ((t, e), words), letter in zip(axes, cells, "abcd", strict=False):
-        ax.plot(*thinned(t, e), color="#1d2733", linewidth=0.9)
+        ax.plot(*thinned(t, e), color=INK, linewidth=0.9)
         for first, peak, last in halves(t, e):
             for a, b, colour in ((first, peak + 1, BEFORE), (peak, last, AFTER)):
                 kept = np.unique(np.append(np.arange(a, b, 5), b - 1))

@@ -9,15 +9,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from logs.oscillation import Band, band, oscillation, without_trend
-
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +24,15 @@ SEED = FRESH[0]
 DURATION, EVERY, SETTLED = 2000.0, 0.1, 1000.0  # s; thesis section 5.1: steady after about 1000 s
 BAR, RPM = 1e5, 2.0 * math.pi / 60.0
 SIGNALS = ("V_1", "p_1", "p_out2", "w", "OP_VPCS1", "MV_VPCS1", "F_flare1", "F_flare2")
+LOOPS = ("level", "pressure")
+CASE_1 = (
+    *(f"{name} {what}" for name in (*LOOPS, "outlet", "speed", "fast speed") for what in ("T", "A")), "stem travel",
+    *(f"{name} {what}" for name in LOOPS for what in ("R", "std", "count")),
+)  # fmt: skip
+CASE_2 = (
+    "shut", "p lowest", "p highest", "p highest late", "flare", "turns open", "turns shut", "outlet swing",
+    "speed swing", "level highest", *(f"{name} {what}" for name in LOOPS for what in ("R", "std", "count")),
+)  # fmt: skip
 TREND = 100.0  # s, width of the average that is taken off the speed: the slow part follows the level
 
 
@@ -46,19 +52,6 @@ class Study:
         """Return the share of the runs whose number is accepted."""
         values = self.numbers[name]
         return sum(accepted(float(v)) for v in values) / len(values) if len(values) else math.nan
-
-
-def start_kicks(diagram: "Diagram", count: int = KICKS, seed: int = SEED, size: float = SIZE) -> dict[str, Floats]:
-    """Return start values of separator 1 [mol], each (count,): its contents times independent uniform factors.
-
-    >>> from plant import production_plant
-    >>> starts = start_kicks(production_plant(), 3)
-    >>> [key for key in starts], starts["S1.N_oil"].shape
-    (['S1.N_oil', 'S1.N_metL', 'S1.N_metG'], (3,))
-    """
-    contents = diagram["S1"].x0
-    factors = np.random.default_rng(seed).uniform(1.0 - size, 1.0 + size, (count, 3))
-    return {f"S1.{name}": contents[i] * factors[:, i] for i, name in enumerate(("N_oil", "N_metL", "N_metG"))}
 
 
 def case_1_numbers(t: Floats, log: Mapping[str, Floats]) -> dict[str, float]:
@@ -109,7 +102,7 @@ def indices(t: Floats, V_1: Floats, p_1: Floats) -> dict[str, float]:
     return found
 
 
-def study(
+def study_of(
     plant: Any, F_s: str, case: int = 1, *, kicks: int = KICKS, seed: int = SEED,
     progress: bool | Callable[[int, int], None] = False,
 ) -> Study:  # fmt: skip
@@ -117,22 +110,22 @@ def study(
 
     Raises ``KeyboardInterrupt`` if the runs were interrupted.
 
-    >>> found = study("A", "normal", kicks=2)
+    >>> found = study_of("A", "normal", kicks=2)
     >>> found.failed, 0.25 < found.band("level A").median < 0.35
     (0, True)
     """
-    from diagram.ensembles import ensemble
-    from plant import production_plant
+    from study import OwnMeasures, production_subject, study
 
-    diagram = production_plant(plant, F_s=F_s, case=case)
-    result = ensemble(
-        diagram, DURATION, start=start_kicks(diagram, kicks, seed), every=EVERY, signals=SIGNALS, method="stiff",
-        keep_logs=False, summary=case_1_numbers if case == 1 else case_2_numbers, progress=progress,
+    measures = OwnMeasures(*((CASE_1, case_1_numbers) if case == 1 else (CASE_2, case_2_numbers)))
+    result = study(
+        production_subject(plant, F_s, case), kicks=kicks, kick_size=SIZE, seed=seed, duration=DURATION, every=EVERY,
+        signals=SIGNALS, measures=measures, progress=progress,
     )  # fmt: skip
-    if result.interrupted:
-        raise KeyboardInterrupt  # the ensemble keeps what is finished, but half the starts are another study
-    numbers = {name: values[result.ok] for name, values in result.summary.items()}
-    return Study(numbers, kicks, int(np.sum(~result.ok)))
+    if not result.complete:
+        raise KeyboardInterrupt  # the study keeps what is finished, but half the starts are another study
+    whole = result.table.filter(result.table["status"] == "OK")
+    numbers = {name: whole[name].cast(float).fill_null(math.nan).to_numpy() for name in measures.names}
+    return Study(numbers, kicks, kicks - len(whole))
 
 
 @lru_cache(maxsize=16)
@@ -153,20 +146,22 @@ def rest_amplitudes(plant: Any) -> tuple[float, float, float, float]:
 class Studies:
     """The studies of one plant, each run when first asked for: ``studies("high", 1)``.
 
-    ``told`` is called as (F_s, case, done, kicks) while they run.
+    ``progress`` is called as (F_s, case, done, kicks) while they run.
     """
 
     def __init__(
         self, plant: Any, kicks: int = KICKS, seed: int = SEED,
-        told: Callable[[str, int, int, int], None] | None = None,
+        progress: Callable[[str, int, int, int], None] | None = None,
     ) -> None:  # fmt: skip
-        self.plant, self.kicks, self.seed, self.told = plant, kicks, seed, told
+        self.plant, self.kicks, self.seed, self.progress = plant, kicks, seed, progress
         self._found: dict[tuple[str, int], Study] = {}
 
     def __call__(self, F_s: str, case: int) -> Study:
         """Return the study of a size of stiction in a case."""
         if (F_s, case) not in self._found:
-            told = self.told
-            progress = False if told is None else lambda done, total: told(F_s, case, done, total)
-            self._found[F_s, case] = study(self.plant, F_s, case, kicks=self.kicks, seed=self.seed, progress=progress)
+            tell = self.progress
+            progress = False if tell is None else lambda done, total: tell(F_s, case, done, total)
+            self._found[F_s, case] = study_of(
+                self.plant, F_s, case, kicks=self.kicks, seed=self.seed, progress=progress
+            )
         return self._found[F_s, case]

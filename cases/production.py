@@ -85,7 +85,9 @@ def _numbers(F_s: str, case: int, kick: tuple[float, float] = KICK) -> Callable[
         return [
             *own,
             *(
-                Number(row.row, row.unit, row.published, None, row.reproduced, None, f"table {row.table}", row.told())
+                Number(
+                    row.row, row.unit, row.published, None, row.reproduced, None, f"table {row.table}", row.described()
+                )
                 for row in rows
             ),
         ]

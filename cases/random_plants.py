@@ -62,7 +62,7 @@ class RandomPlant:
             self.F_in, self.Z_I, **self.values
         )
 
-    def told(self) -> str:
+    def described(self) -> str:
         """Return one line that says what is asked."""
         sticky = ", ".join(f"{valve} {F_s:.0f} N" for valve, F_s in self.F_s.items()) or "no valve"
         values = ", ".join(f"{key} {value:.3g}" for key, value in self.values.items())
@@ -94,7 +94,7 @@ def varied(data: Any, rng: np.random.Generator, share: float = SHARE) -> Any:
 def draw(number: int, seed: int = 2009) -> RandomPlant:
     """Return what random plant ``number`` asks for, feasible or not.
 
-    >>> draw(3).told() == draw(3).told(), draw(3).told() == draw(4).told()
+    >>> draw(3).described() == draw(3).described(), draw(3).described() == draw(4).described()
     (True, False)
     """
     from plant import SETS
@@ -152,7 +152,7 @@ def feasible(count: int, seed: int = 2009) -> Iterator[tuple[RandomPlant, "Diagr
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run went: ``status`` by name, ``reason`` ("" if all is well), when it ``ended``, errors of the books.
+    """How a run went: ``status`` by name, ``reason`` ("" if all is well), when it ``ended``, errors of the balances.
 
     ``ended`` is the last log time reached [s]; ``lowest`` and ``highest`` are of the signals in ``BOUNDS``.
     """
@@ -169,7 +169,7 @@ class Outcome:
 
     @property
     def integrated(self) -> bool:
-        """Whether the run reached its end with finite values and closed books."""
+        """Whether the run reached its end with finite values and closed balances."""
         return self.status == "OK" and not self.reason
 
 
@@ -181,17 +181,17 @@ BOUNDS = {
 
 
 def run(asked: RandomPlant, plant: "Diagram", duration: float = DURATION, every: float = EVERY) -> Outcome:
-    """Simulate a plant with its books and return how that went.
+    """Simulate a plant with its balances and return how that went.
 
     >>> asked, plant = next(pair for pair in feasible(1) if not isinstance(pair[1], str))
     >>> run(asked, plant, 20.0).integrated
     True
     """
     from diagram import simulate
-    from plant.balances import booked, contents
+    from plant.balances import contents, with_balances
 
-    result = simulate(booked(plant), duration, every=every, method=asked.method)
-    error = np.abs(contents(result.final) / result.final["books"].x0 - 1.0)
+    result = simulate(with_balances(plant), duration, every=every, method=asked.method)
+    error = np.abs(contents(result.final) / result.final["balances"].x0 - 1.0)
     reached = np.isfinite(result.log["p_1"])
     found = Outcome(
         result.status.name, result.hint, float(result.log.t[reached].max(initial=0.0)),

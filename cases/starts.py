@@ -18,7 +18,7 @@ from cases.tables import Row, table_5_4, table_6_1, table_6_2, table_case_2
 
 BUILDERS = (table_5_4, table_6_1, table_6_2, table_case_2)
 Key = tuple[str, str]  # table and row
-Told = Callable[[int, str, int, int, int], None]  # set of starts, F_s, case, done, kicks
+Progress = Callable[[int, str, int, int, int], None]  # set of starts, F_s, case, done, kicks
 
 
 class Pooled:
@@ -62,7 +62,7 @@ def plant_rows(studies: Any) -> list[Row]:
     return [row for builder in BUILDERS for row in builder(studies)]
 
 
-def fresh(plant: Any, seeds: Sequence[int] = FRESH, kicks: int = KICKS, told: Told | None = None) -> Fresh:
+def fresh(plant: Any, seeds: Sequence[int] = FRESH, kicks: int = KICKS, progress: Progress | None = None) -> Fresh:
     """Run a plant (a set's name or a ``Production``) from one set of ``kicks`` starts a seed and judge it.
 
     >>> found = fresh("A", seeds=(1, 2), kicks=1)
@@ -71,7 +71,7 @@ def fresh(plant: Any, seeds: Sequence[int] = FRESH, kicks: int = KICKS, told: To
     """
 
     def doing(number: int) -> Callable[[str, int, int, int], None] | None:
-        return None if told is None else lambda F_s, case, done, total: told(number, F_s, case, done, total)
+        return None if progress is None else lambda F_s, case, done, total: progress(number, F_s, case, done, total)
 
     parts = [Studies(plant, kicks, seed, doing(number)) for number, seed in enumerate(seeds)]
     sets = tuple(judged(plant_rows(part)) for part in parts)

@@ -69,13 +69,13 @@ class Row:
         """Reproduced over published less one [-], None where nothing was published or it is zero."""
         return self.reproduced / self.published - 1.0 if self.published else None
 
-    def told(self) -> str:
+    def described(self) -> str:
         """Return band, tolerance and note in one sentence."""
         verdict = {True: "met", False: "NOT met", None: ""}[self.within]
         parts = [f"5 to 95 %: {self.low:.3g} to {self.high:.3g}", f"{self.tolerance}: {verdict}" if verdict else ""]
         return "; ".join(part for part in (*parts, self.note) if part)
 
-    def as_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Return plain values for JSON; numbers that never came about are null."""
         return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in self.__dict__.items()}
 

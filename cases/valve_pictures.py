@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cases.curves import COLOURS, COMMAND, label, panels
+from cases.curves import label, panels
+from logs.style import COMMAND, INK
+from logs.style import STICTION as COLOUR
 from plant.parameters import STICTION, Stem
 
 if TYPE_CHECKING:
@@ -31,7 +33,7 @@ def figure_4_1() -> "Figure":
     late = log.t >= 0.75 * PERIOD  # once round and back
     figure, (ax,) = panels(1, 1, "Figure 4.1: MV-OP plot characteristic for stiction", 4.2)
     ax.plot([100.0 * LOW, 100.0 * HIGH], [100.0 * LOW, 100.0 * HIGH], color=COMMAND, linewidth=0.9, label="no friction")
-    ax.plot(100.0 * log["OP"][late], 100.0 * log["MV"][late], color=COLOURS["high"], linewidth=1.3, label="stem")
+    ax.plot(100.0 * log["OP"][late], 100.0 * log["MV"][late], color=COLOUR["high"], linewidth=1.3, label="stem")
     f_s, f_c = 100.0 * F_s / stem.k, 100.0 * stem.F_c / stem.k
     low, high = 100.0 * LOW + f_c, 100.0 * HIGH - f_c  # where the stem rests
     corners = {
@@ -61,12 +63,12 @@ def figure_4_2() -> "Figure":
     figure, (ax,) = panels(1, 1, "Figure 4.2: friction force of the stem", 3.2)
     v = np.linspace(0.0, 2.0, 50)  # travel/s
     for sign in (-1.0, 1.0):
-        ax.plot(sign * v, sign * (stem.F_c + stem.F_v * v), color="#1d2733", linewidth=1.3)
+        ax.plot(sign * v, sign * (stem.F_c + stem.F_v * v), color=INK, linewidth=1.3)
     for size, F_s in STICTION.items():
         name = "no" if size == "none" else size
-        ax.plot([0.0, 0.0], [-F_s, F_s], "o", color=COLOURS[size], markersize=5, label=f"F_s, {name} stiction")
+        ax.plot([0.0, 0.0], [-F_s, F_s], "o", color=COLOUR[size], markersize=5, label=f"F_s, {name} stiction")
     top = max(STICTION.values())
-    ax.plot([0.0, 0.0], [-top, top], color=COLOURS["high"], linewidth=1.0, zorder=1)
+    ax.plot([0.0, 0.0], [-top, top], color=COLOUR["high"], linewidth=1.0, zorder=1)
     ax.annotate("F_c + F_v v", (1.2, stem.F_c + 1.2 * stem.F_v), (8, -14), textcoords="offset points", fontsize=9)
     label(ax, "", "speed of the stem [travel/s]", "friction [N]")
     ax.legend(fontsize=8, frameon=False, loc="lower right")

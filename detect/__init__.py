@@ -11,9 +11,9 @@ One loop in five lines:
 >>> print(answer.verdict)
 inconclusive
 
-`answer.reason` says why, `answer.to_dict()` is ready for JSON, `answer.plot()` draws it. A single method is a
-module with a CARD, Params and `detect(record) -> Verdict`; all of them stand in METHODS. One from outside the
-package is given as `diagnose(loop, [*METHODS, mine])`; see `Method`.
+``answer.reason`` says why, ``answer.to_dict()`` is ready for JSON, ``answer.plot()`` draws it. A single method is a
+module with a CARD, Params and ``detect(record) -> Verdict``; all of them stand in METHODS. One from outside the
+package is given as ``diagnose(loop, [*METHODS, mine])``; see ``Method``.
 """
 
 from __future__ import annotations

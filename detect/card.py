@@ -24,7 +24,7 @@ class Card:
     assumes : tuple of str
         Conditions in words.
     needs : tuple of Need
-        Those that are checked before the method looks at a record (`prepare.preconditions`): a sustained
+        Those that are checked before the method looks at a record (``prepare.preconditions``): a sustained
         oscillation, a set point that stands still, OP away from its limits, PV not on a coarse grid, PV not
         compressed, the kind of process known, the stem position logged.
     accuses : bool
@@ -49,7 +49,7 @@ class Card:
     kind : {"detector", "gate"}
         Gates answer whether the loop oscillates, detectors whether the valve sticks.
     experimental : bool
-        Whether the method is still on trial: `diagnose` shows its answer, marked, and gives it no vote.
+        Whether the method is still on trial: ``diagnose`` shows its answer, marked, and gives it no vote.
 
     >>> Card("x", "X", "nobody", ("PV",), (), "nothing", (0, 1), ("self_regulating",), "no").kind
     'detector'

@@ -25,7 +25,7 @@ class Diagnosis:
     """The answer on one loop.
 
     loop : str
-    verdict : as in `Verdict`
+    verdict : as in ``Verdict``
     probability : float or None
         Probability of stiction [-]; None, because no calibration on known valves stands behind it yet.
     reason : str
@@ -72,10 +72,10 @@ class Diagnosis:
 def diagnose(record: LoopRecord | Prepared, methods: Sequence[Method] | None = None) -> Diagnosis:
     """Put every method to a record and say what follows.
 
-    `methods` are modules or other objects with `CARD` and `detect(record) -> Verdict`, of this package or not; by
-    default all of `detect.METHODS`. One whose card says `experimental` is shown and has no vote.
+    ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
+    default all of ``detect.METHODS``. One whose card says ``experimental`` is shown and has no vote.
 
-    Raises TypeError for a method without `detect`, or whose answer is no Verdict.
+    Raises TypeError for a method without ``detect``, or whose answer is no Verdict.
 
     >>> import numpy as np
     >>> t = np.arange(1000.0)

@@ -16,8 +16,9 @@ __all__ = ["Method"]
 class Method(Protocol):
     """A module or any other object with these two names; it need not belong to this package.
 
-    Optional beside them: `draw(verdict, figure)`, the picture of its evidence, and for streaming `Params`, `init`,
-    `update` and `verdict` (see `stream`). A method whose card says `experimental` is shown, but has no vote.
+    Optional beside them: ``draw(verdict, figure)``, the picture of its evidence, and for streaming ``Params``,
+    ``init``, ``update`` and ``verdict`` (see ``stream``). A method whose card says ``experimental`` is shown,
+    but has no vote.
 
     >>> from detect.methods import area_ratio
     >>> isinstance(area_ratio, Method)

@@ -1,7 +1,7 @@
 """What streaming twins share: the sample they take, the loop they know, and a buffer that never grows.
 
-A twin is three functions: `init(p, facts) -> state`, `update(p, state, t, sample) -> state` and
-`verdict(p, state) -> Verdict`. States are values: updating one leaves the old one as it was, so a stream can
+A twin is three functions: ``init(p, facts) -> state``, ``update(p, state, t, sample) -> state`` and
+``verdict(p, state) -> Verdict``. States are values: updating one leaves the old one as it was, so a stream can
 be replayed or branched, and a state can be pickled.
 """
 

@@ -14,9 +14,13 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
 
-__all__ = ["Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
+__all__ = ["NUMBERS", "SPOKEN", "Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
 
 Word = Literal["stiction", "no_stiction", "inconclusive", "not_applicable"]
+SPOKEN: Mapping[Word, str] = {word: word.replace("_", " ") for word in get_args(Word)}  # as people read them
+NUMBERS: Mapping[Word, float] = {  # as a signal carries them
+    "not_applicable": 0.0, "inconclusive": 1.0, "no_stiction": 2.0, "stiction": 3.0,
+}  # fmt: skip
 Code = Literal[
     "no_oscillation",
     "too_few_cycles",
@@ -44,34 +48,18 @@ class VerdictError(ValueError):
 class Verdict:
     """The answer of one method on one loop.
 
-    Parameters
-    ----------
-    method : str
-        Name of the method, which is the name of its module in `detect`.
-    verdict : {"stiction", "no_stiction", "inconclusive", "not_applicable"}
-    index : float or None
-        The method's own index on the scale of its paper [-]; None when not applicable.
-    threshold : float or None
-        The value of `index` beyond which the method calls stiction [-].
-    reason : str
-        One or two sentences with the numbers behind the verdict.
-    code : str or None
-        Why the method does not apply; set exactly when `verdict` is "not_applicable".
-    interval : (low, high) or None
-        90 % interval of `index`.
-    amount_percent_op : float or None
-        Size of the stiction [% of OP span]; None for methods that only detect.
-    evidence : mapping of name to array or float
-        What the method's plot shows; arrays are made read-only.
-    draw : function (verdict, figure), optional
-        Draws the evidence; without one the plot shows the reason in words.
-    experimental : bool
-        Whether the method is still on trial: its answer is shown, but has no vote in a diagnosis.
+    Parameters: ``method`` (str) Name of the method, which is the name of its module in ``detect``; ``verdict``
+    ({"stiction", "no_stiction", "inconclusive", "not_applicable"}); ``index`` (float or None) The method's own index on
+    the scale of its paper [-]; None when not applicable; ``threshold`` (float or None) The value of ``index`` beyond
+    which the method calls stiction [-]; ``reason`` (str) One or two sentences with the numbers behind the verdict;
+    ``code`` (str or None) Why the method does not apply; set exactly when ``verdict`` is "not_applicable"; ``interval``
+    ((low, high) or None) 90 % interval of ``index``; ``amount_percent_op`` (float or None) Size of the stiction [% of
+    OP span]; None for methods that only detect; ``evidence`` (mapping of name to array or float) What the method's plot
+    shows; arrays are made read-only; ``draw`` (function (verdict, figure), optional) Draws the evidence; without one
+    the plot shows the reason in words; ``experimental`` (bool) Whether the method is still on trial: its answer is
+    shown, but has no vote in a diagnosis.
 
-    Raises
-    ------
-    VerdictError
-        If a verdict and its fields contradict each other.
+    Raises ``VerdictError`` if a verdict and its fields contradict each other.
 
     >>> v = Verdict("area_ratio", "stiction", index=5.9, threshold=1.25, reason="R = 5.90.")
     >>> v.verdict, v.applicable
@@ -151,7 +139,7 @@ class Verdict:
         return self.verdict != "not_applicable"
 
     def array(self, name: str) -> Values:
-        """Evidence `name` as an array, shape (n,); empty when the method did not get that far."""
+        """Evidence ``name`` as an array, shape (n,); empty when the method did not get that far."""
         return np.atleast_1d(np.asarray(self.evidence.get(name, ()), dtype=np.float64))
 
     def to_dict(self) -> dict[str, Any]:

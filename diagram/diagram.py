@@ -111,6 +111,16 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """Start state as python-control counts states, shape (nstates,)."""
         return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
 
+    def plan(self, records: int = 0) -> "Plan":
+        """Return how the diagram is laid out for the engine, made once and shared by all that differ only in values.
+
+        ``records``: how many records its dead times have to hold at least.
+        """
+        from diagram.flatten import DELAY_RECORDS, plan
+
+        self._plan = plan(self, max(records, DELAY_RECORDS), self._plan)
+        return self._plan
+
     @property
     def past(self) -> Past | None:
         """What a run that ended here left under way (dead times, samples taken); None if the diagram starts afresh."""
@@ -134,14 +144,14 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def with_params(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
-        return self._with_blocks(changes.blocks_with_params(self, values))
+        return self.with_blocks(changes.blocks_with_params(self, values))
 
     def starting_at(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``.
 
         Raises ``WiringError`` for an unknown block or state, or a value that is not finite.
         """
-        return self._with_blocks(changes.blocks_starting_at(self, values))
+        return self.with_blocks(changes.blocks_starting_at(self, values))
 
     def in_mode(self, modes: str | Mapping[str, str]) -> Self:
         """Return the diagram with blocks in a mode: one name for all that have it, or block -> mode.
@@ -149,7 +159,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         A stuck stem linearises to zero; ``ct.linearize(loop.in_mode("ideal"), ...)`` shows the loop behind it.
         Raises ``WiringError`` for a mode that no block has, ``BlockError`` for one that the named block has not.
         """
-        return self._with_blocks(changes.blocks_in_mode(self, modes))
+        return self.with_blocks(changes.blocks_in_mode(self, modes))
 
     def at_state(self, x: ArrayLike) -> Self:
         """Return the diagram starting from a python-control state vector (e.g. of ``find_operating_point``)."""
@@ -252,7 +262,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
         return changes.nested_blocks(self)
 
-    def _with_blocks(self, blocks: Sequence[Block]) -> Self:
+    def with_blocks(self, blocks: Sequence[Block]) -> Self:
         """Return a copy with blocks that differ only in values; wiring and plan are shared.
 
         A dead time that becomes or ceases to be zero changes the signal flow: then everything is checked afresh.

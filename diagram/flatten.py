@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from blocks.block import Block
-from engine import layout as at
-from engine.flat import FlatBlock, Floats, Ints
+from engine.flat import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED, FlatBlock, Floats
+from engine.snapshot import Snapshot
 from engine.table import Component, build
 
 if TYPE_CHECKING:
     from diagram.diagram import Diagram
 
 DELAY_RECORDS = 2048
-Ends = tuple[tuple[Component, Ints, Floats], ...]  # the components of a diagram with their arrays at the end of a run
+Ends = tuple[Snapshot, ...]  # the components of a diagram at the end of a run
 
 
 @dataclass(frozen=True)
@@ -36,31 +36,31 @@ class Plan:
     shape: tuple[bool, ...]
     records: int = field(default=DELAY_RECORDS)
 
-    def fill(self, component: Component, W: Floats, blocks: tuple[Block, ...]) -> None:
+    def fill(self, run: Snapshot, blocks: tuple[Block, ...]) -> None:
         """Write parameters, start states, modes, memories and held outputs of the blocks into the arrays of a run."""
-        for b in component.blocks:
+        for b in run.component.blocks:
             if b < len(blocks):
                 block = blocks[b]
-                W[component.params[b] : component.params[b] + len(block.p)] = block.p
-                x, d = component.states[b], component.memory[b]
-                W[x : x + len(block.x0)] = block.x0
-                W[d : d + len(block.d0)] = block.d0
+                run.params(b, len(block.p))[:] = block.p
+                run.states(b, len(block.x0))[:] = block.x0
+                run.memory(b, len(block.d0))[:] = block.d0
                 if len(block.y0):
-                    y = component.signals[self.flat[b].first_signal]
-                    W[y : y + len(block.y0)] = block.y0
+                    run.outputs(self.flat[b].first_signal, len(block.y0))[:] = block.y0
         for b, flats in self.delays.items():
             for f in flats:
-                if f in component.params:
-                    W[component.params[f] : component.params[f] + 2] = _delay_params(blocks[b])
+                if f in run.component.params:
+                    run.params(f, 2)[:] = _delay_params(blocks[b])
 
 
-def plan(diagram: "Diagram", records: int = DELAY_RECORDS) -> Plan:
-    """Return the plan of a diagram, made once and shared by all diagrams that differ only in values."""
+def plan(diagram: "Diagram", records: int = DELAY_RECORDS, known: Plan | None = None) -> Plan:
+    """Return the plan of a diagram: ``known`` if that still serves, else a new one.
+
+    ``Diagram.plan`` keeps it, so that diagrams that differ only in values share one.
+    """
     shape = tuple(block.dead_time > 0.0 for block in diagram.blocks)
-    known = diagram._plan
-    if known is None or known.shape != shape or known.records < records:
-        diagram._plan = known = _make(diagram, shape, records)
-    return known
+    if known is not None and known.shape == shape and known.records >= records:
+        return known
+    return _make(diagram, shape, records)
 
 
 def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
@@ -85,22 +85,22 @@ def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
             delays[b] = tuple(made)
             order += made
         order.append(b)
-    groups = _groups(flat, order, first)
+    groups = _groups(flat, order)
     components: list[Component] = []
     places: dict[int, list[int]] = {}
     taken: set[int] = set()
-    for members in groups:
+    for group in groups:
         columns: list[int] = []
-        for f in members:
+        for f in group:
             places.setdefault(f, []).append(len(components))
             if f < len(blocks) and f not in taken:  # a copied source is logged once
                 taken.add(f)
                 columns += range(flat[f].first_signal, flat[f].first_signal + len(flat[f].y0))
-        components.append(build(flat, members, columns))
+        components.append(build(flat, group, columns))
     return Plan(tuple(flat), tuple(components), {b: tuple(c) for b, c in places.items()}, delays, shape, records)
 
 
-def _groups(flat: list[FlatBlock], order: list[int], n_signals: int) -> list[list[int]]:
+def _groups(flat: list[FlatBlock], order: list[int]) -> list[list[int]]:
     """Split the blocks (in flow order) into independent groups, copying static functions of time into each."""
     driver = {}
     for f, block in enumerate(flat):
@@ -109,7 +109,7 @@ def _groups(flat: list[FlatBlock], order: list[int], n_signals: int) -> list[lis
     static: set[int] = set()
     for f in order:
         block = flat[f]
-        alone = block.kind == at.CONTINUOUS and not len(block.x0) and not len(block.d0) and not block.n_events
+        alone = block.kind == CONTINUOUS and not len(block.x0) and not len(block.d0) and not block.n_events
         if alone and all(driver[w] in static for w in block.wires):
             static.add(f)
     parent = {f: f for f in order}
@@ -125,12 +125,12 @@ def _groups(flat: list[FlatBlock], order: list[int], n_signals: int) -> list[lis
             for w in flat[f].wires:
                 if driver[w] not in static:
                     parent[root(driver[w])] = root(f)
-    members: dict[int, list[int]] = {}
+    joined: dict[int, list[int]] = {}
     for f in order:
         if f not in static:
-            members.setdefault(root(f), []).append(f)
+            joined.setdefault(root(f), []).append(f)
     place = {f: i for i, f in enumerate(order)}
-    apart = list(members.values())
+    apart = list(joined.values())
     used = {f for group in apart for f in _upstream(flat, group, driver, static)}
     left = [f for f in order if f in static and f not in used]  # what no other group reads
     apart += [left] if left else []
@@ -151,16 +151,13 @@ def _upstream(flat: list[FlatBlock], group: Iterable[int], driver: Mapping[int, 
 
 def _delay_params(block: Block) -> Floats:
     """Return (dead time [s], value before the start) of a block."""
-    name = block.dead_time_param or ""
-    before = f"{name}_start"
-    value = block.p[block.param_index(before)] if before in block.param_names else 0.0
-    return np.array([block.p[block.param_index(name)], value])
+    return np.array([block.dead_time, block.value_before])
 
 
 def _delay(name: str, block: Block, wire: int, first: int, records: int) -> FlatBlock:
     return FlatBlock(
         name=name,
-        kind=at.DEAD_TIME,
+        kind=DEAD_TIME,
         p=_delay_params(block),
         x0=np.zeros(0),
         d0=np.zeros(0),
@@ -174,10 +171,10 @@ def _delay(name: str, block: Block, wire: int, first: int, records: int) -> Flat
 
 def _flat(block: Block, wires: tuple[int, ...], first: int) -> FlatBlock:
     k = block.kernels
-    kind = at.CONTINUOUS
+    kind = CONTINUOUS
     if block.sampled:
-        kind = at.HOSTED if block.host is not None else at.SAMPLED
-    continuous = kind == at.CONTINUOUS
+        kind = HOSTED if block.host is not None else SAMPLED
+    continuous = kind == CONTINUOUS
     return FlatBlock(
         name=block.name,
         kind=kind,
@@ -191,11 +188,12 @@ def _flat(block: Block, wires: tuple[int, ...], first: int) -> FlatBlock:
         der=k.der if continuous and len(block.x0) else None,
         zc=k.zc if continuous else None,
         jump=k.jump if continuous else None,
-        step=k.step if kind == at.SAMPLED else None,
+        step=k.step if kind == SAMPLED else None,
         next_time=k.next_time if continuous else None,
         n_events=k.n_events if continuous else 0,
         rates=k.rates,
         feeds=k.feeds,
+        timed=k.timed,
         logged=bool(block.modes),
         period_at=block.param_index(block.period_param) if block.period_param else -1,
         offset_at=block.param_index(block.offset_param) if block.offset_param else -1,

@@ -3,7 +3,6 @@
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from blocks.arguments import texts
 from blocks.ports import nearest, number
 from diagram.diagram import Diagram
-from engine import layout as at
+from engine import snapshot
 from engine.table import Component
 
 Floats = NDArray[np.float64]
@@ -19,11 +18,11 @@ MEMORY_SHARE = 0.8  # of the machine's memory that the values may take
 
 
 def log_times(
-    duration: float, every: float | None, times: ArrayLike | None, t0: float, signals: int = 1, members: int = 1
+    duration: float, every: float | None, times: ArrayLike | None, t0: float, signals: int = 1, variants: int = 1
 ) -> Floats:
     """Return the log times [s]; refuse requests that make no sense, or rows that the memory cannot hold.
 
-    ``signals``, ``members``: how many values each row holds.
+    ``signals``, ``variants``: how many values each row holds.
     """
     duration, t0 = number("simulate", "duration", duration), number("simulate", "t0", t0)
     if not (math.isfinite(duration) and duration > 0.0):
@@ -35,7 +34,7 @@ def log_times(
         if every is not None:
             raise ValueError(f"every = {every!r} and times are both given, but one of them says when to log; drop one")
         grid = _asked(times, t0, t_end)
-        check_memory(members, signals, len(grid))
+        check_memory(variants, signals, len(grid))
         return grid
     step = duration / 1000.0 if every is None else number("simulate", "every", every)
     if not (math.isfinite(step) and 0.0 < step <= duration):
@@ -44,7 +43,7 @@ def log_times(
             "give a shorter one, or none for 1000 intervals"
         )
     rows = math.floor(duration / step + 1e-9) + 1
-    check_memory(members, signals, rows)
+    check_memory(variants, signals, rows)
     even: Floats = t0 + np.arange(rows, dtype=np.float64) * step
     return np.minimum(even, t_end)
 
@@ -64,14 +63,14 @@ def _asked(times: ArrayLike, t0: float, t_end: float) -> Floats:
     return np.asarray(np.clip(grid, t0, t_end))
 
 
-def check_memory(members: int, signals: int, rows: int) -> None:
-    """Raise ``ValueError`` if the values of so many members, signals and rows are more than the memory holds."""
-    size = 8.0 * members * signals * rows
+def check_memory(variants: int, signals: int, rows: int) -> None:
+    """Raise ``ValueError`` if the values of so many variants, signals and rows are more than the memory holds."""
+    size = 8.0 * variants * signals * rows
     known = hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if known else math.inf
     if size > MEMORY_SHARE * memory:
-        many = f"{members} members x " if members > 1 else ""
-        without = ", or keep_logs=False with a summary=" if members > 1 else ""
+        many = f"{variants} variants x " if variants > 1 else ""
+        without = ", or keep_logs=False with a summary=" if variants > 1 else ""
         raise ValueError(
             f"{many}{signals} signals x {rows} rows take {size / 1e9:.0f} GB, the machine has "
             f"{memory / 1e9:.0f} GB; log fewer signals=, or a longer every={without}"
@@ -92,8 +91,4 @@ def wanted_signals(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str
 def logging_only(component: Component, diagram: Diagram, wanted: Sequence[str]) -> Component:
     """Return a copy of a component that logs the wanted signals only; its columns say which."""
     kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in wanted]
-    I, W = component.I.copy(), component.W.copy()
-    first = int(I[at.L_WIRES])
-    I[first : first + len(kept)] = component.I[[first + k for k in kept]]
-    I[at.N_LOG] = len(kept)
-    return replace(component, I=I, W=W, columns=tuple(component.columns[k] for k in kept))
+    return snapshot.logging_only(component, kept)

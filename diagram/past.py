@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from diagram.wiring import WiringError
-from engine import layout as at
-from engine.flat import Floats, Ints
-from engine.table import Component
+from engine.flat import Floats
+from engine.snapshot import Snapshot
 
 if TYPE_CHECKING:
     from diagram.diagram import Diagram
@@ -23,7 +22,7 @@ Place = tuple[str, int]  # block, number of the input
 
 @dataclass(frozen=True)
 class UnderWay:
-    """What is in the dead time of one input: its length [s] and its records, oldest first (n, engine.layout.D_SIZE)."""
+    """What is in the dead time of one input: its length [s] and its records, oldest first, as the engine keeps them."""
 
     theta: float
     records: Floats
@@ -44,28 +43,15 @@ class Past:
     def of(diagram: "Diagram", laid: "Plan", ends: "Ends") -> "Past":
         """Collect what the components leave behind."""
         place = _places(diagram, laid)
-        delays = {}
-        for component, I, W in ends:
-            for number, f in enumerate(component.blocks):
-                row = at.H + number * at.R
-                if I[row + at.KIND] == at.DEAD_TIME:
-                    ring = W[I[row + at.DELAY] :][: I[row + at.CAPACITY] * at.D_SIZE].reshape(-1, at.D_SIZE)
-                    records = ring[np.arange(I[row + at.TAIL], I[row + at.HEAD]) % len(ring)]
-                    delays[place[f]] = UnderWay(float(W[component.params[f]]), records)
+        delays = {place[f]: UnderWay(theta, records) for end in ends for f, theta, records in end.delays()}
         sampled = frozenset(block.name for block in diagram.blocks if block.sampled)
-        return Past(min(float(W[at.T]) for _, _, W in ends), delays, sampled)
+        return Past(min(end.t for end in ends), delays, sampled)
 
-    def put_back(self, diagram: "Diagram", laid: "Plan", component: Component, I: Ints, W: Floats) -> None:
+    def put_back(self, diagram: "Diagram", laid: "Plan", run: Snapshot) -> None:
         """Fill the dead times of a component that is about to start, and let new blocks take their first sample."""
-        place = _places(diagram, laid)
-        for number, f in enumerate(component.blocks):
-            row = at.H + number * at.R
-            if I[row + at.KIND] == at.DEAD_TIME:
-                records = self.delays[place[f]].records
-                W[I[row + at.DELAY] :][: records.size] = records.ravel()
-                I[row + at.HEAD] = len(records)
-            elif I[row + at.KIND] == at.SAMPLED and diagram.blocks[f].name not in self.sampled:
-                I[row + at.COUNT] = -1
+        inside = {f: place for f, place in _places(diagram, laid).items() if f in run.component.params}
+        run.fill_delays({f: self.delays[place].records for f, place in inside.items()})
+        run.sample_first({b for b, block in enumerate(diagram.blocks) if block.name not in self.sampled})
 
     @property
     def records(self) -> int:

@@ -1,4 +1,4 @@
-"""How far many runs have got, told while they work."""
+"""How far many runs have got, shown while they work."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -8,12 +8,12 @@ Progress = bool | Callable[[int, int], None] | None
 
 
 @contextmanager
-def told(progress: Progress, total: int, what: str) -> Iterator[Callable[[int, int], None]]:
+def reporting(progress: Progress, total: int, what: str) -> Iterator[Callable[[int, int], None]]:
     """Yield what is to be called with (done, total): the caller's function, a bar on standard error, or nothing.
 
     ``progress``: a function, True, False, or None for a bar if standard error is a terminal; ``what`` is counted.
 
-    >>> with told(lambda done, total: print(f"{done} of {total}"), 3, "runs") as tell:
+    >>> with reporting(lambda done, total: print(f"{done} of {total}"), 3, "runs") as tell:
     ...     tell(2, 3)
     2 of 3
     """

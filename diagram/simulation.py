@@ -14,15 +14,15 @@ from blocks.block import Block
 from blocks.ports import nearest, number, shortened
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
-from diagram.flatten import DELAY_RECORDS, Ends, Plan, plan
+from diagram.flatten import DELAY_RECORDS, Ends, Plan
 from diagram.in_python import InPython, counts, spent
 from diagram.inputs import Inputs, close
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.wiring import WiringError
-from engine import layout as at
 from engine.run import METHODS, Outcome, Settings, prepare, run
+from engine.snapshot import Snapshot, total
 from engine.status import HINTS, Statistics, Status
 from logs import Log
 
@@ -155,7 +155,7 @@ def simulate(
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     before = counts(ready)
     while True:
-        laid = plan(ready, records)
+        laid = ready.plan(records)
         if len(wanted) < len(ready.signals):
             laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
         outcomes = [_run(laid, c, ready, settings, grid, t0, t_end, on_progress, past) for c in laid.components]
@@ -165,7 +165,7 @@ def simulate(
         records *= 4
 
 
-def _told(given: Any) -> str:
+def _words_for(given: Any) -> str:
     return f"block '{given.name}'" if isinstance(given, Block) else f"{given!r:.60}"
 
 
@@ -178,7 +178,7 @@ def set_up(
     """Return the diagram with its inputs closed and values changed; refuse inputs left open."""
     if not isinstance(diagram, Diagram):
         alone = "; wire([block]) makes one of a block, drive(block, ...) runs it alone" * isinstance(diagram, Block)
-        raise ValueError(f"{_told(diagram)} is no diagram{alone or '; wire([...]) makes one of blocks'}")
+        raise ValueError(f"{_words_for(diagram)} is no diagram{alone or '; wire([...]) makes one of blocks'}")
     examples = {"params": {"valve.F_s": 1750.0}, "start": {"process.PV": 0.5}}
     for name, values in {"params": params, "start": start}.items():
         if values is not None:
@@ -227,9 +227,10 @@ def _run(
     past: Past | None,
 ) -> Outcome:
     I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
-    laid.fill(component, W, diagram.blocks)
+    start = Snapshot(component, I, W)
+    laid.fill(start, diagram.blocks)
     if past is not None:
-        past.put_back(diagram, laid, component, I, W)
+        past.put_back(diagram, laid, start)
     return run(component, laid.flat, I, W, grid, t_end, on_progress)
 
 
@@ -245,14 +246,14 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
         spans={s: span for s, span in diagram.signal_spans.items() if s in wanted},
         origin=f"simulated: {diagram.name}",
     )
-    ends = tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
+    ends = tuple(Snapshot(component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
     status, hint = _verdict(diagram, laid, outcomes, ends)
     return Run(
         log=log,
         events=named_events(diagram, (row for o in outcomes for row in o.events.tolist())),
         status=status,
         hint=hint,
-        statistics=statistics([o.I for o in outcomes]),
+        statistics=total([end.counts for end in ends]),
         diagram=diagram,
         ends=ends,
     )
@@ -264,12 +265,12 @@ def _noted(run: Run, atol: float) -> Run:
         return run
     sizes = {s: float(max(values.max(), -values.min())) for s, values in run.log.signals.items()}
     states: dict[str, float] = {}
-    for component, _, W in run.ends:
-        for b in component.blocks:
+    for end in run.ends:
+        for b in end.component.blocks:
             if b < len(run.diagram.blocks) and len(run.diagram.blocks[b].x0):
                 x0 = run.diagram.blocks[b].x0
-                end = W[component.states[b] : component.states[b] + len(x0)]
-                states[run.diagram.blocks[b].name] = float(max(np.abs(x0).max(), np.abs(end).max()))
+                x = end.states(b, len(x0))
+                states[run.diagram.blocks[b].name] = float(max(np.abs(x0).max(), np.abs(x).max()))
     note = too_coarse(run.diagram.blocks, sizes, states, atol)
     if not note:
         return run
@@ -307,21 +308,6 @@ def named_events(diagram: Diagram, rows: Iterable[Sequence[float]]) -> tuple[Eve
     return tuple(sorted(events, key=lambda event: event.t))
 
 
-def statistics(counters: Sequence[Any]) -> Statistics:
-    """Add up what the components cost."""
-    total = Statistics(components=len(counters))
-    for I in counters:
-        total = replace(
-            total,
-            steps=total.steps + int(I[at.STEPS]),
-            rejected=total.rejected + int(I[at.REJECTED]),
-            rhs=total.rhs + int(I[at.RHS]),
-            jacobians=total.jacobians + int(I[at.JACOBIANS]),
-            events=total.events + int(I[at.EVENTS]),
-        )
-    return total
-
-
 def troubles(diagram: Diagram, ends: Ends) -> str:
     """Return what the blocks of a failed run say of where it ended, "" if none of them knows."""
     return "; ".join(filter(None, (block.trouble() for block in _final(diagram, ends).blocks)))
@@ -330,14 +316,13 @@ def troubles(diagram: Diagram, ends: Ends) -> str:
 def _final(diagram: Diagram, ends: Ends) -> Diagram:
     blocks: list[Block] = list(diagram.blocks)
     first = {signal: i for i, signal in enumerate(diagram.signals)}
-    for component, _, W in ends:
-        for b in component.blocks:
+    for end in ends:
+        for b in end.component.blocks:
             if b < len(blocks) and (len(blocks[b].x0) or len(blocks[b].d0)):
-                x, d = component.states[b], component.memory[b]
-                values = dict(zip(blocks[b].state_names, W[x : x + len(blocks[b].x0)], strict=True))
-                values |= dict(zip(blocks[b].memory_names, W[d : d + len(blocks[b].d0)], strict=True))
+                values = dict(zip(blocks[b].state_names, end.states(b, len(blocks[b].x0)), strict=True))
+                values |= dict(zip(blocks[b].memory_names, end.memory(b, len(blocks[b].d0)), strict=True))
                 blocks[b] = blocks[b].starting_at(**{k: float(v) for k, v in values.items()})
             if b < len(blocks) and blocks[b].sampled:
-                y = component.signals[first[blocks[b].output_labels[0]]]
-                blocks[b] = blocks[b].holding(W[y : y + len(blocks[b].y0)])
-    return diagram._with_blocks(blocks).with_past(Past.of(diagram, plan(diagram), ends))
+                held = end.outputs(first[blocks[b].output_labels[0]], len(blocks[b].y0))
+                blocks[b] = blocks[b].holding(held)
+    return diagram.with_blocks(blocks).with_past(Past.of(diagram, diagram.plan(), ends))

@@ -6,7 +6,6 @@ Every rule here raises ``WiringError`` with the signals it concerns and, for unk
 from collections.abc import Iterable, Mapping, Sequence
 
 from blocks.block import Block
-from blocks.noise import Seeded
 from blocks.ports import nearest
 
 
@@ -72,8 +71,7 @@ def check_sources(sources: Iterable[Block], blocks: Iterable[Block], outputs: Se
     """
     read = {signal for block in blocks for signal in block.input_labels}
     for block in sources:
-        source = not block.ports_in and not len(block.x0) and (isinstance(block, Seeded) or not len(block.d0))
-        if source and not any(s in read or s in outputs for s in block.output_labels):
+        if block.role.drives and not any(s in read or s in outputs for s in block.output_labels):
             wanted = nearest(block.output_labels[0], sorted(read))
             raise WiringError(
                 f"no block reads '{block.output_labels[0]}' from source '{block.name}'; {wanted}; "

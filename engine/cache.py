@@ -5,7 +5,7 @@ from pathlib import Path
 from numba import types
 
 from engine.advance import advance
-from engine.notice import told
+from engine.notice import noticed
 from engine.stamp import fresh
 
 _FLOATS, _ROWS = types.float64[::1], types.float64[:, ::1]
@@ -19,9 +19,9 @@ def ensure_compiled() -> None:
     if _ready:
         return
     try:
-        with fresh(Path(advance.stats.cache_path), Path(__file__).parent), told():
+        with fresh(Path(advance.stats.cache_path), Path(__file__).parent), noticed():
             advance.compile(SIGNATURE)
     except OSError:  # a cache that cannot be written is no reason not to run
-        with told():
+        with noticed():
             advance.compile(SIGNATURE)
     _ready = True

@@ -7,6 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.call import Kernel
+from engine.layout import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED
+
+__all__ = ["CONTINUOUS", "DEAD_TIME", "HOSTED", "SAMPLED", "FlatBlock", "Floats", "Ints"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -16,8 +19,9 @@ Ints = NDArray[np.int64]
 class FlatBlock:
     """One block as the engine sees it: kernels, sizes, start values, and which signals it reads.
 
-    ``wires`` and ``first_signal`` are indices into the signals of the whole diagram.  ``host`` runs a hosted
-    block in Python: ``init(p) -> state`` and ``step(t, state, u, p) -> (state, y)``.
+    ``kind`` is CONTINUOUS, SAMPLED, HOSTED or DEAD_TIME.  ``wires`` and ``first_signal`` are indices into the signals
+    of the whole diagram.  ``host`` runs a hosted block in Python: ``init(p) -> state`` and
+    ``step(t, state, u, p) -> (state, y)``.
     """
 
     name: str
@@ -37,6 +41,7 @@ class FlatBlock:
     n_events: int = 0
     rates: bool = False
     feeds: bool = True
+    timed: bool = False  # whether out or der reads the time
     logged: bool = False
     period_at: int = -1  # where the sampling period stands in p
     offset_at: int = -1  # where the first sampling instant stands in p

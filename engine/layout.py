@@ -2,7 +2,7 @@
 
 A component is a set of blocks that influence each other.  Its whole state, its parameters and its wiring are
 data in these arrays, so changing a wire or a parameter never recompiles anything, a run can be stopped and
-resumed between any two steps, and an ensemble member is one more copy of ``W``.
+resumed between any two steps, and a variant in an ensemble is one more copy of ``W``.
 
 ``I`` = header (``H`` ints) + one row of ``R`` ints per block + wires, programs and plans.
 ``W`` = header (``HF`` floats) + the named stretches whose offsets stand in the integer header.

@@ -26,7 +26,7 @@ class _Counter(event.Listener):  # type: ignore[misc]
 
 
 @contextmanager
-def told() -> Iterator[None]:
+def noticed() -> Iterator[None]:
     """While the engine is being compiled, say so: on a terminal how far it has got, elsewhere one line."""
     total = len({id(f) for name, module in [*sys.modules.items()] if name.startswith("engine.")
                  for f in vars(module).values() if isinstance(f, Dispatcher)})  # fmt: skip

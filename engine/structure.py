@@ -5,15 +5,11 @@ state rates or for the event functions only, and where the Jacobian can be other
 once per diagram, in plain Python.
 """
 
-import dis
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from types import FunctionType
 
 from engine import layout as at
-from engine.call import Kernel
 from engine.flat import FlatBlock
 
 Pair = tuple[int, int]  # (row, column) of the Jacobian
@@ -93,7 +89,7 @@ def _still(rows: Sequence[FlatBlock], driver: dict[int, int]) -> tuple[bool, ...
     """Return for each block whether its outputs stay as they are between two instants."""
     still = [block.kind in (at.SAMPLED, at.HOSTED) for block in rows]  # also where they come behind their readers
     for number, block in enumerate(rows):
-        if block.kind == at.CONTINUOUS and not (len(block.x0) or block.n_events or _reads_time(block.out)):
+        if block.kind == at.CONTINUOUS and not (len(block.x0) or block.n_events or block.timed):
             still[number] = not block.feeds or all(still[driver[w]] for w in block.wires)
     return tuple(still)
 
@@ -151,26 +147,4 @@ def _passes(rows: Sequence[FlatBlock], readers: Sequence[list[int]], origin: int
 
 
 def _timed(block: FlatBlock) -> bool:
-    if block.kind == at.DEAD_TIME:
-        return True
-    return block.kind == at.CONTINUOUS and (_reads_time(block.out) or _reads_time(block.der))
-
-
-@cache
-def _reads_time(kernel: Kernel | None) -> bool:
-    """Return whether a kernel looks at its first argument, the time, or hands it to a function that does."""
-    if kernel is None:
-        return False
-    code, known = kernel.__code__, kernel.__globals__
-    name = code.co_varnames[0]
-    called: object = None  # the function whose arguments follow
-    for step in dis.get_instructions(code):
-        names = step.argval if isinstance(step.argval, tuple) else (step.argval,)
-        if step.opname == "LOAD_GLOBAL":
-            called = known.get(step.argval)
-        elif step.opname.startswith("LOAD"):
-            handed_on = names[0] == name and isinstance(called, FunctionType) and not _reads_time(called)
-            if name in names[1 if handed_on else 0 :]:
-                return True
-            called = None
-    return False
+    return block.kind == at.DEAD_TIME or (block.kind == at.CONTINUOUS and block.timed)

@@ -33,24 +33,24 @@ class Component:
 
 
 def build(
-    blocks: Sequence[FlatBlock], members: Sequence[int], columns: Sequence[int], capacity: int = 2048
+    blocks: Sequence[FlatBlock], chosen: Sequence[int], columns: Sequence[int], capacity: int = 2048
 ) -> Component:
     """Lay out the given blocks (indices in signal-flow order) as one component that logs ``columns``."""
-    table = _Table([blocks[b] for b in members])
-    for number, b in enumerate(members):
+    table = _Table([blocks[b] for b in chosen])
+    for number, b in enumerate(chosen):
         table.place(number, b, capacity)
     table.write_programs()
     table.write_facts()
     return Component(
         I=table.integers([table.local[c] for c in columns]),
         W=table.floats(),
-        blocks=tuple(members),
-        params={b: int(table.rows[i, at.P]) for i, b in enumerate(members)},
-        states={b: int(table.header[at.O_Y0] + table.rows[i, at.X]) for i, b in enumerate(members)},
-        memory={b: int(table.rows[i, at.D]) for i, b in enumerate(members)},
+        blocks=tuple(chosen),
+        params={b: int(table.rows[i, at.P]) for i, b in enumerate(chosen)},
+        states={b: int(table.header[at.O_Y0] + table.rows[i, at.X]) for i, b in enumerate(chosen)},
+        memory={b: int(table.rows[i, at.D]) for i, b in enumerate(chosen)},
         signals={signal: int(table.header[at.O_S]) + place for signal, place in table.local.items()},
         columns=tuple(columns),
-        hosted=tuple(b for b in members if blocks[b].kind == at.HOSTED),
+        hosted=tuple(b for b in chosen if blocks[b].kind == at.HOSTED),
     )
 
 

@@ -1,14 +1,14 @@
 """Records of control loops: time and named signals, with units, spans and quality.
 
-A `Log` holds signals on one time axis. A `LoopRecord` is a view of a log as one control loop: set point SP,
+A ``Log`` holds signals on one time axis. A ``LoopRecord`` is a view of a log as one control loop: set point SP,
 measurement PV, controller output OP and, where the plant measures it, stem position MV; e = SP - PV. Simulators
 make logs, historians are read into them, detectors take loop records.
 
-`read_log` and `read_loop` read CSV, text and Parquet files as historians and control systems export them, and
+``read_log`` and ``read_loop`` read CSV, text and Parquet files as historians and control systems export them, and
 data frames of pandas, polars and pyarrow: any usual separator, decimal mark, encoding and time stamp; times of
 numbers in any usual unit; one column a tag or one row a value; digital states ("Bad Input") in place of numbers;
 quality columns; loop columns by the names the usual systems give them. Nothing is asked: whatever was assumed or
-repaired, and every column not used, is a sentence in `notes`, and a file that cannot be read raises `ReadError`
+repaired, and every column not used, is a sentence in ``notes``, and a file that cannot be read raises ``ReadError``
 with the line, the rule and the remedy. A file that runs from the newest row to the oldest is turned round, and stamps
 that a historian has rounded are evened out. What is never done: sort rows, choose between two values at one time,
 fill a gap, or guess a number from a text.

@@ -16,7 +16,7 @@ Mask = npt.NDArray[np.bool_]
 
 
 def frozen_array(values: npt.ArrayLike, what: str) -> Values:
-    """Return values as a read-only array, shape (n,), copied unless they are one; raise `LogError` for others."""
+    """Return values as a read-only array, shape (n,), copied unless they are one; raise ``LogError`` for others."""
     if isinstance(values, np.ndarray) and values.dtype == np.float64 and not values.flags.writeable:
         array = values
     else:
@@ -31,7 +31,7 @@ def frozen_array(values: npt.ArrayLike, what: str) -> Values:
 
 
 def seconds_and_start(t: npt.ArrayLike) -> tuple[npt.ArrayLike, datetime | None]:
-    """Seconds from the first sample, and its wall-clock time, if `t` holds moments; else `t` as it is and None.
+    """Seconds from the first sample, and its wall-clock time, if ``t`` holds moments; else ``t`` as it is and None.
 
     Moments are datetime64, datetime objects and what pandas and polars make of them; stamps with a time zone give a
     start in UTC. Durations (timedelta64) become seconds.
@@ -64,7 +64,7 @@ def seconds_and_start(t: npt.ArrayLike) -> tuple[npt.ArrayLike, datetime | None]
 
 
 def check_time(t: Values) -> None:
-    """Raise `LogError` unless the times [s] are finite and strictly increase, n >= 1."""
+    """Raise ``LogError`` unless the times [s] are finite and strictly increase, n >= 1."""
     if len(t) == 0:
         raise LogError("time is empty; a log needs at least one sample")
     finite = np.isfinite(t)
@@ -81,7 +81,7 @@ def check_time(t: Values) -> None:
 
 
 def checked_span(name: str, span: tuple[float, float]) -> tuple[float, float]:
-    """Return a span as (low, high); raise `LogError` unless both are finite and low < high."""
+    """Return a span as (low, high); raise ``LogError`` unless both are finite and low < high."""
     try:
         low, high = (float(limit) for limit in span)
     except (TypeError, ValueError):
@@ -92,7 +92,7 @@ def checked_span(name: str, span: tuple[float, float]) -> tuple[float, float]:
 
 
 def checked_mask(name: str, quality: npt.ArrayLike, n: int) -> Mask:
-    """Return quality as a read-only mask, shape (n,); raise `LogError` for other types and shapes."""
+    """Return quality as a read-only mask, shape (n,); raise ``LogError`` for other types and shapes."""
     mask = np.array(quality)
     if mask.dtype != np.bool_:
         raise LogError(f"quality of {name!r} has type {mask.dtype}; give True for good and False for bad")

@@ -25,12 +25,8 @@ def swinging_door_kept(t: npt.ArrayLike, values: npt.ArrayLike, deviation: float
 
         |line between archived samples - sample| <= E    at every sample.
 
-    Parameters
-    ----------
-    t, values : (n,) arrays [s], [unit of the signal]
-        Finite values over increasing time.
-    deviation : float [unit of the signal]
-        E >= 0.
+    Parameters: ``t``, ``values`` ((n,) arrays [s], [unit of the signal]) Finite values over increasing time;
+    ``deviation`` (float [unit of the signal]) E >= 0.
 
     Returns a bool array (n,), True for archived; the first and the last sample always are.
 
@@ -65,12 +61,8 @@ def swinging_door_kept(t: npt.ArrayLike, values: npt.ArrayLike, deviation: float
 def swinging_door(log: Log, deviation: float | dict[str, float], names: Iterable[str] | None = None) -> Log:
     """The log as a historian gives it back after swinging-door compression, joined by straight lines.
 
-    Parameters
-    ----------
-    deviation : float or dict of float [unit of the signal]
-        Largest error; one for all signals or one a signal.
-    names : iterable of str, optional
-        Signals to compress, all (or those of the dict) if not given.
+    Parameters: ``deviation`` (float or dict of float [unit of the signal]) Largest error; one for all signals or one a
+    signal; ``names`` (iterable of str, optional) Signals to compress, all (or those of the dict) if not given.
 
     Stretches of missing values stay missing. Raises LogError if a deviation is negative.
 
@@ -95,7 +87,7 @@ def swinging_door(log: Log, deviation: float | dict[str, float], names: Iterable
 
 
 def quantise(log: Log, name: str, step: float) -> Log:
-    """The log with the signal `name` rounded to multiples of `step` [its unit], as a coarse converter does.
+    """The log with the signal ``name`` rounded to multiples of ``step`` [its unit], as a coarse converter does.
 
     Raises LogError unless the step is positive.
 
@@ -108,7 +100,7 @@ def quantise(log: Log, name: str, step: float) -> Log:
 
 
 def drop_out(log: Log, share: float, seed: int = 0, length: int = 1) -> Log:
-    """The log without about `share` of its rows, lost in stretches of `length` samples.
+    """The log without about ``share`` of its rows, lost in stretches of ``length`` samples.
 
     The first and the last row stay. Raises LogError if the share is not within 0 to 1.
 
@@ -127,7 +119,7 @@ def drop_out(log: Log, share: float, seed: int = 0, length: int = 1) -> Log:
 
 
 def bad_states(log: Log, name: str, share: float, seed: int = 0, length: int = 5) -> Log:
-    """The log with about `share` of the samples of `name` missing and of bad quality, in stretches.
+    """The log with about ``share`` of the samples of ``name`` missing and of bad quality, in stretches.
 
     That is what a digital state ("Bad Input") in place of a number is read as.
 
@@ -142,7 +134,7 @@ def bad_states(log: Log, name: str, share: float, seed: int = 0, length: int = 5
 
 
 def jitter_time(log: Log, deviation: float, seed: int = 0) -> Log:
-    """The log with each time stamp moved at random, evenly within +- `deviation` [s]; the values stay.
+    """The log with each time stamp moved at random, evenly within +- ``deviation`` [s]; the values stay.
 
     Raises LogError unless 0 <= deviation < half the shortest step, which keeps the order.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logs.errors import LogError
-from logs.style import tidy
+from logs.style import COLOURS, CYCLE, tidy
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["COLOURS", "plot_log", "plot_loop", "time_unit"]
 
-# Told apart in print and by colour-blind eyes: dark line for what is measured, warm for what commands.
-COLOURS = {"SP": "#7f7f7f", "PV": "#1f4e79", "OP": "#c55a11", "MV": "#2e7d32", "bad": "#b00020"}
-_CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000")
 _LINE = 0.9
 _MANY = 20_000  # points above which a line is drawn as pixels inside the vector file
 
@@ -31,11 +28,7 @@ _MANY = 20_000  # points above which a line is drawn as pixels inside the vector
 def plot_log(log: Log, names: str | Sequence[str] | None = None) -> Figure:
     """One panel a signal over a common time axis.
 
-    Parameters
-    ----------
-    log : Log
-    names : str or sequence of str, optional
-        Signals to show, all if not given.
+    Parameters: ``log`` (Log); ``names`` (str or sequence of str, optional) Signals to show, all if not given.
 
     Missing samples and gaps in time break the line; bad stretches are shaded, bad values marked with a cross.
 
@@ -57,7 +50,7 @@ def plot_log(log: Log, names: str | Sequence[str] | None = None) -> Figure:
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     scale, unit = time_unit(log.duration)
     for i, (panel, name) in enumerate(zip(panels, shown, strict=True)):
-        _trend(panel, log, name, COLOURS.get(name, _CYCLE[i % len(_CYCLE)]), scale)
+        _trend(panel, log, name, COLOURS.get(name, CYCLE[i % len(CYCLE)]), scale)
         _shade_bad(panel, log.t, log.good(name), log.dt, scale)
         panel.set_ylabel(_label(log, name))
         _tidy(panel)
@@ -116,7 +109,7 @@ def plot_loop(loop: LoopRecord) -> Figure:
 
 
 def time_unit(duration: float) -> tuple[float, str]:
-    """Seconds in the unit that suits a record of `duration` [s], and its name.
+    """Seconds in the unit that suits a record of ``duration`` [s], and its name.
 
     >>> time_unit(90.0), time_unit(7200.0), time_unit(3e5)
     ((1.0, 's'), (60.0, 'min'), (3600.0, 'h'))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -15,6 +14,7 @@ import numpy.typing as npt
 
 from logs.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array, seconds_and_start
 from logs.errors import LogError
+from logs.hint import nearest
 
 if TYPE_CHECKING:
     import polars as pl
@@ -30,30 +30,16 @@ __all__ = ["Log", "LogError"]
 class Log:
     """Signals over time, unchangeable once built.
 
-    Parameters
-    ----------
-    t : (n,) array [s]
-        Finite, strictly increasing, n >= 1; it may start anywhere and need not be evenly spaced. Moments (datetime64,
-        datetime objects) become seconds from the first one, which is then `start`.
-    signals : mapping of name to (n,) array
-        Values in the signal's own unit; NaN means missing. Arrays are copied unless they are read-only.
-    units : mapping of name to str
-        Unit of each signal; absent means unknown.
-    spans : mapping of name to (low, high)
-        Instrument span in the signal's unit, low < high; absent means unknown.
-    quality : mapping of name to (n,) bool array
-        True where the sample is good; absent means every finite value is good.
-    origin : str
-        One line: where the log comes from.
-    start : datetime, optional
-        Wall-clock time of t = 0.
-    notes : tuple of str
-        What a reader assumed or repaired, one sentence each.
+    Parameters: ``t`` ((n,) array [s]) Finite, strictly increasing, n >= 1; it may start anywhere and need not be evenly
+    spaced. Moments (datetime64, datetime objects) become seconds from the first one, which is then ``start``;
+    ``signals`` (mapping of name to (n,) array) Values in the signal's own unit; NaN means missing. Arrays are copied
+    unless they are read-only; ``units`` (mapping of name to str) Unit of each signal; absent means unknown; ``spans``
+    (mapping of name to (low, high)) Instrument span in the signal's unit, low < high; absent means unknown; ``quality``
+    (mapping of name to (n,) bool array) True where the sample is good; absent means every finite value is good;
+    ``origin`` (str) One line: where the log comes from; ``start`` (datetime, optional) Wall-clock time of t = 0;
+    ``notes`` (tuple of str) What a reader assumed or repaired, one sentence each.
 
-    Raises
-    ------
-    LogError
-        If lengths differ, time does not increase, a span is empty or a mapping names an unknown signal.
+    Raises ``LogError`` if lengths differ, time does not increase, a span is empty or a mapping names an unknown signal.
 
     >>> log = Log(t=[0, 1, 2], signals={"OP": [50, 51, 52], "PV": [4, float("nan"), 5]}, units={"OP": "%"})
     >>> log.names, len(log), log.duration
@@ -86,7 +72,7 @@ class Log:
         for kind, mapping in (("units", self.units), ("spans", self.spans), ("quality", self.quality)):
             for name in mapping:
                 if name not in signals:
-                    raise LogError(f"{kind} name a signal {name!r} that is not logged; {_offer(name, signals)}")
+                    raise LogError(f"{kind} name a signal {name!r} that is not logged; {nearest(name, signals)}")
         set_field = object.__setattr__
         set_field(self, "t", t)
         set_field(self, "start", self.start if start is None else start)
@@ -127,25 +113,25 @@ class Log:
         return name in self.signals
 
     def __getitem__(self, name: str) -> Values:
-        """Values of the signal `name`, shape (n,), read-only.
+        """Values of the signal ``name``, shape (n,), read-only.
 
         >>> Log(t=[0.0], signals={"OP": [50.0]})["Op"]
         Traceback (most recent call last):
         ...
-        logs.errors.LogError: no signal 'Op'; did you mean 'OP'? The log has 'OP'
+        logs.errors.LogError: no signal 'Op'; did you mean 'OP'? known: OP
         """
         try:
             return self.signals[name]
         except KeyError:
-            raise LogError(f"no signal {name!r}; {_offer(name, self.signals)}") from None
+            raise LogError(f"no signal {name!r}; {nearest(name, self.signals)}") from None
 
     def good(self, name: str) -> Mask:
-        """True where `name` is finite and not marked bad, shape (n,)."""
+        """True where ``name`` is finite and not marked bad, shape (n,)."""
         finite = np.isfinite(self[name])
         return finite & self.quality[name] if name in self.quality else finite
 
     def gaps(self, factor: float = 5.0) -> list[tuple[float, float]]:
-        """Stretches without samples: pairs (t0, t1) [s] of neighbours with t1 - t0 > `factor` * median step.
+        """Stretches without samples: pairs (t0, t1) [s] of neighbours with t1 - t0 > ``factor`` * median step.
 
         Raises LogError unless the factor is positive.
 
@@ -207,7 +193,7 @@ class Log:
     def with_signal(
         self, name: str, values: npt.ArrayLike, unit: str = "", span: tuple[float, float] | None = None
     ) -> Log:
-        """A log with the signal `name` added or replaced, with its unit and its span in that unit.
+        """A log with the signal ``name`` added or replaced, with its unit and its span in that unit.
 
         >>> Log(t=[0, 1], signals={}).with_signal("OP", [50, 51], unit="%", span=(0, 100)).spans["OP"]
         (0.0, 100.0)
@@ -242,7 +228,7 @@ class Log:
     def clock(self) -> list[datetime]:
         """Wall-clock time of every sample.
 
-        Raises LogError if `start` is not known.
+        Raises LogError if ``start`` is not known.
         """
         if self.start is None:
             raise LogError("the wall-clock time is not known; build the log with start=datetime(...)")
@@ -283,13 +269,13 @@ class Log:
         )
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a CSV file with the metadata in '# ' lines; `read_log` gives the same log back."""
+        """Write a CSV file with the metadata in '# ' lines; ``read_log`` gives the same log back."""
         from logs.files.write import write_csv
 
         write_csv(self, path)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write a Parquet file with the metadata in its footer; `read_log` gives the same log back."""
+        """Write a Parquet file with the metadata in its footer; ``read_log`` gives the same log back."""
         from logs.files.write import write_parquet
 
         write_parquet(self, path)
@@ -319,14 +305,7 @@ class Log:
         return table(self)
 
     def plot(self, names: str | list[str] | tuple[str, ...] | None = None) -> Figure:
-        """A figure with one panel per signal over time; see `logs.figures.plot_log`."""
+        """A figure with one panel per signal over time; see ``logs.figures.plot_log``."""
         from logs.figures import plot_log
 
         return plot_log(self, names)
-
-
-def _offer(name: object, known: Mapping[str, object]) -> str:
-    listed = ", ".join(repr(k) for k in known) or "no signals"
-    by_fold = {k.casefold(): k for k in known}
-    near = difflib.get_close_matches(str(name).casefold(), list(by_fold), n=1, cutoff=0.5)
-    return (f"did you mean {by_fold[near[0]]!r}? " if near else "") + f"The log has {listed}"

@@ -24,27 +24,15 @@ __all__ = ["LoopRecord"]
 class LoopRecord:
     """A view of a log as one control loop, e = SP - PV.
 
-    Parameters
-    ----------
-    log : Log
-        Holds the signals.
-    name : str
-        Tag of the loop, for titles and reports.
-    sp_name, pv_name, op_name : str
-        Signals of the set point (None if not logged), the measurement and the controller output.
-    mv_name : str, optional
-        Signal of the true stem position, which few plants log.
-    mode_name : str, optional
-        Signal of the controller mode: 0 manual, 1 automatic, 2 cascade, NaN unknown.
-    process : {"self_regulating", "integrating", "unknown"}
-        What PV does after a step of OP: it settles or it runs away.
-    measurement : str
-        "flow", "level", "pressure", "temperature", "analyser" or "".
+    Parameters: ``log`` (Log) Holds the signals; ``name`` (str) Tag of the loop, for titles and reports; ``sp_name``,
+    ``pv_name``, ``op_name`` (str) Signals of the set point (None if not logged), the measurement and the controller
+    output; ``mv_name`` (str, optional) Signal of the true stem position, which few plants log; ``mode_name`` (str,
+    optional) Signal of the controller mode: 0 manual, 1 automatic, 2 cascade, NaN unknown; ``process``
+    ({"self_regulating", "integrating", "unknown"}) What PV does after a step of OP: it settles or it runs away;
+    ``measurement`` (str) "flow", "level", "pressure", "temperature", "analyser" or "".
 
-    Raises
-    ------
-    LogError
-        If a signal is not in the log, one signal is given two parts, or `process` is none of the three.
+    Raises ``LogError`` if a signal is not in the log, one signal is given two parts, or ``process`` is none of the
+    three.
 
     >>> loop = LoopRecord.from_arrays([0, 1, 2], pv=[4, 5, 6], op=[50, 49, 48], sp=[5, 5, 5], name="FIC211")
     >>> loop.e.tolist(), loop.dt, loop.measurement
@@ -98,19 +86,12 @@ class LoopRecord:
     ) -> Self:
         """A loop from plain arrays of equal length.
 
-        Parameters
-        ----------
-        t : (n,) [s]
-            Or moments: datetime64, datetime objects, a DatetimeIndex; seconds then count from the first.
-        pv, sp : (n,) [unit_pv]
-        op, mv : (n,) [unit of op_span]
-            Controller output and, if measured, the stem position, both on the same span.
-        op_span : (low, high) or None
-            Span of OP; (0, 100) means %, None means unknown.
-        mode : (n,), optional
-            0 manual, 1 automatic, 2 cascade, NaN unknown.
+        Parameters: ``t`` ((n,) [s]) Or moments: datetime64, datetime objects, a DatetimeIndex; seconds then count from
+        the first; ``pv``, ``sp`` ((n,) [unit_pv]); ``op``, ``mv`` ((n,) [unit of op_span]) Controller output and, if
+        measured, the stem position, both on the same span; ``op_span`` ((low, high) or None) Span of OP; (0, 100) means
+        %, None means unknown; ``mode`` ((n,), optional) 0 manual, 1 automatic, 2 cascade, NaN unknown.
 
-        Raises LogError as `Log` does.
+        Raises LogError as ``Log`` does.
         """
         given = {"SP": sp, "PV": pv, "OP": op, "MV": mv, "MODE": mode}
         # Log converts and checks them; the cast only tells the type checker so.
@@ -216,9 +197,9 @@ class LoopRecord:
         return 100.0 * (self.op - low) / (high - low)
 
     def segments(self, min_samples: int = 2, gap_factor: float = 5.0) -> list[LoopRecord]:
-        """Stretches of good samples without a gap, each of at least `min_samples`.
+        """Stretches of good samples without a gap, each of at least ``min_samples``.
 
-        A gap is a step longer than `gap_factor` times the median step of the whole record.
+        A gap is a step longer than ``gap_factor`` times the median step of the whole record.
 
         Raises LogError unless min_samples >= 1 and gap_factor > 0.
 
@@ -253,7 +234,7 @@ class LoopRecord:
         return (*self.log.notes, *own)
 
     def plot(self) -> Figure:
-        """Trend of SP, PV and OP with the PV-OP (and MV-OP) phase plot; see `logs.figures.plot_loop`."""
+        """Trend of SP, PV and OP with the PV-OP (and MV-OP) phase plot; see ``logs.figures.plot_loop``."""
         from logs.figures import plot_loop
 
         return plot_loop(self)

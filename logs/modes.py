@@ -21,7 +21,7 @@ _OPEN = {"IMAN", "LO", "TRK", "TRACK", "TRACKING", "TUNE", "TUNING", "ROUT", "OO
 
 
 def mode_number(text: str) -> float:
-    """The number of the mode called `text`; whatever is neither automatic nor cascade counts as manual.
+    """The number of the mode called ``text``; whatever is neither automatic nor cascade counts as manual.
 
     >>> [mode_number(text) for text in ("AUTO", "Cas", "P-RCAS", "MAN", "IMAN", "")]
     [1.0, 2.0, 2.0, 0.0, 0.0, nan]
@@ -41,7 +41,7 @@ def mode_number(text: str) -> float:
 
 
 def says_manual(text: str) -> bool:
-    """Whether `text` is a usual word for manual, so that nothing has to be assumed.
+    """Whether ``text`` is a usual word for manual, so that nothing has to be assumed.
 
     >>> says_manual("Hand"), says_manual("Manuell"), says_manual("LO")
     (True, True, False)

@@ -1,11 +1,37 @@
-"""How all our pictures look: their quiet colours, and panels with no more lines than they need."""
+"""How all our pictures and pages look: every colour of the house, and panels with no more lines than they need."""
 
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-INK, SOFT, AXIS, GRID = "#1d2733", "#5b6875", "#808080", "#e3e6ea"
+# Lines, words and grounds, from dark to light.
+INK, WIRE, SOFT, AXIS, PALE, GRID = "#1d2733", "#3a4653", "#5b6875", "#808080", "#8896a5", "#e3e6ea"
+SHADE = "#f1f4f8"  # behind every other group
+# Told apart in print and by colour-blind eyes: dark line for what is measured, warm for what commands.
+BLUE, ORANGE, GREEN, VIOLET, TEAL, OLIVE, RED = (
+    "#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000", "#b00020",
+)  # fmt: skip
+COLOURS = {"SP": "#7f7f7f", "PV": BLUE, "OP": ORANGE, "MV": GREEN, "bad": RED}
+CYCLE = (BLUE, ORANGE, GREEN, VIOLET, TEAL, OLIVE)  # of signals without a part
+OUTSIDE = "#555555"  # a signal of no nested diagram, beside some that are
+STUCK, EVENT = "#f3d9b8", "#8a5a2b"  # where a stem is stuck; other changes of mode
+# Half cycles before and after a turn: a dark and a light one, which mean no signal; those that do not count; a fit.
+BEFORE, AFTER, UNUSED, FIT = "#7b5ea7", "#f0c05a", "#e6e6e6", "#333333"
+# Sizes of stiction from light to dark, so that grey paper keeps the order, and OP beside them.
+STICTION = {"none": "#9aa7b4", "normal": "#4a90d0", "high": "#a3281a"}
+COMMAND = "#8a97a5"
+# Boxes of a drawing by the role of their block, and the frames of nested diagrams.
+FILL = {"source": "#e9f4ec", "controller": "#e7f0fb", "valve": "#fdf0e1", "python": "#f1eafa", "plain": "#ffffff"}
+EDGE = {"source": "#4d8f63", "controller": "#3f73b0", "valve": "#c07a22", "python": "#7d5bb0", "plain": "#54616e"}
+FRAME, FRAME_EDGE = "#f4f6f9", "#c3ccd6"
+# Pages.
+PAGE = {
+    "ink": INK, "soft": SOFT, "line": "#dfe4ea", "ground": "#f6f8fa", "link": "#1f5fa8", "missed": "#fdf1e4",
+    "bad": "#fdecea", "bad_ink": "#96231c", "bad_line": "#f3c1bc",
+    "good": "#e8f5ec", "good_ink": "#1c6b38", "good_line": "#bfe2cb",
+    "open": "#fff6e0", "open_ink": "#7a5600", "open_line": "#f0dca8",
+}  # fmt: skip
 
 
 def tidy(ax: "Axes") -> None:

@@ -28,7 +28,7 @@ _TAG = re.compile(
 
 
 def tag_in(text: str) -> str:
-    """The first instrument tag found in `text`, "" when there is none.
+    """The first instrument tag found in ``text``, "" when there is none.
 
     >>> tag_in("12-FIC-211.PV"), tag_in("LIC31102B_20240823_2155"), tag_in("CHEM1")
     ('FIC-211', 'LIC31102B', '')
@@ -38,7 +38,7 @@ def tag_in(text: str) -> str:
 
 
 def measurement_of(tag: str) -> str:
-    """The measured variable by the first letter of the tag in `tag`, "" when it cannot be told.
+    """The measured variable by the first letter of the tag in ``tag``, "" when it cannot be told.
 
     >>> [measurement_of(tag) for tag in ("FC145", "LIC106", "12-PIC-7", "TIC_1203A", "AC1", "PAP2")]
     ['flow', 'level', 'pressure', 'temperature', 'analyser', '']

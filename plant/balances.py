@@ -1,4 +1,4 @@
-"""Books of what crosses the plant's boundaries, integrated inside the model, so that balances close to rounding.
+"""Balances of what crosses the plant's boundaries, integrated inside the model, so that balances close to rounding.
 
     methane   Z_I F_in - z_1 F_L1 - F_G1 - F_flare1                       methane of S1 [mol]
     oil       (1 - Z_I) F_in - (1 - z_1) F_L1                             hexane of S1 [mol]
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
+from blocks.role import Role
 from diagram import Diagram, wire
 
 ACCOUNTS = ("methane", "oil", "moles", "gas", "energy")
@@ -40,15 +41,16 @@ def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
     dx[4] = (u[13] - u[14] - u[15]) * u[16]
 
 
-class Books(Block):
+class Balances(Block):
     """The five accounts of the production plant, which start with the contents given."""
 
+    role = Role.ARITHMETIC
     ports_in = tuple(Port(signal, unit) for signal, unit in FLOWS.items())
-    ports_out = tuple(Port(f"booked_{account}") for account in ACCOUNTS)
+    ports_out = tuple(Port(f"balance_{account}") for account in ACCOUNTS)
     kernels = Kernels(out=_out, der=_der, feeds=False)
 
     def __init__(self, start: NDArray[np.float64]) -> None:
-        super().__init__(name="books", params={}, states=dict(zip(ACCOUNTS, start.tolist(), strict=True)))
+        super().__init__(name="balances", params={}, states=dict(zip(ACCOUNTS, start.tolist(), strict=True)))
 
 
 def contents(plant: Diagram) -> NDArray[np.float64]:
@@ -66,13 +68,13 @@ def contents(plant: Diagram) -> NDArray[np.float64]:
     return np.array([S1[1] + S1[2], S1[0], S1.sum() + S2.sum(), gas, energy])
 
 
-def booked(plant: Diagram) -> Diagram:
-    """Return the plant with its books; at the end compare ``contents(run.final)`` with ``run.final["books"].x0``.
+def with_balances(plant: Diagram) -> Diagram:
+    """Return the plant with its balances; at the end compare ``contents(run.final)`` with ``run.final["balances"].x0``.
 
     >>> from diagram import simulate
     >>> from plant import kicked, production_plant
-    >>> run = simulate(booked(kicked(production_plant())), 50.0, every=10.0, method="stiff")
-    >>> bool(abs(contents(run.final) / run.final["books"].x0 - 1.0)[:4].max() < 1e-12)
+    >>> run = simulate(with_balances(kicked(production_plant())), 50.0, every=10.0, method="stiff")
+    >>> bool(abs(contents(run.final) / run.final["balances"].x0 - 1.0)[:4].max() < 1e-12)
     True
     """
-    return wire([*plant.blocks, Books(contents(plant))], name=plant.name)
+    return wire([*plant.blocks, Balances(contents(plant))], name=plant.name)

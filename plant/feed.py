@@ -87,7 +87,7 @@ def start(blocks: Sequence[Block]) -> dict[str, float]:
     return {
         signal: float(value)
         for block in blocks
-        if not block.ports_in and not block.sampled
+        if block.role.drives and not block.sampled
         for signal, value in zip(block.output_labels, block.output(-math.inf, [], []), strict=True)
     }
 

@@ -1,6 +1,5 @@
 """The commands; each lives in a file of its own and imports what it needs only when it runs."""
 
-import difflib
 import importlib
 from pathlib import Path
 
@@ -55,11 +54,12 @@ class Lazy(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         name = args[0]
         if name not in COMMANDS and not name.startswith("-"):
-            close = difflib.get_close_matches(name, COMMANDS, n=1)
-            hint = f"did you mean '{close[0]}'? " if close else ""
+            from logs.hint import nearest  # numpy and more, which ``stickslip --help`` need not wait for
+
+            hint = nearest(name, COMMANDS)
             if Path(name).is_file():
-                hint = f"to judge the loop in that file: stickslip check {name}; "
-            ctx.fail(f"there is no command '{name}'; {hint}known: {', '.join(COMMANDS)}")
+                hint = f"to judge the loop in that file: stickslip check {name}; known: {', '.join(COMMANDS)}"
+            ctx.fail(f"there is no command '{name}'; {hint}")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

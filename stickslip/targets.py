@@ -2,7 +2,6 @@
 
 import io
 import os
-import secrets
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -74,18 +73,14 @@ def write_whole(path: Path, content: bytes) -> None:
     A link keeps pointing where it did; a device or a pipe, e.g. /dev/null, is written to as it stands.  Raises
     ``ValueError`` naming ``path`` when that fails.
     """
+    from logs.files.write import replacing
+
     try:
         if path.exists() and not path.is_file():
             path.write_bytes(content)
             return
-        real = Path(os.path.realpath(path))
-        temporary = real.with_name(f".{secrets.token_hex(6)}.part")
-        try:
-            with open(temporary, "xb") as file:
-                file.write(content)
-            os.replace(temporary, real)
-        finally:
-            temporary.unlink(missing_ok=True)
+        with replacing(path) as part:
+            part.write_bytes(content)
     except OSError as fault:
         raise ValueError(f"{path} cannot be written ({fault.strerror}); choose another place") from None
 

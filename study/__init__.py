@@ -3,9 +3,11 @@
 study                 runs one                    uniform, loguniform, normal   laws of random axes
 Subject               what it can rebuild         production_subject            the production plant as one
 StudyResult           table and pictures          parse                         an axis as the command line writes it
+OwnMeasures           other numbers than the usual ones
 """
 
 from study.axes import Law, StudyError, loguniform, normal, parse, uniform
+from study.measures import OwnMeasures
 from study.production import production_subject
 from study.result import StudyResult
 from study.run import study
@@ -13,6 +15,7 @@ from study.subject import Subject
 
 __all__ = [
     "Law",
+    "OwnMeasures",
     "StudyError",
     "StudyResult",
     "Subject",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from logs.style import tidy
+from logs.style import CYCLE, tidy
 from study.axes import Axis
 from study.findings import Findings
 from study.frame import DECADES, head, plain_numbers
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000")
 SHOWN = 6  # signals in one panel
 ASIDE = 0.004  # of the axis, from the bar of one signal to the next
 SLICES, DRAWN = 40, 12  # of a listed and of a random axis

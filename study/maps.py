@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logs.style import tidy
+from logs.style import INK, RED, tidy
 from study.axes import Axis
 from study.findings import Findings
 from study.frame import head, plain_numbers
@@ -78,7 +78,7 @@ def _cells(result: Findings, ax: "Axes", x: Axis, y: Axis, signal: str) -> "Scal
         for i, j in zip(*np.nonzero(np.isfinite(grid)), strict=True):
             dark = grid[i, j] < bottom + 0.6 * (float(np.nanmax(grid)) - bottom)
             ax.text(j + 0.5, i + 0.5, f"{grid[i, j]:.3g}", ha="center", va="center", fontsize=8,
-                    color="white" if dark else "#1d2733")  # fmt: skip
+                    color="white" if dark else INK)  # fmt: skip
     return drawn
 
 
@@ -91,7 +91,7 @@ def _dots(result: Findings, ax: "Axes", x: Axis, y: Axis, signal: str) -> "Scala
     """Draw a dot a run; a cross where there is no result."""
     percent, across, up = result.percent(signal), result.column(x.column), result.column(y.column)
     ok = np.isfinite(percent)
-    ax.scatter(across[~ok], up[~ok], s=10, color="#b00020", marker="x", linewidth=0.7)
+    ax.scatter(across[~ok], up[~ok], s=10, color=RED, marker="x", linewidth=0.7)
     drawn = ax.scatter(across[ok], up[ok], s=14, c=percent[ok], cmap="viridis", linewidth=0)
     if x.even_ratios:
         ax.set_xscale("log")

@@ -6,11 +6,14 @@ a change from stuck to sliding.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.block import STUCK_MODE
+from blocks.role import Role
 from diagram.diagram import Diagram
 from logs.oscillation import oscillations
 
@@ -19,6 +22,14 @@ AT_LIMIT = 1e-9  # of the limit's size, or of 1: rounding at the stop
 STANDS = 1e-12  # of the size of a signal: an amplitude below is rounding, and has no period
 
 NAMES = ("mean", "amplitude", "sd", "period")
+
+
+@dataclass(frozen=True)
+class OwnMeasures:
+    """Measures in place of the usual ones: ``function`` takes times and signals of a run and gives the ``names``."""
+
+    names: tuple[str, ...]
+    function: Callable[[Floats, Mapping[str, Floats]], Mapping[str, float]]
 
 
 class Measures:
@@ -68,9 +79,9 @@ def limits(
     found = {}
     for signal in signals:
         block = diagram.blocks[diagram.driven[signal][0]]
-        if {"K_p", "low", "high"} <= set(block.param_names):
-            own = {name: float(block.p[block.param_index(name)]) for name in ("low", "high")}
-            low, high = ((params or {}).get(f"{block.name}.{name}", own[name]) for name in ("low", "high"))
+        if block.role in (Role.CONTROLLER, Role.VALVE) and signal == block.loop_signal("OP") and block.limit_params:
+            own = dict(zip(block.limit_params, block.limits, strict=True))
+            low, high = ((params or {}).get(f"{block.name}.{name}", value) for name, value in own.items())
             if math.isfinite(low) or math.isfinite(high):
                 found[signal] = (low, high)
     return found
@@ -78,11 +89,7 @@ def limits(
 
 def valves(diagram: Diagram) -> dict[str, tuple[int, float]]:
     """Return the blocks that can stick: name -> (number of the block, value of their mode "stuck")."""
-    return {
-        block.name: (b, block.modes["stuck"])
-        for b, block in enumerate(diagram.blocks)
-        if {"stuck", "sliding up", "sliding down"} <= set(block.modes)
-    }
+    return {block.name: (b, block.modes[STUCK_MODE]) for b, block in enumerate(diagram.blocks) if block.can_stick}
 
 
 def slips(events: Floats, sticky: Mapping[str, tuple[int, float]], since: float) -> dict[str, int]:

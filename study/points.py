@@ -33,7 +33,7 @@ class Refusal:
 
 
 @dataclass(frozen=True, eq=False)
-class Cast:
+class Prepared:
     """A run: its reference diagram and what it has other than that, as an ensemble takes it."""
 
     reference: Diagram
@@ -42,7 +42,7 @@ class Cast:
 
 
 @dataclass(frozen=True)
-class Company:
+class Batch:
     """Runs of one ensemble, with their columns."""
 
     reference: Diagram
@@ -52,8 +52,8 @@ class Company:
     seeds: NDArray[np.int64] | None
 
 
-class Casting:
-    """Casts the runs of a design.
+class Points:
+    """Prepares the runs of a design.
 
     ``kicks`` None: start as the subject does; 0: at rest; more: that many kicks of ``size`` a point.
     """
@@ -63,27 +63,27 @@ class Casting:
         self.references: dict[object, Diagram] = {}
         self.built = lru_cache(BUILT)(self._build)
 
-    def split(self, runs: Sequence[int]) -> tuple[list[Company], dict[int, Refusal]]:
+    def split(self, runs: Sequence[int]) -> tuple[list[Batch], dict[int, Refusal]]:
         """Return the ensembles that make up these runs, and the runs that are refused."""
-        casts: dict[int, Cast] = {}
+        ready: dict[int, Prepared] = {}
         refused: dict[int, Refusal] = {}
-        points: dict[int, Cast | Refusal] = {}
+        points: dict[int, Prepared | Refusal] = {}
         for run in runs:
             point = run // self.design.kicks
             if point not in points:
-                points[point] = self.cast(point)
-            cast = points[point]
-            if isinstance(cast, Refusal):
-                refused[run] = cast
+                points[point] = self.at(point)
+            prepared = points[point]
+            if isinstance(prepared, Refusal):
+                refused[run] = prepared
             else:
-                casts[run] = self._kick(cast, run % self.design.kicks) if self.kicks else cast
+                ready[run] = self._kick(prepared, run % self.design.kicks) if self.kicks else prepared
         together: dict[object, list[int]] = {}
-        for run, one in casts.items():
+        for run, one in ready.items():
             bounds = tuple(pair for pair in one.params.items() if pair[0].endswith((".low", ".high")))
-            together.setdefault((id(one.reference), bounds), []).append(run)  # one company, one set of limits
-        return [self._company(group, casts) for group in together.values()], refused
+            together.setdefault((id(one.reference), bounds), []).append(run)  # one batch, one set of limits
+        return [self._batch(group, ready) for group in together.values()], refused
 
-    def cast(self, point: int) -> Cast | Refusal:
+    def at(self, point: int) -> Prepared | Refusal:
         """Return a point without its kicks, or why it cannot be run."""
         chosen = list(zip(self.design.axes, self.design.at(point), strict=True))
         try:
@@ -95,7 +95,7 @@ class Casting:
             start = start | _known(diagram, ((a, v) for a, v in chosen if a.kind == "start"))
         except ValueError as fault:
             return Refusal("REFUSED", str(fault))
-        return Cast(reference, params, start)
+        return Prepared(reference, params, start)
 
     def _build(
         self, values: tuple[tuple[str, Value], ...]
@@ -110,23 +110,28 @@ class Casting:
         reference = self.references.setdefault(_shape(diagram), diagram)
         return diagram, reference, *_differences(diagram, reference)
 
-    def _kick(self, cast: Cast, kick: int) -> Cast:
-        """Return the cast moved by one kick: the kicks are the same at every point."""
+    def _kick(self, prepared: Prepared, kick: int) -> Prepared:
+        """Return the prepared moved by one kick: the kicks are the same at every point."""
         rest = np.array([
-            cast.start[name] if name in cast.start else _start_of(cast.reference, name) for name in self.subject.kicked
+            prepared.start[name] if name in prepared.start else _start_of(prepared.reference, name)
+            for name in self.subject.kicked
         ])  # fmt: skip
         moved = start_kicks(rest, self.design.kicks, self.seed, self.size)[kick]
-        return Cast(cast.reference, cast.params, {**cast.start, **dict(zip(self.subject.kicked, moved, strict=True))})
+        return Prepared(
+            prepared.reference,
+            prepared.params,
+            {**prepared.start, **dict(zip(self.subject.kicked, moved, strict=True))},
+        )
 
-    def _company(self, runs: Sequence[int], casts: Mapping[int, Cast]) -> Company:
-        reference = casts[runs[0]].reference
-        params = _columns([casts[run].params for run in runs], lambda key: _param_of(reference, key))
-        start = _columns([casts[run].start for run in runs], lambda key: _start_of(reference, key))
+    def _batch(self, runs: Sequence[int], ready: Mapping[int, Prepared]) -> Batch:
+        reference = ready[runs[0]].reference
+        params = _columns([ready[run].params for run in runs], lambda key: _param_of(reference, key))
+        start = _columns([ready[run].start for run in runs], lambda key: _start_of(reference, key))
         noisy = any(isinstance(block, Reseedable) for block in reference.blocks)
         seeds = (
             np.array([self.seed + run % self.design.kicks for run in runs]) if noisy or not (params or start) else None
         )
-        return Company(reference, tuple(runs), params, start, seeds)
+        return Batch(reference, tuple(runs), params, start, seeds)
 
 
 def resolve(axes: Iterable[Axis], subject: Subject, design_of_one: Diagram | None) -> list[Axis]:

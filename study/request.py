@@ -13,7 +13,7 @@ import plant
 from diagram.diagram import Diagram
 from study.axes import Axis
 
-SCHEMA = "stickslip.study/1"
+SCHEMA = "stickslip.study-folder/1"
 PACKAGES = (blocks, engine, plant)
 LONGEST_VALUE = 60  # characters of a value in a message
 

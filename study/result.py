@@ -16,14 +16,12 @@ if TYPE_CHECKING:
 class StudyResult(Findings):
     """The outcome of ``study``.
 
-    Attributes
-    ----------
-    table : polars DataFrame, one row a run: run, point, kick, the axes, status, reason, ended [s], and for each
-        signal ``.mean``, ``.amplitude`` (half of peak to peak), ``.sd``, ``.period`` [s], ``.saturated`` (share of
-        time at a limit, controller outputs only); ``VALVE.slips``.  What a run has not is null.
-    request : what was asked for, as plain values; ``axes`` the same as objects.
-    signals : measured, in the order of the chain; ``stages`` of it: name -> signals; ``units`` of signals.
-    complete : whether all runs are there; ``seconds`` that this call took.
+    Attributes: ``table`` (polars DataFrame, one row a run: run, point, kick, the axes, status, reason, ended [s], and
+    for each) signal ``.mean``, ``.amplitude`` (half of peak to peak), ``.sd``, ``.period`` [s], ``.saturated`` (share
+    of time at a limit, controller outputs only); ``VALVE.slips``.  What a run has not is null; ``request`` (what was
+    asked for, as plain values; ``axes`` the same as objects.); ``signals`` (measured, in the order of the chain;
+    ``stages`` of it: name -> signals; ``units`` of signals.); ``complete`` (whether all runs are there; ``seconds``
+    that this call took.).
     """
 
     complete: bool

@@ -14,13 +14,13 @@ from blocks.ports import nearest
 from diagram.diagram import Diagram
 from diagram.ensembles.running import cores, ensemble
 from diagram.kept import log_times
-from diagram.progress import Progress, told
+from diagram.progress import Progress, reporting
 from engine.status import Status
 from study.axes import StudyError, axes_of
 from study.design import design
 from study.folder import Folder, Memory, Store, joined, opened
-from study.measures import Measures, slips, valves
-from study.points import Casting, Company, Refusal, resolve
+from study.measures import Measures, OwnMeasures, slips, valves
+from study.points import Batch, Points, Refusal, resolve
 from study.request import code, fingerprint, spelt
 from study.result import StudyResult
 from study.stop import stop_asked
@@ -53,6 +53,7 @@ def study(
     every: float,
     measure_from: float | None = None,
     signals: Sequence[str] | None = None,
+    measures: OwnMeasures | None = None,
     rtol: float = 1e-6,
     atol: float = 1e-9,
     method: str | None = None,
@@ -69,10 +70,10 @@ def study(
     grid) or a law such as ``uniform(1250, 2250)`` (laws share ``random`` points of a Latin hypercube).  ``kicks`` None
     starts as the subject does, 0 at rest, N makes N runs of every point, its kicked states times independent factors
     1 -+ ``kick_size``.  ``seed`` fixes hypercube and kicks.  ``duration``, ``every`` [s] of the run and its log;
-    ``measure_from`` [s] (default: half of it); ``signals`` to measure.  ``workers`` threads; ``progress`` True, False,
-    a function of (done, runs), default a bar on a terminal.  ``out`` a folder for the rows: a call with the same
-    request goes on where the last stopped, and gives the same bytes; ``fresh`` throws away what is there.  ``longest``
-    [s] the most the study may take.
+    ``measure_from`` [s] (default: half of it); ``signals`` to measure; ``measures`` of your own in
+    place of the usual ones.  ``workers`` threads; ``progress`` True, False, a function of (done, runs), default a bar
+    on a terminal.  ``out`` a folder for the rows: a call with the same request goes on where the last stopped, and
+    gives the same bytes; ``fresh`` throws away what is there.  ``longest`` [s] the most the study may take.
 
     A run that cannot be made is a row with a status and a reason.  Ctrl-C returns what is finished.
     Raises ``StudyError`` for a request that makes no sense.
@@ -89,10 +90,10 @@ def study(
     _check(kick_size, longest, random=random, kicks=kicks, seed=seed, workers=workers)
     grid, since = _times(duration, every, measure_from)
     plain = chosen.build({})
-    first = _first(Casting(chosen, design(axes, random, seed, kicks), kicks, kick_size, seed), plain)
+    first = _first(Points(chosen, design(axes, random, seed, kicks), kicks, kick_size, seed), plain)
     axes = resolve(axes, chosen, first)
     plan = design(axes, random, seed, kicks)
-    casting = Casting(chosen, plan, kicks, kick_size, seed)
+    points = Points(chosen, plan, kicks, kick_size, seed)
     if kicks and not chosen.kicked:
         raise StudyError(f"'{chosen.name}' has no states that a kick could move; give start= values (--start) instead")
     wanted = _signals(chosen, first, signals)
@@ -101,14 +102,16 @@ def study(
         "kicks": kicks, "kick_size": kick_size, "seed": seed, "duration": float(duration), "every": float(every),
         "measure_from": since, "signals": list(wanted), "rtol": rtol, "atol": atol, "method": method or chosen.method,
     }  # fmt: skip
-    schema = Schema.of(plan, [first, *_other_shapes(casting)], wanted)
+    if measures is not None:
+        request["measures"] = list(measures.names)
+    schema = Schema.of(plan, [first, *_other_shapes(points)], wanted, None if measures is None else measures.names)
     options = {"duration": duration, "every": every, "rtol": rtol, "atol": atol, "method": method or chosen.method}
     begun = time.perf_counter()
     held = nullcontext(Memory()) if out is None else opened(Path(out), request, fresh)
-    with held as store, told(progress, len(plan), "runs") as tell, stop_asked() as stopped:
+    with held as store, reporting(progress, len(plan), "runs") as tell, stop_asked() as stopped:
         if isinstance(store, Folder):
             store.note(status="running", runs=len(plan))
-        work = _Work(casting, schema, since, options, len(grid), workers or cores(), tell, longest)
+        work = _Work(points, schema, since, options, len(grid), workers or cores(), tell, longest, measures)
         complete = work.all(store, stopped)
         tables = store.rows()
         table = joined(tables) if tables else schema.empty()
@@ -134,17 +137,18 @@ class _Work:
     """Makes runs part after part, each some seconds of work, and stores their rows."""
 
     def __init__(
-        self, casting: Casting, schema: Schema, since: float, options: Mapping[str, Any], rows: int, workers: int,
-        tell: Callable[[int, int], None], longest: float,
+        self, points: Points, schema: Schema, since: float, options: Mapping[str, Any], rows: int, workers: int,
+        tell: Callable[[int, int], None], longest: float, own: OwnMeasures | None = None,
     ) -> None:  # fmt: skip
-        self.casting, self.schema, self.since, self.options = casting, schema, since, options
+        self.own = own
+        self.points, self.schema, self.since, self.options = points, schema, since, options
         self.workers, self.tell, self.longest = workers, tell, longest
         self.most = int(min(LARGEST_PART, max(1.0, PART_BYTES / (8.0 * rows * len(schema.signals)))))
         self.measures: dict[object, Measures] = {}
 
     def all(self, store: Store, stopped: Callable[[], bool]) -> bool:
         """Make what is not there yet, until ``stopped``; return whether all is there."""
-        runs = len(self.casting.design)
+        runs = len(self.points.design)
         there = np.zeros(runs, dtype=bool)
         for table in store.rows():
             there[table["run"].to_numpy()] = True
@@ -176,35 +180,36 @@ class _Work:
 
     def part(self, runs: Sequence[int], done: int) -> "pl.DataFrame":
         """Return the rows of these runs, of the finished ones if interrupted."""
-        companies, refused = self.casting.split(runs)
+        batches, refused = self.points.split(runs)
         rows = {run: self.schema.refusal(run, refusal) for run, refusal in refused.items()}
-        for company in companies:
-            found = self._simulated(company, self._counting(done + len(rows)))
+        for batch in batches:
+            found = self._simulated(batch, self._counting(done + len(rows)))
             rows |= found
-            if len(found) < len(company.runs):
+            if len(found) < len(batch.runs):
                 break
         return rows_of(self.schema, [rows[run] for run in sorted(rows)])
 
     def _counting(self, known: int) -> Callable[[int, int], None]:
-        return lambda done, _: self.tell(known + done, len(self.casting.design))
+        return lambda done, _: self.tell(known + done, len(self.points.design))
 
-    def _simulated(self, company: Company, tell: Callable[[int, int], None]) -> dict[int, list[Any]]:
-        fixed = {key: float(column[0]) for key, column in company.params.items() if key.endswith((".low", ".high"))}
-        key = (id(company.reference), tuple(fixed.items()))
-        if key not in self.measures:
-            self.measures[key] = Measures(company.reference, self.schema.signals, self.since, fixed)
+    def _simulated(self, batch: Batch, tell: Callable[[int, int], None]) -> dict[int, list[Any]]:
+        fixed = {key: float(column[0]) for key, column in batch.params.items() if key.endswith((".low", ".high"))}
+        key = (id(batch.reference), tuple(fixed.items()))
+        if self.own is None and key not in self.measures:
+            self.measures[key] = Measures(batch.reference, self.schema.signals, self.since, fixed)
         result = ensemble(
-            company.reference, signals=self.schema.signals, params=company.params or None, start=company.start or None,
-            seeds=company.seeds, workers=self.workers, progress=tell, summary=self.measures[key], **self.options,
+            batch.reference, signals=self.schema.signals, params=batch.params or None, start=batch.start or None,
+            seeds=batch.seeds, workers=self.workers, progress=tell, keep_logs=self.own is None,
+            summary=self.measures[key] if self.own is None else self.own.function, **self.options,
         )  # fmt: skip
-        sticky = valves(company.reference)
+        sticky = valves(batch.reference)
         rows = {}
-        for i, run in enumerate(company.runs):
+        for i, run in enumerate(batch.runs):
             status = Status(int(result.status[i]))
             if status is Status.INTERRUPTED:
                 continue
             numbers = {name: float(column[i]) for name, column in result.summary.items()}
-            if status is Status.OK:
+            if status is Status.OK and self.own is None:
                 numbers |= {f"{valve}.slips": n for valve, n in slips(result.raw_events[i], sticky, self.since).items()}
             rows[run] = self.schema.row(run, status.name, result.hint(i), float(result.ended[i]), numbers)
         return rows
@@ -244,27 +249,27 @@ def _times(duration: float, every: float, measure_from: float | None) -> tuple[A
     return grid, since
 
 
-def _first(casting: Casting, plain: Diagram) -> Diagram:
+def _first(points: Points, plain: Diagram) -> Diagram:
     """Return the diagram of the first point that can be built: the names of parameters are looked up there."""
-    for point in range(min(casting.design.points, 50)):
-        values = zip(casting.design.axes, casting.design.at(point), strict=True)
+    for point in range(min(points.design.points, 50)):
+        values = zip(points.design.axes, points.design.at(point), strict=True)
         known = tuple((a.name, v) for a, v in values if a.kind == "plant")
-        if any(name not in casting.subject.quantities for name, _ in known):
+        if any(name not in points.subject.quantities for name, _ in known):
             break
-        built = casting.built(known)
+        built = points.built(known)
         if not isinstance(built, Refusal):
             return built[0]
     return plain
 
 
-def _other_shapes(casting: Casting) -> list[Diagram]:
+def _other_shapes(points: Points) -> list[Diagram]:
     """Return the diagrams that words build, one for each: they may have other valves."""
-    axes = [axis for axis in casting.design.axes if axis.kind == "plant"]
+    axes = [axis for axis in points.design.axes if axis.kind == "plant"]
     found = []
     for axis in axes:
         for word in (value for value in axis.values if isinstance(value, str)):
             others = {other.name: other.values[0] for other in axes if other.values}
-            built = casting.built(tuple({**others, axis.name: word}.items()))
+            built = points.built(tuple({**others, axis.name: word}.items()))
             if not isinstance(built, Refusal):
                 found.append(built[0])
     return found

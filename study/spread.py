@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from logs.style import INK, SOFT, tidy
+from logs.style import BLUE, INK, SHADE, SOFT, tidy
 from study.findings import Findings
 from study.frame import DECADES, head, plain_numbers
 from study.groups import Group, bands, groups
@@ -72,7 +72,7 @@ def shades(count: int) -> list[Any]:
     from matplotlib import colormaps
 
     if count == 1:
-        return ["#1f4e79"]
+        return [BLUE]
     return [colormaps["viridis_r"](0.12 + 0.88 * i / (count - 1)) for i in range(count)]
 
 
@@ -123,7 +123,7 @@ def _stages(column: Any, result: Findings) -> None:
     for k, (name, at) in enumerate(named):
         for ax in column:
             if k % 2 == 0:
-                ax.axvspan(min(at) - 0.5, max(at) + 0.5, color="#f1f4f8", linewidth=0, zorder=0)
+                ax.axvspan(min(at) - 0.5, max(at) + 0.5, color=SHADE, linewidth=0, zorder=0)
         column[0].text(
             0.5 * (min(at) + max(at)), 0.985, name.replace(" ", "\n"), transform=column[0].get_xaxis_transform(),
             ha="center", va="top", fontsize=7.5, color=SOFT, linespacing=1.0,

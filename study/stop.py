@@ -11,7 +11,7 @@ from types import FrameType
 def stop_asked() -> Iterator[Callable[[], bool]]:
     """Yield a function that tells whether Ctrl-C was pressed.
 
-    An ensemble ends quietly on Ctrl-C; if its members were just finished, nothing of it is left to see.
+    An ensemble ends quietly on Ctrl-C; if its variants were just finished, nothing of it is left to see.
     """
     asked = threading.Event()
     before = signal.getsignal(signal.SIGINT)

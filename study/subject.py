@@ -6,12 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.sources import Constant, Ramp, Step
+from blocks.role import Role
 from diagram.diagram import Diagram
 from study.axes import Value
 
 Floats = NDArray[np.float64]
-SOURCES = (Constant, Step, Ramp)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,16 +63,19 @@ def start_kicks(values: Floats, count: int, seed: int, size: float) -> Floats:
 
 
 def _moving(diagram: Diagram) -> tuple[str, ...]:
-    still = {label for block in diagram.blocks if isinstance(block, SOURCES) for label in block.output_labels}
+    still = {label for block in diagram.blocks if block.role is Role.SOURCE for label in block.output_labels}
     return tuple(signal for signal in diagram.signals if signal not in still)
 
 
 def _measured(diagram: Diagram) -> tuple[str, ...]:
-    """Return the states of the blocks that drive what a controller measures."""
+    """Return the states of the blocks that drive what a controller measures, those before its sensor included."""
     found: dict[str, None] = {}
     for block in diagram.blocks:
-        for port, label in zip(block.ports_in, block.input_labels, strict=True):
-            if port.name == "PV" and label in diagram.driven:
-                process = diagram.blocks[diagram.driven[label][0]]
-                found |= dict.fromkeys(f"{process.name}.{state}" for state in process.state_names)
+        label = block.loop_signal("PV") if block.role is Role.CONTROLLER else None
+        seen: set[str] = set()
+        while label in diagram.driven and label not in seen:
+            seen.add(label)
+            driver = diagram.blocks[diagram.driven[label][0]]
+            found |= dict.fromkeys(f"{driver.name}.{state}" for state in driver.state_names)
+            label = driver.loop_signal("PV") if driver.role in (Role.SENSOR, Role.FILTER) else None
     return tuple(found)

@@ -27,13 +27,19 @@ class Schema:
     measures: tuple[str, ...]
 
     @classmethod
-    def of(cls, design: Design, diagrams: Sequence[Diagram], signals: Sequence[str]) -> Self:
-        """Return the schema; saturation and slips are of all controllers and valves that these diagrams have."""
+    def of(
+        cls, design: Design, diagrams: Sequence[Diagram], signals: Sequence[str], own: Sequence[str] | None = None
+    ) -> Self:
+        """Return the schema; saturation and slips are of all controllers and valves that these diagrams have.
+
+        ``own``: the names of measures in place of the usual ones.
+        """
         bounded = {signal for diagram in diagrams for signal in limits(diagram, signals)}
         names: list[str] = []
         for signal in signals:
             names += [f"{signal}.{name}" for name in NAMES] + [f"{signal}.saturated"] * (signal in bounded)
         names += [f"{valve}.slips" for valve in dict.fromkeys(v for diagram in diagrams for v in valves(diagram))]
+        names = names if own is None else list(own)
         words = tuple(any(isinstance(value, str) for value in axis.values) for axis in design.axes)
         return cls(design, tuple(signals), diagrams[0].signal_units, words, tuple(names))
 

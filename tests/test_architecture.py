@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -93,3 +94,166 @@ def test_the_rule_can_fail(tmp_path: Path) -> None:
     page.write_text("def f():\n    from diagram.diagram import wire\n    import control\n")
     assert {room_of(module) for module in imported(page)} == {"diagram", None}
     assert "control" in imported(page) and "diagram" not in ROOMS["detect"]
+
+
+DOCUMENTED = {"_replace"}  # public by its documentation: that of a named tuple
+
+
+def private_fields(source: str) -> list[str]:
+    """Return where a file reads or writes a private field of anything but an object of the class it is in.
+
+    That is ``self``, ``cls``, ``super()``, and ``other`` where a method made it as a copy of itself.
+    """
+    found = []
+    for function in ast.walk(ast.parse(source)):
+        if not isinstance(function, ast.FunctionDef | ast.Module):
+            continue
+        copies = {
+            node.targets[0].id
+            for node in ast.walk(function)
+            if isinstance(node, ast.Assign)
+            and isinstance(node.targets[0], ast.Name)
+            and ast.unparse(node.value).startswith(("self._copy()", "copy.copy(self)", "type(self)(", "super()."))
+        }
+        for node in _own_nodes(function):
+            private = isinstance(node, ast.Attribute) and node.attr.startswith("_") and not node.attr.startswith("__")
+            if private and node.attr not in DOCUMENTED:
+                base = ast.unparse(node.value)
+                found += [] if base in {"self", "cls", "super()"} | copies else [ast.unparse(node)]
+    return found
+
+
+def _own_nodes(function: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes of a function, or of a module, without those of the functions in it."""
+    for child in ast.iter_child_nodes(function):
+        if not isinstance(child, ast.FunctionDef):
+            yield child
+            yield from _own_nodes(child)
+
+
+@pytest.mark.parametrize("path", [p for _, p in FILES], ids=[str(p.relative_to(ROOT)) for _, p in FILES])
+def test_no_file_touches_the_private_fields_of_another(path: Path) -> None:
+    assert private_fields(path.read_text()) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        ("def f(diagram):\n    diagram._plan = 1", ["diagram._plan"]),
+        ("class A:\n    def f(self, block):\n        return block._out(0.0)", ["block._out"]),
+        ("class A:\n    def f(self, other):\n        return other._plan", ["other._plan"]),
+        ("class A:\n    def f(self):\n        other = self._copy()\n        other._plan = self._plan", []),
+        ("x = y._hidden", ["y._hidden"]),
+    ],
+)
+def test_the_rule_of_private_fields_can_fail(line: str, found: list[str]) -> None:
+    assert private_fields(line) == found
+
+
+def slots(source: str) -> list[str]:
+    """Return where a file knows a place in the engine's arrays: it imports their layout, or takes an item of them."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            names = [alias.name for alias in node.names]
+            module = getattr(node, "module", None) or ""
+            if "engine.layout" in [*names, module] or (module == "engine" and "layout" in names):
+                found.append(ast.unparse(node))
+        elif isinstance(node, ast.Subscript) and ast.unparse(node.value).split(".")[-1] in ("I", "W"):
+            found.append(ast.unparse(node))
+    return found
+
+
+@pytest.mark.parametrize("path", [p for _, p in FILES], ids=[str(p.relative_to(ROOT)) for _, p in FILES])
+def test_no_slot_of_the_engine_is_addressed_outside_it(path: Path) -> None:
+    if path.is_relative_to(ROOT / "engine"):
+        return
+    assert slots(path.read_text()) == []
+
+
+@pytest.mark.parametrize("line", ["from engine import layout as at", "from engine.layout import T", "W[places[b]]",
+                                  "outcome.W[0]", "I[at.STEPS]"])  # fmt: skip
+def test_the_rule_of_slots_can_fail(line: str) -> None:
+    assert slots(line)
+
+
+ONE_PLACE = {
+    "difflib": "logs/hint.py",  # did you mean ...
+    "os.replace(": "logs/files/write.py",  # whole files
+    '"not_applicable": 0.0': "detect/verdict.py",  # verdicts as numbers
+}
+
+
+@pytest.mark.parametrize(("text", "place"), ONE_PLACE.items())
+def test_one_place_for_each_thing(text: str, place: str) -> None:
+    assert [str(p.relative_to(ROOT)) for _, p in FILES if text in p.read_text()] == [place]
+
+
+def test_every_colour_of_the_house_is_in_one_file() -> None:
+    found = {str(p.relative_to(ROOT)) for _, p in FILES if re.search(r"#[0-9a-fA-F]{6}\b", p.read_text())}
+    assert found == {"logs/style.py"}
+
+
+def test_schemas_are_distinct() -> None:
+    stated = re.compile(r'(?:= |"schema": )"(stickslip\.[a-z-]+/\d+)"')
+    names = [name for _, path in FILES for name in stated.findall(path.read_text())]
+    assert len(names) > 6 and len(set(names)) == len(names)
+
+
+def test_one_name_for_plain_values() -> None:
+    methods = {
+        node.name
+        for _, path in FILES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.FunctionDef) and re.fullmatch(r"(to|as)_?(dict|plain|json|values)", node.name)
+    }
+    assert methods == {"to_dict"}
+
+
+METAPHORS = {"cast", "crew", "company", "casting", "books", "portfolio", "member", "members", "layer", "layers"}
+
+
+def words_of(source: str) -> set[str]:
+    """Return the words that a file's own names are made of: functions, classes, arguments, variables, fields."""
+    names = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.arg):
+            names.add(node.arg)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            names.add(node.attr)
+    return {word for name in names for word in re.findall(r"[A-Z]?[a-z]+", name) for word in [word.lower()]}
+
+
+@pytest.mark.parametrize("path", [p for _, p in FILES], ids=[str(p.relative_to(ROOT)) for _, p in FILES])
+def test_names_are_no_metaphors(path: Path) -> None:
+    assert not words_of(path.read_text()) & METAPHORS
+    assert not set(re.findall(r"[a-z]+", path.stem)) & METAPHORS
+
+
+def test_the_rule_of_names_can_fail() -> None:
+    assert words_of("class _Crew:\n    def cast(self, members): self.books = 1") >= {"crew", "cast", "members", "books"}
+
+
+def hidden(init: str, package: str, modules: set[str]) -> set[str]:
+    """Return the modules of a package that something else of their name, imported in its ``__init__``, hides."""
+    found = set()
+    for node in ast.parse(init).body:
+        if isinstance(node, ast.ImportFrom) and node.module != package:
+            found |= {alias.asname or alias.name for alias in node.names} & modules
+    return found
+
+
+@pytest.mark.parametrize("package", sorted({p.parent for _, p in FILES}), ids=str)
+def test_no_function_hides_a_module_of_its_name(package: Path) -> None:
+    modules = {p.stem for p in package.glob("*.py")} | {p.parent.name for p in package.glob("*/__init__.py")}
+    own = ".".join(package.relative_to(ROOT).parts)
+    assert hidden((package / "__init__.py").read_text(), own, modules) == set()
+
+
+def test_the_rule_of_hidden_modules_can_fail() -> None:
+    assert hidden("from a.slopes import slopes", "a", {"slopes"}) == {"slopes"}
+    assert hidden("from a import slopes", "a", {"slopes"}) == set()

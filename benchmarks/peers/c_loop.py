@@ -18,7 +18,7 @@ COLUMNS = ("t", "SP", "PV", "OP", "MV", "v")
 
 
 class Rows(NamedTuple):
-    """Log of one run: `rows` of shape (n, 6) in the order of COLUMNS, and the number of stick and slip events."""
+    """Log of one run: ``rows`` of shape (n, 6) in the order of COLUMNS, and the number of stick and slip events."""
 
     rows: np.ndarray
     n_events: int
@@ -35,7 +35,7 @@ class Rows(NamedTuple):
 def prepare(loop: ExactLoop = IDEAL_HIGH, h_stuck: float = H_STUCK, h_slip: float = H_SLIP) -> Callable[[], Rows]:
     """A function of no arguments that does one run from rest into its own, re-used buffer: the thing to time.
 
-    `h_stuck`, `h_slip` [s] are the RK4 steps. Raises NoCompiler, and ValueError for a loop that the C does not
+    ``h_stuck``, ``h_slip`` [s] are the RK4 steps. Raises NoCompiler, and ValueError for a loop that the C does not
     cover (integrating process, start away from rest).
     """
     if loop.integrating or loop.PV_0 or loop.z_0 or loop.x_0:
@@ -59,5 +59,5 @@ def prepare(loop: ExactLoop = IDEAL_HIGH, h_stuck: float = H_STUCK, h_slip: floa
 
 
 def run(loop: ExactLoop = IDEAL_HIGH, h_stuck: float = H_STUCK, h_slip: float = H_SLIP) -> Rows:
-    """One run of the C loop from rest; see `prepare`."""
+    """One run of the C loop from rest; see ``prepare``."""
     return prepare(loop, h_stuck, h_slip)()

@@ -74,10 +74,10 @@ def run(
     event_tolerance: float = EVENT_TOLERANCE,
     solver: type = RKCK54,
 ) -> PathSimLog:
-    """Simulate the loop; `seconds` is the run without building the diagram.
+    """Simulate the loop; ``seconds`` is the run without building the diagram.
 
-    `rtol`, `atol`: local error of the solver; `event_tolerance`: on |OP - x| / f_s - 1 and on v [1/s]. Most of the
-    time goes into the log: PathSim steps onto every log time. RKCK54 was the best of eight explicit solvers in
+    ``rtol``, ``atol``: local error of the solver; ``event_tolerance``: on |OP - x| / f_s - 1 and on v [1/s]. Most
+    of the time goes into the log: PathSim steps onto every log time. RKCK54 was the best of eight explicit solvers in
     error for the time; RKBS32 is 12 % faster with an error 18 times larger, and still below 1e-6.
     """
     stem = _Stem(loop)

@@ -1,8 +1,8 @@
-"""The production plant in python-control alone: `input_output_response` has no events, so friction is regularised.
+"""The production plant in python-control alone: ``input_output_response`` has no events, so friction is regularised.
 
-Two twins, both with stems that have mass and the friction of `benchmarks.peers.python_control`:
+Two twins, both with stems that have mass and the friction of ``benchmarks.peers.python_control``:
 
-    flat     one `ct.nlsys` of the flat equations on Python's own numbers, the fastest that runs interpreted
+    flat     one ``ct.nlsys`` of the flat equations on Python's own numbers, the fastest that runs interpreted
     diagram  the plant wired of blocks, as a python-control system: each rate sweeps its 49 blocks until no signal
              changes any more, which takes 25 times as long
 

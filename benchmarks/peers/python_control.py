@@ -1,4 +1,4 @@
-"""The ideal loop in python-control alone: `input_output_response` has no events, so friction is regularised.
+"""The ideal loop in python-control alone: ``input_output_response`` has no events, so friction is regularised.
 
     F(v) = F_v v + c [F_c + (F_s - F_c) exp(-q^2)] tanh(SHARPNESS q),   q = v / V_S,
 
@@ -70,7 +70,7 @@ def run(
     atol: float = ATOL,
     method: str = "BDF",
 ) -> ControlLog:
-    """Simulate the loop; `seconds` is the response without building the system."""
+    """Simulate the loop; ``seconds`` is the response without building the system."""
     system = build(loop, v_s, sharpness)
     t = np.arange(round(loop.duration / loop.log_interval) + 1) * loop.log_interval
     start = time.perf_counter()

@@ -91,7 +91,7 @@ def judge(drawn: Drawn) -> Judgement:
         return Judgement(seed, "undecided", oracle, "asked more finely, they agree", worst, **cost)
     if (np.abs(theirs - again).max(axis=0) / size).max() > ITSELF:
         return Judgement(seed, "undecided", oracle, "the oracle differs from itself", worst, **cost)
-    return Judgement(seed, "finding", oracle, _told(drawn, difference, apart), worst, **cost)
+    return Judgement(seed, "finding", oracle, _described(drawn, difference, apart), worst, **cost)
 
 
 def _difference(drawn: Drawn, theirs: Floats) -> Floats:
@@ -104,7 +104,7 @@ def _difference(drawn: Drawn, theirs: Floats) -> Floats:
     return np.maximum(np.maximum(ours.min(axis=0) - theirs, theirs - ours.max(axis=0)), 0.0)
 
 
-def _told(drawn: Drawn, difference: Floats, apart: Floats) -> str:
+def _described(drawn: Drawn, difference: Floats, apart: Floats) -> str:
     """Say which signals differ, from when on, and whether a block with states is among them."""
     signals = drawn.diagram.signals
     wrong = [signals[i] for i in np.flatnonzero(apart > 1.0)]

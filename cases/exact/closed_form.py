@@ -30,7 +30,7 @@ def _require_cancellation(loop: ExactLoop) -> None:
 def cycle_period(loop: ExactLoop, alpha: float = 0.5) -> float:
     """Period of the cycle [s]: S T_i / (K_p K J) / (alpha (1 - alpha)), S = (F_s + F_c)/k, J = (F_s - F_c)/k.
 
-    `alpha` in (0, 1) is the place of x_ss inside the jump; nothing attracts it to the symmetric 0.5. The formula
+    ``alpha`` in (0, 1) is the place of x_ss inside the jump; nothing attracts it to the symmetric 0.5. The formula
     neglects the slip itself (0.07 s). Raises ExactLoopError without pole cancellation, or when there is no jump.
 
     >>> round(cycle_period(ExactLoop()), 2)
@@ -48,8 +48,8 @@ def oscillating_references(loop: ExactLoop) -> tuple[float, float]:
     """Open interval of reference steps from rest that end in a cycle: 0 < r (K_p - 1/K) - f_c < J.
 
     The middle one gives the symmetric cycle. It assumes that the first slip, at t = 0, ends before PV moves; by
-    `exact_run` the interval for the default loop is 0.3549 to 0.6410. Raises ExactLoopError when K_p K <= 1, where the
-    first slip always stops short of x_ss.
+    ``exact_run`` the interval for the default loop is 0.3549 to 0.6410. Raises ExactLoopError when K_p K <= 1, where
+    the first slip always stops short of x_ss.
 
     >>> low, high = oscillating_references(ExactLoop())
     >>> round(low, 3), round(high, 3)
@@ -99,7 +99,7 @@ def closed_form_R(half_period: float, tau: float) -> float:
 def symmetric_start(loop: ExactLoop) -> ExactLoop:
     """The same loop, started on its symmetric cycle just after an upward slip: x = x_ss + J/2, OP = x + f_c.
 
-    Raises ExactLoopError as `cycle_period` does.
+    Raises ExactLoopError as ``cycle_period`` does.
 
     >>> start = symmetric_start(ExactLoop())
     >>> round(start.x_0, 4), round(start.PV_0, 4)

@@ -8,8 +8,8 @@ times need a root finder. State (y, z, x, v) = (PV, integral part of OP, stem po
 where (a, b) = (-1/tau, K/tau) for the lag K/(tau s + 1) (eq. 6.2) and (0, K/tau) for the integrator
 K/(tau s) (eq. 7.4). The stem obeys M dv/dt = k (OP - x) - friction (eqs. 4.4-4.5), in two modes:
 
-* stuck: v = 0 while |k (OP - x)| <= F_s; y, z in `stuck_mode`;
-* slip in direction s = +-1: friction = s F_c + F_v v, until v returns to 0; see `slip_mode`.
+* stuck: v = 0 while |k (OP - x)| <= F_s; y, z in ``stuck_mode``;
+* slip in direction s = +-1: friction = s F_c + F_v v, until v returns to 0; see ``slip_mode``.
 
 The state is continuous over both events. Written independently of every other simulator of this project.
 """
@@ -43,7 +43,7 @@ class StemEvent:
 
 @dataclass(frozen=True)
 class ExactRun:
-    """Exact signals at the log times, each of shape (n,), and the events in order; `v` in full travels per s."""
+    """Exact signals at the log times, each of shape (n,), and the events in order; ``v`` in full travels per s."""
 
     t: Array
     SP: Array

@@ -15,9 +15,9 @@ class ExactLoopError(ValueError):
 class ExactLoop:
     """Parameters of the ideal loop; the defaults are the thesis's high stiction loop, from rest, SP 0 -> 0.5.
 
-    Process K/(tau s + 1), or K/(tau s) if `integrating`; `tau`, `T_i` [s]; `M` [kg], `k` [N per full travel],
-    `F_v` [N s per full travel], `F_c`, `F_s` [N]; `SP`, `PV_0`, `z_0`, `x_0` are the reference and the state at
-    t = 0, with the stem at rest; `duration`, `log_interval` [s].
+    Process K/(tau s + 1), or K/(tau s) if ``integrating``; ``tau``, ``T_i`` [s]; ``M`` [kg], ``k`` [N per full travel],
+    ``F_v`` [N s per full travel], ``F_c``, ``F_s`` [N]; ``SP``, ``PV_0``, ``z_0``, ``x_0`` are the reference and the
+    state at t = 0, with the stem at rest; ``duration``, ``log_interval`` [s].
 
     Raises ExactLoopError for parameters out of range. Source: eqs. 4.4-4.5, 6.2, 7.4, table A.1.
 

@@ -51,7 +51,7 @@ class SlipMode:
         return signals
 
     def dwell(self, left: float) -> float | None:
-        """Time [s] until v first returns to zero, or None if that is later than `left`.
+        """Time [s] until v first returns to zero, or None if that is later than ``left``.
 
         A sum of real exponentials has few zeros; the scan is 1000 times finer than the fastest mode at first and
         20 points to the loop's natural time later, and the zero it brackets is then located exactly.

@@ -40,7 +40,7 @@ class StuckMode:
         return np.stack([y, z, np.full_like(y, self._x), np.zeros_like(y)])
 
     def dwell(self, left: float) -> float | None:
-        """Time [s] until |OP - x| first exceeds F_s/k, or None if that is later than `left`.
+        """Time [s] until |OP - x| first exceeds F_s/k, or None if that is later than ``left``.
 
         dOP/dt has at most one zero, so OP is monotone on either side of it: no crossing can hide.
         """

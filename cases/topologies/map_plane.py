@@ -5,15 +5,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cases.topologies.own_map import own_map
-from logs.style import tidy
+from logs.style import BLUE, GRID, ORANGE, PALE, RED, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from diagram.simulation import Run
 
-CURVE, SURGE = "#8896a5", "#b00020"
-WAYS = {"bare": ("#c55a11", 0.9), "guarded": ("#1f4e79", 2.4)}
+CURVE, SURGE = PALE, RED
+WAYS = {"bare": (ORANGE, 0.9), "guarded": (BLUE, 2.4)}
 SAID = {"bare": "without anti-surge control", "guarded": "with anti-surge control"}
 
 
@@ -42,7 +42,7 @@ def map_plane(run: "Run") -> "Figure":
         ax.plot(volume * n * q[right], H[right], color=CURVE, linewidth=1.6)
         ax.plot(volume * n * q[~right], H[~right], color=CURVE, linewidth=0.9, linestyle=(0, (3, 2)))
         ax.annotate(f"{n * rpm:.0f} rpm", (volume * n * q[-1], H[-1]), (4, 0), textcoords="offset points", fontsize=8,
-                    color="#5b6875", va="center")  # fmt: skip
+                    color=SOFT, va="center")  # fmt: skip
     tops = [head * n * n * shape.psi(q, n) for n, q in zip(shape.speeds, shape.q_s, strict=True)]
     ax.plot(volume * shape.speeds * shape.q_s, tops, color=SURGE, linewidth=1.4, label="surge line")
     for name, (colour, width) in WAYS.items():
@@ -52,7 +52,7 @@ def map_plane(run: "Run") -> "Figure":
         ax.plot(flows, asked, color=colour, linewidth=width, label=SAID[name])
         if name == "guarded":
             ax.plot(flows[-1:], asked[-1:], "o", color=colour, markersize=6)
-    ax.axvline(0.0, color="#c8cdd3", linewidth=0.8, zorder=0.5)
+    ax.axvline(0.0, color=GRID, linewidth=0.8, zorder=0.5)
     ax.set_xlabel("inlet flow [m3/h]")
     ax.set_ylabel("head [kJ/kg]")
     tidy(ax)

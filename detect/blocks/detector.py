@@ -20,10 +20,11 @@ from numpy.typing import NDArray
 
 from blocks import Block, Kernels, Labels, Port
 from blocks.ports import BlockError, require
+from blocks.role import Role
 from detect.stream import LoopFacts, Sample
+from detect.verdict import NUMBERS
 
 PROCESSES = ("self_regulating", "integrating", "unknown")
-CODES = {"not_applicable": 0.0, "inconclusive": 1.0, "no_stiction": 2.0, "stiction": 3.0}
 
 
 class DetectorState(NamedTuple):
@@ -66,7 +67,7 @@ class DetectorHost:
         taken, said = state.taken + 1, state.said
         if taken % self.verdict_every == 0:
             verdict = self.method.verdict(self.params, inner)
-            said = (np.nan if verdict.index is None else verdict.index, CODES[verdict.verdict])
+            said = (np.nan if verdict.index is None else verdict.index, NUMBERS[verdict.verdict])
         return DetectorState(inner, taken, said), said
 
 
@@ -78,6 +79,7 @@ def _silent(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 class _Silent(Block):
     """What python-control sees of a detector."""
 
+    role = Role.DETECTOR
     ports_in = (Port("SP"), Port("PV"), Port("OP"))
     ports_out = (Port("index"), Port("verdict"))
     kernels = Kernels(out=_silent, feeds=False)
@@ -110,6 +112,7 @@ class DetectorBlock(Block):
     ['index', 'verdict']
     """
 
+    role = Role.DETECTOR
     ports_in = _Silent.ports_in
     ports_out = _Silent.ports_out
     kernels = Kernels()  # the answer depends on the sample taken at the same instant

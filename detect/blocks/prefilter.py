@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from blocks import Block, Kernels, Labels, Port
 from blocks.ports import require
+from blocks.role import Role
 from detect.prepare import prefilter
 
 
@@ -71,6 +72,7 @@ def _wire(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 class _Wire(Block):
     """What python-control sees of the prefilter."""
 
+    role = Role.FILTER
     ports_in = (Port("PV"),)
     ports_out = (Port("PV_f"), Port("noise"))
     kernels = Kernels(out=_wire)
@@ -87,6 +89,7 @@ class PrefilterBlock(Block):
     ['PV_f', 'noise']
     """
 
+    role = Role.FILTER
     ports_in = _Wire.ports_in
     ports_out = _Wire.ports_out
     kernels = Kernels()

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detect.figures.verdict import LINE, draw_reason, legend
+from detect.figures.verdict import draw_reason, legend
 from detect.verdict import Verdict
-from logs.style import tidy
+from logs.style import FIT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -39,8 +39,8 @@ def draw_fits(v: Verdict, figure: FigureBase, signal: str, other: str, score: st
     tidy(left)
     a, b = v.array("error_sine"), v.array("error_other")
     unit = max(float(np.max([a.max(), b.max()])), 1e-300)
-    right.plot(a / unit, b / unit, "o", ms=4, color=LINE, alpha=0.5, lw=0)
-    right.plot([0, 1], [0, 1], color=LINE, lw=0.8, ls=":")
+    right.plot(a / unit, b / unit, "o", ms=4, color=FIT, alpha=0.5, lw=0)
+    right.plot([0, 1], [0, 1], color=FIT, lw=0.8, ls=":")
     right.set_xlabel("error of the sine, largest = 1 [-]")
     right.set_ylabel(f"error of the {other} [-]")
     right.set_title(score, fontsize=9, loc="left")

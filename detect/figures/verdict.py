@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.verdict import Verdict
-from logs.figures import COLOURS
-from logs.style import tidy
+from logs.style import AFTER, BEFORE, COLOURS, FIT, UNUSED, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
 __all__ = ["draw_evidence", "draw_half_cycles", "draw_reason", "legend", "plot_verdict"]
 
 PV = COLOURS["PV"]
-# A dark and a light one, told apart without colour, too; neither means a signal elsewhere.
-BEFORE, AFTER, UNUSED, LINE = "#7b5ea7", "#f0c05a", "#e6e6e6", "#333333"
 CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
 
 
@@ -59,8 +56,8 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
     used = v.array("used") > 0
     last = start[0] + CYCLES * np.median(end - start) if len(start) else (t[-1] if len(t) else 0.0)
     shown = t <= last
-    left.plot(t[shown | np.isnan(t)], e[shown | np.isnan(t)], color=LINE, lw=0.8)
-    left.axhline(0, color=LINE, lw=0.5)
+    left.plot(t[shown | np.isnan(t)], e[shown | np.isnan(t)], color=FIT, lw=0.8)
+    left.axhline(0, color=FIT, lw=0.5)
     for i in np.flatnonzero(start <= last):
         for a, b, colour in ((start[i], middle[i], BEFORE), (middle[i], end[i], AFTER)):
             inside = t[(t > a) & (t < b)]
@@ -98,7 +95,7 @@ def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
     rng = np.random.default_rng(0)
     for x, side in ((0.0, below), (1.0, ~below)):
         kept = ratio[side & used]
-        axes.plot(x + rng.uniform(-0.15, 0.15, len(kept)), kept, "o", ms=4, color=LINE, alpha=0.5, lw=0)
+        axes.plot(x + rng.uniform(-0.15, 0.15, len(kept)), kept, "o", ms=4, color=FIT, alpha=0.5, lw=0)
     axes.set_xticks([0, 1], ["PV below SP", "PV above SP"])
     axes.set_xlim(-0.6, 1.6)
     axes.set_yscale("log")
@@ -106,9 +103,9 @@ def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
         axes.axhspan(*v.interval, color=PV, alpha=0.22, lw=0)
         axes.axhline(v.index, color=PV, lw=1.8)
         _at_line(axes, v.index, f"R = {v.index:.2f}")
-    axes.axhline(1.0, color=LINE, lw=0.8, ls=":")
+    axes.axhline(1.0, color=FIT, lw=0.8, ls=":")
     if v.threshold is not None:
-        axes.axhline(v.threshold, color=LINE, lw=0.9, ls="--")
+        axes.axhline(v.threshold, color=FIT, lw=0.9, ls="--")
         if v.index is None or not 0.85 < v.threshold / v.index < 1.18:  # no room for both names
             _at_line(axes, v.threshold, "threshold")
     seen = [*ratio[used & np.isfinite(ratio) & (ratio > 0)].tolist(), 1.0, v.threshold or 1.0]
@@ -125,5 +122,5 @@ def _at_line(axes: Axes, height: float, text: str) -> None:
     """Name a level at the right edge, above its line."""
     axes.annotate(
         text, (1.0, height), (-2.0, 2.0), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right",
-        fontsize=8, color=LINE, bbox={"facecolor": "white", "alpha": 0.75, "pad": 0.8, "linewidth": 0},
+        fontsize=8, color=FIT, bbox={"facecolor": "white", "alpha": 0.75, "pad": 0.8, "linewidth": 0},
     )  # fmt: skip

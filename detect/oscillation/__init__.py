@@ -1,1 +1,1 @@
-"""Oscillation detectors: modules with `find(record) -> Gate`."""
+"""Oscillation detectors: modules with ``find(record) -> Gate``."""

@@ -111,7 +111,7 @@ class Params:
 def find(record: LoopRecord, p: Params = Params()) -> Gate:
     """Test e = SP - PV (PV when SP is not logged) of the longest good stretch of a record.
 
-    Gaps far shorter than any period that the record can show are bridged; see `gaps.bridgeable`.
+    Gaps far shorter than any period that the record can show are bridged; see ``gaps.bridgeable``.
 
     >>> t = np.arange(0.0, 500.0)
     >>> gate = find(LoopRecord.from_arrays(t, pv=np.sin(2 * np.pi * t / 50), op=t))

@@ -11,7 +11,7 @@ REGULARITY_MAX = 999.0  # a perfectly regular wave has no spread; a finite stand
 
 
 class Stretch(NamedTuple):
-    """Part of a record with one period: from `start` to `end` [s], `period` [s]."""
+    """Part of a record with one period: from ``start`` to ``end`` [s], ``period`` [s]."""
 
     start: float
     end: float

@@ -9,7 +9,7 @@ When w_u is not known, the lobe's own length stands for it: a lobe counts when i
 Source: Control Eng. Practice 3 (1995) 1543. Ours: the decay as an exponential, so that the sampling may be
 uneven (h / T_sup small gives the paper's 1 - h / T_sup); a hysteresis band against crossings by noise; and the
 regularity of the last eleven crossing intervals, asked for besides the count, because white noise loads too.
-Measured with the defaults of `find`, 200 seeds of 1000 samples: 1 % of white noises pass, none of AR(1) with 0.5 to
+Measured with the defaults of ``find``, 200 seeds of 1000 samples: 1 % of white noises pass, none of AR(1) with 0.5 to
 0.95 and of random walks, but 29 % of AR(1) with -0.8, whose sign alternates.
 """
 
@@ -154,7 +154,7 @@ def gate(p: Params, s: State) -> Gate:
 def find(record: LoopRecord, p: Params | None = None) -> Gate:
     """Run over e = SP - PV of a record (PV less its mean when SP is not logged).
 
-    Without `p` the tolerated amplitude is 1 % of the span of PV, or half the standard deviation of e when
+    Without ``p`` the tolerated amplitude is 1 % of the span of PV, or half the standard deviation of e when
     the span is not known, and the band is 10 % of that standard deviation.
 
     >>> t = np.arange(0.0, 800.0)

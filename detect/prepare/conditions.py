@@ -1,6 +1,6 @@
 """Facts about a record that decide whether a method may look at it: each with its number and its limit.
 
-A fact is measured first and judged second: `Fact.present` compares the value with the limit, and the text
+A fact is measured first and judged second: ``Fact.present`` compares the value with the limit, and the text
 quotes both, so that a refusal can say "OP sits at a limit in 23 % of the samples (10 % allowed)".
 """
 
@@ -21,7 +21,7 @@ Values = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Fact:
-    """One measured property: `present` when it is beyond its limit; `text` is a sentence with the numbers.
+    """One measured property: ``present`` when it is beyond its limit; ``text`` is a sentence with the numbers.
 
     code : reason code that a method gives when it refuses because of this fact
     value, limit : on the fact's own scale, stated in its text
@@ -148,7 +148,7 @@ def set_point_moves(sp: Values, e: Values) -> npt.NDArray[np.int64]:
 
 
 def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
-    """Number of levels of the grid on which PV lives, across its peak-to-peak; below `limit` is too coarse.
+    """Number of levels of the grid on which PV lives, across its peak-to-peak; below ``limit`` is too coarse.
 
     The step is the smallest move; PV counts as gridded when 90 % of its values lie within 5 % of a step of
     the grid. A flat-then-jump PV on a coarse grid looks like stick-slip without any valve.

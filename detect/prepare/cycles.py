@@ -2,9 +2,9 @@
 
     checks -> pieces between gaps and set-point moves -> oscillation gate -> drift off -> noise off -> half cycles
 
-A gap that is much shorter than a period is bridged (see `gaps`); a half cycle whose peak falls into one is left out.
+A gap that is much shorter than a period is bridged (see ``gaps``); a half cycle whose peak falls into one is left out.
 
-Each step either says why it cannot go on (`Refusal`) or notes what it did. e = SP - PV; without a logged SP the
+Each step either says why it cannot go on (``Refusal``) or notes what it did. e = SP - PV; without a logged SP the
 mean of PV stands for it, so that the sign of e stays that of -PV.
 """
 

@@ -60,7 +60,7 @@ def bridgeable(record: LoopRecord, period: float) -> float:
 
 
 def split(record: LoopRecord, bridged: float) -> list[npt.NDArray[np.int64]]:
-    """Indices of the good samples, cut at every gap longer than `bridged` [s].
+    """Indices of the good samples, cut at every gap longer than ``bridged`` [s].
 
     >>> pv = [1, 2, float("nan"), 4, 5]
     >>> [part.tolist() for part in split(LoopRecord.from_arrays(range(5), pv=pv, op=[1] * 5), 2.0)]

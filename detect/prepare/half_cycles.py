@@ -84,18 +84,14 @@ def crossings(t: Values, x: Values, band: float | Values = 0.0) -> Values:
 
 
 def measure(t: Values, x: Values, start: float, end: float, noise: float = 0.0) -> HalfCycle:
-    """The half cycle of x between the crossings `start` and `end` [s].
+    """The half cycle of x between the crossings ``start`` and ``end`` [s].
 
-    Parameters
-    ----------
-    t, x : (n,)
-        The signal, reaching beyond the half cycle if it can; x centred on its baseline.
-    noise : float
-        Noise left in x [unit of x]. Samples within one `noise` of the highest are the top, and the peak is
-        the centre of the top weighted by height; without noise it is interpolated between samples.
+    Parameters: ``t``, ``x`` ((n,)) The signal, reaching beyond the half cycle if it can; x centred on its baseline;
+    ``noise`` (float) Noise left in x [unit of x]. Samples within one ``noise`` of the highest are the top, and the peak
+    is the centre of the top weighted by height; without noise it is interpolated between samples.
 
     A corner is found as the crossing of the lines beside it, a round peak as the vertex of the parabola
-    through three samples; see `_vertex`.
+    through three samples; see ``_vertex``.
     """
     lo, hi = int(np.searchsorted(t, start, "right")), int(np.searchsorted(t, end, "left"))
     samples = hi - lo

@@ -30,7 +30,7 @@ class Side(NamedTuple):
 class Lateness(NamedTuple):
     """R of all half cycles, the bounds of its interval, and "above" and "below": the half waves by where PV is.
 
-    A half wave without half cycles is left out of `sides`.
+    A half wave without half cycles is left out of ``sides``.
     """
 
     R: float

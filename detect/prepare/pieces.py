@@ -78,7 +78,7 @@ def _longest(pieces: tuple[Piece, ...]) -> Piece:
 
 
 def _cut(record: LoopRecord, bridged: float) -> tuple[Piece, ...]:
-    """The good samples between moves of the set point and gaps longer than `bridged` [s]."""
+    """The good samples between moves of the set point and gaps longer than ``bridged`` [s]."""
     pieces: list[Piece] = []
     for part in split(record, bridged):
         t = record.t[part]

@@ -4,8 +4,8 @@
     F = [[1, h], [0, 1]],   Q = q [[h^3/3, h^2/2], [h^2/2, h]],   z = x + noise,   noise variance r
 
 The slope wanders with intensity q [unit^2/s^3]; F and Q are built anew for every step, so the sampling may be
-uneven, and a missing sample is a step without a measurement. `filter` is causal, `smooth` is the
-Rauch-Tung-Striebel smoother for whole records (no phase lag), `init` / `update` the streaming form.
+uneven, and a missing sample is a step without a measurement. ``filter`` is causal, ``smooth`` is the
+Rauch-Tung-Striebel smoother for whole records (no phase lag), ``init`` / ``update`` the streaming form.
 
 The arithmetic is filterpy's (predict, update, rts_smoother). Minded here: its functional smoother takes the
 transition from k to k + 1 at index k (its class takes k + 1, which is wrong by one for uneven steps when fed
@@ -14,7 +14,7 @@ alike), and it lets P lose its symmetry; P is made symmetric after every step.
 What it does to the area ratio R of an exponential wave (true 5.87, half period 25 samples): smoothed with q
 fitted, R = 4.3 at 2 % noise, 2.5 at 10 %, 1.9 at 20 %, 1.6 at 30 % of the signal's standard deviation; with the
 bandwidth fixed at five times the frequency of oscillation, 2.2 even at 2 %. Sine and triangle stay at 1. The
-moving average of `area_ratio` does as well (its page has the table), so that method does not use this filter.
+moving average of ``area_ratio`` does as well (its page has the table), so that method does not use this filter.
 
 >>> import numpy as np
 >>> rng = np.random.default_rng(1)
@@ -151,8 +151,8 @@ def log_likelihood(p: Params, t: Values, z: Values) -> float:
 def estimate(t: Values, z: Values, period: float | None = None, samples: int = 400) -> Params:
     """Parameters from the data, shapes (n,).
 
-    noise_std comes from `smoothing.noise_std`; q from the likelihood of the first `samples` samples over
-    fourteen bandwidths from the length of the record to the sampling, or, with a known `period` [s], from a
+    noise_std comes from ``smoothing.noise_std``; q from the likelihood of the first ``samples`` samples over
+    fourteen bandwidths from the length of the record to the sampling, or, with a known ``period`` [s], from a
     bandwidth of five times its frequency.
 
     Raises ValueError when fewer than 8 finite samples are given.

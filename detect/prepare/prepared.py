@@ -4,7 +4,7 @@
 
 Everything is worked out when a method first asks for it and kept, so that twenty methods cost one preparation.
 The wave of a signal is the signal on the even grid less its centred moving average over two periods, smoothed
-without phase by a Butterworth filter of order 2 that cuts at `CUT` times the frequency of the oscillation.
+without phase by a Butterworth filter of order 2 that cuts at ``CUT`` times the frequency of the oscillation.
 A half wave is accepted from 0.25 to 1 period long, with five samples or more inside and a peak above half of the
 standard deviation.
 """
@@ -44,7 +44,7 @@ STEPS_MAX = 20_000  # a grid finer than this shows no method more
 class Grid:
     """A stretch of a record on an even grid.
 
-    t : (n,) [s], every `dt` [s]
+    t : (n,) [s], every ``dt`` [s]
     op, pv, e : (n,), unit of the record; e = SP - PV, or mean(PV) - PV without SP
     sp, mv : (n,) or None
     drawn : float
@@ -67,7 +67,7 @@ class Grid:
 class HalfWave(NamedTuple):
     """One half wave: where it stands on the grid, its phase 0..1 (m,), and its values, made positive (m,).
 
-    `sign` is that of the signal there, `length` [s] the time between the crossings.
+    ``sign`` is that of the signal there, ``length`` [s] the time between the crossings.
     """
 
     start: int
@@ -173,7 +173,7 @@ class Prepared:
         return Grid(t, dt, op, pv, e, sp, mv, drawn)
 
     def signal(self, name: Signal) -> Values:
-        """A signal on the grid of `stretch`, (n,), in its own unit."""
+        """A signal on the grid of ``stretch``, (n,), in its own unit."""
         values = {"OP": self.stretch.op, "PV": self.stretch.pv, "SP": self.stretch.sp, "E": self.stretch.e,
                   "MV": self.stretch.mv}[name]  # fmt: skip
         if values is None:
@@ -191,7 +191,7 @@ class Prepared:
 
     # --- waves ------------------------------------------------------------------------------------------------
     def wave(self, name: Signal, cut_at: float = CUT) -> Values:
-        """The oscillation in a signal on the grid of `stretch`, (n,): drift off, smoothed without phase.
+        """The oscillation in a signal on the grid of ``stretch``, (n,): drift off, smoothed without phase.
 
         ``cut_at`` times the frequency of the oscillation is where the filter cuts; 0 leaves the noise on.
         """

@@ -18,7 +18,7 @@ Values = npt.NDArray[np.float64]
 
 
 def moving_average(t: Values, x: Values, width: float, ends: Literal["shrink", "hold"] = "shrink") -> Values:
-    """Centred moving average over `width` [s] of time, shape (n,).
+    """Centred moving average over ``width`` [s] of time, shape (n,).
 
         y(t) = 1/w * integral of x from t - w/2 to t + w/2
 

@@ -1,4 +1,4 @@
-"""What an ensemble gave: one entry a member, each of which can be looked at or run again alone."""
+"""What an ensemble gave: one entry a variant, each of which can be looked at or run again alone."""
 
 import json
 import os
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagram.diagram import Diagram
-from diagram.ensembles.variants import Floats, Members
+from diagram.ensembles.variants import Floats, Variants
 from diagram.simulation import Event, Run, named_events, simulate
 from engine.run import Settings
 from engine.status import HINTS, Statistics, Status
@@ -31,16 +31,12 @@ def freeze(arrays: Iterable[NDArray[Any]]) -> None:
 class Ensemble:
     """The outcome of ``ensemble``.
 
-    Attributes
-    ----------
-    t : (rows,) [s].
-    values : signal -> (members, rows), read-only; NaN where a member did not get to.
-    status : (members,) codes of ``Status``; ``ended`` (members,) the time reached [s].
-    summary : name -> (members,), NaN where a member failed.
-    event_counts : (members,); ``statistics`` the cost of all members together.
-    troubles : (members,) what the blocks say where a member's model ended, else "".
-    members, settings, duration : what was asked for, see ``params``, ``start``, ``seeds``.
-    raw_events : per member (events, 4): t, block, value before, value after; see ``events``.
+    Attributes: ``t`` ((rows,) [s].); ``values`` (signal -> (variants, rows), read-only; NaN where a variant did not get
+    to.); ``status`` ((variants,) codes of ``Status``; ``ended`` (variants,) the time reached [s].); ``summary`` (name
+    -> (variants,), NaN where a variant failed.); ``event_counts`` ((variants,); ``statistics`` the cost of all variants
+    together.); ``troubles`` ((variants,) what the blocks say where a variant's model ended, else "".); ``variants``,
+    ``settings``, ``duration`` (what was asked for, see ``params``, ``start``, ``seeds``.); ``raw_events`` (per variant
+    (events, 4): t, block, value before, value after; see ``events``.).
     """
 
     t: Floats
@@ -51,7 +47,7 @@ class Ensemble:
     event_counts: NDArray[np.int64]
     troubles: tuple[str, ...]
     statistics: Statistics
-    members: Members
+    variants: Variants
     settings: Settings
     duration: float
     raw_events: tuple[Floats, ...]
@@ -67,96 +63,96 @@ class Ensemble:
     def __repr__(self) -> str:
         codes, counts = np.unique(self.status, return_counts=True)
         told = ", ".join(f"{count} {Status(int(code)).name}" for code, count in zip(codes, counts, strict=True))
-        return f"<Ensemble of {len(self)} members of '{self.members.diagram.name}' over {self.duration:g} s: {told}>"
+        return f"<Ensemble of {len(self)} variants of '{self.variants.diagram.name}' over {self.duration:g} s: {told}>"
 
     @property
     def ok(self) -> NDArray[np.bool_]:
-        """Which members reached their end, (members,)."""
+        """Which variants reached their end, (variants,)."""
         return np.asarray(self.status == Status.OK)
 
     @property
     def interrupted(self) -> bool:
-        """Whether Ctrl-C came before all members were done."""
+        """Whether Ctrl-C came before all variants were done."""
         return bool((self.status == Status.INTERRUPTED).any())
 
     @property
     def params(self) -> Mapping[str, Floats]:
-        """The parameters given, name -> (members,)."""
-        return self.members.params
+        """The parameters given, name -> (variants,)."""
+        return self.variants.params
 
     @property
     def start(self) -> Mapping[str, Floats]:
-        """The start values given, name -> (members,)."""
-        return self.members.start
+        """The start values given, name -> (variants,)."""
+        return self.variants.start
 
     @property
     def seeds(self) -> NDArray[np.int64] | None:
-        """The seed of every member, (members,)."""
-        return self.members.seeds
+        """The seed of every variant, (variants,)."""
+        return self.variants.seeds
 
-    def told(self, i: int) -> str:
-        """Return what makes member ``i`` different, in one line."""
+    def described(self, i: int) -> str:
+        """Return what makes variant ``i`` different, in one line."""
         self._check(i)
         parts = [f"{key} = {column[i]:g}" for key, column in [*self.params.items(), *self.start.items()]]
         return ", ".join(parts + ([] if self.seeds is None else [f"seed {self.seeds[i]}"]))
 
     def hint(self, i: int) -> str:
-        """Return why member ``i`` failed and what to try; empty if it did not fail."""
+        """Return why variant ``i`` failed and what to try; empty if it did not fail."""
         self._check(i)
         told = self.troubles[i] or HINTS[Status(int(self.status[i]))]
         return f"{told} (at t = {self.ended[i]:.6g} s)" if told else ""
 
     def log(self, i: int) -> Log:
-        """Return the signals kept of member ``i``.
+        """Return the signals kept of variant ``i``.
 
         Raises ``ValueError`` if the ensemble kept no logs.
         """
         self._check(i)
         if not self.values:
-            raise ValueError(f"no logs were kept; give keep_logs=True, or call run({i}) to simulate the member again")
-        diagram = self.members.diagram
+            raise ValueError(f"no logs were kept; give keep_logs=True, or call run({i}) to simulate the variant again")
+        diagram = self.variants.diagram
         return Log(
             t=self.t,
             signals={signal: rows[i] for signal, rows in self.values.items()},
             units={s: diagram.signal_units[s] for s in self.values if diagram.signal_units.get(s)},
             spans={s: span for s, span in diagram.signal_spans.items() if s in self.values},
-            origin=f"simulated: {diagram.name}, member {i}: {self.told(i)}",
+            origin=f"simulated: {diagram.name}, variant {i}: {self.described(i)}",
         )
 
     def events(self, i: int) -> tuple[Event, ...]:
-        """Return the changes of mode of member ``i`` in order of time (none if no logs were kept)."""
+        """Return the changes of mode of variant ``i`` in order of time (none if no logs were kept)."""
         self._check(i)
-        return named_events(self.members.diagram, self.raw_events[i].tolist())
+        return named_events(self.variants.diagram, self.raw_events[i].tolist())
 
-    def member(self, i: int) -> Diagram:
-        """Return member ``i`` as a diagram with its parameters, start values and random numbers."""
+    def variant(self, i: int) -> Diagram:
+        """Return variant ``i`` as a diagram with its parameters, start values and random numbers."""
         self._check(i)
-        return self.members.diagram_of(i)
+        return self.variants.diagram_of(i)
 
     def run(self, i: int) -> Run:
-        """Simulate member ``i`` again, alone and with all signals; the values agree to the last bit."""
+        """Simulate variant ``i`` again, alone and with all signals; the values agree to the last bit."""
         s = self.settings
         return simulate(
-            self.member(i), self.duration, times=self.t, rtol=s.rtol, atol=s.atol, method=s.method,
+            self.variant(i), self.duration, times=self.t, rtol=s.rtol, atol=s.atol, method=s.method,
             max_steps=s.max_steps,
         )  # fmt: skip
 
     def plot(self, signal: str) -> "Figure":
-        """Plot a signal over all members that reached their end: median, 5 to 95 % band, some members."""
+        """Plot a signal over all variants that reached their end: median, 5 to 95 % band, some variants."""
         from diagram.figures.trends import plot_ensemble
 
         return plot_ensemble(self, signal)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write one row a member: status, parameters, start values ``name(0)``, seed, summary, signals as arrays.
+        """Write one row a variant: status, parameters, start values ``name(0)``, seed, summary, signals as arrays.
 
         Time [s], units and settings are JSON in the footer under the key "stickslip".  The file appears whole or
-        not at all.  Read with ``polars.read_parquet(path)["PV"].to_numpy()``, shape (members, rows).
+        not at all.  Read with ``polars.read_parquet(path)["PV"].to_numpy()``, shape (variants, rows).
         """
         import polars as pl
 
         columns: dict[str, object] = {
-            "member": np.arange(len(self)),
+            "variant": np.arange(len(self)),
             "status": [Status(int(code)).name for code in self.status],
             **self.params,
             **{f"{key}(0)": column for key, column in self.start.items()},
@@ -166,8 +162,8 @@ class Ensemble:
             **self.values,
         }
         heading = {
-            "origin": f"simulated: {self.members.diagram.name}", "duration [s]": self.duration,
-            "units": self.members.diagram.signal_units, "rtol": self.settings.rtol, "atol": self.settings.atol,
+            "origin": f"simulated: {self.variants.diagram.name}", "duration [s]": self.duration,
+            "units": self.variants.diagram.signal_units, "rtol": self.settings.rtol, "atol": self.settings.atol,
             "method": self.settings.method, "time [s]": self.t.tolist(),
         }  # fmt: skip
         with replacing(path) as part:
@@ -175,4 +171,4 @@ class Ensemble:
 
     def _check(self, i: int) -> None:
         if not -len(self) <= i < len(self):
-            raise IndexError(f"there is no member {i}; the ensemble has {len(self)}")
+            raise IndexError(f"there is no variant {i}; the ensemble has {len(self)}")

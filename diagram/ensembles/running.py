@@ -1,14 +1,14 @@
 """One diagram over thousands of parameter sets, start values and seeds, on all cores.
 
-The diagram is laid out once; a member is a copy of its arrays with one row of numbers written in.  The engine runs
-without Python's lock, so plain threads keep all cores busy.  See also: ``members`` (what varies), ``simulate``.
+The diagram is laid out once; a variant is a copy of its arrays with one row of numbers written in.  The engine runs
+without Python's lock, so plain threads keep all cores busy.  See also: ``variants`` (what varies), ``simulate``.
 """
 
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import Lock
 
 import numpy as np
@@ -17,24 +17,21 @@ from numpy.typing import ArrayLike
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble, freeze
-from diagram.ensembles.variants import Floats, Members, Places, members
-from diagram.flatten import DELAY_RECORDS, Plan, plan
+from diagram.ensembles.variants import Floats, Places, Variants, variants_of
+from diagram.flatten import DELAY_RECORDS, Plan
 from diagram.inputs import Inputs
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import resumed
 from diagram.playback import check_logged
-from diagram.progress import Progress, told
+from diagram.progress import Progress, reporting
 from diagram.simulation import check_settings, set_up, troubles
-from engine import layout as at
 from engine.run import Outcome, Settings, prepare, run
-from engine.status import Statistics, Status
+from engine.snapshot import COUNTERS, Snapshot, total
+from engine.status import Status
 from engine.table import Component
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 
-COUNTERS = {
-    "steps": at.STEPS, "rejected": at.REJECTED, "rhs": at.RHS, "jacobians": at.JACOBIANS, "events": at.EVENTS,
-}  # fmt: skip
 GLANCE = 0.1  # how often the progress is told [s]
 
 
@@ -57,16 +54,16 @@ def ensemble(
     keep_logs: bool = True,
     summary: Summary | None = None,
 ) -> Ensemble:
-    """Simulate the diagram once per member; member ``i`` equals ``simulate`` of the same values to the last bit.
+    """Simulate the diagram once per variant; variant ``i`` equals ``simulate`` of the same values to the last bit.
 
-    Parameters: ``params`` ``{"valve.F_s": (members,)}``; ``start`` ``{"process.x": (members,)}``; ``seeds``
-    (members,) integers: blocks with random numbers draw the streams of [seed, number of the block]; a single
-    number holds for all members.  ``signals`` to log (default all); ``workers`` threads (default all cores);
-    ``progress`` True for a bar, False for none, a function of (done, members), default a bar on a terminal;
+    Parameters: ``params`` ``{"valve.F_s": (variants,)}``; ``start`` ``{"process.x": (variants,)}``; ``seeds``
+    (variants,) integers: blocks with random numbers draw the streams of [seed, number of the block]; a single
+    number holds for all variants.  ``signals`` to log (default all); ``workers`` threads (default all cores);
+    ``progress`` True for a bar, False for none, a function of (done, variants), default a bar on a terminal;
     ``keep_logs`` False keeps no values; ``summary`` function ``(t, {signal: (rows,)}) -> {name: number}``, called
-    for each member that reached its end.  The rest as in ``simulate``.
+    for each variant that reached its end.  The rest as in ``simulate``.
 
-    A member that fails has its ``status``; Ctrl-C returns what is finished, the rest ``INTERRUPTED``.
+    A variant that fails has its ``status``; Ctrl-C returns what is finished, the rest ``INTERRUPTED``.
     Raises ``ValueError`` for a request that makes no sense, before anything runs.
 
     >>> from blocks.sources import Ramp
@@ -78,11 +75,11 @@ def ensemble(
     [[0.0, 0.5, 1.0], [0.0, 1.0, 2.0], [0.0, 2.0, 4.0]]
     """
     ready = set_up(diagram, inputs)
-    resumed(ready, 0.0)  # refuses what would be lost: members start afresh
+    resumed(ready, 0.0)  # refuses what would be lost: variants start afresh
     wanted = wanted_signals(ready, signals)
     settings = check_settings(rtol, atol, method, max_steps)
-    cast = members(ready, params, start, seeds)
-    grid = log_times(duration, every, None, 0.0, len(wanted), len(cast) if keep_logs else 1)
+    variants = variants_of(ready, params, start, seeds)
+    grid = log_times(duration, every, None, 0.0, len(wanted), len(variants) if keep_logs else 1)
     check_logged(ready, 0.0, float(duration))
     if not keep_logs and summary is None:
         raise ValueError("keep_logs=False without a summary leaves nothing; give summary=, or keep the logs")
@@ -91,10 +88,10 @@ def ensemble(
             f"workers = {workers!r}, but threads are a whole number of at least 1; leave it out to use all cores"
         )
     if summary is not None and not callable(summary):
-        raise ValueError(f"summary = {summary!r}, but it is called for each member; give a function (t, signals)")
-    crew = _Crew(cast, wanted, grid, float(duration), settings, keep_logs, summary)
-    _work(crew, len(cast), workers or cores(), progress)
-    return crew.result()
+        raise ValueError(f"summary = {summary!r}, but it is called for each variant; give a function (t, signals)")
+    runs = _Runs(variants, wanted, grid, float(duration), settings, keep_logs, summary)
+    _work(runs, len(variants), workers or cores(), progress)
+    return runs.result()
 
 
 def cores() -> int:
@@ -104,7 +101,7 @@ def cores() -> int:
 
 @dataclass(frozen=True)
 class _Part:
-    """One component that logs only the wanted signals, and where a member's numbers go."""
+    """One component that logs only the wanted signals, and where a variant's numbers go."""
 
     component: Component
     signals: tuple[str, ...]
@@ -118,28 +115,30 @@ class _Layout:
     parts: tuple[_Part, ...]
 
 
-def _lay_out(cast: Members, i: int, wanted: Sequence[str], records: int) -> _Layout:
-    """Lay out the diagram for member ``i`` and all others with the same dead times in force."""
-    plan(cast.diagram)  # the copies below share it where it fits
-    diagram = cast.diagram_of(i)
-    laid = plan(diagram, records)
+def _lay_out(variants: Variants, i: int, wanted: Sequence[str], records: int) -> _Layout:
+    """Lay out the diagram for variant ``i`` and all others with the same dead times in force."""
+    variants.diagram.plan()  # the copies below share it where it fits
+    diagram = variants.diagram_of(i)
+    laid = diagram.plan(records)
     parts = []
     for component in laid.components:
         reduced = logging_only(component, diagram, wanted)
-        laid.fill(component, reduced.W, diagram.blocks)
-        parts.append(_Part(reduced, tuple(diagram.signals[c] for c in reduced.columns), *cast.places(laid, component)))
+        laid.fill(Snapshot(reduced, reduced.I, reduced.W), diagram.blocks)
+        parts.append(
+            _Part(reduced, tuple(diagram.signals[c] for c in reduced.columns), *variants.places(laid, component))
+        )
     return _Layout(laid, tuple(parts))
 
 
-class _Crew:
-    """The result in the making: threads call ``work``, which takes member after member until none is left."""
+class _Runs:
+    """The result in the making: threads call ``work``, which takes variant after variant until none is left."""
 
     def __init__(
-        self, cast: Members, wanted: tuple[str, ...], grid: Floats, duration: float, settings: Settings,
+        self, variants: Variants, wanted: tuple[str, ...], grid: Floats, duration: float, settings: Settings,
         keep_logs: bool, summary: Summary | None,
     ) -> None:  # fmt: skip
-        n = len(cast)
-        self.cast, self.wanted, self.grid, self.duration, self.settings = cast, wanted, grid, duration, settings
+        n = len(variants)
+        self.variants, self.wanted, self.grid, self.duration, self.settings = variants, wanted, grid, duration, settings
         self.summary = summary
         self.values = {signal: np.empty((n, len(grid))) for signal in wanted} if keep_logs else {}
         self.keep_logs = keep_logs
@@ -149,9 +148,9 @@ class _Crew:
         self.events: list[Floats] = [np.empty((0, 4))] * n
         self.summaries: list[Mapping[str, float]] = [{}] * n
         self.troubles = [""] * n
-        shapes, self.shape_of = np.unique(cast.shapes(), axis=0, return_inverse=True)
+        shapes, self.shape_of = np.unique(variants.shapes(), axis=0, return_inverse=True)
         self.shape_of = self.shape_of.ravel()
-        self.layouts = [_lay_out(cast, self._first(s), wanted, DELAY_RECORDS) for s in range(len(shapes))]
+        self.layouts = [_lay_out(variants, self._first(s), wanted, DELAY_RECORDS) for s in range(len(shapes))]
         self.lock = Lock()
         self.waiting = iter(range(n))
         self.done = 0
@@ -161,19 +160,19 @@ class _Crew:
         return int(np.argmax(self.shape_of == shape))
 
     def work(self) -> None:
-        """Simulate members until none is left or somebody stops the work."""
+        """Simulate variants until none is left or somebody stops the work."""
         for i in self.waiting:
             if self.stop:
                 return
             try:
-                self._member(i)
+                self._variant(i)
             except Exception as error:  # a block that runs in Python, or the summary, has a fault of its own
-                error.add_note(f"member {i} of the ensemble")
+                error.add_note(f"variant {i} of the ensemble")
                 raise
             with self.lock:
                 self.done += 1
 
-    def _member(self, i: int) -> None:
+    def _variant(self, i: int) -> None:
         layout = self.layouts[self.shape_of[i]]
         outcomes = self._run(layout, i)
         while any(o.status is Status.DELAY_FULL for o in outcomes):
@@ -188,12 +187,12 @@ class _Crew:
             self.summaries[i] = self.summary(self.grid, {signal: rows[signal] for signal in self.wanted})
         if self.keep_logs:
             self.events[i] = np.concatenate([o.events for o in outcomes])
-        self.counts[i] = sum(o.I[list(COUNTERS.values())] for o in outcomes)
+        ends = tuple(Snapshot(part.component, o.I, o.W) for part, o in zip(layout.parts, outcomes, strict=True))
+        self.counts[i] = sum(end.counts for end in ends)
         self.ended[i] = min(o.t for o in outcomes)
         self.status[i] = Status.OK if failed is None else failed.status
         if failed is not None:
-            ends = tuple((part.component, o.I, o.W) for part, o in zip(layout.parts, outcomes, strict=True))
-            self.troubles[i] = troubles(self.cast.diagram_of(i), ends)
+            self.troubles[i] = troubles(self.variants.diagram_of(i), ends)
             if self.troubles[i]:
                 self.status[i] = Status.MODEL_ENDED
 
@@ -201,7 +200,7 @@ class _Crew:
         outcomes = []
         for part in layout.parts:
             I, W = prepare(part.component, self.settings, 0.0)
-            W[part.offsets] = self.cast.table[i, part.columns]
+            Snapshot(part.component, I, W).put(part.offsets, self.variants.table[i, part.columns])
             outcomes.append(run(part.component, layout.laid.flat, I, W, self.grid, self.duration, self._listen))
         return outcomes
 
@@ -211,25 +210,25 @@ class _Crew:
         if not (self.keep_logs and whole.any()):
             return
         sizes = {s: float(max(v[whole].max(), -v[whole].min())) for s, v in self.values.items()}
-        read = [block for block in self.cast.diagram.blocks if not sizes.keys().isdisjoint(block.output_labels)]
+        read = [block for block in self.variants.diagram.blocks if not sizes.keys().isdisjoint(block.output_labels)]
         note = too_coarse(read, sizes, {}, self.settings.atol)
         if note:
             warnings.warn(note, ToleranceWarning, stacklevel=3)
 
     def _listen(self, t: float) -> None:
-        """Interrupt a member on its way if somebody stopped the work."""
+        """Interrupt a variant on its way if somebody stopped the work."""
         if self.stop:
             raise KeyboardInterrupt
 
     def _longer(self, full: _Layout, shape: int) -> _Layout:
-        """Return a layout with longer delay lines than the one that was full, for this and all later members."""
+        """Return a layout with longer delay lines than the one that was full, for this and all later variants."""
         with self.lock:
             if self.layouts[shape] is full:
-                self.layouts[shape] = _lay_out(self.cast, self._first(shape), self.wanted, full.laid.records * 4)
+                self.layouts[shape] = _lay_out(self.variants, self._first(shape), self.wanted, full.laid.records * 4)
             return self.layouts[shape]
 
     def result(self) -> Ensemble:
-        """Return what is finished; members that were not reached hold NaN."""
+        """Return what is finished; variants that were not reached hold NaN."""
         missing = self.status == Status.INTERRUPTED
         for values in self.values.values():
             values[missing] = np.nan
@@ -237,28 +236,27 @@ class _Crew:
         table = {name: np.array([float(one.get(name, np.nan)) for one in self.summaries]) for name in names}
         freeze([self.grid, self.status, self.ended, *self.values.values(), *table.values()])
         self._doubt()
-        total = dict(zip(COUNTERS, self.counts.sum(axis=0).tolist(), strict=True))
-        cost = Statistics(components=len(self.layouts[0].parts), **total)
+        cost = replace(total(list(self.counts)), components=len(self.layouts[0].parts))
         return Ensemble(
             t=self.grid, values=self.values, status=self.status, ended=self.ended, summary=table,
             event_counts=self.counts[:, -1], troubles=tuple(self.troubles), statistics=cost,
-            members=self.cast, settings=self.settings, duration=self.duration, raw_events=tuple(self.events),
+            variants=self.variants, settings=self.settings, duration=self.duration, raw_events=tuple(self.events),
         )  # fmt: skip
 
 
-def _work(crew: _Crew, n: int, workers: int, progress: Progress) -> None:
-    """Let the crew work while this thread tells the progress and listens for Ctrl-C."""
-    with told(progress, n, "members") as tell, ThreadPoolExecutor(min(workers, n)) as pool:
-        tasks = [pool.submit(crew.work) for _ in range(min(workers, n))]
+def _work(runs: _Runs, n: int, workers: int, progress: Progress) -> None:
+    """Let the runs work while this thread tells the progress and listens for Ctrl-C."""
+    with reporting(progress, n, "variants") as tell, ThreadPoolExecutor(min(workers, n)) as pool:
+        tasks = [pool.submit(runs.work) for _ in range(min(workers, n))]
         try:
             running = True
             while running:
                 finished, waiting = wait(tasks, timeout=GLANCE, return_when=FIRST_EXCEPTION)
-                tell(crew.done, n)
+                tell(runs.done, n)
                 running = bool(waiting) and not any(task.exception() for task in finished)
         except KeyboardInterrupt:
             pass
         finally:
-            crew.stop = True
+            runs.stop = True
     for task in tasks:
         task.result()

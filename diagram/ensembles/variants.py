@@ -1,7 +1,7 @@
-"""What makes the members of an ensemble differ: one table of numbers, one row a member.
+"""What makes the variants of an ensemble differ: one table of numbers, one row a variant.
 
 Each column belongs to one value of one block: a parameter, a start state or a memory.  The blocks themselves
-check every member before anything runs; the engine's arrays then get each row in a single assignment.
+check every variant before anything runs; the engine's arrays then get each row in a single assignment.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,6 +15,7 @@ from blocks.arguments import by_name
 from blocks.block import Block
 from diagram.diagram import Diagram
 from diagram.flatten import Plan
+from engine.snapshot import offset
 from engine.table import Component
 
 Floats = NDArray[np.float64]
@@ -36,7 +37,7 @@ def reseeded(diagram: Diagram, seed: int) -> Diagram:
 
     ``numpy.random.SeedSequence`` makes streams of different seeds and blocks independent.
     """
-    return diagram._with_blocks(
+    return diagram.with_blocks(
         [
             block.reseeded((seed, b)) if isinstance(block, Reseedable) else block
             for b, block in enumerate(diagram.blocks)
@@ -45,11 +46,11 @@ def reseeded(diagram: Diagram, seed: int) -> Diagram:
 
 
 @dataclass(frozen=True)
-class Members:
-    """The members of an ensemble of ``diagram``.
+class Variants:
+    """The variants of an ensemble of ``diagram``.
 
-    ``params``, ``start``, ``seeds``: what was asked for, each column (members,).
-    ``table[i, c]``: what member ``i`` has at ``targets[c]``; shape (members, columns).
+    ``params``, ``start``, ``seeds``: what was asked for, each column (variants,).
+    ``table[i, c]``: what variant ``i`` has at ``targets[c]``; shape (variants, columns).
     """
 
     diagram: Diagram
@@ -63,45 +64,44 @@ class Members:
         return len(self.table)
 
     def diagram_of(self, i: int) -> Diagram:
-        """Return member ``i`` as a diagram of its own."""
+        """Return variant ``i`` as a diagram of its own."""
         diagram = self.diagram.with_params({key: float(column[i]) for key, column in self.params.items()})
         if self.seeds is not None:
             diagram = reseeded(diagram, int(self.seeds[i]))
         return diagram.starting_at({key: float(column[i]) for key, column in self.start.items()})
 
     def shapes(self) -> NDArray[np.bool_]:
-        """Tell which varied dead times are in force, (members, varied dead times): one plan serves one such row."""
+        """Tell which varied dead times are in force, (variants, varied dead times): one plan serves one such row."""
         theta = [c for c, target in enumerate(self.targets) if _is_dead_time(self.diagram.blocks, target)]
         return self.table[:, theta] > 0.0
 
     def places(self, laid: Plan, component: Component) -> tuple[Places, Places]:
-        """Return (offsets in ``W``, columns of the table), such that ``W[offsets] = table[i, columns]``."""
-        starts = {"p": component.params, "x0": component.states, "d0": component.memory}
+        """Return (places in the run, columns of the table): ``Snapshot.put(places, table[i, columns])`` makes one."""
         pairs: list[tuple[int, int]] = []
         for c, (b, kind, index) in enumerate(self.targets):
             if b in component.blocks:
-                pairs.append((starts[kind][b] + index, c))
+                pairs.append((offset(component, kind, b, index), c))
             if kind == "p":
                 name = (
                     self.diagram.blocks[b].param_names[index] if index < len(self.diagram.blocks[b].param_names) else ""
                 )
-                dead_time = self.diagram.blocks[b].dead_time_param
+                dead_time, before = self.diagram.blocks[b].dead_time_param, self.diagram.blocks[b].before_param
                 for f in laid.delays.get(b, ()):
-                    if f in component.params and name in (dead_time, f"{dead_time}_start"):
-                        pairs.append((component.params[f] + (name != dead_time), c))
+                    if f in component.params and name in (dead_time, before):
+                        pairs.append((offset(component, "p", f, int(name != dead_time)), c))
         return np.array([w for w, _ in pairs], dtype=np.intp), np.array([c for _, c in pairs], dtype=np.intp)
 
 
-def members(
+def variants_of(
     diagram: Diagram,
     params: Mapping[str, ArrayLike] | None,
     start: Mapping[str, ArrayLike] | None,
     seeds: ArrayLike | None,
-) -> Members:
-    """Return the members asked for; single numbers hold for all.
+) -> Variants:
+    """Return the variants asked for; single numbers hold for all.
 
-    Raises ``ValueError`` if lengths differ, a name is unknown, or a block refuses the values of a member (the
-    message names the member).
+    Raises ``ValueError`` if lengths differ, a name is unknown, or a block refuses the values of a variant (the
+    message names the variant).
     """
     by_name("ensemble", "params", params or {}, {"valve.F_s": [1750.0, 2250.0]})
     by_name("ensemble", "start", start or {}, {"process.PV": [0.0, 0.5]})
@@ -114,7 +114,7 @@ def members(
     for key, column in starts.items():
         if not np.isfinite(column).all():
             i = int(np.argmin(np.isfinite(column)))
-            raise ValueError(f"'{key}' is to start at {column[i]} in member {i}, but a start value is a finite number")
+            raise ValueError(f"'{key}' is to start at {column[i]} in variant {i}, but a start value is a finite number")
     streams = None if seeds is None else _seeds(seeds, n)
     columns: dict[Target, Floats] = {}
     for b, names in _grouped(diagram, wanted).items():
@@ -132,30 +132,34 @@ def members(
             index = (block.state_names if state else block.memory_names).index(name)
             columns[b, "x0" if state else "d0", index] = column
     table = np.stack(list(columns.values()), axis=1) if columns else np.zeros((n, 0))
-    return Members(diagram, wanted, starts, streams, table, tuple(columns))
+    return Variants(diagram, wanted, starts, streams, table, tuple(columns))
 
 
 def _numbers(key: str, values: ArrayLike) -> Floats:
     try:
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError):
-        raise ValueError(f"'{key}' = {values!r}, but it is one number a member; give a flat array of numbers") from None
+        raise ValueError(
+            f"'{key}' = {values!r}, but it is one number a variant; give a flat array of numbers"
+        ) from None
 
 
 def _count(given: Sequence[tuple[str, NDArray[np.generic]]]) -> int:
     for key, values in given:
         if values.ndim > 1:
-            raise ValueError(f"'{key}' has shape {values.shape}, but it must be one number a member; give a flat array")
+            raise ValueError(
+                f"'{key}' has shape {values.shape}, but it must be one number a variant; give a flat array"
+            )
     lengths = {key: values.size for key, values in given if values.ndim == 1}
     if not lengths:
-        raise ValueError("nothing says how many members there are; give params, start or seeds at least one array")
+        raise ValueError("nothing says how many variants there are; give params, start or seeds at least one array")
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"'{key}' {length}" for key, length in lengths.items())
         raise ValueError(
-            f"the members disagree in number: {told}; give arrays of one length (single numbers hold for all)"
+            f"the variants disagree in number: {told}; give arrays of one length (single numbers hold for all)"
         )
     if not next(iter(lengths.values())):
-        raise ValueError("there are 0 members; give arrays of at least one value")
+        raise ValueError("there are 0 variants; give arrays of at least one value")
     return next(iter(lengths.values()))
 
 
@@ -186,7 +190,7 @@ def _grouped(diagram: Diagram, columns: Mapping[str, Floats]) -> dict[int, dict[
 
 
 def _checked(block: Block, b: int, names: Mapping[str, Floats], n: int) -> dict[Target, Floats]:
-    """Let the block check the parameters of every member, and return what it made of them."""
+    """Let the block check the parameters of every variant, and return what it made of them."""
     indices = [block.param_index(name) for name in names]
     made = np.empty((n, len(names)))
     rows = zip(*(column.tolist() for column in names.values()), strict=True)
@@ -194,7 +198,7 @@ def _checked(block: Block, b: int, names: Mapping[str, Floats], n: int) -> dict[
         try:
             made[i] = block.with_params(**dict(zip(names, row, strict=True))).p[indices]
         except ValueError as error:
-            error.add_note(f"member {i} of the ensemble")
+            error.add_note(f"variant {i} of the ensemble")
             raise
     return {(b, "p", index): made[:, k] for k, index in enumerate(indices)}
 

@@ -3,16 +3,17 @@
 import math
 import os
 import re
-import secrets
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from blocks.block import Block
+from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.figures.placement import Arrow, Grid, Node, common, grid
 from diagram.figures.routes import Box, Sheet, sheet
+from logs.files.write import replacing
+from logs.style import EDGE, FILL, FRAME, FRAME_EDGE, INK, SOFT, WIRE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,9 +41,6 @@ GREEK = (
     "tau",
     "omega",
 )
-INK, SOFT, WIRE = "#1d2733", "#5b6875", "#3a4653"
-FILL = {"source": "#e9f4ec", "controller": "#e7f0fb", "valve": "#fdf0e1", "python": "#f1eafa", "plain": "#ffffff"}
-EDGE = {"source": "#4d8f63", "controller": "#3f73b0", "valve": "#c07a22", "python": "#7d5bb0", "plain": "#54616e"}
 NAME_SIZE, WORD_SIZE, VALUE_SIZE, SIGNAL_SIZE = 9.5, 7.5, 7.5, 8.0
 LINE = 10.5  # height of a line of small text [points]
 MARGIN = 16.0
@@ -84,13 +82,8 @@ def to_svg(diagram: Diagram, path: str | os.PathLike[str]) -> None:
 
     Raises ``OSError`` if the file cannot be written.
     """
-    target = Path(path)
-    part = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
-    try:
+    with replacing(path) as part:
         draw(diagram).savefig(part, format="svg", metadata={"Date": None})
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def symbol(name: str) -> str:
@@ -118,16 +111,12 @@ def word(block: Block) -> str:
     return " ".join(part if part.isupper() and len(part) > 1 else part.lower() for part in parts)
 
 
-def role(block: Block) -> str:
-    """Return what a block is in a loop: source, controller, valve, python or plain."""
+def colour(block: Block) -> str:
+    """Return the key of a block's colours: its role where that has some, "python" for one that runs in Python."""
     if block.host is not None:
         return "python"
-    if not block.ports_in:
-        return "source"
-    if {"SP", "PV"} <= {port.name for port in block.ports_in}:
-        return "controller"
-    moves = any(p.name == "OP" for p in block.ports_in) and any(p.name == "MV" for p in block.ports_out)
-    return "valve" if moves or "stuck" in block.modes else "plain"
+    role = Role.SOURCE if block.role.drives else block.role
+    return str(role) if role in FILL else "plain"
 
 
 def main_parameters(block: Block) -> list[str]:
@@ -206,7 +195,7 @@ class _Ink:
         for group, (left, top, right, bottom) in laid.frames.items():
             ax.add_patch(FancyBboxPatch(
                 (left, top), right - left, bottom - top, boxstyle="round,pad=0,rounding_size=8",
-                facecolor="#f4f6f9" if len(group) % 2 else "#ffffff", edgecolor="#c3ccd6", linewidth=0.9,
+                facecolor=FRAME if len(group) % 2 else "white", edgecolor=FRAME_EDGE, linewidth=0.9,
                 zorder=0.1 * len(group),
             ))  # fmt: skip
             ax.text(
@@ -249,7 +238,7 @@ class _Ink:
         from matplotlib.patches import FancyBboxPatch
 
         block = self.diagram.blocks[node.block]
-        kind = role(block)
+        kind = colour(block)
         ax.add_patch(FancyBboxPatch(
             (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height,
             boxstyle="round,pad=0,rounding_size=4", facecolor=FILL[kind], edgecolor=EDGE[kind], linewidth=1.2, zorder=3,

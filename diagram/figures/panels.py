@@ -5,11 +5,12 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from blocks.arguments import texts
-from blocks.ports import Port, nearest
+from blocks.block import PARTS, Block
+from blocks.ports import nearest
+from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.simulation import Run
 from logs import Log
-from logs.figures import COLOURS
 
 PANELS = 8  # most panels when nobody says which signals to show
 TOGETHER = 4  # most signals on one axis that share no more than a unit
@@ -35,23 +36,19 @@ def choose(run: Run, names: Sequence[str] | None) -> tuple[list[list[str]], list
     if names is not None:
         return panels, [], []
     if len(panels) > PANELS:
-        panels = _most_told(run, panels)
+        panels = _most_telling(run, panels)
     shown = {s for panel in panels for s in panel}
     squashing = [s for panel in panels for s in _squashing(log, panel)]
     panels = [[s for s in panel if s not in squashing] for panel in panels]
     return panels, [s for s in chosen if s not in shown], squashing
 
 
-def _most_told(run: Run, panels: list[list[str]]) -> list[list[str]]:
+def _most_telling(run: Run, panels: list[list[str]]) -> list[list[str]]:
     """Return ``PANELS`` panels in their order: first what controllers measure and sticking valves, last what rests."""
     diagram, log = run.final, run.log
     main = main_signals(diagram)
-    measured: set[str] = set()
-    for block in diagram.blocks:
-        by_port = dict(zip([port.name for port in block.ports_in], block.input_labels, strict=True))
-        if "SP" in by_port and "PV" in by_port:
-            measured.add(by_port["PV"])
-    sticking = {s for block in diagram.blocks if "stuck" in block.modes for s in block.output_labels}
+    measured = {block.loop_signal("PV") for block in diagram.blocks if _controls(block)}
+    sticking = {s for block in diagram.blocks if block.can_stick for s in block.output_labels}
 
     def rank(panel: list[str]) -> int:
         if not any(_moves(log, s) for s in panel):
@@ -96,10 +93,15 @@ def main_signals(diagram: Diagram) -> set[str]:
     """
     found: set[str] = set()
     for block in diagram.blocks:
-        ports = {port.name for port in (*block.ports_in, *block.ports_out)}
-        if {"SP", "PV"} <= ports or {"OP", "MV"} <= ports:
+        if block.role is Role.VALVE or _controls(block):
             found |= {*block.input_labels, *block.output_labels}
     return found
+
+
+def _controls(block: Block) -> bool:
+    """Return whether a block holds a PV at an SP: a controller, or a valve with one of its own."""
+    acts = block.role in (Role.CONTROLLER, Role.VALVE)
+    return acts and block.loop_signal("SP") is not None and block.loop_signal("PV") is not None
 
 
 def _together(diagram: Diagram, log: Log, chosen: Sequence[str]) -> list[list[str]]:
@@ -114,11 +116,10 @@ def _together(diagram: Diagram, log: Log, chosen: Sequence[str]) -> list[list[st
                 panel.update(dict.fromkeys(merged, merged))
 
     for block in diagram.blocks:
-        by_port = dict(zip([p.name for p in (*block.ports_in, *block.ports_out)],
-                           (*block.input_labels, *block.output_labels), strict=True))  # fmt: skip
         for pair in (("SP", "PV"), ("OP", "MV")):
-            if all(port in by_port for port in pair):
-                join(by_port[port] for port in pair)
+            found = [signal for part in pair if (signal := block.loop_signal(part)) is not None]
+            if len(found) == len(pair):
+                join(found)
     for i, signal in enumerate(chosen):
         for other in chosen[:i]:
             one, two = panel[signal], panel[other]
@@ -143,30 +144,22 @@ def _alike(log: Log, a: str, b: str) -> bool:
 def parts_played(diagram: Diagram, shown: Sequence[str]) -> list[str]:
     """Return the part each signal plays in its panel: SP, PV, OP, MV for controllers and valves, else its name."""
     played: dict[str, list[str]] = {signal: [] for signal in shown}
-    ends = [
-        (port.name, label) for block in diagram.blocks for port, label in _wired(block.ports_out, block.output_labels)
-    ]
-    ends += [
-        (port.name, label) for block in diagram.blocks for port, label in _wired(block.ports_in, block.input_labels)
-    ]
-    for name, label in ends:  # outputs first: a signal is what drives it
-        if label in played and name in COLOURS:
-            played[label].append(name)
+    wired = [(part, block.loop_signal(part), block) for block in diagram.blocks for part in PARTS]
+    for out in (True, False):  # outputs first: a signal is what drives it
+        for part, label, block in wired:
+            if label is not None and label in played and (label in block.output_labels) is out:
+                played[label].append(part)
     loop = any("PV" in parts for parts in played.values())
     found = []
     for signal, parts in played.items():
         own = signal.rpartition("/")[2]
-        if own in COLOURS:
+        if own in PARTS:
             found.append(own)
         elif loop and "SP" in parts:  # the output of one controller is the set point of the next
             found.append("SP")
         else:
             found.append(parts[0] if parts else signal)
     return found
-
-
-def _wired(ports: Sequence[Port], labels: Sequence[str]) -> Iterable[tuple[Port, str]]:
-    return zip(ports, labels, strict=True)
 
 
 def heading(shown: Sequence[str], unit: str) -> str:

@@ -1,8 +1,8 @@
 """Where the blocks of a drawing stand: columns in signal-flow order, rows by what they are joined to.
 
-Columns: an order of the blocks with the least weight of backward arrows (measured values, arrows into a port PV,
-are the cheapest to turn back), then the longest path.  Rows: each block, and each nested diagram as a whole, moves
-to the free row where its arrows are shortest.
+Columns: an order of the blocks with the least weight of backward arrows (measured values, arrows into what plays
+the PV, are the cheapest to turn back), then the longest path.  Rows: each block, and each nested diagram as a whole,
+moves to the free row where its arrows are shortest.
 """
 
 from collections.abc import Mapping, Sequence
@@ -97,9 +97,10 @@ def _graph(diagram: Diagram) -> tuple[list[Node], list[Arrow]]:
         driven[signal] = (len(nodes), 0)
         nodes.append(Node("input", signal))
     for b, block in enumerate(blocks):
-        for i, (port, signal) in enumerate(zip(block.ports_in, block.input_labels, strict=True)):
+        measured = block.loop_signal("PV")
+        for i, signal in enumerate(block.input_labels):
             source, out = driven[signal]
-            arrows.append(Arrow(signal, source, out, b, i, 1.0 if port.name == "PV" else 4.0))
+            arrows.append(Arrow(signal, source, out, b, i, 1.0 if signal == measured else 4.0))
     for signal in shown:
         source, out = driven[signal]
         arrows.append(Arrow(signal, source, out, len(nodes), 0, 1.0))

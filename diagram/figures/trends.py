@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.block import Block
+from blocks.block import STUCK_MODE, Block
 from blocks.ports import nearest
 from diagram.figures.panels import choose, heading, parts_played
 from diagram.simulation import Run
 from engine.status import Status
 from logs import Log
-from logs.figures import COLOURS, time_unit
-from logs.style import SOFT, tidy
+from logs.figures import time_unit
+from logs.style import COLOURS, CYCLE, EVENT, OUTSIDE, PALE, RED, SOFT, STUCK, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,12 +23,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000")
 WIDTHS = {"MV": 1.4}  # beside OP on grey paper
-OUTSIDE = "#555555"  # a signal of no nested diagram, beside some that are
-STUCK, EVENT, FAILED = "#f3d9b8", "#8a5a2b", "#b00020"
 POINTS = 1500  # as fine as the widest figure can show a band
-SOME = 12  # members drawn as lines
+SOME = 12  # variants drawn as lines
 LEAVES_UNSAID = 2000  # events beyond which single ticks say nothing
 
 
@@ -55,11 +52,11 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     for ax, shown in zip(axes, panels, strict=True):
         size, named = _unit(log, shown)
         parts = parts_played(diagram, shown)
-        for colour, port, signal in zip(_colours(parts, shown, groups), parts, shown, strict=True):
+        for colour, part, signal in zip(_colours(parts, shown, groups), parts, shown, strict=True):
             ax.plot(
-                log.t / scale, log[signal] / size, color=colour, linewidth=WIDTHS.get(port, 0.9), label=signal,
-                rasterized=len(log) > 20_000, linestyle=(0, (4, 2)) if port == "SP" and len(shown) > 1 else "-",
-                zorder=1.9 if port in ("SP", "OP") else _above(log, signal, shown),
+                log.t / scale, log[signal] / size, color=colour, linewidth=WIDTHS.get(part, 0.9), label=signal,
+                rasterized=len(log) > 20_000, linestyle=(0, (4, 2)) if part == "SP" and len(shown) > 1 else "-",
+                zorder=1.9 if part in ("SP", "OP") else _above(log, signal, shown),
             )  # fmt: skip
         for block in diagram.blocks:
             if block.modes and any(signal in shown for signal in block.output_labels):
@@ -72,7 +69,7 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     figure.suptitle(diagram.name, x=0.01, ha="left", fontsize=11, weight="bold")
     notes = []
     if run.status is not Status.OK:
-        notes.append((_wrapped(f"{run.status.name}: {run.hint}"), FAILED))
+        notes.append((_wrapped(f"{run.status.name}: {run.hint}"), RED))
     unsaid = [f"{len(left_out)} more signals: choose with names="] if left_out else []
     if squashing:
         unsaid.append(f"at rest far off the scale: {', '.join(squashing)}")
@@ -100,9 +97,9 @@ def _above(log: Log, signal: str, shown: Sequence[str]) -> float:
 
 
 def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
-    """Return the spread of a signal over the members that reached their end: median, 5 to 95 %, some members.
+    """Return the spread of a signal over the variants that reached their end: median, 5 to 95 %, some variants.
 
-    Raises ``ValueError`` if the signal was not kept or no member reached its end.
+    Raises ``ValueError`` if the signal was not kept or no variant reached its end.
     """
     from logs.picture import Picture
 
@@ -110,7 +107,7 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
         raise ValueError(f"the ensemble kept no signal '{signal}'; {nearest(signal, list(result.values))}")
     whole = np.flatnonzero(result.ok)
     if not whole.size:
-        raise ValueError(f"no member reached its end, there is nothing to plot; the first: {result.hint(0)}")
+        raise ValueError(f"no variant reached its end, there is nothing to plot; the first: {result.hint(0)}")
     stride = -(-len(result.t) // POINTS)
     t, values = result.t[::stride], result.values[signal][whole, ::stride]
     low, middle, high = np.percentile(values, [5.0, 50.0, 95.0], axis=0)
@@ -120,20 +117,20 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     ax.fill_between(t / scale, low, high, color=CYCLE[0], alpha=0.18, linewidth=0, label="5 to 95 %")
     some = whole[np.linspace(0, whole.size - 1, min(SOME, whole.size)).astype(int)]
     for k, i in enumerate(some):
-        label = f"{len(some)} of {len(result)} members" if k == 0 else None
-        ax.plot(t / scale, result.values[signal][i, ::stride], color="#8896a5", linewidth=0.5, alpha=0.8, label=label)
+        label = f"{len(some)} of {len(result)} variants" if k == 0 else None
+        ax.plot(t / scale, result.values[signal][i, ::stride], color=PALE, linewidth=0.5, alpha=0.8, label=label)
     ax.plot(t / scale, middle, color=CYCLE[0], linewidth=1.6, label="median")
     _tidy(ax)
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderpad=0.1)
-    unit_y = result.members.diagram.signal_units.get(signal, "")
+    unit_y = result.variants.diagram.signal_units.get(signal, "")
     ax.set_ylabel(f"{signal} [{unit_y}]" if unit_y not in ("", "1") else signal)
     ax.set_xlabel(f"time [{unit}]")
     ax.set_xlim(t[0] / scale, t[-1] / scale)
     failed = len(result) - whole.size
-    told = f"{result.members.diagram.name}: {', '.join([*result.params, *result.start]) or 'seeds'} vary"
+    told = f"{result.variants.diagram.name}: {', '.join([*result.params, *result.start]) or 'seeds'} vary"
     figure.suptitle(told, x=0.01, ha="left", fontsize=11, weight="bold")
     if failed:
-        ax.set_title(f"{failed} members not shown: they did not reach the end", loc="left", fontsize=8.5, color=FAILED)
+        ax.set_title(f"{failed} variants not shown: they did not reach the end", loc="left", fontsize=8.5, color=RED)
     return figure
 
 
@@ -167,9 +164,9 @@ def modes_over_time(block: Block, run: Run) -> list[tuple[float, float, str]]:
 def _mark(ax: "Axes", block: Block, run: Run, scale: float) -> None:
     """Shade where a valve is stuck; tick the other changes of mode at the foot of the panel."""
     across = ax.get_xaxis_transform()
-    if "stuck" in block.modes:
+    if block.can_stick:
         stuck = [
-            (a / scale, (b - a) / scale) for a, b, mode in modes_over_time(block, run) if mode == "stuck" and b > a
+            (a / scale, (b - a) / scale) for a, b, mode in modes_over_time(block, run) if mode == STUCK_MODE and b > a
         ]
         if stuck:
             ax.broken_barh(

@@ -8,14 +8,14 @@ import numpy as np
 from diagram.linear.gain_arrays import Rga
 from diagram.linear.loop import Loop
 from diagram.linear.poles import Pole
-from logs.style import GRID, SOFT, tidy
+from logs.style import BLUE, CYCLE, GRID, INK, PALE, RED, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-CYCLE = ("#1f4e79", "#c55a11", "#2e7d32", "#6a3d9a", "#00798c", "#7f6000", "#b00020", "#5b6875")
+LINES = (*CYCLE, RED, SOFT)
 DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))  # tell neighbours apart on grey paper
-STABLE, UNSTABLE, HELD = "#1f4e79", "#b00020", "#8896a5"
+STABLE, UNSTABLE, HELD = BLUE, RED, PALE
 LEAST_GAIN, MOST_GAIN = 1e-3, 1e3  # of a Bode plot: what lies beyond says nothing about the loop
 
 
@@ -46,7 +46,7 @@ def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
         said = pole.made_of() + (f"   damping {pole.damping:.2g}" if swings else "")
         left = np.log(high / pole.time_constant) < 0.45 * np.log(high / low)  # slow ones are told on their left
         ax.annotate(said, (pole.time_constant, row), (-9 if left else 9, 0), textcoords="offset points", va="center",
-                    ha="right" if left else "left", fontsize=8, color="#1d2733", zorder=4,
+                    ha="right" if left else "left", fontsize=8, color=INK, zorder=4,
                     bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"})  # fmt: skip
     ax.set_xscale("log")
     ax.set_xlim(low, high)
@@ -67,7 +67,7 @@ def plot_loops(loops: Sequence[Loop]) -> "Figure":
     gain, phase = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     shown = []
     for i, loop in enumerate(loops):
-        colour = CYCLE[i % len(CYCLE)]
+        colour = LINES[i % len(LINES)]
         size = np.abs(loop.response)
         seen = (size > LEAST_GAIN) & (size < MOST_GAIN)
         if not seen.any():
@@ -75,7 +75,7 @@ def plot_loops(loops: Sequence[Loop]) -> "Figure":
         omega = loop.omega[seen]
         shown += [omega[0], omega[-1]]
         dash = DASHES[i % len(DASHES)]
-        gain.loglog(omega, size[seen], color=colour, linewidth=1.4, linestyle=dash, label=_told(loop))
+        gain.loglog(omega, size[seen], color=colour, linewidth=1.4, linestyle=dash, label=_margins(loop))
         phase.semilogx(omega, loop.phase[seen], color=colour, linewidth=1.4, linestyle=dash)
         for w in loop.crossovers:
             gain.plot([w], [1.0], "o", color=colour, markersize=5)
@@ -110,7 +110,7 @@ def plot_rga(rga: Rga) -> "Figure":
     for row in range(n):
         for column in range(n):
             value = values[row, column]
-            colour = UNSTABLE if value < -0.005 else "white" if abs(value) > 1.1 else "#1d2733"
+            colour = UNSTABLE if value < -0.005 else "white" if abs(value) > 1.1 else INK
             ax.text(
                 column, row, f"{value:.2f}".replace("-0.00", "0.00"), ha="center", va="center", color=colour, fontsize=9
             )
@@ -123,7 +123,7 @@ def plot_rga(rga: Rga) -> "Figure":
     return figure
 
 
-def _told(loop: Loop) -> str:
+def _margins(loop: Loop) -> str:
     if not loop.crossovers:
         return f"{loop.controller}: |L| < 1 throughout"
     crossover = f"{loop.crossover:.3g}" if loop.crossover < 1000.0 else f"{loop.crossover:.0f}"

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any
 import control as ct
 import numpy as np
 
-from blocks.anti_surge import AntiSurge
 from blocks.block import Block
-from blocks.flare import Flare
 from blocks.ports import nearest
+from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.linear.gain_arrays import NEAR_ZERO, Complex, Rga, relative_gains
 from diagram.linear.loop import Loop
@@ -77,7 +76,7 @@ class Linear:
     # --- poles ----------------------------------------------------------------------------------------------
     @cached_property
     def poles(self) -> tuple[Pole, ...]:
-        """Poles of the closed diagram from fast to slow, a complex pair as its upper member.
+        """Poles of the closed diagram from fast to slow, a complex pair as its upper one.
 
         >>> from plant.loops import self_regulating_loop
         >>> [(round(pole.value.real, 3), pole.made_of()) for pole in linearise(self_regulating_loop()).poles[-2:]]
@@ -96,7 +95,7 @@ class Linear:
         """Names of the controllers that act here: not at a limit, their output passed on."""
         found = []
         for block in self.slopes.diagram.blocks:
-            if measured(block) is not None and not isinstance(block, Flare) and self._acts(block):
+            if measured(block) is not None and self._acts(block):
                 found.append(block.name)
         return tuple(found)
 
@@ -181,9 +180,8 @@ class Linear:
         """Return the controllers that act but those whose output is the set point of another."""
         set_points = set()
         for block in self.slopes.diagram.blocks:
-            ports = [port.name for port in block.ports_in]
-            if {"SP", "PV"} <= set(ports):
-                set_points.add(block.input_labels[ports.index("SP")])
+            if measured(block) is not None:
+                set_points.add(block.loop_signal("SP"))
         return [name for name in self.controllers if self.slopes.diagram[name].output_labels[0] not in set_points]
 
     def _acts(self, block: Block) -> bool:
@@ -204,8 +202,8 @@ def linearise(diagram: Diagram, t: float = 0.0, friction: bool = False) -> Linea
     >>> linearise(self_regulating_loop()).stable
     True
     """
-    free = {block.name: "ideal" for block in diagram.blocks if "ideal" in block.modes and not friction}
-    found = slopes(diagram.in_mode(free) if free else diagram, t)
+    seen = diagram if friction else diagram.with_blocks([block.without_friction() for block in diagram.blocks])
+    found = slopes(seen, t)
     return Linear(found, residual(found) <= REST)
 
 
@@ -221,10 +219,7 @@ def rga(diagram: Diagram, controllers: Sequence[str] | None = None, frequency: f
 
 def measured(block: Block) -> str | None:
     """Return the signal a controller controls, or None if the block is no controller."""
-    ports = [port.name for port in block.ports_in]
-    if {"SP", "PV"} <= set(ports) and len(block.ports_out) == 1:
-        return str(block.input_labels[ports.index("PV")])
-    return str(block.input_labels[0]) if isinstance(block, AntiSurge) else None
+    return block.loop_signal("PV") if block.role is Role.CONTROLLER and len(block.ports_out) == 1 else None
 
 
 def _gain(G: ct.StateSpace, s: complex) -> Complex:

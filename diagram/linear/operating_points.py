@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.block import Block
-from blocks.flare import Flare
+from blocks.role import Role
 from blocks.sources import Constant
 from diagram.diagram import Diagram
 from diagram.inputs import close
@@ -128,10 +128,10 @@ def still(diagram: Diagram, t: float) -> Diagram:
     for block in diagram.blocks:
         if block.dead_time_param:  # at rest nothing is under way
             block = block.with_params(**{block.dead_time_param: 0.0})
-        seen = block.in_mode("ideal").smooth() if "ideal" in block.modes else block.smooth()
-        if not seen.ports_in and len(seen.ports_out) == 1 and not len(seen.x0):
+        seen = block.without_friction().smooth()
+        if block.role.drives and len(seen.ports_out) == 1:
             label = block.output_labels[0]
-            seen = Constant(label, float(seen._out(t, np.zeros(0), np.zeros(0))[0]), name=block.name)
+            seen = Constant(label, float(seen.output(t, np.zeros(0), np.zeros(0))[0]), name=block.name)
         blocks.append(seen)
     return Diagram(blocks, (), diagram.declared_outputs, diagram.name)
 
@@ -149,19 +149,15 @@ def _placed(diagram: Diagram, states: Mapping[str, float], signals: Mapping[str,
     blocks: list[Block] = []
     for block in diagram.blocks:
         at = {n: states[f"{block.name}[{n}]"] for n in block.state_names if f"{block.name}[{n}]" in states}
-        if "ideal" in block.modes and "stuck" in block.modes and block.input_labels[0] in signals:
-            rest = float(np.clip(signals[block.input_labels[0]], *_stops(block)))
+        OP = block.loop_signal("OP")
+        if block.can_stick and OP is not None and OP in signals:
+            rest = float(np.clip(signals[OP], *block.limits))
             at |= {n: rest for n in (*block.state_names, *block.memory_names) if n == "x"}
         block = block.starting_at(**at)
-        if "theta_start" in block.param_names:
-            block = block.with_params(theta_start=signals[block.input_labels[0]])
+        if block.before_param:
+            block = block.with_params(**{block.before_param: signals[block.input_labels[0]]})
         blocks.append(block)
-    return diagram._with_blocks(blocks)
-
-
-def _stops(block: Block) -> tuple[float, float]:
-    values = dict(zip(block.param_names, block.p.tolist(), strict=False))
-    return values.get("low", -np.inf), values.get("high", np.inf)
+    return diagram.with_blocks(blocks)
 
 
 # --- solving ------------------------------------------------------------------------------------------------
@@ -197,7 +193,7 @@ def _step_to_rest(here: Slopes, t: float) -> Floats | None:
         return x
 
     def rates(t: float, z: Floats, u: Floats, params: Any) -> Floats:
-        return np.asarray(here.diagram._rhs(t, at(z), u)[free] / pace[free])
+        return np.asarray(here.diagram.dynamics(t, at(z), u)[free] / pace[free])
 
     def jacobian(z: Floats) -> Floats:
         A = slopes(here.diagram.at_state(at(z)), t).joined()[0]
@@ -222,6 +218,7 @@ def sizes(here: Slopes) -> tuple[Floats, Floats]:
 
 
 def residual(here: Slopes) -> float:
+    """Return the largest rate, each relative to the pace of its state."""
     return float((np.abs(here.rates) / sizes(here)[1]).max(initial=0.0))
 
 
@@ -243,11 +240,11 @@ def _why(diagram: Diagram, t: float, when: str) -> str:
     told[0] += f" still moving are {', '.join(moving)}" if when.startswith("after") else ""
     values = dict(zip(here.signals, here.s.tolist(), strict=True))
     for block in diagram.blocks:
-        if not {"SP", "PV"} <= {port.name for port in block.ports_in} or isinstance(block, Flare):
+        SP, PV = (values.get(block.loop_signal(part) or "") for part in ("SP", "PV"))
+        if block.role is not Role.CONTROLLER or SP is None or PV is None:
             continue
-        SP, PV = (values[label] for label in block.input_labels[:2])
         if abs(SP - PV) > 1e-6 * max(abs(SP), abs(PV)):
             OP = values[block.output_labels[0]]
-            where = " at its limit" if OP in _stops(block) else ""
+            where = " at its limit" if OP in block.limits else ""
             told.append(f"{block.name} misses its set point by {SP - PV:.3g} with OP = {OP:.4g}{where}")
     return "; ".join([*told, advice])

@@ -46,7 +46,7 @@ class Pole:
 
 
 def poles_of(A: Floats, states: Sequence[str], sizes: Floats, held: Sequence[str] = ()) -> tuple[Pole, ...]:
-    """Return the poles of ``A`` from fast to slow, a complex pair as its upper member; ``sizes`` scale the states.
+    """Return the poles of ``A`` from fast to slow, a complex pair as its upper one; ``sizes`` scale the states.
 
     >>> A = np.array([[-2.0, 0.0], [1.0, -0.5]])
     >>> [(round(pole.value.real, 9), pole.made_of()) for pole in poles_of(A, ["a", "b"], np.ones(2))]

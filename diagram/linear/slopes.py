@@ -72,7 +72,6 @@ def slopes(diagram: Diagram, t: float = 0.0) -> Slopes:
     -0.1
     """
     check_time(t)
-    diagram._update_params({})
     x = diagram.x0
     signals = (*diagram.signals, *diagram.open_inputs)
     place = {name: i for i, name in enumerate(signals)}
@@ -119,7 +118,7 @@ def _signals(diagram: Diagram, blocks: Sequence[Block], place: dict[str, int], x
     for b in _evaluation_order(diagram):
         seen = diagram.blocks[b]
         u = s[[place[label] for label in seen.input_labels]]
-        y = blocks[b]._out(t, x[starts[b] : starts[b + 1]], u)
+        y = blocks[b].output(t, x[starts[b] : starts[b + 1]], u)
         s[[place[label] for label in seen.output_labels]] = y
     return s
 
@@ -134,7 +133,7 @@ def _of_block(block: Block, x: Floats, u: Floats, t: float) -> tuple[Floats, Flo
     k = len(x)
 
     def f(z: Floats) -> Floats:
-        return np.concatenate([block._rhs(t, z[:k], z[k:]), block._out(t, z[:k], z[k:])])
+        return np.concatenate([block.dynamics(t, z[:k], z[k:]), block.output(t, z[:k], z[k:])])
 
     z = np.concatenate([x, u])
     base = f(z)

@@ -50,10 +50,8 @@ class Interpreter:
                 offset = block.p[block.param_index(block.offset_param)] if block.offset_param else 0.0
                 self.taken[b] = max(0, math.ceil((t0 - offset) / block.period - 1e-9))
                 self.checked[self.places[b]] = block.host is None
-            if block.dead_time_param and block.p[block.param_index(block.dead_time_param)] > 0.0:
-                before = f"{block.dead_time_param}_start"
-                value = block.p[block.param_index(before)] if before in block.param_names else 0.0
-                self.dead[b] = (float(block.p[block.param_index(block.dead_time_param)]), float(value))
+            if block.dead_time > 0.0:
+                self.dead[b] = block.dead_time, block.value_before
         self.thetas = [theta for theta, _ in self.dead.values()]
         self.pieces: list[tuple[float, float, dict[int, Floats]]] = []  # start, end, block -> inputs at the nodes
         self.pending: list[tuple[float, int]] = []  # breakpoints still to leave a dead time

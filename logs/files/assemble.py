@@ -88,9 +88,9 @@ def layout_of(
 
 
 def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[str] = ()) -> Log:
-    """The log of the signals `wanted` (name in the log -> name in the file), or of all that hold numbers.
+    """The log of the signals ``wanted`` (name in the log -> name in the file), or of all that hold numbers.
 
-    `mode` lists the names in the file that hold controller modes. Raises ReadError if a cell is no number,
+    ``mode`` lists the names in the file that hold controller modes. Raises ReadError if a cell is no number,
     time falls, or one time has two rows.
     """
     for signal, name in (wanted or {}).items():

@@ -20,7 +20,7 @@ __all__ = ["Numbers", "decimal_mark", "modes", "numbers"]
 
 @dataclass(frozen=True)
 class Numbers:
-    """Values of a column, NaN where missing, True in `good` unless a state said why there is no number."""
+    """Values of a column, NaN where missing, True in ``good`` unless a state said why there is no number."""
 
     values: npt.NDArray[np.float64]
     good: npt.NDArray[np.bool_] | None
@@ -49,10 +49,10 @@ def decimal_mark(frame: pl.DataFrame) -> str:
 def numbers(
     column: pl.Series, name: str, lines: list[int], decimal: str = ".", *, keep_infinite: bool = False
 ) -> Numbers:
-    """The numbers of `column`.
+    """The numbers of ``column``.
 
     Blank cells are missing; known digital states ("Bad Input") are missing and of bad quality, and so is
-    "inf" unless `keep_infinite` says that it was meant.
+    "inf" unless ``keep_infinite`` says that it was meant.
     Raises ReadError naming line, column and text for any other text.
 
     >>> import polars as pl
@@ -100,7 +100,7 @@ def _says(count: int) -> str:
 
 
 def modes(column: pl.Series, name: str) -> Numbers:
-    """Controller modes as numbers (see `logs.modes`); a blank holds the mode before it.
+    """Controller modes as numbers (see ``logs.modes``); a blank holds the mode before it.
 
     Numbers are taken as they are if they are 0, 1 or 2; other numbers differ from system to system and
     give NaN, unknown, throughout.

@@ -30,7 +30,7 @@ class Roles:
 
 
 def loop_names(columns: Iterable[str]) -> tuple[str, ...]:
-    """Names of the loops that have both PV and an output among `columns`, in order.
+    """Names of the loops that have both PV and an output among ``columns``, in order.
 
     >>> loop_names(["time", "FIC1.PV", "FIC1.OP", "TI7.PV", "LIC2.OP", "LIC2.PV"])
     ('FIC1', 'LIC2')
@@ -43,14 +43,9 @@ def choose_columns(
 ) -> Roles:
     """The columns of one loop.
 
-    Parameters
-    ----------
-    columns : iterable of str
-        Columns of the file other than time.
-    given : mapping
-        Columns named by the user for "sp", "pv", "op", "mv", "mode"; None is guessed, "" is left out.
-    loop : str, optional
-        Which loop, where there are several.
+    Parameters: ``columns`` (iterable of str) Columns of the file other than time; ``given`` (mapping) Columns named by
+    the user for "sp", "pv", "op", "mv", "mode"; None is guessed, "" is left out; ``loop`` (str, optional) Which loop,
+    where there are several.
 
     Raises ReadError if a named column is not there, PV or OP cannot be found, or several loops fit.
 

@@ -20,7 +20,7 @@ _ONE_COLUMN = "this is a single column; give a frame with a time and the signals
 
 
 def frame_kind(source: object) -> str:
-    """What `source` is a frame of, "" for a path or anything else that is no frame.
+    """What ``source`` is a frame of, "" for a path or anything else that is no frame.
 
     >>> import polars as pl
     >>> frame_kind(pl.DataFrame({"PV": [1.0]})), frame_kind("trend.csv")

@@ -48,7 +48,7 @@ class Heading:
 
 
 def heading_of(log: Log) -> Heading:
-    """The heading of `log`, with a free column name for each quality mask."""
+    """The heading of ``log``, with a free column name for each quality mask."""
     quality: dict[str, str] = {}
     for name in log.quality:
         column = f"{name}.good"

@@ -74,7 +74,7 @@ def find_long_form(columns: list[str]) -> LongColumns | None:
 def pivot(
     frame: pl.DataFrame, long: LongColumns, times: Times, lines: list[int], decimal: str, tags: list[str]
 ) -> Pivot:
-    """The signals of `tags` on the union of their times.
+    """The signals of ``tags`` on the union of their times.
 
     A tag reported at other times than the rest is carried over: SP, OP and MODE hold their last report, all
     else is joined by straight lines between good reports.
@@ -125,7 +125,7 @@ def _carried(
     *,
     held: bool,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
-    """Values on `axis`: NaN before the first report and, unless held, after the last one."""
+    """Values on ``axis``: NaN before the first report and, unless held, after the last one."""
     before = np.searchsorted(t, axis, side="right") - 1
     known = before >= 0
     i = np.maximum(before, 0)

@@ -71,7 +71,7 @@ _USUAL = (0.1, 0.2, 0.25, 0.5, 1, 2, 4, 5, 10, 15, 20, 30, 60)  # usual interval
 
 
 def told_unit(word: str) -> str:
-    """The unit that a caller names, one of `TIME_UNITS`.
+    """The unit that a caller names, one of ``TIME_UNITS``.
 
     Raises ReadError for others.
 
@@ -87,15 +87,9 @@ def told_unit(word: str) -> str:
 def times_from_numbers(numbers: pl.Series, lines: list[int], unit: str = "", told: str | None = None) -> Times:
     """Seconds from the numbers of a time column.
 
-    Parameters
-    ----------
-    numbers : polars.Series of Int64 or Float64
-    lines : list of int
-        Line of each row, for messages.
-    unit : str
-        Unit that the file states for the column; "" when it states none.
-    told : str, optional
-        One of `TIME_UNITS`, said by the caller: it goes before everything else.
+    Parameters: ``numbers`` (polars.Series of Int64 or Float64); ``lines`` (list of int) Line of each row, for messages;
+    ``unit`` (str) Unit that the file states for the column; "" when it states none; ``told`` (str, optional) One of
+    ``TIME_UNITS``, said by the caller: it goes before everything else.
 
     Without a unit, counts since a date are known by their size, and other units by the interval between rows:
     what makes no sense in seconds and is a usual interval in another unit is read in that one.

@@ -77,7 +77,7 @@ def qualities(column: pl.Series, name: str = "", *, flags: bool = False) -> npt.
     Understood are words, 1 and 0, confidence in % (PHD: 100 good, 0 bad), OPC DA and Foundation Fieldbus codes (128
     and above good) and OPC UA status codes (below 2^30 good). A 0 is good in some systems and bad in others: with 1
     beside it, it is read as bad only if it is the rarer of the two, or if the column's name says what is good.
-    With `flags`, numbers are 1 and 0 and nothing else: zeros alone will do.
+    With ``flags``, numbers are 1 and 0 and nothing else: zeros alone will do.
 
     >>> import polars as pl
     >>> qualities(pl.Series(["192", "0", "64"])).tolist(), qualities(pl.Series(["100", "100", "0"])).tolist()

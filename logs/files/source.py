@@ -48,7 +48,7 @@ def file_bytes(path: str | os.PathLike[str]) -> bytes:
 
 
 def decoded(raw: bytes) -> str:
-    """The text in `raw`: UTF-8, UTF-16 with its mark, else Windows-1252; line ends become "\\n".
+    """The text in ``raw``: UTF-8, UTF-16 with its mark, else Windows-1252; line ends become "\\n".
 
     Raises ReadError for workbooks, archives, pictures, web pages and other files that are not tables of text.
 

@@ -48,22 +48,13 @@ def parse_times(
     time_format: str | None = None,
     time_unit: str | None = None,
 ) -> Times:
-    """The times in `column`; order and repeats are not looked at here.
+    """The times in ``column``; order and repeats are not looked at here.
 
-    Parameters
-    ----------
-    column : polars.Series
-        Text, numbers or date-times, one a row.
-    lines : list of int
-        Line of the file of each row, for messages.
-    unit : str
-        Unit that the file states for a column of numbers, "" for none (see `logs.files.numeric_time`).
-    decimal : str
-        Decimal mark of numbers.
-    time_format : str, optional
-        strptime format of the stamps, for what is not recognised by itself.
-    time_unit : str, optional
-        Unit of a column of numbers, said by the caller.
+    Parameters: ``column`` (polars.Series) Text, numbers or date-times, one a row; ``lines`` (list of int) Line of the
+    file of each row, for messages; ``unit`` (str) Unit that the file states for a column of numbers, "" for none (see
+    ``logs.files.numeric_time``); ``decimal`` (str) Decimal mark of numbers; ``time_format`` (str, optional) strptime
+    format of the stamps, for what is not recognised by itself; ``time_unit`` (str, optional) Unit of a column of
+    numbers, said by the caller.
 
     Raises ReadError if a row has no time, or one that cannot be read.
 

@@ -32,7 +32,7 @@ _ERROR_NUMBER = re.compile(r"^\[-\d+\]\s*")
 
 
 def is_blank(text: str) -> bool:
-    """Whether `text` says that there is simply no value.
+    """Whether ``text`` says that there is simply no value.
 
     >>> is_blank(" "), is_blank("NaN"), is_blank("0")
     (True, True, False)
@@ -42,7 +42,7 @@ def is_blank(text: str) -> bool:
 
 
 def is_state(text: str) -> bool:
-    """Whether `text` is a known digital state: the historian says why there is no number.
+    """Whether ``text`` is a known digital state: the historian says why there is no number.
 
     >>> is_state("I/O Timeout"), is_state("[-11059] No Good Data For Calculation"), is_state("twelve")
     (True, True, False)

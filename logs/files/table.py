@@ -35,18 +35,10 @@ _BARE_UNIT = re.compile(
 class Table:
     """Columns as they stand in the file.
 
-    Attributes
-    ----------
-    frame : polars.DataFrame
-        One column a name; text cells (or typed ones from Parquet), missing cells null.
-    lines : sequence of int
-        Line of the file each row comes from, counted from 1.
-    units : dict
-        Unit of a column, where the header says so.
-    comments : tuple of str
-        Comment lines without their '#'.
-    notes : tuple of str
-        What was assumed.
+    Attributes: ``frame`` (polars.DataFrame) One column a name; text cells (or typed ones from Parquet), missing cells
+    null; ``lines`` (sequence of int) Line of the file each row comes from, counted from 1; ``units`` (dict) Unit of a
+    column, where the header says so; ``comments`` (tuple of str) Comment lines without their '#'; ``notes`` (tuple of
+    str) What was assumed.
     """
 
     frame: pl.DataFrame
@@ -67,16 +59,11 @@ def split_unit(header: str) -> tuple[str, str]:
 
 
 def parse_table(text: str, separator: str | None = None, *, split_units: bool = True) -> Table:
-    """The table in `text`.
+    """The table in ``text``.
 
-    Parameters
-    ----------
-    text : str
-        Lines ended by "\\n"; lines that start with '#' are comments, empty lines are passed over.
-    separator : str, optional
-        One character between cells; found from the first lines when not given.
-    split_units : bool
-        Take "[unit]" and "(unit)" off the header cells.
+    Parameters: ``text`` (str) Lines ended by "\\n"; lines that start with '#' are comments, empty lines are passed
+    over; ``separator`` (str, optional) One character between cells; found from the first lines when not given;
+    ``split_units`` (bool) Take "[unit]" and "(unit)" off the header cells.
 
     Raises ReadError if there is no header, no row, one column only, a repeated name or a ragged row.
 

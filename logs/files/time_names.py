@@ -52,7 +52,7 @@ def is_time_name(name: str) -> bool:
 
 
 def unit_in_name(name: str) -> str:
-    """The unit that a time column's name ends in, one of `TIME_UNITS`, "" when it tells none.
+    """The unit that a time column's name ends in, one of ``TIME_UNITS``, "" when it tells none.
 
     >>> [unit_in_name(name) for name in ("time_ms", "TimeMs", "Elapsed hours", "t_us", "milliseconds", "time", "rpm_s")]
     ['ms', 'ms', 'h', 'us', 'ms', '', '']
@@ -67,7 +67,7 @@ def unit_in_name(name: str) -> str:
 
 
 def unit_named(word: str) -> str | None:
-    """One of `TIME_UNITS` for a unit as people write it, None if it is not known.
+    """One of ``TIME_UNITS`` for a unit as people write it, None if it is not known.
 
     >>> unit_named("msec"), unit_named("Hours"), unit_named("furlong")
     ('ms', 'h', None)

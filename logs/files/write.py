@@ -22,7 +22,7 @@ TIME_COLUMN = "time [s]"
 
 
 def write_csv(log: Log, path: str | os.PathLike[str]) -> None:
-    """Write `log` as UTF-8 CSV: '# ' heading lines, a header row, one row a sample, missing values empty.
+    """Write ``log`` as UTF-8 CSV: '# ' heading lines, a header row, one row a sample, missing values empty.
 
     Numbers are written with as many digits as it takes to read back the same double. Raises OSError when
     the target cannot be written; the file there before is then untouched.
@@ -35,7 +35,7 @@ def write_csv(log: Log, path: str | os.PathLike[str]) -> None:
 
 
 def write_parquet(log: Log, path: str | os.PathLike[str]) -> None:
-    """Write `log` as Parquet with its heading under the key "stickslip" of the footer.
+    """Write ``log`` as Parquet with its heading under the key "stickslip" of the footer.
 
     Raises OSError when the target cannot be written; the file there before is then untouched.
     """
@@ -59,7 +59,7 @@ def _frame(log: Log, heading: Heading, *, nan_to_null: bool = False) -> pl.DataF
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a new file beside ``path`` to write to, and rename it into place when all went well.
 
-    A link keeps pointing where it did. Raises OSError naming `path` when it is a folder, a device or a pipe (renaming
+    A link keeps pointing where it did. Raises OSError naming ``path`` when it is a folder, a device or a pipe (renaming
     would destroy it), or cannot be written; what was there before is then untouched.
     """
     target = Path(os.path.realpath(path))

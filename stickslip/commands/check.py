@@ -11,13 +11,11 @@ from stickslip.targets import check_targets, write_whole
 if TYPE_CHECKING:
     from detect import Diagnosis
 
-STYLE = {"stiction": "red", "no_stiction": "green", "inconclusive": "yellow", "not_applicable": "yellow"}
-WORDS = {
-    "stiction": "STICTION",
-    "no_stiction": "NO STICTION",
-    "inconclusive": "INCONCLUSIVE",
-    "not_applicable": "NOT APPLICABLE",
-}
+# verdict -> colour in the terminal, kind of section on the page
+LOOKS = {
+    "stiction": ("red", "bad"), "no_stiction": ("green", "good"),
+    "inconclusive": ("yellow", "open"), "not_applicable": ("yellow", "open"),
+}  # fmt: skip
 
 
 @click.command("check")
@@ -75,7 +73,9 @@ def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -
 
 def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     """Print verdict, reason, assumptions and the methods' numbers, in this order."""
-    say(f"{diagnosis.loop}: {WORDS[diagnosis.verdict]}", fg=STYLE[diagnosis.verdict], bold=True)
+    from detect.verdict import SPOKEN
+
+    say(f"{diagnosis.loop}: {SPOKEN[diagnosis.verdict].upper()}", fg=LOOKS[diagnosis.verdict][0], bold=True)
     say.paragraph(diagnosis.reason)
     say()
     say("Read and assumed:")
@@ -84,7 +84,7 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     rows = [
         [
             verdict.method,
-            WORDS[verdict.verdict].lower(),
+            SPOKEN[verdict.verdict],
             "-" if verdict.index is None else f"{verdict.index:.3g}",
             "-" if verdict.threshold is None else f"{verdict.threshold:.3g}",
             "-" if verdict.amount_percent_op is None else f"{verdict.amount_percent_op:.3g}",
@@ -101,9 +101,11 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
 
 
 def _report(diagnosis: "Diagnosis") -> str:
+    from detect.verdict import SPOKEN
     from stickslip.report.page import Section, figure_to_svg, page
 
-    section = Section(diagnosis.loop, WORDS[diagnosis.verdict], diagnosis.verdict, diagnosis.reason)
+    word = SPOKEN[diagnosis.verdict]
+    section = Section(diagnosis.loop, word.upper(), LOOKS[diagnosis.verdict][1], diagnosis.reason)
     section.notes.extend(diagnosis.assumptions)
     section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
-    return page(f"{diagnosis.loop}: {WORDS[diagnosis.verdict].lower()}", "", [section])
+    return page(f"{diagnosis.loop}: {word}", "", [section])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip.commands.check import STYLE, WORDS
+from stickslip.commands.check import LOOKS
 from stickslip.console import Speaker, json_option, user_errors
 from stickslip.targets import check_folder, check_targets, write_whole
 
@@ -32,7 +32,7 @@ GUIDE = (
 
 
 @dataclass(frozen=True)
-class Told:
+class Judged:
     """One loop of the demonstration and what was said about it; ``known`` tells how the truth is known."""
 
     title: str
@@ -45,8 +45,16 @@ class Told:
     @property
     def score(self) -> str:
         """Right, wrong, or abstained, against the truth or label."""
-        said = self.diagnosis.verdict.replace("_", " ")
-        return "right" if said == self.truth else "abstained" if said in ("inconclusive", "not applicable") else "WRONG"
+        if self.said == self.truth:
+            return "right"
+        return "WRONG" if self.diagnosis.verdict in ("stiction", "no_stiction") else "abstained"
+
+    @property
+    def said(self) -> str:
+        """The verdict in words."""
+        from detect.verdict import SPOKEN
+
+        return SPOKEN[self.diagnosis.verdict]
 
 
 @click.command("demo")
@@ -69,10 +77,10 @@ def command(out: Path, json_file: str | None) -> None:
     check_folder(out)
     check_targets({"--json": json_file})
     say = Speaker(json_file)
-    told = _stories(say) + _real(say)
-    rows = [[t.title, t.truth, WORDS[t.diagnosis.verdict].lower(), t.score] for t in told]
+    judged = _stories(say) + _real(say)
+    rows = [[t.title, t.truth, t.said, t.score] for t in judged]
     say.table(["loop", "truth or label", "verdict", "score"], rows)
-    page = _page(told).encode()
+    page = _page(judged).encode()
     out.mkdir(parents=True, exist_ok=True)
     target = out / "index.html"
     write_whole(target, page)
@@ -81,53 +89,54 @@ def command(out: Path, json_file: str | None) -> None:
         {
             "schema": "stickslip.demo/1",
             "page": str(target),
-            "loops": [{"truth": t.truth, "score": t.score, "title": t.title, **t.diagnosis.to_dict()} for t in told],
+            "loops": [{"truth": t.truth, "score": t.score, "title": t.title, **t.diagnosis.to_dict()} for t in judged],
         }
     )
 
 
-def _stories(say: Speaker) -> list[Told]:
+def _stories(say: Speaker) -> list[Judged]:
     from cases.stories import STORIES
 
     return [_tell(say, s.path, f"{s.name}: {s.title}", s.truth, "in truth", s.story, s.lesson) for s in STORIES]
 
 
-def _real(say: Speaker) -> list[Told]:
+def _real(say: Speaker) -> list[Judged]:
     default = Path(__file__).resolve().parents[3] / "shared" / "data"
     folder = Path(os.environ.get("STICKSLIP_DATA") or default)
     if not folder.is_dir():
         say(f"no real loops: there is no folder {folder}; set STICKSLIP_DATA to one that holds them", fg="yellow")
         return []
-    told = []
+    judged = []
     for name, file, truth, story in REAL:
         try:
-            told.append(_tell(say, folder / file, f"{name}: a real loop", truth, "expert's label", story, ""))
+            judged.append(_tell(say, folder / file, f"{name}: a real loop", truth, "expert's label", story, ""))
         except ValueError as unreadable:
             say(f"real loop {name} is skipped: {unreadable}", fg="yellow")
-    return told
+    return judged
 
 
-def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: str, lesson: str) -> Told:
+def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: str, lesson: str) -> Judged:
     from detect import diagnose
     from logs import read_loop
 
-    diagnosis = diagnose(read_loop(path))
+    judged = Judged(title, truth, known, story, lesson, diagnose(read_loop(path)))
     say(f"{title}: ", nl=False)
-    say(WORDS[diagnosis.verdict].lower(), fg=STYLE[diagnosis.verdict], bold=True)
-    return Told(title, truth, known, story, lesson, diagnosis)
+    say(judged.said, fg=LOOKS[judged.diagnosis.verdict][0], bold=True)
+    return judged
 
 
-def _page(told: list[Told]) -> str:
+def _page(judged: list[Judged]) -> str:
     from stickslip.report.page import Section, figure_to_svg, page
 
     sections = []
     table = [["loop", "truth or label", "verdict", "score"]]
-    for t in told:
-        word = WORDS[t.diagnosis.verdict]
+    for t in judged:
         truth = f"{t.known}: {t.truth} ({t.score})"
-        section = Section(t.title, word, t.diagnosis.verdict, t.diagnosis.reason, t.story, truth, t.lesson)
+        section = Section(
+            t.title, t.said.upper(), LOOKS[t.diagnosis.verdict][1], t.diagnosis.reason, t.story, truth, t.lesson
+        )
         section.notes.extend(t.diagnosis.assumptions)
         section.figures.append(figure_to_svg(t.diagnosis.plot(words=False)))
         sections.append(section)
-        table.append([t.title, t.truth, word.lower(), t.score])
+        table.append([t.title, t.truth, t.said, t.score])
     return page("Is it the valve?", LEAD, sections, table, GUIDE)

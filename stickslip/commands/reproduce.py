@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from cases.tables import Row
     from stickslip.report.page import Section
 
-FOLDER = "stickslip-reproduce"
 QUICK = 24  # starts
-Told = Callable[[str], None]
+Tell = Callable[[str], None]
 
 
 @click.command("reproduce")
@@ -51,15 +50,15 @@ def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
     check_targets({"--json": json_file})
     check_folder(out)
     say = Speaker(json_file)
-    with _progress() as told:
-        found, own_starts = _rows(quick, told)
-        points = _scan(told) if scan else []
+    with _progress() as tell:
+        found, own_starts = _rows(quick, tell)
+        points = _scan(tell) if scan else []
         if points:
             from cases import choice
 
             found += choice.rows(points)
         headline = _headline(found, own_starts)
-        page = _page(found, points, headline, told).encode()
+        page = _page(found, points, headline, tell).encode()
     for table in dict.fromkeys(row.table for row in found):
         say(title(table), bold=True)
         say.table(_columns(table), [_cells(row) for row in found if row.table == table])
@@ -78,13 +77,13 @@ def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
             "page": str(target),
             "quick": quick,
             "headline": headline,
-            "rows": [row.as_dict() for row in found],
+            "rows": [row.to_dict() for row in found],
         }
     )
 
 
 @contextmanager
-def _progress() -> Iterator[Told]:
+def _progress() -> Iterator[Tell]:
     """Show on a terminal what is being done, and for how long."""
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -96,7 +95,7 @@ def _progress() -> Iterator[Told]:
         yield lambda words: bar.update(task, description=words)
 
 
-def _rows(quick: bool, told: Told) -> tuple[list["Row"], "Fresh"]:
+def _rows(quick: bool, tell: Tell) -> tuple[list["Row"], "Fresh"]:
     """Return all rows, for comparison also those judged with the sets A, B and C; and set E by sets of starts."""
     from cases.kicks import FRESH, KICKS, Studies
     from cases.production import SET
@@ -106,17 +105,17 @@ def _rows(quick: bool, told: Told) -> tuple[list["Row"], "Fresh"]:
     seeds = FRESH[:1] if quick else FRESH
 
     def doing(number: int, F_s: str, case: int, done: int, total: int) -> None:
-        told(f"set {SET}, starts {number + 1} of {len(seeds)}, case {case}, {F_s} stiction: {done} of {total}")
+        tell(f"set {SET}, starts {number + 1} of {len(seeds)}, case {case}, {F_s} stiction: {done} of {total}")
 
     main = fresh(SET, seeds, QUICK if quick else KICKS, doing)
-    told("ideal loops")
+    tell("ideal loops")
     found = [*main.rows, *table_ideal()]
     for name in () if quick else ("A", "B", "C"):
 
         def other(F_s: str, case: int, done: int, total: int, name: str = name) -> None:
-            told(f"set {name}, case {case}, {F_s} stiction: {done} of {total} starts")
+            tell(f"set {name}, case {case}, {F_s} stiction: {done} of {total} starts")
 
-        rows = [row for row in plant_rows(Studies(name, KICKS, told=other)) if row.within is not None]
+        rows = [row for row in plant_rows(Studies(name, KICKS, progress=other)) if row.within is not None]
         found += [replace(row, table=f"{row.table}, set {name}") for row in rows]
     return found, main
 
@@ -148,10 +147,10 @@ def _headline(found: Sequence["Row"], main: "Fresh") -> list[str]:
     return said
 
 
-def _scan(told: Told) -> list["Point"]:
+def _scan(tell: Tell) -> list["Point"]:
     from cases.choice import scan
 
-    return scan(told=lambda done, total: told(f"scan: {done} of {total} settings"))
+    return scan(progress=lambda done, total: tell(f"scan: {done} of {total} settings"))
 
 
 def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
@@ -169,7 +168,7 @@ def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
     }  # fmt: skip
 
 
-def _page(found: Sequence["Row"], points: Sequence["Point"], headline: Sequence[str], told: Told) -> str:
+def _page(found: Sequence["Row"], points: Sequence["Point"], headline: Sequence[str], tell: Tell) -> str:
     from stickslip.report.page import Section, captioned, figure_to_svg, page, table_to_html
 
     drawing = _figures(points)
@@ -187,7 +186,7 @@ def _page(found: Sequence["Row"], points: Sequence["Point"], headline: Sequence[
             )
         )
         for number in FIGURES.get(table, ()):
-            told(f"figure {number}")
+            tell(f"figure {number}")
             section.figures.append(captioned(figure_to_svg(drawing[number]()), CAPTIONS[number]))
         sections.append(section)
     if len(own) < len(found):
@@ -206,7 +205,7 @@ def _badge(rows: Sequence["Row"]) -> tuple[str, str]:
     met = _met(judged)
     others = f", {len(rows) - len(judged)} without tolerance" if len(judged) < len(rows) else ""
     words = f"{met} of {len(judged)} met{others}" if judged else "for comparison"
-    return words, "no_stiction" if met == len(judged) else "inconclusive"
+    return words, "good" if met == len(judged) else "open"
 
 
 def _met(rows: Sequence["Row"]) -> int:
@@ -219,7 +218,7 @@ def _missed(own: Sequence["Row"]) -> "Section":
 
     missed = [row for row in own if row.within is False]
     judged = sum(row.within is not None for row in own)
-    section = Section("What is not met, and why", f"{len(missed)} of {judged} rows", "inconclusive", "")
+    section = Section("What is not met, and why", f"{len(missed)} of {judged} rows", "open", "")
     cells = []
     for row in missed:
         name, *others, _verdict = _cells(row)
@@ -263,7 +262,7 @@ def _sets(found: Sequence["Row"]) -> "Section":
         "and B were fitted to one case each, C by one number to both. ✗: outside the tolerance. Medians."
     )
     section = Section(
-        "The plant's rows with other sets of parameters", f"{met} of {len(sets[first])} met", "inconclusive", reason
+        "The plant's rows with other sets of parameters", f"{met} of {len(sets[first])} met", "open", reason
     )
     section.figures.append(table_to_html(("row", "published", "tolerance", *(f"set {s}" for s in sets)), cells))
     return section

@@ -82,7 +82,7 @@ def command(
     if diagram is not None:
         write_figure(built.plot(), diagram)
         say(f"diagram: {diagram}")
-    found = [number.as_dict() for number in chosen.numbers()] if numbers else []
+    found = [number.to_dict() for number in chosen.numbers()] if numbers else []
     if found:
         say("the case's own numbers, from runs of their own" + (" (without --set)" if params else "") + ":")
         say.table(["quantity", "published", "analytic", "reproduced"], [_row(n) for n in found])
@@ -135,6 +135,7 @@ def _times(case: "Case", duration: float | None, every: float | None) -> tuple[f
 
 
 def parameters(settings: tuple[str, ...]) -> dict[str, float]:
+    """Return ``NAME=VALUE`` settings by name; raise ``ValueError`` for one that is none, or given twice."""
     values = {}
     for setting in settings:
         name, _, value = setting.partition("=")

@@ -230,20 +230,20 @@ def _page(result: "StudyResult", figures: "dict[str, Figure]") -> str:
     sections = []
     for name, figure in figures.items():
         title, reason = TITLES[name]
-        section = Section(title, f"{result.counts()['ok']} runs", "no_stiction", reason)
+        section = Section(title, f"{result.counts()['ok']} runs", "good", reason)
         section.figures.append(figure_to_svg(figure))
         sections.append(section)
     columns, rows = _summary(result)
-    numbers = Section("Amplitudes", "median, % of the operating point", "no_stiction", "")
+    numbers = Section("Amplitudes", "median, % of the operating point", "good", "")
     numbers.figures.append(table_to_html(columns, rows))
     sections.append(numbers)
     reasons = _reasons(result)
     if reasons:
         count = sum(n for _, n in reasons)
-        missing = Section("Runs without a result", f"{count} of {len(result)}", "inconclusive", "Most frequent first.")
+        missing = Section("Runs without a result", f"{count} of {len(result)}", "open", "Most frequent first.")
         missing.figures.append(table_to_html(["runs", "reason"], [[str(n), text] for text, n in reasons[:50]]))
         sections.append(missing)
-    asked = Section("What was asked", "request", "no_stiction", "The same request on the same folder changes nothing.")
+    asked = Section("What was asked", "request", "good", "The same request on the same folder changes nothing.")
     asked.figures.append(table_to_html(["", ""], [[key, _spelt(value)] for key, value in request.items()]))
     sections.append(asked)
     lead = LEAD.format(since=request["measure_from"], until=request["duration"])

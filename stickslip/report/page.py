@@ -7,13 +7,16 @@ import warnings
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from string import Template
 from typing import TYPE_CHECKING
+
+from logs.style import PAGE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-CSS = """
-:root { color-scheme: light; --ink: #1d2733; --soft: #5b6875; --line: #dfe4ea; --bg: #f6f8fa; }
+CSS = Template("""
+:root { color-scheme: light; --ink: $ink; --soft: $soft; --line: $line; --bg: $ground; }
 * { box-sizing: border-box; }
 body { font: 16px/1.55 system-ui, -apple-system, "Segoe UI", Roboto, Arial, sans-serif; color: var(--ink);
   background: var(--bg); margin: 0; }
@@ -24,9 +27,9 @@ h2 { font-size: 20px; margin: 0; }
 article { background: #fff; border: 1px solid var(--line); border-radius: 10px; padding: 20px 22px; margin: 18px 0; }
 header.row { display: flex; gap: 12px; align-items: baseline; flex-wrap: wrap; }
 .badge { font-size: 13px; font-weight: 650; padding: 2px 10px; border-radius: 99px; border: 1px solid transparent; }
-.stiction { background: #fdecea; color: #96231c; border-color: #f3c1bc; }
-.no_stiction { background: #e8f5ec; color: #1c6b38; border-color: #bfe2cb; }
-.inconclusive, .not_applicable { background: #fff6e0; color: #7a5600; border-color: #f0dca8; }
+.bad { background: $bad; color: $bad_ink; border-color: $bad_line; }
+.good { background: $good; color: $good_ink; border-color: $good_line; }
+.open { background: $open; color: $open_ink; border-color: $open_line; }
 .truth { color: var(--soft); font-size: 14px; }
 .reason { margin: 10px 0 4px; max-width: 80ch; }
 .story { color: var(--soft); margin: 6px 0; max-width: 80ch; }
@@ -42,18 +45,18 @@ th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var
 th { color: var(--soft); font-weight: 600; }
 .num { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
 figure td:first-child { min-width: 9.5em; }
-tr.missed td { background: #fdf1e4; } tr.missed td.mark { color: #96231c; font-weight: 650; white-space: nowrap; }
+tr.missed td { background: $missed; } tr.missed td.mark { color: $bad_ink; font-weight: 650; white-space: nowrap; }
 sup { line-height: 0; } ol.foot { color: var(--soft); font-size: 14px; margin: 8px 0 0; padding-left: 28px; }
 ol.foot li { max-width: 80ch; position: sticky; left: 0; }
-a { color: #1f5fa8; } footer { color: var(--soft); font-size: 13.5px; margin-top: 28px; }
+a { color: $link; } footer { color: var(--soft); font-size: 13.5px; margin-top: 28px; }
 @media print { body { background: #fff; } article, figure { break-inside: auto; } tr, svg { break-inside: avoid; }
   figure, .wide { overflow: visible; } figure svg { min-width: 0; } }
-"""
+""").substitute(PAGE)
 
 
 @dataclass
 class Section:
-    """One article: title, verdict in a badge, a reason, and what helps to believe it."""
+    """One article: title, a badge of a kind (bad, good or open), a reason, and what helps to believe it."""
 
     title: str
     badge: str

@@ -4,19 +4,23 @@ Each is tried in a process of its own (a fork, so that the engine need not be lo
 """
 
 import importlib.util
+import inspect
 import multiprocessing
 import os
 import sys
 import textwrap
+from dataclasses import replace
 
 import pytest
 
-from blocks import BlockError, Step
+import blocks
+from blocks import BlockError, Equations, Step
 from blocks.block import Block, Kernels
 from blocks.dry_run import dry_run
 from blocks.ports import Port
 from diagram import simulate, wire
 from engine.status import Status
+from stickslip.commands.blocks import NEEDED, _missing, entries
 
 RIGHT = {
     "out": "out[0] = x[0]",
@@ -168,3 +172,34 @@ def test_a_thousand_loops_cost_one_trial(monkeypatch, tmp_path):
     many = [block.relabelled(f"p{i}", ["u"], [f"y{i}"]) for i in range(1000)]
     wire([Step("u", 1.0), *many])
     assert sorted(calls) == ["der", "jump", "next_time", "next_time", "out", "out", "zc"]  # two of them of the source
+
+
+READS = ["out[0] = math.sin(t)", "out[0] = x[0] if t < 1e9 else 0.0", "out[0] = max(t, 0.0)", "out[0] = x[0] + t",
+         "out[0] = x[0] - x[0] * t", "out[0] = p[0] ** t", "out[0] = t", "out[0] = late(t, x)"]  # fmt: skip
+
+
+def _timed(tmp_path, line, timed, kernel="out"):
+    block = made(tmp_path, kernel, line)
+    block.kernels = replace(block.kernels, timed=timed)
+    return block
+
+
+@pytest.mark.parametrize("kernel", ["out", "der"])
+@pytest.mark.parametrize("line", READS)
+def test_a_kernel_that_reads_the_time_says_so(tmp_path, kernel, line):
+    line = line.replace("late(t, x)", "(lambda s, v: v[0] + s)(t, x)")
+    with pytest.raises(BlockError, match=rf"'planted': kernel {kernel} \(kernel\) reads the time t, but timed=False"):
+        dry_run(_timed(tmp_path, line, timed=False, kernel=kernel))
+    dry_run(_timed(tmp_path, line, timed=True, kernel=kernel))
+
+
+def test_handing_the_time_on_unread_is_not_reading_it(tmp_path):
+    dry_run(_timed(tmp_path, "out[0] = (lambda s, v: v[0])(t, x)", timed=False))
+
+
+def test_every_block_of_the_catalogue_claims_rightly():
+    for entry in entries():
+        made = getattr(blocks, entry.name)
+        dry_run(made(**dict.fromkeys(_missing(inspect.signature(made)), 1.0) | dict(NEEDED.get(entry.name, {}))))
+    assert Equations("ramp", out=lambda t: 2.0 * t, outputs="y").kernels.timed
+    assert not Equations("gain", out=lambda u: 2.0 * u, inputs="u", outputs="y").kernels.timed

@@ -104,7 +104,7 @@ def test_sine(numbers):
 @pytest.mark.parametrize("name", ["ideal_high", "ideal_normal", "ideal_half_gain", "ideal_integrating", "sine"])
 def test_every_number_says_its_piece(numbers, name):
     for number in numbers[name].values():
-        plain = number.as_dict()
+        plain = number.to_dict()
         assert list(plain) == [
             "quantity", "unit", "published", "analytic", "reproduced", "spread", "source", "note",
         ]  # fmt: skip

@@ -144,10 +144,14 @@ def test_case_2_rows():
 
 def test_rows_tell_and_serialise():
     row = relative("5.4", "x", "s", 100.0, Band(math.nan, 1.0, 2.0, 1), 0.1)
-    assert row.within is False and row.as_dict()["reproduced"] is None
-    json.dumps(row.as_dict(), allow_nan=False)
+    assert row.within is False and row.to_dict()["reproduced"] is None
+    json.dumps(row.to_dict(), allow_nan=False)
     assert relative("5.4", "x", "s", 100.0, Band(110.0, 1.0, 2.0, 1), 0.1).within is True  # the edge counts
-    assert between("x", "x", "-", 0.0, Band(0.0, 0.0, 0.0, 1), -math.inf, 0.0).told().endswith("median at most 0: met")
+    assert (
+        between("x", "x", "-", 0.0, Band(0.0, 0.0, 0.0, 1), -math.inf, 0.0)
+        .described()
+        .endswith("median at most 0: met")
+    )
     assert relative("x", "x", "-", 0.0, Band(1.0, 1.0, 1.0, 1), None).deviation is None
     assert set(Row.__dataclass_fields__) >= {"table", "row", "published", "reproduced", "low", "high", "within"}
 
@@ -231,7 +235,7 @@ def test_printed_amplitudes_stand_beside_figure_5_1():
     figure = curves.key_variables(1)
     pressure = figure.axes[1]
     bars = {line.get_color(): np.ptp(line.get_ydata()) for line in pressure.lines if len(line.get_xdata()) == 2}
-    assert bars == {curves.COLOURS["normal"]: pytest.approx(0.52), curves.COLOURS["high"]: pytest.approx(0.88)}
+    assert bars == {curves.STICTION["normal"]: pytest.approx(0.52), curves.STICTION["high"]: pytest.approx(0.88)}
     # published: twice 0.26 and 0.44 bar of table 5.4
     assert not any(len(line.get_xdata()) == 2 for ax in curves.key_variables(2).axes for line in ax.lines)
 
@@ -239,5 +243,5 @@ def test_printed_amplitudes_stand_beside_figure_5_1():
 def test_sizes_of_stiction_are_told_apart_on_grey_paper():
     from matplotlib.colors import to_rgb
 
-    grey = [float(np.dot(to_rgb(curves.COLOURS[size]), (0.299, 0.587, 0.114))) for size in ("none", "normal", "high")]
+    grey = [float(np.dot(to_rgb(curves.STICTION[size]), (0.299, 0.587, 0.114))) for size in ("none", "normal", "high")]
     assert min(-np.diff(grey)) > 0.12  # darker with more stiction

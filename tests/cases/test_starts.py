@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 
 from cases import starts
-from cases.kicks import FRESH, SEED, Study, start_kicks
+from cases.kicks import FRESH, SEED, SIZE, Study
 from cases.production import KICK, TWO_JUMPS, own_numbers
 from cases.starts import Pooled, fresh, judged, plant_rows, telling
 from plant import SET_E
+from study.subject import start_kicks
 
 
 class Made:
     """A study of the same number everywhere; the level's amplitude is that of the seed."""
 
-    def __init__(self, plant, kicks, seed, told):
+    def __init__(self, plant, kicks, seed, progress):
         self.plant, self.kicks, self.seed = plant, kicks, seed
 
     def __call__(self, F_s, case):
@@ -60,7 +61,7 @@ def test_fresh_starts_differ():
     from plant import production_plant
 
     plant = production_plant()
-    oil = [tuple(start_kicks(plant, 3, seed)["S1.N_oil"]) for seed in FRESH]
+    oil = [tuple(start_kicks(plant["S1"].x0, 3, seed, SIZE)[:, 0]) for seed in FRESH]
     assert len(set(oil)) == len(FRESH)
 
 

@@ -8,11 +8,11 @@ import pytest
 
 from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip, Sum
 from detect.blocks import DetectorBlock
-from detect.blocks.detector import CODES
 from detect.methods import area_ratio
 from detect.oscillation import acf_crossings as oscillation
 from detect.oscillation import hagglund1995
 from detect.stream import LoopFacts, Sample
+from detect.verdict import NUMBERS
 from diagram import WiringError, simulate, wire
 from logs import LoopRecord
 
@@ -49,7 +49,7 @@ def test_equals_the_streaming_method_on_the_same_samples(log):
         state = area_ratio.update(p, state, t, sample)
         if (k + 1) % EVERY == 0:
             v = area_ratio.verdict(p, state)
-            said = (np.nan if v.index is None else v.index, CODES[v.verdict])
+            said = (np.nan if v.index is None else v.index, NUMBERS[v.verdict])
         index.append(said[0])
         verdict.append(said[1])
     np.testing.assert_array_equal(log["index"], index)
@@ -65,15 +65,15 @@ def test_equals_the_batch_method_when_the_last_verdict_falls(log):
     )  # fmt: skip
     batch = area_ratio.detect(record)
     assert batch.verdict == "stiction"
-    assert log["verdict"][-1] == CODES["stiction"]
+    assert log["verdict"][-1] == NUMBERS["stiction"]
     assert log["index"][-1] == pytest.approx(batch.index, rel=1e-12)
 
 
 def test_it_waits_for_cycles_before_it_speaks(log):
-    speaks = np.flatnonzero(log["verdict"] == CODES["stiction"])
-    assert log["verdict"][0] == CODES["not_applicable"] and np.isnan(log["index"][0])
+    speaks = np.flatnonzero(log["verdict"] == NUMBERS["stiction"])
+    assert log["verdict"][0] == NUMBERS["not_applicable"] and np.isnan(log["index"][0])
     assert 100 < log.t[speaks[0]] < 600
-    assert np.all(np.isnan(log["index"]) == (log["verdict"] == CODES["not_applicable"]))
+    assert np.all(np.isnan(log["index"]) == (log["verdict"] == NUMBERS["not_applicable"]))
 
 
 def test_watching_changes_nothing(log):

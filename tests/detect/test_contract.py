@@ -1,4 +1,4 @@
-"""What every method must do, asked of each member of METHODS."""
+"""What every method must do, asked of each of METHODS."""
 
 import importlib
 import pkgutil

@@ -1,4 +1,4 @@
-"""Ensembles: every member is the simulation it claims to be, and no failure of one spoils the others."""
+"""Ensembles: every variant is the simulation it claims to be, and no failure of one spoils the others."""
 
 import json
 import threading
@@ -23,11 +23,11 @@ LAG = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)], name="lag")
 
 
 def same(result, i, run):
-    """Tell whether member i is this run, to the last bit."""
+    """Tell whether variant i is this run, to the last bit."""
     return all(np.array_equal(result.values[s][i], run.log[s], equal_nan=True) for s in result.values)
 
 
-def test_members_equal_single_simulations_to_the_last_bit():
+def test_variants_equal_single_simulations_to_the_last_bit():
     values = {"valve.F_s": np.linspace(1500.0, 2300.0, 9), "process.K": np.linspace(2.0, 4.0, 9)}
     result = ensemble(LOOP, 300.0, params=values, start={"process.PV": np.linspace(0.0, 0.5, 9)}, every=0.1, workers=2)
     assert result.ok.all()
@@ -44,7 +44,7 @@ def test_members_equal_single_simulations_to_the_last_bit():
         assert np.array_equal(result.log(i)["PV"], run.log["PV"])
 
 
-def test_members_follow_the_closed_form():
+def test_variants_follow_the_closed_form():
     # analytic: step response of a first-order lag, PV = K (1 - exp(-t / tau))
     gain, tau = np.array([0.5, 1.0, 2.0, 3.0]), np.array([1.0, 5.0, 10.0, 20.0])
     result = ensemble(LAG, 50.0, params={"process.K": gain, "process.tau": tau}, every=0.5, rtol=1e-9, atol=1e-12)
@@ -114,7 +114,7 @@ def test_only_the_wanted_is_kept_and_summaries_are_made():
         kept.values["PV"][0] = 0.0
 
 
-def test_a_failed_member_is_scored_not_raised():
+def test_a_failed_variant_is_scored_not_raised():
     result = ensemble(
         LOOP,
         600.0,
@@ -139,7 +139,7 @@ def test_ctrl_c_returns_what_is_finished():
         assert pressed.wait(30.0)
         return {"end": signals["PV"][-1]}
 
-    def press(done, members):
+    def press(done, variants):
         pressed.set()
         raise KeyboardInterrupt
 
@@ -150,11 +150,11 @@ def test_ctrl_c_returns_what_is_finished():
     assert "interrupted" in result.hint(19_999)
 
 
-def test_ctrl_c_does_not_wait_for_a_long_member():
-    def press(done, members):
+def test_ctrl_c_does_not_wait_for_a_long_variant():
+    def press(done, variants):
         raise KeyboardInterrupt
 
-    # a sampled loop of 1e9 samples, hours long: the test ends because the member is stopped on its way
+    # a sampled loop of 1e9 samples, hours long: the test ends because the variant is stopped on its way
     sampled = wire([Sine("SP", 1.0, 10.0), SampledPI(1.0, 10.0, dt=0.01), Constant("PV", 0.0)])
     params = {"controller.K_p": [1.0]}
     result = ensemble(sampled, 1e7, params=params, every=1e6, max_steps=10**12, workers=1, progress=press)
@@ -163,7 +163,7 @@ def test_ctrl_c_does_not_wait_for_a_long_member():
 
 def test_progress_is_told_to_the_end():
     told = []
-    ensemble(LAG, 10.0, params={"process.K": np.ones(7)}, progress=lambda done, members: told.append((done, members)))
+    ensemble(LAG, 10.0, params={"process.K": np.ones(7)}, progress=lambda done, variants: told.append((done, variants)))
     assert told[-1] == (7, 7)
     assert [done for done, _ in told] == sorted(done for done, _ in told)
 
@@ -200,27 +200,27 @@ class Hosted(Block):
         return Gain("seen", "PV", self.p[1], name=self.name)
 
 
-def test_a_fault_in_python_names_the_member():
+def test_a_fault_in_python_names_the_variant():
     watched = wire([*LAG.blocks, Hosted(Faulty())], outputs=["seen"])
     fine = ensemble(watched, 10.0, params={"watcher.K": [1.0, 3.0]}, every=1.0)
     assert same(fine, 1, simulate(watched, 10.0, every=1.0))
     with pytest.raises(ZeroDivisionError) as fault:
         ensemble(watched, 10.0, params={"watcher.K": [1.0, 2.0]}, every=1.0)
-    assert fault.value.__notes__ == ["member 1 of the ensemble"]
+    assert fault.value.__notes__ == ["variant 1 of the ensemble"]
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({}, "nothing says how many members"),
-        ({"params": {"process.K": 1.0}}, "nothing says how many members"),
-        ({"params": {"process.K": []}}, "0 members"),
+        ({}, "nothing says how many variants"),
+        ({"params": {"process.K": 1.0}}, "nothing says how many variants"),
+        ({"params": {"process.K": []}}, "0 variants"),
         ({"params": {"process.K": [1.0, 2.0], "process.tau": [1.0, 2.0, 3.0]}}, "'process.K' 2, 'process.tau' 3"),
         ({"params": {"process.K": [[1.0], [2.0]]}}, "flat array"),
         ({"params": {"proces.K": [1.0]}}, "did you mean 'process'"),
         ({"params": {"process.k": [1.0]}}, "did you mean 'K'"),
         ({"start": {"process.y": [1.0]}}, "no state 'y'"),
-        ({"start": {"process.PV": [0.0, np.nan]}}, "'process.PV' is to start at nan in member 1"),
+        ({"start": {"process.PV": [0.0, np.nan]}}, "'process.PV' is to start at nan in variant 1"),
         ({"seeds": [0.5]}, "integers"),
         ({"seeds": [-1]}, "integers"),
         ({"seeds": [1], "signals": ["pv"]}, "did you mean 'PV'"),
@@ -235,10 +235,10 @@ def test_senseless_requests_are_refused(arguments, message):
         ensemble(LAG, 10.0, **arguments)
 
 
-def test_a_block_refuses_a_member_before_anything_runs():
+def test_a_block_refuses_a_variant_before_anything_runs():
     with pytest.raises(BlockError) as refused:
         ensemble(LAG, 10.0, params={"process.tau": [1.0, 2.0, -3.0]})
-    assert refused.value.__notes__ == ["member 2 of the ensemble"]
+    assert refused.value.__notes__ == ["variant 2 of the ensemble"]
 
 
 def test_open_inputs_are_closed_or_refused():
@@ -249,22 +249,22 @@ def test_open_inputs_are_closed_or_refused():
     assert np.allclose(result.values["PV"][1], 2.0 * result.values["PV"][0], rtol=1e-5)  # linear
 
 
-def test_parquet_holds_one_row_a_member(tmp_path):
+def test_parquet_holds_one_row_a_variant(tmp_path):
     result = ensemble(
         LAG, 10.0, params={"process.K": [1.0, 2.0]}, start={"process.PV": [0.0, 0.5]}, seeds=[5, 6], every=1.0,
         summary=lambda t, s: {"end": s["PV"][-1]},
     )  # fmt: skip
-    path = tmp_path / "members.parquet"
+    path = tmp_path / "variants.parquet"
     result.to_parquet(path)
     frame = pl.read_parquet(path)
     assert frame.columns == [
-        "member", "status", "process.K", "process.PV(0)", "seed", "events", "summary.end", "MV", "PV"
+        "variant", "status", "process.K", "process.PV(0)", "seed", "events", "summary.end", "MV", "PV"
     ]  # fmt: skip
     assert np.array_equal(frame["PV"].to_numpy(), result.values["PV"])
     assert frame["status"].to_list() == ["OK", "OK"] and frame["seed"].to_list() == [5, 6]
     heading = json.loads(pl.read_parquet_metadata(path)["stickslip"])
     assert heading["time [s]"] == result.t.tolist()
-    assert [p.name for p in tmp_path.iterdir()] == ["members.parquet"]
+    assert [p.name for p in tmp_path.iterdir()] == ["variants.parquet"]
 
 
 def test_a_failing_write_leaves_nothing(tmp_path):
@@ -275,17 +275,17 @@ def test_a_failing_write_leaves_nothing(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["taken"]
 
 
-def test_one_member_is_told_from_the_others():
+def test_one_variant_is_told_from_the_others():
     result = ensemble(LAG, 10.0, params={"process.K": [1.0, 2.0]}, seeds=[5, 6])
-    assert result.told(1) == "process.K = 2, seed 6"
-    assert "member 1: process.K = 2, seed 6" in result.log(1).origin
-    with pytest.raises(IndexError, match="no member 2"):
-        result.member(2)
-    with pytest.raises(IndexError, match="no member 2"):
+    assert result.described(1) == "process.K = 2, seed 6"
+    assert "variant 1: process.K = 2, seed 6" in result.log(1).origin
+    with pytest.raises(IndexError, match="no variant 2"):
+        result.variant(2)
+    with pytest.raises(IndexError, match="no variant 2"):
         result.log(2)
 
 
-def test_a_member_whose_model_ends_says_why_as_its_run_alone_does():
+def test_a_variant_whose_model_ends_says_why_as_its_run_alone_does():
     from plant import production_plant
 
     plant = production_plant("B")

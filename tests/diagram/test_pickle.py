@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from diagram import ensemble, simulate
-from diagram.flatten import plan
 from plant import production_plant
 from plant.loops import self_regulating_loop
 from tests.diagram.random_diagrams import random_diagram
@@ -86,8 +85,8 @@ def test_a_run_comes_back_whole():
 
 def test_a_copy_stands_on_its_own_and_a_changed_copy_shares_the_plan():
     loop = self_regulating_loop()
-    laid = plan(loop)
-    assert plan(loop.with_params({"valve.F_s": 1750.0})) is laid  # so that sweeps cost nothing
+    laid = loop.plan()
+    assert loop.with_params({"valve.F_s": 1750.0}).plan() is laid  # so that sweeps cost nothing
     other = copy.deepcopy(loop)
     assert other.updfcn.__self__ is other  # python-control's own copy would have called the original
     same(simulate(loop, 5.0), simulate(other, 5.0))

@@ -166,7 +166,7 @@ def test_main_signals_are_those_of_controllers_and_valves():
     assert main_signals(plant) == {"SP", "PV", "OP", "MV"}
 
 
-def test_the_spread_is_that_of_the_members():
+def test_the_spread_is_that_of_the_variants():
     gains = np.linspace(0.0, 100.0, 101)
     result = ensemble(wire([Step("F", 1.0), Gain("y", "F", 1.0)]), 10.0, params={"y.factor": gains}, every=1.0)
     ax = result.plot("y").axes[0]
@@ -174,16 +174,16 @@ def test_the_spread_is_that_of_the_members():
     assert np.allclose(lines["median"].get_ydata(), 50.0)  # analytic: percentiles of 0, 1, ..., 100
     band = ax.collections[0].get_paths()[0].get_extents()
     assert (band.y0, band.y1) == pytest.approx((5.0, 95.0))
-    assert "12 of 101 members" in lines
+    assert "12 of 101 variants" in lines
 
 
-def test_failed_members_are_not_in_the_spread():
+def test_failed_variants_are_not_in_the_spread():
     result = ensemble(LOOP, 600.0, params={"SP.after": [0.0, 0.5]}, every=1.0, max_steps=100)
     figure = plot_ensemble(result, "PV")
-    assert figure.axes[0].get_title(loc="left").startswith("1 members not shown")
+    assert figure.axes[0].get_title(loc="left").startswith("1 variants not shown")
     assert np.array_equal(drawn(figure.axes[0])["median"].get_ydata(), np.zeros(601))
     with pytest.raises(ValueError, match="did you mean 'PV'"):
         plot_ensemble(result, "pv")
     failed = ensemble(LOOP, 600.0, params={"SP.after": [0.5]}, every=1.0, max_steps=100)
-    with pytest.raises(ValueError, match="no member reached its end"):
+    with pytest.raises(ValueError, match="no variant reached its end"):
         failed.plot("PV")

@@ -5,12 +5,12 @@ import sys
 
 import pytest
 
-from diagram.progress import told
+from diagram.progress import reporting
 
 
 def test_the_callers_function_is_told():
     heard = []
-    with told(lambda done, total: heard.append((done, total)), 3, "runs") as tell:
+    with reporting(lambda done, total: heard.append((done, total)), 3, "runs") as tell:
         tell(1, 3)
     assert heard == [(1, 3)]
 
@@ -27,6 +27,6 @@ class Terminal(io.StringIO):
 def test_a_bar_is_drawn_where_it_is_asked_for_or_somebody_looks(monkeypatch, progress, stderr, drawn):
     stream = stderr()
     monkeypatch.setattr(sys, "stderr", stream)
-    with told(progress, 4, "members") as tell:
+    with reporting(progress, 4, "variants") as tell:
         tell(4, 4)
-    assert ("members" in stream.getvalue()) == drawn
+    assert ("variants" in stream.getvalue()) == drawn

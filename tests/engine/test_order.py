@@ -8,7 +8,6 @@ import pytest
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from diagram import wire
-from diagram.flatten import plan
 from engine import layout as at
 from engine.run import Settings, prepare, run
 from engine.status import Status
@@ -33,7 +32,7 @@ class Smooth(Block):
     """x' = -x^3/2 and y' = y cos t, with x = 1/sqrt(1 + t), y = exp(sin t)."""
 
     ports_out = (Port("x"), Port("y"))
-    kernels = Kernels(out=_out, der=_der, next_time=_limit, feeds=False)
+    kernels = Kernels(out=_out, der=_der, next_time=_limit, feeds=False, timed=True)
 
     def __init__(self, h):
         super().__init__(name="smooth", params={"h": h}, states={"x": 1.0, "y": 1.0})
@@ -48,7 +47,7 @@ class Stiff(Block):
     """Prothero and Robinson's problem: x = sin t and y = cos t, held there by a stiff spring."""
 
     ports_out = (Port("x"), Port("y"))
-    kernels = Kernels(out=_out, der=_stiff_der, next_time=_limit, feeds=False)
+    kernels = Kernels(out=_out, der=_stiff_der, next_time=_limit, feeds=False, timed=True)
 
     def __init__(self, h):
         super().__init__(name="stiff", params={"h": h}, states={"x": 0.0, "y": 1.0})
@@ -57,12 +56,12 @@ class Stiff(Block):
 def run_with_steps(block, method, h, t_end):
     """Return the log times and the states of fixed steps ``h``."""
     diagram = wire([block], outputs=["x", "y"])
-    component = plan(diagram).components[0]
+    component = diagram.plan().components[0]
     I, W = prepare(component, Settings(1e-2, 1e30, "stiff" if method == 1 else "explicit"), 0.0)
     I[at.EXPLICIT] = method
     W[I[at.O_RESTART] : I[at.O_RESTART] + at.RESTARTS] = h
     times = np.concatenate([np.linspace(0.0, t_end, 203)[1:-1], [t_end]])
-    outcome = run(component, plan(diagram).flat, I, W, times, t_end)
+    outcome = run(component, diagram.plan().flat, I, W, times, t_end)
     assert outcome.status is Status.OK
     assert abs(I[at.STEPS] - t_end / h) <= 2  # the steps are what they should be
     return times, outcome.log

@@ -12,7 +12,7 @@ import pytest
 from numba import njit
 
 from engine import place
-from engine.notice import told
+from engine.notice import noticed
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -66,13 +66,13 @@ def test_compiling_is_told_once_and_only_if_it_happens(monkeypatch):
     for stream, words in ((io.StringIO(), "once per machine; this takes"), (Terminal(), "once per machine: 2 of ")):
         inner, outer = njit(twice), njit(four_times)
         monkeypatch.setattr(sys, "stderr", stream)
-        with told():
+        with noticed():
             assert outer(1.0) == 4.0
         monkeypatch.undo()
         assert words in stream.getvalue()
         assert isinstance(stream, Terminal) or stream.getvalue().count("\n") == 1
     silent = io.StringIO()
     monkeypatch.setattr(sys, "stderr", silent)
-    with told():
+    with noticed():
         assert outer(2.0) == 8.0  # compiled before
     assert silent.getvalue() == ""

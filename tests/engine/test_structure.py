@@ -9,12 +9,11 @@ from hypothesis import strategies as st
 
 from blocks import PI, Constant, FirstOrder, Gain, Noise, QuasiStaticStem, Sine, Step
 from diagram import simulate, wire
-from diagram.flatten import plan
 from engine import layout as at
 from engine.call import pointer_to
 from engine.elimination import eliminate
 from engine.linear import factorise, solve
-from engine.structure import _reads_time, analyse
+from engine.structure import analyse
 
 
 @st.composite
@@ -85,7 +84,7 @@ def test_an_arrow_is_turned_round():
 
 
 def component_of(blocks, **more):
-    laid = plan(wire(blocks, **more))
+    laid = wire(blocks, **more).plan()
     return [laid.flat[b] for b in laid.components[0].blocks]
 
 
@@ -104,34 +103,6 @@ def test_constants_and_what_only_they_feed_stand_still():
 def test_a_sine_makes_the_rates_depend_on_time():
     rows = component_of([Sine("u", amplitude=1.0, period=5.0), FirstOrder(K=1.0, tau=2.0, inputs=["u"])])
     assert analyse(rows).timed
-
-
-def _uses(t, x, d, u, p, out):
-    out[0] = math.sin(t)
-
-
-def _plain(t, x, d, u, p, out):
-    out[0] = u[0]
-
-
-def _hands_on(t, x, d, u, p, out):
-    _plain(t, x, d, u, p, out)
-
-
-def _hands_on_to_user(t, x, d, u, p, out):
-    _uses(t, x, d, u, p, out)
-
-
-def _swaps(t, x, d, u, p, out):
-    _plain(x, t, d, u, p, out)
-
-
-@pytest.mark.parametrize(
-    ("kernel", "reads"),
-    [(_uses, True), (_plain, False), (_hands_on, False), (_hands_on_to_user, True), (_swaps, True), (None, False)],
-)
-def test_whether_a_kernel_looks_at_the_clock(kernel, reads):
-    assert _reads_time(kernel) is reads
 
 
 def test_a_diagram_whose_rates_depend_on_time_is_solved_as_exactly_as_one_whose_do_not():

@@ -72,7 +72,7 @@ def test_good_joins_finite_and_quality():
 
 
 def test_unknown_signal_offers_the_nearest():
-    with pytest.raises(LogError, match=r"no signal 'pv'; did you mean 'PV'\? The log has 'OP', 'PV'"):
+    with pytest.raises(LogError, match=r"no signal 'pv'; did you mean 'PV'\? known: OP, PV"):
         small()["pv"]
 
 

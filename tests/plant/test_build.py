@@ -15,7 +15,7 @@ from blocks.sources import Constant, Step
 from blocks.tabulated_map import TabulatedMap
 from diagram import WiringError, simulate, wire
 from plant import SET_B, SETS, kicked, parts, production_plant, steady_state
-from plant.balances import booked, contents
+from plant.balances import contents, with_balances
 from plant.build import compressor_2, separator_1, turbine_and_shaft
 from plant.parts import VALVES
 from study import production_subject
@@ -49,12 +49,12 @@ def test_balances_close_to_rounding(case):
     plant = production_plant("B", F_s="high", case=case)
     if case == 1:
         plant = kicked(plant)
-    run = simulate(booked(plant), 400.0, every=10.0, method="stiff")
+    run = simulate(with_balances(plant), 400.0, every=10.0, method="stiff")
     assert run.ok and np.ptp(run.log["p_1"]) > 1e4
-    held, books = contents(run.final), run.final["books"].x0
-    assert np.abs(books - contents(plant))[:4].min() > 0.1  # something did cross the boundaries
-    np.testing.assert_allclose(held[:4], books[:4], rtol=1e-11)  # measured 2e-13
-    assert held[4] == pytest.approx(books[4], rel=1e-6)  # quadratic in the speed
+    held, balances = contents(run.final), run.final["balances"].x0
+    assert np.abs(balances - contents(plant))[:4].min() > 0.1  # something did cross the boundaries
+    np.testing.assert_allclose(held[:4], balances[:4], rtol=1e-11)  # measured 2e-13
+    assert held[4] == pytest.approx(balances[4], rel=1e-6)  # quadratic in the speed
 
 
 def test_stuck_valves_leave_the_stem_where_it_is():
@@ -266,9 +266,9 @@ def test_one_valve_may_be_named_without_a_list():
     ids=["no safety controller", "sampled PI", "Kano", "He"],
 )
 def test_balances_close_in_a_rewired_plant(change):
-    plant = change(booked(kicked(production_plant("B"))))
+    plant = change(with_balances(kicked(production_plant("B"))))
     run = simulate(plant, 300.0, every=100.0, method="stiff", inputs=dict.fromkeys(plant.open_inputs, 0.0) or None)
     assert run.ok
     assert (
-        np.abs(contents(run.final) / run.final["books"].x0 - 1.0)[:4].max() < 1e-11
+        np.abs(contents(run.final) / run.final["balances"].x0 - 1.0)[:4].max() < 1e-11
     )  # analytic: what comes stays or goes

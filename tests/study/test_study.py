@@ -92,8 +92,8 @@ def test_an_interrupted_study_goes_on_and_gives_the_same_bytes(whole, tmp_path, 
     monkeypatch.setattr(Folder, "add", add)
     assert not (tmp_path / "two" / "study.parquet").exists()
     made = []
-    split = running.Casting.split
-    monkeypatch.setattr(running.Casting, "split", lambda self, runs: made.extend(runs) or split(self, runs))
+    split = running.Points.split
+    monkeypatch.setattr(running.Points, "split", lambda self, runs: made.extend(runs) or split(self, runs))
     small(out=tmp_path / "two", workers=1)
     assert len(made) == len(whole) - sum(map(len, kept))  # nothing is made twice
     one, two = ((tmp_path / name / "study.parquet").read_bytes() for name in ("one", "two"))

@@ -1,0 +1,44 @@
+"""The templates of CONTRIBUTING run as they stand."""
+
+import doctest
+import re
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from blocks import BlockError
+from blocks.dry_run import dry_run
+from diagram import drive
+from logs import LoopRecord
+
+TEMPLATES = re.findall(r"```python\n(.*?)```", (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(), re.S)
+
+
+def loaded(number: int, monkeypatch: pytest.MonkeyPatch) -> Any:
+    module = types.ModuleType(f"template_{number}")
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    exec(compile(TEMPLATES[number], module.__name__, "exec"), vars(module))
+    return module
+
+
+def test_the_block_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    tank = loaded(0, monkeypatch)
+    dry_run(tank.Tank(A=2.0))
+    level = drive(tank.Tank(A=2.0, k=0.5), 40.0, every=40.0, F=1.0).log["L"][-1]
+    assert level == pytest.approx(2.0 * (1.0 - np.exp(-10.0)), rel=1e-5)  # analytic
+    with pytest.raises(BlockError, match=r"A = 0\.0, but it must be positive"):
+        tank.Tank(A=0.0)
+    assert doctest.testmod(tank).attempted == 2 and doctest.testmod(tank).failed == 0
+
+
+def test_the_detector_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    method = loaded(1, monkeypatch)
+    t = np.arange(100.0)
+    wave = np.sin(t / 5.0)
+    assert method.detect(LoopRecord.from_arrays(t, pv=2.0 * wave, op=wave)).verdict == "stiction"
+    assert method.detect(LoopRecord.from_arrays(t, pv=0.5 * wave, op=wave)).index == pytest.approx(0.5)
+    assert method.detect(LoopRecord.from_arrays(t, pv=wave, op=0.0 * t)).code == "constant_signal"

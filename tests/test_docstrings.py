@@ -1,0 +1,75 @@
+"""One dialect of docstrings in the whole house, and a unit for every number that a block is built with."""
+
+import ast
+import inspect
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import blocks
+from stickslip.commands.blocks import BLOCKS
+
+ROOT = Path(__file__).resolve().parents[1]
+ROOMS = ("logs", "blocks", "engine", "diagram", "plant", "study", "detect", "cases", "stickslip", "benchmarks")
+TO_DO = ROOT / "detect" / "methods"  # still in the other dialect
+FILES = [p for room in ROOMS for p in sorted((ROOT / room).rglob("*.py")) if not p.is_relative_to(TO_DO)]
+WORDS = {"action", "anti_windup", "hold", "map", "check_valve", "params"}  # texts, switches and groups: no numbers
+COMMON = {"name", "inputs", "outputs", "units", "spans", "labels", "signal", "unit", "seed", "source", "law"}
+
+
+def docstrings(source: str) -> Iterator[tuple[str, str]]:
+    """Yield name and docstring of a file and of what is in it."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (text := ast.get_docstring(node)):
+            yield getattr(node, "name", "the file"), text
+
+
+def faults(source: str) -> list[str]:
+    """Return what breaks the dialect: a name between single backticks, a section underlined, an end without a stop."""
+    found = []
+    for name, text in docstrings(source):
+        if re.search(r"(?<!`)`(?!`)[^`]+(?<!`)`(?!`)", text):
+            found.append(f"{name}: a name between single backticks; write ``name``")
+        if re.search(r"^\s*-{4,}\s*$", text, re.M):
+            found.append(f"{name}: an underlined section; write Parameters: ``name`` ...; Raises ``Error`` ...")
+        if text.split("\n\n")[0].rstrip()[-1] not in ".:?)":
+            found.append(f"{name}: the first paragraph is no full sentence")
+    return found
+
+
+@pytest.mark.parametrize("path", FILES, ids=[str(p.relative_to(ROOT)) for p in FILES])
+def test_one_dialect(path: Path) -> None:
+    assert faults(path.read_text()) == []
+
+
+@pytest.mark.parametrize("text", ["Return `x`.", "Do.\n\n    Parameters\n    ----------\n    x : int", "Return x"])
+def test_the_rule_can_fail(text: str) -> None:
+    assert faults(f'def f():\n    """{text}\n    """')
+
+
+@pytest.mark.parametrize("path", FILES, ids=[str(p.relative_to(ROOT)) for p in FILES])
+def test_everything_public_has_a_docstring(path: Path) -> None:
+    tree = ast.parse(path.read_text())
+    public = [n for n in tree.body if isinstance(n, ast.ClassDef | ast.FunctionDef) and not n.name.startswith("_")]
+    assert [n.name for n in public if not ast.get_docstring(n)] == []
+
+
+def without_unit(name: str) -> list[str]:
+    """Return the numbers that a block is built with and whose unit its page does not give within a line or so."""
+    made = getattr(blocks, name)
+    page = f"{inspect.getdoc(sys.modules[made.__module__])} {inspect.getdoc(made)}".replace("\n", " ")
+    wanted = [key for key, p in inspect.signature(made).parameters.items() if p.kind is not p.VAR_KEYWORD]
+    return [
+        key
+        for key in wanted
+        if key not in WORDS | COMMON
+        and not any("[" in m.group(1) for m in re.finditer(rf"(?<![\w.]){re.escape(key)}(?!\w)(.{{0,120}})", page))
+    ]
+
+
+@pytest.mark.parametrize("name", [name for names in BLOCKS.values() for name in names])
+def test_every_parameter_of_every_block_has_a_unit(name: str) -> None:
+    assert without_unit(name) == []
