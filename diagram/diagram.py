@@ -19,6 +19,7 @@ from blocks.control_system import as_block
 from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
 from blocks.ports import nearest, number, shortened
+from diagram.connections import ConnectionMap
 from diagram.past import Past, together
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order
 
@@ -36,6 +37,10 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     ``blocks.dry_run``.  As a python-control system its inputs are
     the open inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
+
+    connect_map = ConnectionMap()
+    input_map = ConnectionMap()
+    output_map = ConnectionMap()
 
     def _owner(self) -> str:
         return ""
@@ -58,6 +63,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None
+        self._cells: Plan | None = None
         self._past: Past | None = None
         seen = [block.smooth() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
@@ -66,27 +72,8 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         )  # fmt: skip
         self._fix_params(_all_params(seen))
         self.updfcn, self.outfcn = self._update, self._output
-        self._connect()
-
-    def _connect(self) -> None:
-        """Fill python-control's connection maps."""
-        columns = {signal: self.output_offset[b] + j for signal, (b, j) in self.driven.items()}
-        connect = np.zeros((sum(len(b.ports_in) for b in self.blocks), sum(len(b.ports_out) for b in self.blocks)))
-        entry = np.zeros((connect.shape[0], len(self.open_inputs)))
-        row = 0
-        for block in self.blocks:
-            for signal in block.input_labels:
-                if signal in columns:
-                    connect[row, columns[signal]] = 1.0
-                else:
-                    entry[row, self.open_inputs.index(signal)] = 1.0
-                row += 1
-        self.set_connect_map(connect)
-        self.set_input_map(entry)
-        exits = np.zeros((len(self.chosen_outputs), connect.shape[1] + connect.shape[0]))
-        for i, signal in enumerate(self.chosen_outputs):
-            exits[i, columns[signal]] = 1.0
-        self.set_output_map(exits)
+        for wired in ("connect_map", "input_map", "output_map"):
+            del self.__dict__[wired]  # without connections python-control has filled them with zeros
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{type(block).__name__} '{block.name}'" for block in self.blocks)
@@ -314,13 +301,12 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def _copy(self) -> Self:
         other = copy.copy(self)
-        other._plan = self._plan
         other.updfcn, other.outfcn = other._update, other._output
         return other
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave the plan behind: it holds addresses of compiled code, which are worth nothing in another process."""
-        return self.__dict__ | {"_plan": None}
+        """Leave the plans behind: they hold addresses of compiled code, which are worth nothing in another process."""
+        return self.__dict__ | {"_plan": None, "_cells": None}
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""

@@ -91,7 +91,8 @@ def wanted_signals(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str
 
 def logging_only(component: Component, diagram: Diagram, wanted: Sequence[str]) -> Component:
     """Return a copy of a component that logs the wanted signals only; its columns say which."""
-    kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in wanted]
+    names = set(wanted)
+    kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in names]
     I, W = component.I.copy(), component.W.copy()
     first = int(I[at.L_WIRES])
     I[first : first + len(kept)] = component.I[[first + k for k in kept]]

@@ -14,13 +14,14 @@ from blocks.block import Block
 from blocks.ports import nearest, number, shortened
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
-from diagram.flatten import DELAY_RECORDS, Ends, Plan, plan
+from diagram.flatten import DELAY_RECORDS, Ends, Plan, plan, plan_in_cells
 from diagram.in_python import InPython, counts, spent
 from diagram.inputs import close
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.wiring import WiringError
 from engine import layout as at
+from engine.cells import run_windows
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.status import HINTS, Statistics, Status
 from logs import Log
@@ -150,15 +151,19 @@ def simulate(
     past = resumed(ready, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     before = counts(ready)
+    lay_out = plan_in_cells
     while True:
-        laid = plan(ready, records)
+        laid = lay_out(ready, records)
         if len(wanted) < len(ready.signals):
             laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
-        outcomes = [_run(laid, c, ready, settings, grid, t0, t_end, on_progress, past) for c in laid.components]
-        if not any(o.status is Status.DELAY_FULL for o in outcomes):
+        outcomes = _run(laid, ready, settings, grid, t0, t_end, on_progress, past)
+        if any(o.status is Status.DELAY_FULL for o in outcomes):
+            records *= 4
+        elif any(o.status is Status.TIGHT for o in outcomes):
+            lay_out = plan
+        else:
             run = replace(_collect(ready, laid, outcomes, grid, wanted), in_python=spent(ready, before))
             return _noted(run, settings.atol)
-        records *= 4
 
 
 def _told(given: Any) -> str:
@@ -213,7 +218,6 @@ def check_settings(rtol: float, atol: float, method: str, max_steps: int) -> Set
 
 def _run(
     laid: Plan,
-    component: Any,
     diagram: Diagram,
     settings: Settings,
     grid: Floats,
@@ -221,24 +225,34 @@ def _run(
     t_end: float,
     on_progress: Callable[[float], None] | None,
     past: Past | None,
-) -> Outcome:
-    I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
-    laid.fill(component, W, diagram.blocks)
-    if past is not None:
-        past.put_back(diagram, laid, component, I, W)
-    return run(component, laid.flat, I, W, grid, t_end, on_progress)
+) -> list[Outcome]:
+    """Return what came out of each component: one after the other, or cells together."""
+    ready = []
+    for component in laid.components:
+        I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
+        laid.fill(component, W, diagram.blocks)
+        if past is not None:
+            past.put_back(diagram, laid, component, I, W)
+        ready.append((I, W))
+    if laid.links:
+        return run_windows(laid.components, laid.links, ready, grid, t_end, on_progress)
+    return [
+        run(component, laid.flat, I, W, grid, t_end, on_progress)
+        for component, (I, W) in zip(laid.components, ready, strict=True)
+    ]
 
 
 def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats, wanted: Sequence[str]) -> Run:
     columns: dict[str, Floats] = {}
+    kept = set(wanted)
     for component, outcome in zip(laid.components, outcomes, strict=True):
         outcome.log.flags.writeable = False  # so that the log need not copy it
         columns.update(zip((diagram.signals[c] for c in component.columns), outcome.log, strict=True))
     log = Log(
         t=grid,
-        signals={signal: columns[signal] for signal in diagram.signals if signal in wanted},
-        units={s: u for s, u in diagram.signal_units.items() if u and s in wanted},
-        spans={s: span for s, span in diagram.signal_spans.items() if s in wanted},
+        signals={signal: columns[signal] for signal in diagram.signals if signal in kept},
+        units={s: u for s, u in diagram.signal_units.items() if u and s in kept},
+        spans={s: span for s, span in diagram.signal_spans.items() if s in kept},
         origin=f"simulated: {diagram.name}",
     )
     ends = tuple((component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
@@ -336,4 +350,4 @@ def _final(diagram: Diagram, ends: Ends) -> Diagram:
             if b < len(blocks) and blocks[b].sampled:
                 y = component.signals[first[blocks[b].output_labels[0]]]
                 blocks[b] = blocks[b].holding(W[y : y + len(blocks[b].y0)])
-    return diagram._with_blocks(blocks).with_past(Past.of(diagram, plan(diagram), ends))
+    return diagram._with_blocks(blocks).with_past(Past.of(diagram, plan_in_cells(diagram), ends))

@@ -1,0 +1,46 @@
+"""Python-control's connection maps of a diagram, made when python-control first looks at them.
+
+They are full matrices of as many rows and columns as there are ports, for which a large diagram has no use of its own.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from diagram.diagram import Diagram
+
+
+class ConnectionMap:
+    """An attribute of a diagram: the map as it was set, or else what the wiring says."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, diagram: "Diagram | None", owner: type) -> Any:
+        if diagram is None:
+            return self
+        if self.name not in diagram.__dict__:
+            diagram.__dict__ |= connection_maps(diagram)
+        return diagram.__dict__[self.name]
+
+    def __set__(self, diagram: "Diagram", value: NDArray[np.float64]) -> None:
+        diagram.__dict__[self.name] = value
+
+
+def connection_maps(diagram: "Diagram") -> dict[str, NDArray[np.float64]]:
+    """Return ``connect_map``, ``input_map`` and ``output_map`` as python-control defines them."""
+    columns = {signal: diagram.output_offset[b] + j for signal, (b, j) in diagram.driven.items()}
+    read = [signal for block in diagram.blocks for signal in block.input_labels]
+    connect = np.zeros((len(read), len(columns)))
+    entry = np.zeros((len(read), len(diagram.open_inputs)))
+    for row, signal in enumerate(read):
+        if signal in columns:
+            connect[row, columns[signal]] = 1.0
+        else:
+            entry[row, diagram.open_inputs.index(signal)] = 1.0
+    exits = np.zeros((len(diagram.chosen_outputs), len(columns) + len(read)))
+    for i, signal in enumerate(diagram.chosen_outputs):
+        exits[i, columns[signal]] = 1.0
+    return {"connect_map": connect, "input_map": entry, "output_map": exits}
