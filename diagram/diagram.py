@@ -301,6 +301,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def _copy(self) -> Self:
         other = copy.copy(self)
+        other._plan, other._cells = self._plan, self._cells
         other.updfcn, other.outfcn = other._update, other._output
         return other
 

@@ -60,30 +60,32 @@ class Plan:
 
 def plan(diagram: "Diagram", records: int = DELAY_RECORDS) -> Plan:
     """Return the plan of a diagram, made once and shared by all diagrams that differ only in values."""
-    shape = _shape(diagram)
-    known = diagram._plan
-    if known is None or known.shape != shape or known.records < records:
-        diagram._plan = known = _make(diagram, shape, records, in_cells=False)
-    return known
+    if diagram._plan is None or not _fits(diagram._plan, diagram, records):
+        diagram._plan = _make(diagram, records, in_cells=False)
+    return diagram._plan
 
 
 def plan_in_cells(diagram: "Diagram", records: int = DELAY_RECORDS) -> Plan:
     """Return the plan of a diagram cut into cells where that pays (it has links then), or else its ``plan``."""
-    shape = _shape(diagram)
-    known = diagram._cells
-    if known is None or known.shape != shape or known.records < records:
-        diagram._cells = known = _make(diagram, shape, records, in_cells=True)
-        if not known.links:
-            diagram._plan = known
-    return known
+    if len(diagram.blocks) < MANY:
+        return plan(diagram, records)
+    if diagram._cells is None or not _fits(diagram._cells, diagram, records):
+        diagram._cells = _make(diagram, records, in_cells=True)
+        if not diagram._cells.links:
+            diagram._plan = diagram._cells
+    return diagram._cells
 
 
 def _shape(diagram: "Diagram") -> tuple[bool, ...]:
     return tuple(block.dead_time > 0.0 for block in diagram.blocks)
 
 
-def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int, in_cells: bool) -> Plan:
-    blocks = diagram.blocks
+def _fits(known: Plan, diagram: "Diagram", records: int) -> bool:
+    return known.shape == _shape(diagram) and known.records >= records
+
+
+def _make(diagram: "Diagram", records: int, in_cells: bool) -> Plan:
+    blocks, shape = diagram.blocks, _shape(diagram)
     index = {signal: i for i, signal in enumerate(diagram.signals)}
     flat: list[FlatBlock] = []
     first = 0
@@ -106,7 +108,7 @@ def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int, in_cells: b
         order.append(b)
     groups = _groups(flat, order)
     pairs: tuple[tuple[int, int], ...] = ()
-    if in_cells and len(order) > MANY:
+    if in_cells:
         apart_at = smooth_outputs(flat)
         apart = _groups(flat, order, apart_at)
         while tied := apart_at & watched(flat, apart):
