@@ -66,7 +66,7 @@ FEW, LONGER, ENOUGH, SHORTER = (
 )  # after few runs the next window is longer, after more than enough shorter
 CLOSE = 0.1  # share of the tolerance by which a signal may differ from what its readers have read
 KINK = 1  # what is smoother is left to the step size control of the reader
-ROUND = 4000  # runs of cells after which the host may look up
+ROUND = 1000  # runs of cells after which the host may look up
 SHORTEST = 1e-9  # a window of this share of the run is none
 ENOUGH_SEEN = 100  # windows after which it is judged whether they pay: an event or a sample in one component costs
 DEAREST = 2  # about as many steps of all cells as this number of windows

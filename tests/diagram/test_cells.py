@@ -9,6 +9,7 @@ from blocks import PI, FirstOrder, IdealValve, Integrator, KanoValve, QuasiStati
 from diagram import simulate, wire
 from diagram.cells import MANY
 from diagram.flatten import plan, plan_in_cells
+from engine.status import Status
 
 COUNT = 40  # loops, more than MANY
 
@@ -98,6 +99,21 @@ def test_a_run_that_fails_says_what_it_says_as_one_component(monkeypatch):
     failing = wire([*loops.blocks, *fed_back])  # x grows as exp(9 t): infinite at 79 s
     run, one = simulate(failing, 100.0, every=1.0), whole(monkeypatch, failing, 100.0, every=1.0)
     assert not run.ok and (run.status, run.hint) == (one.status, one.hint)
+
+
+def test_a_run_in_cells_can_be_interrupted():
+    loops = coupled_sticky_loops(4 * COUNT)
+    full, reached = simulate(loops, 200.0, every=1.0), []
+
+    def stop(t):
+        reached.append(t)
+        raise KeyboardInterrupt
+
+    run = simulate(loops, 200.0, every=1.0, on_progress=stop)
+    assert run.status is Status.INTERRUPTED and 0.0 < reached[0] < 200.0
+    rows = int(reached[0])
+    assert all(np.array_equal(run.log[s][:rows], full.log[s][:rows]) for s in run.log.names)
+    assert all(np.isnan(run.log[s][rows + 2 :]).all() for s in run.log.names)
 
 
 def test_few_loops_stay_one_component():
