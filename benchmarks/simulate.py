@@ -16,11 +16,13 @@ import warnings
 
 import numpy as np
 
+from benchmarks.peers.coupled_sticky import coupled_sticky_loops
 from benchmarks.report import Figures, median_seconds, options, publish
 from cases import find
 from cases.exact import exact_run
 from diagram import simulate, wire
 from diagram.ensembles import ensemble
+from diagram.flatten import plan
 from plant.loops import self_regulating_loop
 
 RTOL = 1e-8  # so that our error is as small as the C program's; the default of simulate() is 1e-6
@@ -41,8 +43,14 @@ NOTES = {
     "pathsim_error": "PathSim's largest error in e",
     "fifty_loops_s": "50 different loops in one diagram, 600 s [s] (required: at most 0.5)",
     "scaling_exponent": "cost ~ N^this from 1 to 200 loops (required: at most 1.2)",
+    "coupled_400_s": "400 sticky loops coupled in a ring, 200 s [s] (required: at most 1.0)",
+    "coupled_exponent": "cost ~ N^this from 50 to 400 coupled loops (required: at most 1.15)",
+    "coupled_scans_s": "the same 400 with controllers that scan each second, one after the other, 200 s [s]",
+    "plan_1000_s": "laying out 1000 coupled loops for the engine, once per diagram [s]",
+    "plan_exponent": "cost of that ~ N^this from 250 to 1000 loops",
     "ensemble_1000_s": "1000 variants of the ideal loop, all signals kept [s] (required: at most 3)",
     "simulate_process_s": "whole process 'stickslip simulate ideal_high', warm cache [s] (required: at most 2.0)",
+    "simulate_over_import": "that over 'python -c \"import control\"', in turn (required: at most 1.4)",
     "help_process_s": "whole process 'stickslip --help' [s] (required: at most 0.3)",
 }
 
@@ -54,9 +62,57 @@ def many_loops(count: int):
 
 
 def process_seconds(arguments: list[str], repeats: int) -> float:
-    """Return the median wall time of a whole ``stickslip`` process [s]."""
-    command = [sys.executable, "-m", "stickslip", *arguments]
-    return median_seconds(lambda: subprocess.run(command, check=True, capture_output=True), repeats)
+    """Return the median wall time of a whole Python process [s], its byte code kept as usual."""
+    command, env = [sys.executable, *arguments], {**os.environ}
+    env.pop("PYTHONDONTWRITEBYTECODE", None)
+    return median_seconds(lambda: subprocess.run(command, check=True, capture_output=True, env=env), repeats)
+
+
+def start_figures(repeats: int) -> Figures:
+    """Return the wall time of a whole simulation process and its ratio to importing python-control, in turn."""
+    simulation, control = [], []
+    for _ in range(repeats):
+        simulation.append(process_seconds(["-m", "stickslip", "simulate", "ideal_high"], 1))
+        control.append(process_seconds(["-c", "import control"], 1))
+    return {
+        "simulate_process_s": float(np.median(simulation)),
+        "simulate_over_import": min(simulation) / min(control),
+    }
+
+
+def coupled_figures(quick: bool) -> Figures:
+    """Return what coupled sticky loops cost to lay out and to simulate."""
+    sizes = (10, 40) if quick else (50, 100, 200, 400)
+    costs = []
+    for count in sizes:
+        loops = coupled_sticky_loops(count)
+        simulate(loops, 200.0, every=1.0)
+        costs.append(least_seconds(lambda d=loops: simulate(d, 200.0, every=1.0)))
+    most = sizes[-1]
+    figures: Figures = {f"coupled_{most}_s": costs[-1], "coupled_exponent": exponent(sizes, costs)}
+    scans = coupled_sticky_loops(most, scan=1.0)
+    simulate(scans, 200.0, every=1.0)
+    figures["coupled_scans_s"] = least_seconds(lambda: simulate(scans, 200.0, every=1.0))
+    sizes = (10, 40) if quick else (250, 500, 1000)
+    made = [coupled_sticky_loops(count) for count in sizes]
+    costs = [least_seconds(lambda d=d: plan(d.with_params({}))) for d in made]
+    figures |= {f"plan_{sizes[-1]}_s": costs[-1], "plan_exponent": exponent(sizes, costs)}
+    return figures
+
+
+def least_seconds(action, repeats: int = 3) -> float:
+    """Return the least wall time of an action [s]: what else runs on the machine only ever adds to it."""
+    taken = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        action()
+        taken.append(time.perf_counter() - begin)
+    return min(taken)
+
+
+def exponent(sizes, costs) -> float:
+    """Return by which power of the size the cost grows."""
+    return float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
 
 
 def main() -> None:
@@ -90,7 +146,9 @@ def main() -> None:
         diagram = many_loops(count)
         costs.append(median_seconds(lambda d=diagram: simulate(d, 600.0, every=0.1), 5))
     figures["fifty_loops_s"] = costs[sizes.index(50)]
-    figures["scaling_exponent"] = float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
+    figures["scaling_exponent"] = exponent(sizes, costs)
+
+    figures |= coupled_figures(chosen.quick)
 
     variants = 100 if chosen.quick else 1000
     spread = {"valve.F_s": np.linspace(1750.0, 2250.0, variants)}
@@ -99,8 +157,8 @@ def main() -> None:
     figures[f"ensemble_{variants}_s"] = time.perf_counter() - begin
     figures["ensemble_failed"] = int(np.sum(np.asarray(result.status) != 0))
 
-    figures["simulate_process_s"] = process_seconds(["simulate", "ideal_high"], 3 if chosen.quick else 7)
-    figures["help_process_s"] = process_seconds(["--help"], 3 if chosen.quick else 7)
+    figures |= start_figures(3 if chosen.quick else 7)
+    figures["help_process_s"] = process_seconds(["-m", "stickslip", "--help"], 3 if chosen.quick else 7)
     figures["cores"] = os.cpu_count()
     raise SystemExit(0 if publish(figures, NOTES, chosen.json, chosen.quick) else 1)
 

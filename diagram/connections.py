@@ -1,7 +1,10 @@
-"""How python-control sees a diagram: which input of which block is fed by what, as matrices, and its parameters."""
+"""How python-control sees a diagram: connection maps, made when it first looks at them, and its parameters.
+
+The maps are full matrices of as many rows and columns as there are ports, for which a large diagram has no use.
+"""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,27 +15,39 @@ from diagram.wiring import WiringError
 if TYPE_CHECKING:
     from diagram.diagram import Diagram
 
-Floats = NDArray[np.float64]
+
+class ConnectionMap:
+    """An attribute of a diagram: the map as it was set, or else what the wiring says."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, diagram: "Diagram | None", owner: type) -> Any:
+        if diagram is None:
+            return self
+        if self.name not in diagram.__dict__:
+            diagram.__dict__ |= connection_maps(diagram)
+        return diagram.__dict__[self.name]
+
+    def __set__(self, diagram: "Diagram", value: NDArray[np.float64]) -> None:
+        diagram.__dict__[self.name] = value
 
 
-def connection_maps(diagram: "Diagram") -> tuple[Floats, Floats, Floats]:
-    """Return python-control's three maps of a diagram, with all ports of all blocks in the order of the blocks.
-
-    From blocks' outputs to blocks' inputs (inputs, outputs); from open inputs to blocks' inputs (inputs, open inputs);
-    from blocks' outputs and inputs to the outputs of the diagram (outputs of the diagram, outputs + inputs).
-    """
+def connection_maps(diagram: "Diagram") -> dict[str, NDArray[np.float64]]:
+    """Return ``connect_map``, ``input_map`` and ``output_map`` as python-control defines them."""
     columns = {signal: diagram.output_offset[b] + j for signal, (b, j) in diagram.driven.items()}
-    n_in, n_out = (sum(len(b.ports_in) for b in diagram.blocks), sum(len(b.ports_out) for b in diagram.blocks))
-    connections, entries = np.zeros((n_in, n_out)), np.zeros((n_in, len(diagram.open_inputs)))
-    for row, signal in enumerate(signal for block in diagram.blocks for signal in block.input_labels):
+    read = [signal for block in diagram.blocks for signal in block.input_labels]
+    connect = np.zeros((len(read), len(columns)))
+    entry = np.zeros((len(read), len(diagram.open_inputs)))
+    for row, signal in enumerate(read):
         if signal in columns:
-            connections[row, columns[signal]] = 1.0
+            connect[row, columns[signal]] = 1.0
         else:
-            entries[row, diagram.open_inputs.index(signal)] = 1.0
-    exits = np.zeros((len(diagram.chosen_outputs), n_out + n_in))
+            entry[row, diagram.open_inputs.index(signal)] = 1.0
+    exits = np.zeros((len(diagram.chosen_outputs), len(columns) + len(read)))
     for i, signal in enumerate(diagram.chosen_outputs):
         exits[i, columns[signal]] = 1.0
-    return connections, entries, exits
+    return {"connect_map": connect, "input_map": entry, "output_map": exits}
 
 
 def own_params(diagram: "Diagram", given: Mapping[str, float]) -> dict[str, float]:

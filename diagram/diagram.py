@@ -18,7 +18,7 @@ from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
 from blocks.ports import nearest, shortened
 from diagram import changes, cuts
-from diagram.connections import connection_maps, own_params
+from diagram.connections import ConnectionMap, own_params
 from diagram.past import Past
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
 
@@ -37,6 +37,10 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     order).  Every kernel is tried once, see ``blocks.dry_run``.  As a python-control system its inputs are the open
     inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
+
+    connect_map = ConnectionMap()
+    input_map = ConnectionMap()
+    output_map = ConnectionMap()
 
     def _owner(self) -> str:
         return ""
@@ -62,6 +66,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None
+        self._cells: Plan | None = None
         self._past: Past | None = None
         seen = [block.smooth() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
@@ -70,10 +75,8 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         )  # fmt: skip
         self._fix_params(_all_params(seen))
         self.updfcn, self.outfcn = self._update, self._output
-        connections, entries, exits = connection_maps(self)
-        self.set_connect_map(connections)
-        self.set_input_map(entries)
-        self.set_output_map(exits)
+        for wired in ("connect_map", "input_map", "output_map"):
+            del self.__dict__[wired]  # without connections python-control has filled them with zeros
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{type(block).__name__} '{block.name}'" for block in self.blocks)
@@ -120,6 +123,15 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
         self._plan = plan(self, max(records, DELAY_RECORDS), self._plan)
         return self._plan
+
+    def plan_in_cells(self, records: int = 0) -> "Plan":
+        """Return the plan with the diagram cut into cells that take steps of their own, where that pays."""
+        from diagram.flatten import DELAY_RECORDS, plan_in_cells
+
+        self._cells = plan_in_cells(self, max(records, DELAY_RECORDS), self._cells)
+        if not self._cells.links:
+            self._plan = self._cells
+        return self._cells
 
     @property
     def past(self) -> Past | None:
@@ -281,13 +293,13 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def _copy(self) -> Self:
         other = copy.copy(self)
-        other._plan = self._plan
+        other._plan, other._cells = self._plan, self._cells
         other.updfcn, other.outfcn = other._update, other._output
         return other
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leave the plan behind: it holds addresses of compiled code, which are worth nothing in another process."""
-        return self.__dict__ | {"_plan": None}
+        """Leave the plans behind: they hold addresses of compiled code, which are worth nothing in another process."""
+        return self.__dict__ | {"_plan": None, "_cells": None}
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""

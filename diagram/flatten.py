@@ -4,13 +4,15 @@ Static functions of time (sources and what only they feed) are copied into every
 common set point does not tie loops together.  Dead times become ring buffers in front of the block they delay.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from blocks.block import Block
+from diagram.cells import MANY, cut, driver_of, smooth_outputs, watched
+from engine.cells import Link
 from engine.flat import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED, FlatBlock, Floats
 from engine.snapshot import Snapshot
 from engine.table import Component, build
@@ -27,6 +29,7 @@ class Plan:
     """A diagram laid out for the engine; parameters and start values are filled in per run by ``fill``.
 
     ``places[b]`` lists the components that hold block ``b``; ``delays[b]`` the flat delays in front of it.
+    With ``links`` the components are cells, to be advanced together (``engine.cells``).
     """
 
     flat: tuple[FlatBlock, ...]
@@ -35,6 +38,7 @@ class Plan:
     delays: Mapping[int, tuple[int, ...]]
     shape: tuple[bool, ...]
     records: int = field(default=DELAY_RECORDS)
+    links: tuple[Link, ...] = ()
 
     def fill(self, run: Snapshot, blocks: tuple[Block, ...]) -> None:
         """Write parameters, start states, modes, memories and held outputs of the blocks into the arrays of a run."""
@@ -57,14 +61,29 @@ def plan(diagram: "Diagram", records: int = DELAY_RECORDS, known: Plan | None = 
 
     ``Diagram.plan`` keeps it, so that diagrams that differ only in values share one.
     """
-    shape = tuple(block.dead_time > 0.0 for block in diagram.blocks)
-    if known is not None and known.shape == shape and known.records >= records:
-        return known
-    return _make(diagram, shape, records)
+    return known if known is not None and _fits(known, diagram, records) else _make(diagram, records, in_cells=False)
 
 
-def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
-    blocks = diagram.blocks
+def plan_in_cells(diagram: "Diagram", records: int = DELAY_RECORDS, known: Plan | None = None) -> Plan:
+    """Return the plan of a diagram cut into cells where that pays (it has links then), or else its ``plan``.
+
+    ``Diagram.plan_in_cells`` keeps it.
+    """
+    if len(diagram.blocks) < MANY:
+        return diagram.plan(records)
+    return known if known is not None and _fits(known, diagram, records) else _make(diagram, records, in_cells=True)
+
+
+def _shape(diagram: "Diagram") -> tuple[bool, ...]:
+    return tuple(block.dead_time > 0.0 for block in diagram.blocks)
+
+
+def _fits(known: Plan, diagram: "Diagram", records: int) -> bool:
+    return known.shape == _shape(diagram) and known.records >= records
+
+
+def _make(diagram: "Diagram", records: int, in_cells: bool) -> Plan:
+    blocks, shape = diagram.blocks, _shape(diagram)
     index = {signal: i for i, signal in enumerate(diagram.signals)}
     flat: list[FlatBlock] = []
     first = 0
@@ -86,6 +105,16 @@ def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
             order += made
         order.append(b)
     groups = _groups(flat, order)
+    pairs: tuple[tuple[int, int], ...] = ()
+    if in_cells:
+        apart_at = smooth_outputs(flat)
+        apart = _groups(flat, order, apart_at)
+        while tied := apart_at & watched(flat, apart):
+            apart_at -= tied
+            apart = _groups(flat, order, apart_at)
+        made_cells = cut(flat, apart, first)
+        if made_cells is not None:
+            flat, groups, pairs = [*made_cells.flat], [[*cell] for cell in made_cells.cells], made_cells.links
     components: list[Component] = []
     places: dict[int, list[int]] = {}
     taken: set[int] = set()
@@ -97,15 +126,24 @@ def _make(diagram: "Diagram", shape: tuple[bool, ...], records: int) -> Plan:
                 taken.add(f)
                 columns += range(flat[f].first_signal, flat[f].first_signal + len(flat[f].y0))
         components.append(build(flat, group, columns))
-    return Plan(tuple(flat), tuple(components), {b: tuple(c) for b, c in places.items()}, delays, shape, records)
+    row = {f: (c, number) for c, component in enumerate(components) for number, f in enumerate(component.blocks)}
+    return Plan(
+        flat=tuple(flat),
+        components=tuple(components),
+        places={b: tuple(c) for b, c in places.items()},
+        delays=delays,
+        shape=shape,
+        records=records,
+        links=tuple(Link(*row[out], *row[into]) for out, into in pairs),
+    )
 
 
-def _groups(flat: list[FlatBlock], order: list[int]) -> list[list[int]]:
-    """Split the blocks (in flow order) into independent groups, copying static functions of time into each."""
-    driver = {}
-    for f, block in enumerate(flat):
-        for j in range(len(block.y0)):
-            driver[block.first_signal + j] = f
+def _groups(flat: list[FlatBlock], order: list[int], apart_at: Collection[int] = ()) -> list[list[int]]:
+    """Split the blocks (in flow order) into independent groups, copying static functions of time into each.
+
+    The outputs of the blocks ``apart_at`` tie nothing together.
+    """
+    driver = driver_of(flat)
     static: set[int] = set()
     for f in order:
         block = flat[f]
@@ -123,7 +161,7 @@ def _groups(flat: list[FlatBlock], order: list[int]) -> list[list[int]]:
     for f in order:
         if f not in static:
             for w in flat[f].wires:
-                if driver[w] not in static:
+                if driver[w] not in static and driver[w] not in apart_at:
                     parent[root(driver[w])] = root(f)
     joined: dict[int, list[int]] = {}
     for f in order:

@@ -90,5 +90,6 @@ def wanted_signals(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str
 
 def logging_only(component: Component, diagram: Diagram, wanted: Sequence[str]) -> Component:
     """Return a copy of a component that logs the wanted signals only; its columns say which."""
-    kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in wanted]
+    names = set(wanted)
+    kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in names]
     return snapshot.logging_only(component, kept)

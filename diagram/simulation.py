@@ -21,6 +21,7 @@ from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.wiring import WiringError
+from engine.cells import run_windows
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.snapshot import Snapshot, total
 from engine.status import HINTS, Statistics, Status
@@ -154,15 +155,19 @@ def simulate(
     past = resumed(ready, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     before = counts(ready)
+    in_cells = True
     while True:
-        laid = ready.plan(records)
+        laid = ready.plan_in_cells(records) if in_cells else ready.plan(records)
         if len(wanted) < len(ready.signals):
             laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
-        outcomes = [_run(laid, c, ready, settings, grid, t0, t_end, on_progress, past) for c in laid.components]
-        if not any(o.status is Status.DELAY_FULL for o in outcomes):
+        outcomes = _run(laid, ready, settings, grid, t0, t_end, on_progress, past)
+        if any(o.status is Status.DELAY_FULL for o in outcomes):
+            records *= 4
+        elif any(o.status is Status.TIGHT for o in outcomes):
+            in_cells = False
+        else:
             run = replace(_collect(ready, laid, outcomes, grid, wanted), in_python=spent(ready, before))
             return _noted(run, settings.atol)
-        records *= 4
 
 
 def _words_for(given: Any) -> str:
@@ -217,7 +222,6 @@ def check_settings(rtol: float, atol: float, method: str, max_steps: int) -> Set
 
 def _run(
     laid: Plan,
-    component: Any,
     diagram: Diagram,
     settings: Settings,
     grid: Floats,
@@ -225,25 +229,35 @@ def _run(
     t_end: float,
     on_progress: Callable[[float], None] | None,
     past: Past | None,
-) -> Outcome:
-    I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
-    start = Snapshot(component, I, W)
-    laid.fill(start, diagram.blocks)
-    if past is not None:
-        past.put_back(diagram, laid, start)
-    return run(component, laid.flat, I, W, grid, t_end, on_progress)
+) -> list[Outcome]:
+    """Return what came out of each component: one after the other, or cells together."""
+    starts = []
+    for component in laid.components:
+        I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
+        start = Snapshot(component, I, W)
+        laid.fill(start, diagram.blocks)
+        if past is not None:
+            past.put_back(diagram, laid, start)
+        starts.append((I, W))
+    if laid.links:
+        return run_windows(laid.components, laid.links, starts, grid, t_end, on_progress)
+    return [
+        run(component, laid.flat, I, W, grid, t_end, on_progress)
+        for component, (I, W) in zip(laid.components, starts, strict=True)
+    ]
 
 
 def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats, wanted: Sequence[str]) -> Run:
     columns: dict[str, Floats] = {}
+    kept = set(wanted)
     for component, outcome in zip(laid.components, outcomes, strict=True):
         outcome.log.flags.writeable = False  # so that the log need not copy it
         columns.update(zip((diagram.signals[c] for c in component.columns), outcome.log, strict=True))
     log = Log(
         t=grid,
-        signals={signal: columns[signal] for signal in diagram.signals if signal in wanted},
-        units={s: u for s, u in diagram.signal_units.items() if u and s in wanted},
-        spans={s: span for s, span in diagram.signal_spans.items() if s in wanted},
+        signals={signal: columns[signal] for signal in diagram.signals if signal in kept},
+        units={s: u for s, u in diagram.signal_units.items() if u and s in kept},
+        spans={s: span for s, span in diagram.signal_spans.items() if s in kept},
         origin=f"simulated: {diagram.name}",
     )
     ends = tuple(Snapshot(component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
@@ -325,4 +339,4 @@ def _final(diagram: Diagram, ends: Ends) -> Diagram:
             if b < len(blocks) and blocks[b].sampled:
                 held = end.outputs(first[blocks[b].output_labels[0]], len(blocks[b].y0))
                 blocks[b] = blocks[b].holding(held)
-    return diagram.with_blocks(blocks).with_past(Past.of(diagram, diagram.plan(), ends))
+    return diagram.with_blocks(blocks).with_past(Past.of(diagram, diagram.plan_in_cells(), ends))

@@ -117,17 +117,26 @@ def feeds_now(block: Block) -> bool:
 def flow_order(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) -> list[int]:
     """Return the blocks in signal-flow order; refuse algebraic loops, naming their signals."""
     waits: dict[int, set[int]] = {}
+    readers: dict[int, list[int]] = {}
     for b, block in enumerate(blocks):
-        before = {driven[s][0] for s in block.input_labels if s in driven} if feeds_now(block) else set()
-        waits[b] = before
+        waits[b] = {driven[s][0] for s in block.input_labels if s in driven} if feeds_now(block) else set()
+        for origin in waits[b]:
+            readers.setdefault(origin, []).append(b)
     order: list[int] = []
-    done: set[int] = set()
-    while len(order) < len(blocks):
-        ready = [b for b in waits if b not in done and waits[b] <= done]
-        if not ready:
-            raise WiringError(_describe_loop(blocks, driven, {b: waits[b] - done for b in waits if b not in done}))
+    missing = {b: len(before) for b, before in waits.items()}
+    ready = [b for b, count in missing.items() if count == 0]
+    while ready:
         order += ready
-        done.update(ready)
+        freed = []
+        for origin in ready:
+            for b in readers.get(origin, ()):
+                missing[b] -= 1
+                if missing[b] == 0:
+                    freed.append(b)
+        ready = sorted(freed)
+    if len(order) < len(blocks):
+        done = set(order)
+        raise WiringError(_describe_loop(blocks, driven, {b: waits[b] - done for b in waits if b not in done}))
     # A sampled block whose output does not follow its input publishes first, but takes its sample last of all at
     # an instant, when everything it may read has been brought up to date.
     return sorted(order, key=lambda b: blocks[b].sampled and not feeds_now(blocks[b]))

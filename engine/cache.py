@@ -3,8 +3,10 @@
 from pathlib import Path
 
 from numba import types
+from numba.core.caching import FunctionCache
 
 from engine.advance import advance
+from engine.loading import ReadyCache
 from engine.notice import noticed
 from engine.stamp import fresh
 
@@ -18,6 +20,8 @@ def ensure_compiled() -> None:
     global _ready
     if _ready:
         return
+    if isinstance(advance._cache, FunctionCache):  # not where nothing can be kept
+        advance._cache = ReadyCache(advance.py_func)
     try:
         with fresh(Path(advance.stats.cache_path), Path(__file__).parent), noticed():
             advance.compile(SIGNATURE)

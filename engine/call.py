@@ -14,11 +14,11 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.core.caching import FunctionCache
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
 from engine.callback import Callback
+from engine.loading import ReadyCache
 from engine.reach import fingerprint, make_callable, raises
 from engine.stamp import locked
 
@@ -61,7 +61,7 @@ def address(kernel: Kernel | None) -> int:
     return int(_compiled[kernel].address)
 
 
-class _Cache(FunctionCache):  # type: ignore[misc]
+class _Cache(ReadyCache):
     """Keeps compiled code under a fingerprint of all it was made from."""
 
     def __init__(self, kernel: Any) -> None:

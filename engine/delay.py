@@ -31,8 +31,6 @@ from engine.layout import (
     DELAY,
     ENTERS,
     HEAD,
-    L_DELAYS,
-    N_DELAYS,
     REACH,
     RTOL,
     TAIL,
@@ -79,9 +77,9 @@ def happens(I, row, level):  # type: ignore[no-untyped-def]
     """Let what happens at the outputs of a block reach the dead times: 0 a jump, 1 a kink, ..."""
     reach = I[row + REACH]
     if reach != 0:
-        for k in range(I[N_DELAYS]):
-            to = I[I[L_DELAYS] + k]
-            I[to + ENTERS] = min(I[to + ENTERS], level + I[reach + k])
+        for k in range(I[reach]):
+            to, passes = I[reach + 1 + 2 * k], I[reach + 2 + 2 * k]
+            I[to + ENTERS] = min(I[to + ENTERS], level + passes)
 
 
 @njit(cache=True, error_model="numpy")

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 
 from engine.structure import Pair
 
@@ -38,8 +39,12 @@ def eliminate(n: int, entries: Sequence[Pair]) -> Elimination:
     left: list[list[int]] = [[] for _ in range(n)]
     order: list[int] = []
     waiting = set(range(n))
+    queue = [(len(right[i]) * len(below[i]), i) for i in range(n)]
+    heapify(queue)
     while waiting:
-        pivot = min(waiting, key=lambda i: (len(right[i]) * len(below[i]), i))
+        cost, pivot = heappop(queue)
+        if pivot not in waiting or cost != len(right[pivot]) * len(below[pivot]):
+            continue  # it has changed since it was put there, and stands in the queue again
         waiting.remove(pivot)
         order.append(pivot)
         for i in below[pivot]:
@@ -49,6 +54,8 @@ def eliminate(n: int, entries: Sequence[Pair]) -> Elimination:
         for j in right[pivot]:
             below[j] |= below[pivot]
             below[j] -= {j, pivot}
+        for i in right[pivot] | below[pivot]:
+            heappush(queue, (len(right[i]) * len(below[i]), i))
     rank = {state: place for place, state in enumerate(order)}
     upper = [sorted(right[i], key=rank.__getitem__) for i in range(n)]
     position: dict[Pair, int] = {}

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engine.call import Kernel
-from engine.layout import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED
+from engine.layout import CONTINUOUS, DEAD_TIME, HOSTED, LINK_IN, LINK_OUT, SAMPLED
 
-__all__ = ["CONTINUOUS", "DEAD_TIME", "HOSTED", "SAMPLED", "FlatBlock", "Floats", "Ints"]
+__all__ = ["CONTINUOUS", "DEAD_TIME", "HOSTED", "LINK_IN", "LINK_OUT", "SAMPLED", "FlatBlock", "Floats", "Ints"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -19,7 +19,7 @@ Ints = NDArray[np.int64]
 class FlatBlock:
     """One block as the engine sees it: kernels, sizes, start values, and which signals it reads.
 
-    ``kind`` is CONTINUOUS, SAMPLED, HOSTED or DEAD_TIME.  ``wires`` and ``first_signal`` are indices into the signals
+    ``kind`` is CONTINUOUS, SAMPLED, HOSTED, DEAD_TIME or one end of a link.  ``wires`` and ``first_signal`` are indices into the signals
     of the whole diagram.  ``host`` runs a hosted block in Python: ``init(p) -> state`` and
     ``step(t, state, u, p) -> (state, y)``.
     """

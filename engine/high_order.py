@@ -56,7 +56,8 @@ def high_order_step(I, W, t, h):  # type: ignore[no-untyped-def]
         for m in range(E_START[1], E_START[2]):
             third += E_WEIGHT[m] * W[k + E_STAGE[m] * n + i]
         if fifth != 0.0:
-            worst = max(worst, abs(h) * fifth * fifth / np.sqrt(fifth * fifth + 0.01 * third * third) / scale)
+            ratio = third / fifth  # of what may be too large to be squared
+            worst = max(worst, abs(h * fifth) / np.sqrt(1.0 + 0.01 * ratio * ratio) / scale)
     if not finite(W, f, n) or not finite(W, I[O_S], I[N_CHECKED]):
         worst = np.inf
     return worst, h * slope / max(change, 1e-300)

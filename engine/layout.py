@@ -83,8 +83,11 @@ LEARN = 71  # 1 + slot of O_RESTART that the next accepted step fills in
 CROWDED = 72  # 1: a stiff step ended at an event less than ``advance.APART`` after the one before
 JAC_VALID = 73  # 1: so is the Jacobian
 PAUSE_AT = 74  # return after so many steps, so that the host can look up
-L_DELAYS = 75  # where in I the rows of the dead times stand
-H = 78
+L_DELAYS = 75  # where in I the rows stand of what records signals: links out, then dead times
+L_REPLAYED = 78  # and of what replays them: dead times, then links in
+N_REPLAYED = 79
+SAVED = 80  # floats of W that a run can be set back with: all but the rings of the links
+H = 81
 
 CHUNK = 32  # log rows evaluated together
 RESTARTS = 16
@@ -129,7 +132,7 @@ J_OUT = 35  # programs with their lengths: the outputs that follow this block's 
 J_DER = 37  # and the rates that follow them
 J_BACK = 39  # where in I the signals stand that these outputs are, and how many
 J_ROWS = 41  # and the states whose rates these are
-REACH = 43  # where in I stands how many integrators lie between its outputs and each dead time; 0: nothing happens here
+REACH = 43  # where in I stands which dead times its outputs reach, and through how many integrators; 0: none
 ENTERS = 44  # delay: smoothness level of what enters it now
 RESTS = 45  # delay: 1 if what enters it stands still between instants
 R = 46
@@ -138,10 +141,14 @@ CONTINUOUS = 0
 SAMPLED = 1
 DEAD_TIME = 2
 HOSTED = 3  # sampled block whose step runs in Python, between two calls of the engine
+LINK_OUT = 4  # records a signal that another cell reads, see ``engine.windows``
+LINK_IN = 5  # replays it there
+RECORDING = (DEAD_TIME, LINK_OUT)
+REPLAYING = (DEAD_TIME, LINK_IN)
 
 # --- programs: one call after the other ------------------------------------------------------------------
 # (kernel, x, d, u, p, out, inputs, where each input comes from ...): everything but the kernel and the number of
-# inputs is a place in W; a dead time has no kernel, and in place of x its row
+# inputs is a place in W; what is replayed has no kernel, and in place of x its row
 
 # --- float header ---------------------------------------------------------------------------------------
 T = 0

@@ -25,7 +25,7 @@ class Programs:
         block, row, header = self.blocks[number], self.table[number], self.header
         stretch, offset = TARGETS[kernel]
         out = int(header[stretch] + row[offset])
-        if block.kind == at.DEAD_TIME:
+        if block.kind in at.REPLAYING:
             return [0, at.H + number * at.R, 0, 0, 0, out, 0]
         x = int(header[at.O_X] + row[at.X])
         inputs = self._inputs(kernel, number)

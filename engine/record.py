@@ -31,10 +31,12 @@ from engine.layout import (
     ENTERS,
     HEAD,
     L_DELAYS,
+    L_REPLAYED,
     MAX_STEP,
     METHOD,
     N_BLOCKS,
     N_DELAYS,
+    N_REPLAYED,
     NEEDED,
     NEXT_TIME,
     O_S,
@@ -87,8 +89,8 @@ def store_delays(I, W, t, h, part):  # type: ignore[no-untyped-def]
 def arrive(I, W):  # type: ignore[no-untyped-def]
     """Let what leaves a dead time, or what a source does, by the present instant reach the dead times behind."""
     now = W[T] + resolution(W[T])
-    for k in range(I[N_DELAYS]):
-        let_out(I, W, I[I[L_DELAYS] + k], now)
+    for k in range(I[N_REPLAYED]):
+        let_out(I, W, I[I[L_REPLAYED] + k], now)
     for b in range(I[N_BLOCKS]):
         row = H + b * R
         if I[row + A_NEXT] != 0 and abs(W[I[row + NEXT_TIME]] - W[T]) <= now - W[T]:
@@ -98,22 +100,22 @@ def arrive(I, W):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def limit_by_delays(I, W):  # type: ignore[no-untyped-def]
     """Stop at breakpoints that the method sees, and never step further than what is needed within the step is known."""
-    for k in range(I[N_DELAYS]):
-        row = I[I[L_DELAYS] + k]
+    for k in range(I[N_REPLAYED]):
+        row = I[I[L_REPLAYED] + k]
         if I[row + NEEDED] and (not I[row + RESTS] or I[row + ENTERS] < SMOOTH):
             W[MAX_STEP] = min(W[MAX_STEP], W[I[row + P]])
             if I[row + ENTERS] == 0:  # it will stand in the record of the step ahead, and leave at its end
                 stop_at(I, W, W[T] + W[I[row + P]])
     latest = np.inf
-    for k in range(I[N_DELAYS]):
-        row = I[I[L_DELAYS] + k]
+    for k in range(I[N_REPLAYED]):
+        row = I[I[L_REPLAYED] + k]
         if I[row + NEEDED]:
             latest = latest_end(I, W, row, latest)
     if latest < W[T_LEFT]:
         stop = W[T]
         level = SMOOTH
-        for k in range(I[N_DELAYS]):
-            row = I[I[L_DELAYS] + k]
+        for k in range(I[N_REPLAYED]):
+            row = I[I[L_REPLAYED] + k]
             number = I[row + BREAK]
             while I[row + NEEDED] and number < I[row + HEAD]:
                 at = I[row + DELAY] + (number % I[row + CAPACITY]) * D_SIZE

@@ -13,6 +13,7 @@ from engine.layout import (
     GATHER,
     KIND,
     L_WIRES,
+    LINK_IN,
     N_BLOCKS,
     N_LOG,
     N_SIGNALS,
@@ -100,7 +101,7 @@ def _chunk_signals(I, W, row, times, first, count):  # type: ignore[no-untyped-d
     where, d, p, y, u = I[row + A_OUT], I[row + D], I[row + P], I[row + Y], I[row + U]
     wires, gathered = I[row + WIRES], I[row + GATHER]
     direct = gathered == 0 and I[row + NU] == 1
-    if I[row + KIND] == DEAD_TIME:
+    if I[row + KIND] == DEAD_TIME or I[row + KIND] == LINK_IN:
         for r in range(count):
             W[cs + r * ns + y] = delayed(I, W, row, times[first + r])
         return

@@ -11,9 +11,9 @@ from engine.layout import (
     EVENTS_SEEN,
     FEEDS,
     KIND,
-    L_DELAYS,
+    L_REPLAYED,
     N_BLOCKS,
-    N_DELAYS,
+    N_REPLAYED,
     ND,
     O_S,
     O_SCRATCH,
@@ -96,8 +96,8 @@ def begin_run(I, W):  # type: ignore[no-untyped-def]
     So are the breakpoints that a continued run has let out of its dead times.  A block that joins such a run has no
     sample at first (COUNT below zero) and takes the one at the start.
     """
-    for k in range(I[N_DELAYS]):
-        let_out(I, W, I[I[L_DELAYS] + k], W[T] + clock(W))
+    for k in range(I[N_REPLAYED]):
+        let_out(I, W, I[I[L_REPLAYED] + k], W[T] + clock(W))
     for b in range(I[N_BLOCKS]):
         row = H + b * R
         if I[row + KIND] == SAMPLED:

@@ -16,6 +16,7 @@ class Status(IntEnum):
     TOO_MANY_STEPS = 6
     INTERRUPTED = 7
     MODEL_ENDED = 8
+    TIGHT = 9  # internal: the cells hang together too tightly; the host starts again with one component
 
     def __str__(self) -> str:
         return self.name
@@ -44,6 +45,7 @@ HINTS: dict[Status, str] = {
     Status.TOO_MANY_STEPS: (
         "the step budget is spent; loosen rtol (--rtol), shorten the run (--duration), or in Python raise max_steps"
     ),
+    Status.TIGHT: "the cells of the diagram hang together too tightly; start again with one component",
     Status.MODEL_ENDED: "a block's equations hold no further",
     Status.INTERRUPTED: "interrupted; what was simulated so far is kept",
 }

@@ -13,6 +13,7 @@ from engine import layout as at
 from engine.flat import FlatBlock
 
 Pair = tuple[int, int]  # (row, column) of the Jacobian
+Reached = tuple[int, int]  # (dead time, integrators on the way)
 FAR = 9  # integrators: smooth
 
 
@@ -22,10 +23,11 @@ class Structure:
 
     ``follows[b]``: the blocks whose outputs and those whose rates follow the states of block ``b`` at once.
     ``still[b]``: the outputs of block ``b`` change at instants only.  ``for_rates``, ``for_events``: the moving blocks
-    needed there; ``entering``: those needed for what enters the dead times.  ``reach[b]``: how many integrators lie at
-    least between the outputs of block ``b``, if it does anything at an instant, and each dead time (``FAR``: no way, or
-    too many to matter).  ``rests[b]``: what block ``b`` reads stands still between instants.  ``timed``: the rates
-    depend on time directly.  ``entries``: (row, column) of the Jacobian, in the order in which it is filled.
+    needed there; ``entering``: those needed for what enters the dead times.  ``reach[b]``: which dead times the outputs
+    of block ``b`` reach, if it does anything at an instant, and how many integrators lie at least on the way (fewer
+    than ``FAR``: more do not matter).  ``rests[b]``: what block ``b`` reads stands still between instants.
+    ``timed``: the rates depend on time directly.  ``entries``: (row, column) of the Jacobian, in the order in which it
+    is filled.
     """
 
     follows: tuple[tuple[list[int], list[int]], ...]
@@ -33,7 +35,7 @@ class Structure:
     for_rates: tuple[int, ...]
     for_events: tuple[int, ...]
     entering: tuple[int, ...]
-    reach: tuple[list[int], ...]
+    reach: tuple[list[Reached], ...]
     rests: tuple[bool, ...]
     timed: bool
     entries: tuple[Pair, ...]
@@ -42,10 +44,11 @@ class Structure:
 def analyse(rows: Sequence[FlatBlock]) -> Structure:
     """Return the structure of a component of these blocks, in signal-flow order."""
     driver = {block.first_signal + j: i for i, block in enumerate(rows) for j in range(len(block.y0))}
-    follows = tuple(_follows(rows, driver, number) for number in range(len(rows)))
+    readers = _readers(rows, driver)
+    follows = tuple(_follows(rows, readers, number) for number in range(len(rows)))
     still = _still(rows, driver)
     has_events = [number for number, block in enumerate(rows) if block.n_events]
-    delays = [number for number, block in enumerate(rows) if block.kind == at.DEAD_TIME]
+    delays = [number for number, block in enumerate(rows) if block.kind in at.RECORDING]
     has_states = [number for number, block in enumerate(rows) if len(block.x0)]
     first, total = [], 0
     for block in rows:
@@ -62,22 +65,33 @@ def analyse(rows: Sequence[FlatBlock]) -> Structure:
         for_rates=_needed(rows, driver, still, has_states + has_events),
         for_events=_needed(rows, driver, still, has_events),
         entering=_needed(rows, driver, still, delays),
-        reach=_reach(rows, driver, delays),
+        reach=_reach(rows, readers, delays),
         rests=tuple(all(still[driver[w]] for w in block.wires) for block in rows),
         timed=any(_timed(block) for block in rows),
         entries=tuple(entries),
     )
 
 
-def _follows(rows: Sequence[FlatBlock], driver: dict[int, int], number: int) -> tuple[list[int], list[int]]:
+def _readers(rows: Sequence[FlatBlock], driver: dict[int, int]) -> list[list[int]]:
+    """Return for each block those that read its outputs."""
+    readers: list[list[int]] = [[] for _ in rows]
+    for number, block in enumerate(rows):
+        for origin in {driver[w] for w in block.wires}:
+            readers[origin].append(number)
+    return readers
+
+
+def _follows(rows: Sequence[FlatBlock], readers: Sequence[list[int]], number: int) -> tuple[list[int], list[int]]:
     if not len(rows[number].x0):
         return [], []
-    outs = [number]
-    for i, other in enumerate(rows):  # in flow order, so one pass is enough
-        if i != number and _passes_on(other) and any(driver[w] in outs for w in other.wires):
-            outs.append(i)
-    ders = [i for i, b in enumerate(rows) if len(b.x0) and (i == number or any(driver[w] in outs for w in b.wires))]
-    return outs, ders
+    at_once, waiting = {number}, [number]
+    while waiting:
+        for i in readers[waiting.pop()]:
+            if i not in at_once and _passes_on(rows[i]):
+                at_once.add(i)
+                waiting.append(i)
+    ders = {number, *(i for out in at_once for i in readers[out] if len(rows[i].x0))}
+    return [number, *sorted(at_once - {number})], sorted(ders)
 
 
 def _passes_on(block: FlatBlock) -> bool:
@@ -87,7 +101,9 @@ def _passes_on(block: FlatBlock) -> bool:
 
 def _still(rows: Sequence[FlatBlock], driver: dict[int, int]) -> tuple[bool, ...]:
     """Return for each block whether its outputs stay as they are between two instants."""
-    still = [block.kind in (at.SAMPLED, at.HOSTED) for block in rows]  # also where they come behind their readers
+    still = [
+        block.kind in (at.SAMPLED, at.HOSTED, at.LINK_OUT) for block in rows
+    ]  # also where they come behind their readers
     for number, block in enumerate(rows):
         if block.kind == at.CONTINUOUS and not (len(block.x0) or block.n_events or block.timed):
             still[number] = not block.feeds or all(still[driver[w]] for w in block.wires)
@@ -109,17 +125,11 @@ def _needed(
     return tuple(reversed(found))
 
 
-def _reach(rows: Sequence[FlatBlock], driver: dict[int, int], delays: Sequence[int]) -> tuple[list[int], ...]:
+def _reach(rows: Sequence[FlatBlock], readers: Sequence[list[int]], delays: Sequence[int]) -> tuple[list[Reached], ...]:
     """Return ``Structure.reach``."""
     if not delays:
         return tuple([] for _ in rows)
-    readers: list[list[int]] = [[] for _ in rows]
-    for number, block in enumerate(rows):
-        for origin in {driver[w] for w in block.wires}:
-            readers[origin].append(number)
-    return tuple(
-        _passes(rows, readers, number, delays) if _does_something(block) else [] for number, block in enumerate(rows)
-    )
+    return tuple(_passes(rows, readers, number) if _does_something(block) else [] for number, block in enumerate(rows))
 
 
 def _does_something(block: FlatBlock) -> bool:
@@ -127,24 +137,24 @@ def _does_something(block: FlatBlock) -> bool:
     return block.kind != at.CONTINUOUS or block.n_events > 0 or block.next_time is not None
 
 
-def _passes(rows: Sequence[FlatBlock], readers: Sequence[list[int]], origin: int, delays: Sequence[int]) -> list[int]:
-    """Return how many integrators lie at least between the outputs of one block and each dead time."""
+def _passes(rows: Sequence[FlatBlock], readers: Sequence[list[int]], origin: int) -> list[Reached]:
+    """Return the dead times that the outputs of one block reach, and through how many integrators at least."""
     best = {origin: 0}
-    entered = dict.fromkeys(delays, FAR)
+    entered: dict[int, int] = {}
     waiting = deque([origin])
     while waiting:
         here = waiting.popleft()
         for number in readers[here]:
             block = rows[number]
-            if block.kind == at.DEAD_TIME:
-                entered[number] = min(entered[number], best[here])
+            if block.kind in at.RECORDING:
+                entered[number] = min(entered.get(number, FAR), best[here])
             elif block.kind == at.CONTINUOUS and (block.feeds or len(block.x0)):
                 passes = best[here] + (not block.feeds)
                 if passes < best.get(number, FAR):
                     best[number] = passes
                     waiting.append(number)
-    return [entered[number] for number in delays]
+    return sorted(entered.items())
 
 
 def _timed(block: FlatBlock) -> bool:
-    return block.kind == at.DEAD_TIME or (block.kind == at.CONTINUOUS and block.timed)
+    return block.kind in at.REPLAYING or (block.kind == at.CONTINUOUS and block.timed)

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 
 from engine import layout as at
 from engine.call import KernelError, address
+from engine.delay import SMOOTH
 from engine.elimination import eliminate
 from engine.flat import FlatBlock, Floats, Ints
 from engine.program import Programs
@@ -41,6 +43,7 @@ def build(
         table.place(number, b, capacity)
     table.write_programs()
     table.write_facts()
+    table.write_rings()
     return Component(
         I=table.integers([table.local[c] for c in columns]),
         W=table.floats(),
@@ -128,7 +131,8 @@ class _Table:
         row[at.D], row[at.X], row[at.G] = self._next_d, self._next_x, self._next_g
         row[at.Y] = self.local[block.first_signal] if len(block.y0) else 0
         row[at.WIRES] = self.keep(wires)
-        row[at.REACH] = self.keep(self.shape.reach[number]) if self.shape.reach[number] else 0
+        reached = [(at.H + delay * at.R, passes) for delay, passes in self.shape.reach[number]]
+        row[at.REACH] = self.keep([len(reached), *chain.from_iterable(reached)]) if reached else 0
         row[at.NEXT_TIME] = self.stretch(2)
         zero = self.stretch(1)
         row[at.PERIOD] = row[at.P] + block.period_at if block.period_at >= 0 else zero
@@ -139,6 +143,9 @@ class _Table:
             row[at.RESTS] = self.shape.rests[number]
             row[at.CAPACITY] = max(block.capacity, capacity)
             row[at.DELAY] = self.stretch(int(row[at.CAPACITY]) * at.D_SIZE)
+        if block.kind == at.LINK_IN:
+            row[at.NEEDED] = row[at.RESTS] = 1
+            row[at.ENTERS] = SMOOTH
         self.values += [
             (int(row[at.P]), block.p),
             (int(header[at.O_Y0] + row[at.X]), block.x0),
@@ -168,7 +175,7 @@ class _Table:
             states_there = [int(rows[o, at.X]) + j for o in ders for j in range(int(rows[o, at.NX]))]
             row[at.J_ROWS : at.J_ROWS + 2] = self.keep(states_there), len(states_there)
         for place, kernel, numbers in (
-            (at.P_SIGNALS, at.A_OUT, [i for i, b in enumerate(blocks) if b.kind in (at.CONTINUOUS, at.DEAD_TIME)]),
+            (at.P_SIGNALS, at.A_OUT, [i for i, b in enumerate(blocks) if b.kind in (at.CONTINUOUS, *at.REPLAYING)]),
             (at.P_MOVING, at.A_OUT, self.shape.for_rates),
             (at.P_EVENT_SIGNALS, at.A_OUT, self.shape.for_events),
             (at.P_ENTERING, at.A_OUT, self.shape.entering),
@@ -189,9 +196,14 @@ class _Table:
         header, blocks = self.header, self.blocks
         header[at.TIMED] = self.shape.timed
         header[at.HAS_RATES] = any(b.rates and b.n_events for b in blocks)
-        delays = [at.H + i * at.R for i, b in enumerate(blocks) if b.kind == at.DEAD_TIME]
-        header[at.HAS_DELAYS], header[at.N_DELAYS] = bool(delays), len(delays)
-        header[at.L_DELAYS] = self.keep(delays)
+        leaving, delays, entering = (
+            [at.H + i * at.R for i, b in enumerate(blocks) if b.kind == kind]
+            for kind in (at.LINK_OUT, at.DEAD_TIME, at.LINK_IN)
+        )
+        header[at.L_DELAYS] = self.keep([*leaving, *delays, *entering])
+        header[at.N_DELAYS] = len(leaving) + len(delays)
+        header[at.L_REPLAYED], header[at.N_REPLAYED] = header[at.L_DELAYS] + len(leaving), len(delays) + len(entering)
+        header[at.HAS_DELAYS] = bool(leaving or delays or entering)
         header[at.N_SAMPLED] = sum(b.kind == at.SAMPLED for b in blocks)
         header[at.N_CHECKED] = len(self.local) - sum(len(b.y0) for b in blocks if b.kind == at.HOSTED)
         sampled = any(b.kind in (at.SAMPLED, at.HOSTED) for b in blocks)
@@ -200,6 +212,13 @@ class _Table:
         header[at.EXPLICIT] = 0 if sampled or many else 2
         header[at.FRESH], header[at.EVENTS_SEEN] = 1, -1
         header[at.MAX_CHAIN] = 20 + 10 * header[at.N_EVENTS]
+
+    def write_rings(self) -> None:
+        """Reserve the rings of the links behind all that a run can be set back with."""
+        self.header[at.SAVED] = self.size
+        for block, row in zip(self.blocks, self.rows, strict=True):
+            if block.kind in (at.LINK_OUT, at.LINK_IN):
+                row[at.CAPACITY], row[at.DELAY] = block.capacity, self.stretch(block.capacity * at.D_SIZE)
 
     def integers(self, logged: Sequence[int]) -> Ints:
         """Return ``I``, with the signals to log at its end."""

@@ -16,9 +16,22 @@ fill a gap, or guess a number from a text.
 The package needs numpy; polars and matplotlib are imported when a file is read or a figure drawn.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from logs.errors import LogError, ReadError
-from logs.files.read import read_log, read_loop
 from logs.log import Log
 from logs.loop import LoopRecord
 
+if TYPE_CHECKING:
+    from logs.files.read import read_log, read_loop
+
 __all__ = ["Log", "LogError", "LoopRecord", "ReadError", "read_log", "read_loop"]
+
+
+def __getattr__(name: str) -> Any:
+    """Load the readers when they are asked for; a simulation reads no files."""
+    if name not in ("read_log", "read_loop"):
+        raise AttributeError(f"module 'logs' has no attribute '{name}'")
+    from logs.files import read
+
+    return getattr(read, name)

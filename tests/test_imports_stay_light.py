@@ -21,3 +21,16 @@ def test_site_packages_load_no_simulator(package: str) -> None:
 def test_command_line_loads_nothing_heavy() -> None:
     heavy = {"control", "numba", "numpy", "matplotlib", "polars", "scipy", "rich"}
     assert not loaded_by("import stickslip.cli") & heavy
+
+
+def test_a_simulation_that_is_compiled_already_does_not_wake_the_compiler() -> None:
+    code = """
+import sys
+from diagram import simulate
+from plant.loops import self_regulating_loop
+simulate(self_regulating_loop(), 10.0)
+print(*sys.modules)
+"""
+    for _ in range(2):  # the first may have to compile
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not set(done.stdout.split()) & {"numba.np.linalg", "numba.np.arraymath", "polars"}

@@ -1,12 +1,14 @@
 """What the wiring says: sparsity, elimination without pivoting, what stands still, what looks at the clock."""
 
 import math
+import time
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.peers.coupled_sticky import coupled_sticky_loops
 from blocks import PI, Constant, FirstOrder, Gain, Noise, QuasiStaticStem, Sine, Step
 from diagram import simulate, wire
 from engine import layout as at
@@ -142,3 +144,49 @@ def test_a_source_may_feed_what_moves_and_what_nobody_reads():
     run = simulate(wire(loop, outputs=["b", "PV"]), 10.0, every=5.0)
     assert run.log["b"].tolist() == [3.0, 3.0, 3.0]
     np.testing.assert_allclose(run.log["PV"], 2.0 * (1.0 - np.exp(-run.log.t / 5.0)), atol=1e-6)  # analytic
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_states_are_eliminated_in_markowitz_order(seed):
+    """Snapshot of the order's rule: always the state that adds fewest entries next, the first of several."""
+    rng = np.random.default_rng(seed)
+    n = 30
+    entries = [(i, i) for i in range(n)] + [tuple(pair) for pair in rng.integers(n, size=(60, 2)).tolist()]
+    right = [{j for i, j in entries if i == k and j != k} for k in range(n)]
+    below = [{i for i, j in entries if j == k and i != k} for k in range(n)]
+    waiting, order = set(range(n)), []
+    while waiting:
+        pivot = min(waiting, key=lambda i: (len(right[i]) * len(below[i]), i))
+        waiting.remove(pivot)
+        order.append(pivot)
+        for i in below[pivot]:
+            right[i] = (right[i] | right[pivot]) - {i, pivot}
+        for j in right[pivot]:
+            below[j] = (below[j] | below[pivot]) - {j, pivot}
+    plan, at = eliminate(n, list(dict.fromkeys(entries))).forward, 0
+    found = []
+    while at < len(plan):
+        found.append(plan[at])
+        at += 3 + plan[at + 2]
+    assert found == order
+
+
+def test_laying_out_a_diagram_takes_time_in_proportion():
+    def seconds(count):
+        laid = []
+        for _ in range(3):
+            loops = coupled_sticky_loops(count)
+            begin = time.perf_counter()
+            loops.plan()
+            laid.append(time.perf_counter() - begin)
+        return min(laid)
+
+    seconds(10)
+    assert seconds(400) < 8.0 * seconds(100)  # four times the loops; it was fourteen times as long
+
+
+def test_python_control_maps_are_made_when_looked_at():
+    loops = coupled_sticky_loops(20)
+    assert "connect_map" not in loops.__dict__
+    assert loops.connect_map.shape == (140, 100) and loops.connect_map.sum() == 140
+    assert loops.output_map.shape == (100, 240)
