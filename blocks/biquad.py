@@ -23,6 +23,7 @@ from blocks.arithmetic import Gain
 from blocks.block import Block, Kernels
 from blocks.one_to_one import OneToOne
 from blocks.ports import require
+from blocks.role import Role
 from blocks.rules import check_scan, finite
 
 
@@ -42,6 +43,7 @@ class Biquad(OneToOne):
     [0.0457, 0.0914, 0.0457, -1.3108, 0.4936]
     """
 
+    role = Role.FILTER
     kernels = Kernels(step=_biquad_step)
     period_param = "dt"
     offset_param = "offset"

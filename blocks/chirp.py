@@ -76,7 +76,7 @@ class Chirp(Source):
     [0.5, 0.5, 0.5998, 0.5]
     """
 
-    kernels = Kernels(out=_out, next_time=_next, feeds=False)
+    kernels = Kernels(out=_out, next_time=_next, feeds=False, timed=True)
 
     def __init__(
         self,

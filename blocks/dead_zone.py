@@ -22,6 +22,7 @@ from blocks.block import Floats, Kernels
 from blocks.limits import FREE, HIGH, LOW, limit_events, limit_transition
 from blocks.one_to_one import OneToOne
 from blocks.ports import require
+from blocks.role import Role
 from blocks.rules import check_limits
 
 
@@ -46,6 +47,7 @@ class DeadZone(OneToOne):
     [-0.2, 0.0, 0.3]
     """
 
+    role = Role.ARITHMETIC
     kernels = Kernels(out=_out, zc=_zc, jump=limit_transition, n_events=2)
     modes = {"inside": FREE, "above": HIGH, "below": LOW}
     same_unit = True

@@ -19,6 +19,7 @@ from typing import Any
 
 from blocks.block import Kernels
 from blocks.one_to_one import OneToOne
+from blocks.role import Role
 from blocks.rules import finite, positive
 
 
@@ -40,6 +41,7 @@ class LeadLag(OneToOne):
     [6.0, 3.4715, 2.5413]
     """
 
+    role = Role.FILTER
     kernels = Kernels(out=_out, der=_der)
 
     def __init__(

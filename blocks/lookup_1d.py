@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from blocks.block import Floats, Kernels
 from blocks.one_to_one import OneToOne
 from blocks.ports import BlockError, nearest, require
+from blocks.role import Role
 from blocks.table import passed, points, same_size
 
 BEYOND = {"hold": 0.0, "extend": 1.0}
@@ -59,6 +60,7 @@ class Lookup1D(OneToOne):
     [0.0, 0.1, 0.2, 0.6, 1.0]
     """
 
+    role = Role.ARITHMETIC
     kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2)
 
     def __init__(

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from blocks.block import Block, Floats, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.table import passed, points, same_size
 
 FIRST = 2  # where the points begin in p
@@ -77,6 +78,7 @@ class Lookup2D(Block):
     [1.5, 1.5, 3.5, 5.5, 5.5]
     """
 
+    role = Role.ARITHMETIC
     ports_in = (Port("first"), Port("second"))
     ports_out = (Port("out"),)
     kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=4)

@@ -11,7 +11,7 @@ k    spring, and actuator force per unit of OP [N per travel], > 0     M    movi
 F_v  viscous friction [N s per travel], >= 0         F_c, F_s  Coulomb and static friction [N], F_s >= F_c > 0
 v_s  Stribeck speed [travel/s], > 0                  sigma_0  stiffness of the bristles [N per travel], > 0
 sigma_1  damping of the bristles [N s per travel], >= 0
-low, high  end stops [fraction of travel]; -inf and inf lift them
+low, high  end stops [fraction of travel]; -inf and inf lift them; start  position at the start [fraction of travel]
 
 There is no stuck mode: before it breaks away the stem gives way elastically by F/sigma_0 (presliding), and its
 breakaway force depends on how fast OP rises, F_s for slow ones.  In steady sliding F = g(v) sgn v + F_v v, the Stribeck
@@ -36,6 +36,7 @@ from blocks.block import Block, Kernels
 from blocks.limits import FREE, HIGH, LOW, MODES
 from blocks.ports import Port
 from blocks.quasi_static_stem import check_stops, started_between
+from blocks.role import Role
 from blocks.rules import not_negative, positive
 from blocks.stick_slip import check_friction
 
@@ -97,6 +98,7 @@ class LuGreStem(Block):
     [0.0, 0.00014]
     """
 
+    role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)

@@ -34,6 +34,7 @@ import numpy as np
 
 from blocks.block import Block, Floats, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import finite, not_negative, positive
 
 HOLDING, OPEN, FULLY, ENDED = 0.0, 1.0, 2.0, 3.0  # with the sign of the flow
@@ -103,6 +104,7 @@ class Positioner(Block):
     True
     """
 
+    role = Role.VALVE
     ports_in = (Port("OP"), Port("MV"))
     ports_out = (Port("p"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=3, feeds=False)

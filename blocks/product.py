@@ -20,6 +20,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.limits import FREE, LOW, limit_events, limit_transition
 from blocks.ports import Port, require
+from blocks.role import Role
 from blocks.rules import finite, positive
 
 
@@ -45,6 +46,7 @@ class Product(Block):
     300.0
     """
 
+    role = Role.ARITHMETIC
     ports_out = (Port("out"),)
     kernels = Kernels(out=_product_out)
 
@@ -77,6 +79,7 @@ class Divide(Block):
     [2.0, 60.0]
     """
 
+    role = Role.ARITHMETIC
     ports_in = (Port("numerator"), Port("denominator"))
     ports_out = (Port("out"),)
     kernels = Kernels(out=_divide_out, zc=_divide_zc, jump=limit_transition, n_events=2)

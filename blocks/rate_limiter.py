@@ -22,6 +22,7 @@ from typing import Any
 from blocks.block import Kernels
 from blocks.one_to_one import OneToOne
 from blocks.ports import require
+from blocks.role import Role
 
 FOLLOWING, RISING, FALLING = 0.0, 1.0, -1.0
 TIE = 1.0 + 1e-6  # a slope is known so exactly: one at the limit must not let go and meet for ever
@@ -78,6 +79,7 @@ class RateLimiter(OneToOne):
     [0.0, 0.0, 0.1, 0.2, 0.25]
     """
 
+    role = Role.ARITHMETIC
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, rates=True)
     modes = {"following": FOLLOWING, "rising": RISING, "falling": FALLING}
     same_unit = True

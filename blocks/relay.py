@@ -25,6 +25,7 @@ import numpy as np
 from blocks.block import Floats, Kernels
 from blocks.one_to_one import OneToOne
 from blocks.ports import require
+from blocks.role import Role
 from blocks.rules import finite
 
 OFF, ON = 0.0, 1.0
@@ -71,6 +72,7 @@ class Relay(OneToOne):
     [0.0, 1.0, 1.0, 0.0]
     """
 
+    role = Role.ARITHMETIC
     kernels = Kernels(out=_out, zc=threshold_event, jump=threshold_passed, n_events=1, feeds=False)
     modes = {"off": OFF, "on": ON}
 

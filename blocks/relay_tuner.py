@@ -31,6 +31,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.pi import ACTIONS
 from blocks.ports import BlockError, Port, nearest, require
+from blocks.role import Role
 from blocks.rules import check_scan, finite, not_negative, positive
 
 RULES = {"Tyreus-Luyben": (1.0 / 3.2, 2.2), "Ziegler-Nichols": (0.45, 1.0 / 1.2)}
@@ -81,6 +82,7 @@ class RelayTuner(Block):
     (3.4, 7.6)
     """
 
+    role = Role.CONTROLLER
     ports_in = (Port("SP"), Port("PV"))
     ports_out = (Port("OP"), Port("K_u"), Port("T_u", "s"), Port("K_p"), Port("T_i", "s"))
     kernels = Kernels(step=_step)

@@ -18,6 +18,7 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.ports import Port
+from blocks.role import Role
 from blocks.rules import finite
 
 ARMED, RESET = 0.0, 1.0
@@ -58,6 +59,7 @@ class ResetIntegrator(Block):
     [0.0, 2.0, 4.0, 1.0, 3.0]
     """
 
+    role = Role.ARITHMETIC
     ports_in = (Port("in"), Port("reset"))
     ports_out = (Port("out"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=1, feeds=False)

@@ -19,6 +19,7 @@ from blocks.arithmetic import Gain
 from blocks.block import Block, Kernels
 from blocks.first_order import FirstOrder
 from blocks.one_to_one import OneToOne
+from blocks.role import Role
 from blocks.rules import check_scan, not_negative
 
 
@@ -37,6 +38,7 @@ class SampledFilter(OneToOne):
     [0.3935, 0.6321, 0.7769, 0.8647]
     """
 
+    role = Role.FILTER
     kernels = Kernels(step=_lag_step)
     period_param = "dt"
     offset_param = "offset"

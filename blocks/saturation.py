@@ -17,6 +17,7 @@ from typing import Any
 from blocks.block import Kernels
 from blocks.limits import FREE, MODES, limit_events, limit_transition
 from blocks.one_to_one import OneToOne
+from blocks.role import Role
 from blocks.rules import check_limits
 
 
@@ -38,6 +39,7 @@ class Saturation(OneToOne):
     [0.0, 0.3, 1.0]
     """
 
+    role = Role.ARITHMETIC
     kernels = Kernels(out=_out, zc=_zc, jump=limit_transition, n_events=2)
     modes = MODES
     same_unit = True

@@ -19,6 +19,7 @@ import numpy as np
 
 from blocks.block import Block, Floats, Kernels
 from blocks.ports import Port, require
+from blocks.role import Role
 
 TIE = 1e-12
 
@@ -51,6 +52,7 @@ class MinSelect(Block):
     0.4
     """
 
+    role = Role.ARITHMETIC
     ports_out = (Port("out"),)
     sign = 1.0
 

@@ -10,7 +10,7 @@ x    position [fraction of travel]                   v    speed [travel/s]
 k    spring, and actuator force per unit of OP [N per travel], > 0     M    moving mass [kg, one travel = 1 m], > 0
 F_v  viscous friction [N s per travel], >= 0         F_c, F_s  Coulomb and static friction [N], F_s >= F_c >= 0
 v_s  Stribeck speed: where most of F_s - F_c is lost [travel/s], > 0   delta  shape [-], > 0; 2 Gaussian, 1 exponential
-low, high  end stops [fraction of travel]; -inf and inf lift them
+low, high  end stops [fraction of travel]; -inf and inf lift them; start  position at the start [fraction of travel]
 
 Friction is continuous at v = 0+, so the stem takes a moment to start and stops in a finite time, with F_s; a
 stick-slip stem goes over to F_c at once, and with F_v creeps to rest.  As v_s -> 0 this stem becomes that one.
@@ -31,6 +31,7 @@ from typing import Any
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, check_stops, started_between
+from blocks.role import Role
 from blocks.rules import not_negative, positive
 from blocks.stick_slip import TIE, StickSlip, check_friction
 
@@ -94,6 +95,7 @@ class StribeckStem(Block):
     [0.0, 0.026]
     """
 
+    role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)

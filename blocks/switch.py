@@ -19,6 +19,7 @@ from typing import Any
 from blocks.block import Block, Floats, Kernels
 from blocks.ports import Port
 from blocks.relay import OFF, ON, check_thresholds, position, threshold_event, threshold_passed
+from blocks.role import Role
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -35,6 +36,7 @@ class Switch(Block):
     [2.0, 1.0]
     """
 
+    role = Role.ARITHMETIC
     ports_in = (Port("control"), Port("above"), Port("below"))
     ports_out = (Port("out"),)
     kernels = Kernels(out=_out, zc=threshold_event, jump=threshold_passed, n_events=1)

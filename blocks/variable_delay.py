@@ -21,6 +21,7 @@ from typing import Any, Self
 from blocks.arithmetic import Sum
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port, require
+from blocks.role import Role
 from blocks.rules import positive
 
 MOST = 10_000  # samples that are kept
@@ -52,6 +53,7 @@ class VariableDelay(Block):
     [0.0, 0.5, 1.0, 1.5, 2.0]
     """
 
+    role = Role.PROCESS
     ports_in = (Port("in"), Port("theta", "s"))
     ports_out = (Port("out"),)
     kernels = Kernels(step=_step)

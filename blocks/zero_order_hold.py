@@ -17,6 +17,7 @@ from typing import Any
 from blocks.arithmetic import Gain
 from blocks.block import Block, Kernels
 from blocks.one_to_one import OneToOne
+from blocks.role import Role
 from blocks.rules import check_scan
 
 
@@ -35,6 +36,7 @@ class ZeroOrderHold(OneToOne):
     [0.0, 0.0, 2.0, 2.0, 4.0]
     """
 
+    role = Role.FILTER
     kernels = Kernels(step=_step)
     period_param = "dt"
     offset_param = "offset"

@@ -78,4 +78,4 @@ METHODS: tuple[Method, ...] = (
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
 GATES: tuple[ModuleType, ...] = (acf_crossings, hagglund1995)
-"""Every oscillation detector: modules with `find(record) -> Gate`."""
+"""Every oscillation detector: modules with ``find(record) -> Gate``."""

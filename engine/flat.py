@@ -19,8 +19,8 @@ Ints = NDArray[np.int64]
 class FlatBlock:
     """One block as the engine sees it: kernels, sizes, start values, and which signals it reads.
 
-    ``kind`` is CONTINUOUS, SAMPLED, HOSTED, DEAD_TIME or one end of a link.  ``wires`` and ``first_signal`` are indices into the signals
-    of the whole diagram.  ``host`` runs a hosted block in Python: ``init(p) -> state`` and
+    ``kind`` is CONTINUOUS, SAMPLED, HOSTED, DEAD_TIME or one end of a link.  ``wires`` and ``first_signal`` are indices
+    into the signals of the whole diagram.  ``host`` runs a hosted block in Python: ``init(p) -> state`` and
     ``step(t, state, u, p) -> (state, y)``.
     """
 

@@ -14,9 +14,18 @@ from stickslip.commands.blocks import BLOCKS
 
 ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("logs", "blocks", "engine", "diagram", "plant", "study", "detect", "cases", "stickslip", "benchmarks")
-TO_DO = ROOT / "detect" / "methods"  # still in the other dialect
-FILES = [p for room in ROOMS for p in sorted((ROOT / room).rglob("*.py")) if not p.is_relative_to(TO_DO)]
-WORDS = {"action", "anti_windup", "hold", "map", "check_valve", "params"}  # texts, switches and groups: no numbers
+FILES = [p for room in ROOMS for p in sorted((ROOT / room).rglob("*.py"))]
+WORDS = {
+    "action",
+    "anti_windup",
+    "beyond",
+    "control",
+    "hold",
+    "map",
+    "check_valve",
+    "params",
+    "rule",
+}  # texts, switches and groups: no numbers
 COMMON = {"name", "inputs", "outputs", "units", "spans", "labels", "signal", "unit", "seed", "source", "law"}
 
 

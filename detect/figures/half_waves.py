@@ -8,21 +8,21 @@ import numpy as np
 
 from detect.figures.verdict import draw_reason, legend
 from detect.verdict import Verdict
-from logs.style import FIT, tidy
+from logs.style import BLUE, FIT, ORANGE, PALE, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
 __all__ = ["draw_fits"]
 
-SINE, OTHER, WAVE = "#3b6ea8", "#c8553d", "#b8b8b8"
+SINE, OTHER, WAVE = BLUE, ORANGE, PALE  # a fitted sine, the rival shape, the waves themselves
 
 
 def draw_fits(v: Verdict, figure: FigureBase, signal: str, other: str, score: str) -> None:
-    """Half waves of `signal` with the sine and the shape called `other`, beside both errors of every half wave.
+    """Half waves of ``signal`` with the sine and the shape called ``other``, beside both errors of every half wave.
 
-    Reads `phase` (m,), `waves` (h, m), `sine` and `other` (m,), `error_sine` and `error_other` (H,) of the evidence;
-    `score` is the title of the right panel.
+    Reads ``phase`` (m,), ``waves`` (h, m), ``sine`` and ``other`` (m,), ``error_sine`` and ``error_other`` (H,) of the
+    evidence; ``score`` is the title of the right panel.
     """
     if "waves" not in v.evidence:
         draw_reason(v.reason, figure)

@@ -20,7 +20,7 @@ __all__ = ["draw_pv_op"]
 def draw_pv_op(v: Verdict, figure: FigureBase, form: str) -> None:
     """The mean cycles of the form of PV against OP, with their mean and the ellipse of the same covariance.
 
-    Reads `op` and `pv` (g, m) of the evidence.
+    Reads ``op`` and ``pv`` (g, m) of the evidence.
     """
     if "op" not in v.evidence:
         draw_reason(v.reason, figure)

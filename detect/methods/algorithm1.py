@@ -12,9 +12,9 @@ BREAK is read in two ways. The text of the thesis says that "a new iteration is 
 Known faults, kept on purpose: the slope looks back while the area looks ahead, so the interval right after
 each peak falls to the wrong side (the sine of Fig. 6.1a gives 1.025, printed 1.03); held samples count on
 neither side; the interval of the crossing is dropped; the first, cut half cycle counts; a bad half cycle leaves
-its areas to the next one. `area_ratio` mends all of them.
+its areas to the next one. ``area_ratio`` mends all of them.
 
-It has no card, and `area_ratio` stands for it among the methods, because its printed rule (R > 1 stiction, R near 1
+It has no card, and ``area_ratio`` stands for it among the methods, because its printed rule (R > 1 stiction, R near 1
 aggressive control, no tolerance given) cannot tell the two.  Measured: the interval on the wrong side alone gives a
 clean sine R = 1.03 at 500 samples a period, 1.31 at 50 and 1.8 at 23, while a loop that sticks by 6 % falls from R =
 20 to 2.3 with noise of 1 % of its wave, to 1.26 with 5 % and to 0.98 with 15 %.  No threshold parts these.
@@ -101,7 +101,7 @@ def ratios(t: npt.ArrayLike, y: npt.ArrayLike, break_means: BreakMeans = "next")
     >>> round(result.mean, 3), round(result.std, 3)
     (1.025, 0.0)
 
-    Raises ValueError when t and y differ in length or `break_means` is neither "next" nor "stop".
+    Raises ValueError when t and y differ in length or ``break_means`` is neither "next" nor "stop".
     """
     times, values = np.asarray(t, dtype=float), np.asarray(y, dtype=float)
     if times.shape != values.shape or times.ndim != 1:

@@ -23,12 +23,12 @@ periods, no valve) none is accused, nor of 300 sines with up to 30 % second harm
 with up to 25 % third harmonic in a random phase 64 are, because in the right phase that is the wave of a lag.
 
 Source: J. Process Control 15 (2005) 371; Kvam, NTNU 2009, chapter 6, whose Algorithm 1 is kept as printed in
-`algorithm1`. What differs from it here, because the printed form fails on it: crossings and peaks are
+``algorithm1``. What differs from it here, because the printed form fails on it: crossings and peaks are
 interpolated; a bad half cycle is left out, not the end of the run; areas are pooled instead of averaging
 ratios, whose tail is heavy; noise is smoothed without phase; half cycles are resampled for a 90 % interval.
 
 Smoothing is a moving average over time, as wide as the noise asks for and at most a tenth of a period (see
-`cycles.Params`). Measured: pooled R, mean (standard deviation) of 12 records of 20 cycles, 50 samples a period,
+``cycles.Params``). Measured: pooled R, mean (standard deviation) of 12 records of 20 cycles, 50 samples a period,
 white noise in % of the signal's standard deviation; the exponential wave has R = 5.87, the sine 1.
 
     noise                               2 %          10 %         20 %         30 %
@@ -229,7 +229,7 @@ _FAULTS = {
 
 
 def _word(late: Lateness, seen: Cycles, triangular: bool, p: Params) -> tuple[Word, str]:
-    """The verdict on R, and why; `triangular` when the half cycles are nearer to a triangle than to a sine."""
+    """The verdict on R, and why; ``triangular`` when the half cycles are nearer to a triangle than to a sine."""
     R, low, high, _ = late
     if p.R_stiction < R and low > p.R_low:
         return _accused(late, seen.centre, p)
@@ -261,7 +261,7 @@ def _accused(late: Lateness, centre: str, p: Params) -> tuple[Word, str]:
 
 
 def _near_one(high: float, half_period: float, triangular: bool) -> str:
-    """What R near 1 does and does not say; `high` is the upper end of its interval."""
+    """What R near 1 does and does not say; ``high`` is the upper end of its interval."""
     if triangular:
         return (
             "the peaks sit in the middle of a triangular wave, as in an integrating loop with or without a sticky "
@@ -295,7 +295,7 @@ def _evidence(half_cycles: tuple[HalfCycle, ...], seen: Cycles) -> dict[str, Val
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """The last samples (at most `block`), the half cycles before them (at most `half_cycles_max`), loop facts.
+    """The last samples (at most ``block``), the half cycles before them (at most ``half_cycles_max``), loop facts.
 
     Half cycles are cut from the buffer each time it is full, by the batch code; the younger half of the buffer
     stays, so that no half cycle is lost at a seam. Period, noise and drift are those of the buffer, where the
@@ -309,7 +309,7 @@ class State:
 
 
 def init(p: Params, facts: LoopFacts | None = None) -> State:
-    """The state before the first sample; without `facts`, a loop of which nothing is known but OP in %."""
+    """The state before the first sample; without ``facts``, a loop of which nothing is known but OP in %."""
     return State(facts or LoopFacts())
 
 
@@ -329,7 +329,7 @@ def update(p: Params, state: State, t: float, sample: Sample) -> State:
 
 
 def verdict(p: Params, state: State) -> Verdict:
-    """The verdict on all half cycles remembered; equal to `detect` while the record fits in the buffer."""
+    """The verdict on all half cycles remembered; equal to ``detect`` while the record fits in the buffer."""
     if len(state.buffer) == 0:
         return _refuse("too_few_cycles", "No sample has arrived yet.", p)
     found = _survey(Prepared(state.buffer.record(state.facts)), p)

@@ -8,7 +8,7 @@ over K segments of 64 samples, half overlapping, under a Hann window, DFT of 128
 denominators. A linear loop moved by Gaussian noise has neither; NGI alone above zero is non-Gaussian but linear, both
 are non-linear. Published limits (0.001 and 0.01) pass a clean sine, because a cyclic record fills its segments with the
 same few lines; hence each index must also exceed 95 % of the values of the record's own linear twins
-(`prepare.surrogates`), which have the same lines and other phases.
+(``prepare.surrogates``), which have the same lines and other phases.
 
 Non-linear is not yet sticky. The second stage filters PV and OP to the coupled frequencies, fits an ellipse to the
 PV-OP curve of the most regular cycles and takes its chord along OP at the centre,
@@ -223,7 +223,7 @@ def ellipse(x: Values, y: Values) -> Ellipse | None:
 
 
 def clusters(op: Values, pv: Values, strip: float = 0.1) -> tuple[float, float]:
-    """Two means of OP (n,) where PV is within `strip` of its range about its mean: the sides of the PV-OP curve.
+    """Two means of OP (n,) where PV is within ``strip`` of its range about its mean: the sides of the PV-OP curve.
 
     >>> a = np.linspace(0, 2 * np.pi, 500)
     >>> [abs(round(side, 1)) for side in clusters(3 * np.cos(a), np.sin(a))]

@@ -61,7 +61,7 @@ CARD = Card(
 
 @dataclass(frozen=True)
 class Params:
-    """rho_stiction : as in `methods.md` of the notes; the other limits are ours, see the module.
+    """rho_stiction : as in ``methods.md`` of the notes; the other limits are ours, see the module.
 
     noise : eps over the noise of the difference [-]     floor, cap : least eps and most eps_y [share of y's range]
     travel : eps_u [share of OP's travel]                 intervals, samples : fewest of each, of the turns of OP, too
@@ -87,7 +87,7 @@ class Stuck(NamedTuple):
 
 
 def stuck(u: Values, y: Values, k: int, sigma: float, reach: float, p: Params = Params()) -> Stuck:
-    """Where y (n,) stands and u (n,) travels; differences over k samples; sigma: noise of y, `reach`: travel of u.
+    """Where y (n,) stands and u (n,) travels; differences over k samples; sigma: noise of y, ``reach``: travel of u.
 
     A stem that jumps once in 40 samples, while OP moves by 1 a sample and turns 9 after each jump:
 

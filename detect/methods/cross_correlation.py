@@ -62,7 +62,7 @@ CARD = Card(
 
 @dataclass(frozen=True)
 class Params:
-    """Limits of d_tau [-] as in the paper; d_rho disagrees beyond `slack` from tan^2(d_tau 45 deg) [-]."""
+    """Limits of d_tau [-] as in the paper; d_rho disagrees beyond ``slack`` from tan^2(d_tau 45 deg) [-]."""
 
     tau_stiction: float = 2.0 / 3.0
     tau_none: float = 1.0 / 3.0
@@ -82,7 +82,7 @@ class Symmetry(NamedTuple):
 def symmetry(op: Values, pv: Values, period: float) -> Symmetry | None:
     """How odd the cross-correlation of two waves (n,) of mean zero is; None where it never crosses zero.
 
-    `period` [samples].  Sines 60 degrees apart:
+    ``period`` [samples].  Sines 60 degrees apart:
 
     >>> t = 2 * np.pi * np.arange(5000) / 100
     >>> found = symmetry(np.sin(t), np.sin(t - np.pi / 3), 100.0)

@@ -81,7 +81,7 @@ class Params:
     """Cut [times the frequency of the oscillation] and upper limit of q [-] as published.
 
     The lower limit of q and the largest share of noise in the derivative's variance [-] are ours, and so is
-    `even_out`: the derivative is taken over its root mean square within a period, so that its size does not matter.
+    ``even_out``: the derivative is taken over its root mean square within a period, so that its size does not matter.
     """
 
     cut: float = 3.0

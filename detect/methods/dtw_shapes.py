@@ -116,7 +116,7 @@ def _lagged(x: Values, lag: float) -> Values:
 
 
 def distances(x: Values, y: Values, band: int = 3) -> Values:
-    """Warped distances (c, k) between cycles (c, n) and templates (k, n), at most `band` points apart.
+    """Warped distances (c, k) between cycles (c, n) and templates (k, n), at most ``band`` points apart.
 
     >>> a = np.sin(np.arange(64) / 10.19)
     >>> d = distances(a[None], np.array([a, np.roll(a, 2), np.sign(a)]))

@@ -113,7 +113,7 @@ class Params:
 class HalfWave(NamedTuple):
     """Start [s], length T [s], IAE [unit s], mean squares V_sine and V_square [unit^2], largest |e|, shape (21,).
 
-    `fault` says why it does not count: "gap", "sp" or "long"; `samples` is the number of samples inside.
+    ``fault`` says why it does not count: "gap", "sp" or "long"; ``samples`` is the number of samples inside.
     """
 
     start: float
@@ -161,7 +161,7 @@ def measure(t: Values, e: Values, sp: Values, start: float, end: float, block: i
 
 
 def _mean_abs(e: Values, memory: int) -> Values:
-    """Mean of |e| up to each sample: of all samples while they are fewer than `memory`, forgetting afterwards."""
+    """Mean of |e| up to each sample: of all samples while they are fewer than ``memory``, forgetting afterwards."""
     from scipy.signal import lfilter
 
     x = np.abs(e)
@@ -277,9 +277,9 @@ def _dead_band(used: list[HalfWave], p: Params) -> float | None:
 
 
 class State(NamedTuple):
-    """Facts, samples since the last crossing (the first is `since` [s]), half waves, mean |e| and of how many samples.
+    """Facts, samples since the last crossing (the first is ``since`` [s]), half waves, mean |e|, number of samples.
 
-    `firm` is the time of the last sample beyond the band and `side` its sign.
+    ``firm`` is the time of the last sample beyond the band and ``side`` its sign.
     """
 
     facts: LoopFacts

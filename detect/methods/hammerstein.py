@@ -3,7 +3,7 @@
     OP -> valve(S, J) -> G(q) -> PV,        F(S, J) = 100 (1 - |PV - model| / |PV - mean PV|) %
 
 S runs from 0 to the swing of OP and J from 0 to S (a triangle: in a limit cycle no valve sticks by more than OP swings;
-Lee, Ren and Huang 2008); behind each valve stands the best process of a bank (`prepare.linear_models`), identified by
+Lee, Ren and Huang 2008); behind each valve stands the best process of a bank (``prepare.linear_models``), identified by
 output error or ARMAX, with a slow disturbance beside it in the extended models. The index is F of the best valve less F
 of the best process without valve [points]. All (S, J) within 2 points of the best F are the region of confidence.
 
@@ -112,7 +112,7 @@ class Params:
 class Search(NamedTuple):
     """Every valve tried: S, J [unit of OP] and F [%], shapes (m,); F of the process alone; the fit of the best.
 
-    valve : (k,), the stem of the best beside `best.y` and `best.simulated`
+    valve : (k,), the stem of the best beside ``best.y`` and ``best.simulated``
     """
 
     S: Values
@@ -144,7 +144,7 @@ def search(
     """Fit every valve of the triangle, then again around the best.
 
     pv : (n,), op : (n,) or (2 n,), two values of OP for each of PV
-    `period` [samples of PV], `swing` of OP [its unit], `sign` of the process gain (0: either)
+    ``period`` [samples of PV], ``swing`` of OP [its unit], ``sign`` of the process gain (0: either)
     """
     model: Linear = p.linear
     if integrating and model not in ("eoe", "earmax"):
@@ -273,7 +273,7 @@ def _shaved(op: Values, smooth: Values, period: float) -> float:
 
 
 def _means(x: Values, each: int, most: int) -> Values:
-    """Means of so many samples, shape (up to `most`,)."""
+    """Means of so many samples, shape (up to ``most``,)."""
     n = min(len(x) // each, most)
     return np.asarray(x[: n * each].reshape(n, each).mean(axis=1))
 

@@ -84,9 +84,9 @@ class Harmonics(NamedTuple):
 
 
 def amplitudes(waves: tuple[Values, ...], length: int, period: float, refine: float = 0.2) -> tuple[Complex, ...]:
-    """Complex amplitudes (3, B) of each wave (n,) in B blocks of `length` samples that overlap by half.
+    """Complex amplitudes (3, B) of each wave (n,) in B blocks of ``length`` samples that overlap by half.
 
-    `period` [samples] is where the search for the frequency of each block starts; all waves share it.
+    ``period`` [samples] is where the search for the frequency of each block starts; all waves share it.
 
     >>> t = 2 * np.pi * np.arange(1000) / 50.3
     >>> (a,) = amplitudes((np.sin(t) - np.sin(3 * t) / 9,), 200, 50.0)
@@ -181,7 +181,7 @@ def draw(v: Verdict, figure: FigureBase) -> None:
     """a_3 over a_1 of every block in the complex plane, turned so that a triangle lies right and a square left."""
     from detect.figures.verdict import draw_reason, legend
     from logs.figures import COLOURS
-    from logs.style import SOFT, tidy
+    from logs.style import FIT, SOFT, tidy
 
     if "op_re" not in v.evidence:
         draw_reason(v.reason, figure)
@@ -193,7 +193,7 @@ def draw(v: Verdict, figure: FigureBase) -> None:
         ax.plot(v.array(f"{name}_re"), v.array(f"{name}_im"), "o", ms=5, alpha=0.6, color=COLOURS[name.upper()],
                 label=name.upper())  # fmt: skip
     for x, text in ((1 / 9, "triangle"), (-1 / 3, "square"), (0.0, "sine")):
-        ax.plot([x], [0.0], "+", ms=12, color="#333333")
+        ax.plot([x], [0.0], "+", ms=12, color=FIT)
         ax.annotate(text, (x, 0.0), (0.0, 8.0), textcoords="offset points", ha="center", fontsize=8)
     ax.set_aspect("equal", adjustable="datalim")
     ax.set_xlabel("third harmonic in phase with the first [-]")

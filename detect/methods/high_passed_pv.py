@@ -11,8 +11,8 @@ smoothed at eight times its frequency and neighbouring cycles are averaged first
 
     index G = A / (2 pi sqrt(det C)),    S = (R + W) / 2
 
-(see `prepare.pv_op_loops`).  G is 1 for two sines at any phase and 1.10 for the rectangle.  Measured: 1.022 to 1.14 in
-simulated sticky loops (S 3 and 6 %, J 1.5 to 4 %), at most 1.011 for sines with up to 40 % noise and 10 % second
+(see ``prepare.pv_op_loops``).  G is 1 for two sines at any phase and 1.10 for the rectangle.  Measured: 1.022 to 1.14
+in simulated sticky loops (S 3 and 6 %, J 1.5 to 4 %), at most 1.011 for sines with up to 40 % noise and 10 % second
 harmonic; a deadband with hardly any jump (J = S / 4) can lie below the limit.  Limits ours.
 
 An outside flow that steps to and fro draws nearly the same picture.  What differs: while a valve sticks the flow stands
@@ -134,7 +134,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 
 def flow_loops(loop: Prepared, tau: float) -> Loops | None:
-    """The curves of high-passed PV, which stands for the flow through the valve, over OP; `tau` in periods."""
+    """The curves of high-passed PV, which stands for the flow through the valve, over OP; ``tau`` in periods."""
     flow = high_passed(loop.wave("PV", SMOOTHED_AT), tau * loop.period, loop.stretch.dt)
     return loops(loop, flow)
 
@@ -151,7 +151,7 @@ def judged(
 ) -> Verdict:
     """The verdict on the curves: stiction beyond the limit, on the side of 1 where the limit lies.
 
-    The interval of the mean roundness must lie beyond the middle between 1 and the limit, and the `flow` must stand
+    The interval of the mean roundness must lie beyond the middle between 1 and the limit, and the ``flow`` must stand
     still while OP travels.
     """
     if found is None or flow is None:

@@ -11,7 +11,7 @@ stem, and a lag opens the picture as a play does: so OP - F may be shifted by up
 the rival, by up to half of one.
 
 Source: Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS.  The paper leaves open how F_max is found and judged.  Ours: a
-grid of 50 widths and 5 starts; stiction where rho* >= 0.5, W >= 0.25 and OP - F leaves at most `left` of the variance
+grid of 50 widths and 5 starts; stiction where rho* >= 0.5, W >= 0.25 and OP - F leaves at most ``left`` of the variance
 that OP alone leaves (a limit on rho* - rho0, as the paper's readers use, loses plain parallelograms that are densely
 sampled).  A small W clears nothing: two signals that have nothing in common have one too.
 
@@ -95,7 +95,7 @@ class Width(NamedTuple):
 
 
 def width(u: Values, y: Values, turn: float) -> Width:
-    """The width of the play between u and y (n,); `turn` [samples] is the time between two turns of u.
+    """The width of the play between u and y (n,); ``turn`` [samples] is the time between two turns of u.
 
     >>> from detect.prepare.stick import stick
     >>> t = np.arange(800.0)

@@ -6,7 +6,7 @@
     gain      n_eff ln(ratio), the rise of the log-likelihood; n_eff = n (1 - a) / (1 + a), a the lag-one
               correlation of what is left with play, but at least one for each turn of OP
 
-Both models have the same lags (`prepare.lags`: any chain of lags and dead time, never the controller's inverse) and
+Both models have the same lags (``prepare.lags``: any chain of lags and dead time, never the controller's inverse) and
 the same freedom, so the only difference is the play.  s, the sign of the process gain, is that of the controller:
 feedback that holds a loop together has them equal.  The method needs no oscillation and no constant set point: moves
 of SP excite the valve.  It asks for reversals of OP with travel beyond S, for the play to win at most of them, and for
@@ -26,7 +26,7 @@ Measured on 450 simulated loops (Kano's valve, a lag or an integrator, dead time
 ones with set-point moves): 74 of 100 sticky valves found, none cleared, S within 8 % in the median; called sticky 8 of
 250 healthy ones, most of them levels, 12 of 50 deadbands and 22 of 50 under an outside square wave.
 
-Cost: 200 ms for 7,200 samples on one slow core; records of more than `points` samples are averaged in blocks first.
+Cost: 200 ms for 7,200 samples on one slow core; records of more than ``points`` samples are averaged in blocks first.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class Params:
 
 
 def _blocks(grid: Grid, turn: float, points: int) -> tuple[int, Values, Values, Values]:
-    """OP, PV, e averaged over blocks of k samples, so that about `points` are left and 8 between two turns."""
+    """OP, PV, e averaged over blocks of k samples, so that about ``points`` are left and 8 between two turns."""
     k = max(1, min(math.ceil(len(grid) / points), int(turn / 8.0)))
     n = min(len(grid) // k, 2 * points) * k
     op, pv, e = (x[len(x) - n :].reshape(-1, k).mean(axis=1) for x in (grid.op, grid.pv, grid.e))

@@ -1,7 +1,7 @@
 """Qualitative movements, Yamashita 2006: how often OP moves while the stem stands, and then jumps after it.
 
     dU, dX    differences of OP and of the stem X, less their mean, over their standard deviation, some 28 a period
-    symbols   I above `level`, D below -`level`, else S; pairs (OP, X); pairs SS are left out, N samples remain
+    symbols   I above ``level``, D below -``level``, else S; pairs (OP, X); pairs SS are left out, N samples remain
     rho_1 = (tau_IS + tau_DS) / N
     rho_2 = (tau_IS II + tau_IS SI + tau_DS DD + tau_DS SD) / N      runs of IS or DS by what follows them
     rho_3 = rho_1 less the runs of IS or DS that any other pattern follows

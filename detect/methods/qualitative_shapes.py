@@ -1,7 +1,7 @@
 """Qualitative shape of each cycle from its primitives, Rengaswamy, Hagglund and Venkatasubramanian 2001.
 
 Each cycle of OP (integrating process: of PV) is cut into straight and bent pieces by interval halving, and each piece
-is named by the signs of slope and bend (see `prepare.interval_halving`).  A sine reads D G E B, a triangle C F C, a
+is named by the signs of slope and bend (see ``prepare.interval_halving``).  A sine reads D G E B, a triangle C F C, a
 parabola wave G E.  Behind a sticky valve the signal after the first integrator is a triangle:
 
     index = share of the cycles that are at least 70 % of their time straight and sloping (C and F)

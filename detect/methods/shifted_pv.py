@@ -6,14 +6,14 @@ into a quarter.  Two sines then draw an ellipse, the triangles of a sticky valve
 
     index G = A / (2 pi sqrt(det C)),    S = (R + W) / 2
 
-(see `prepare.pv_op_loops`).  G is 1 for two sines at any phase and 3 / pi = 0.95 for two triangles; simulated sticky
+(see ``prepare.pv_op_loops``).  G is 1 for two sines at any phase and 3 / pi = 0.95 for two triangles; simulated sticky
 loops had 0.81 to 0.965, sines with up to 40 % noise 0.977 and more.
 
 Source of the idea: Kvam, NTNU 2009, section 7.2; index, size, rule and limits ours.  The weaker of the two ideas,
-because a shifted triangle is a triangle still, where `high_passed_pv` makes it the square of the valve: waves with a
+because a shifted triangle is a triangle still, where ``high_passed_pv`` makes it the square of the valve: waves with a
 second harmonic lower G as corners do (10 % of it, far from the opposite phase, gives 0.95), and S is 10 to 20 % low in
-simulation. As in `high_passed_pv`, the flow must stand still while OP travels and the range of OP must repeat.  On the
-simulated levels named there: 39 of 64 sticky ones found, 12 of 97 accused under outside squares, 0 of 100 under sines,
+simulation. As in ``high_passed_pv``, the flow must stand still while OP travels and the range of OP must repeat.  On
+the simulated levels named there: 39 of 64 sticky ones found, 12 of 97 accused under outside squares, 0 of 100 under sines,
 27 of 46 with a deadband.  A round curve clears nothing.  Measured on the prepared record: 4 ms for 7,200 samples.
 """
 
@@ -61,7 +61,7 @@ class Params:
     G_stiction : float
         Roundness below which the curve has corners [-].
     repeats_min, travel_min : float
-        As in `high_passed_pv.Params` [-].
+        As in ``high_passed_pv.Params`` [-].
     """
 
     shift: float = 0.25

@@ -11,7 +11,7 @@ are medians over the stands, with 90 % intervals from their scatter and from the
 offset and the gain of positioner and transmitter, come from least squares where OP rests at different places, else b is
 1.  MV may be up to three samples late: a delay is taken where it halves the scatter of S.
 
-A stick is called where the interval of J lies above `slip` and above six sigma of the noise, and where MV does stray
+A stick is called where the interval of J lies above ``slip`` and above six sigma of the noise, and where MV does stray
 from OP: by S + J over a stick.  Where it lies below, or where OP turned often and far and
 MV never strayed from it, the valve does not stick; a deadband that is left is told: it wears the control, but is no
 stick.
@@ -133,7 +133,7 @@ def band(u: Values, mv: Values) -> float:
 
 
 def _stands(mv: Values, within: float) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """First and last sample of every stand of three samples or more: MV stays `within` of its mean so far."""
+    """First and last sample of every stand of three samples or more: MV stays ``within`` of its mean so far."""
     first, last = [], []
     start, mean = 0, float(mv[0])
     for k, value in enumerate(mv.tolist()):

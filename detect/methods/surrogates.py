@@ -4,8 +4,8 @@
     Gamma = mean squared error of the forecast of PV
     N = (mean Gamma_twins - Gamma) / (3 std Gamma_twins),     non-linear if N > 1
 
-E and H are one period, K = 8; the twins keep the spectrum and draw the phases anew (`prepare.surrogates`). Before, the
-wave is cut at upward crossings of zero, so that it repeats without a jump, and resampled to 12 a period: unmatched, a
+E and H are one period, K = 8; the twins keep the spectrum and draw the phases anew (``prepare.surrogates``). Before,
+the wave is cut at upward crossings of zero, so that it repeats without a jump, and resampled to 12 a period: unmatched, a
 clean sine scores 2 to 5.
 
 N says that the wave is not linear, and no more: a valve, a saw-like outside wave or another non-linearity. It lives on
@@ -13,7 +13,7 @@ how cycles vary, because a wave that repeats exactly is as predictable as its tw
 among the tags that share one oscillation the largest N is nearest to its source, and that is what it is for.
 
 Source: Thornhill 2005, IEEE Trans. Control Syst. Technol. 13:434; E, H, K and the number of twins after secondary
-sources. Ours: `FLOOR` for the spread of the twins, and the refusal of quantised and compressed PV.
+sources. Ours: ``FLOOR`` for the spread of the twins, and the refusal of quantised and compressed PV.
 
 Measured: none of 60 noisy sines, 10 narrow-band noises and 10 linear loops under an outside sine had N > 1; 7 of 10
 loops that cycle by a sticky valve under a wandering load had, and none of 10 that repeat almost exactly. About 0.1 s.
@@ -68,7 +68,7 @@ CARD = Card(
 
 @dataclass(frozen=True)
 class Params:
-    """Settings of the paper, but for `per_period` and `samples`, which bound the cost.
+    """Settings of the paper, but for ``per_period`` and ``samples``, which bound the cost.
 
     limit : float
         N above which the wave is non-linear [-].
@@ -146,7 +146,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 
 def _whole_cycles(loop: Prepared, period: int, most: int) -> Values:
-    """Up to so many cycles of PV at `period` samples each on average, z-scored, from one upward crossing to another.
+    """Up to so many cycles of PV at ``period`` samples each on average, z-scored, from one upward crossing to another.
 
     The crossings are those of the smoothed wave, so that noise does not move the ends; between them the noise stays on,
     averaged over a sample of the new grid: without it the twins of a clean wave differ by rounding alone.

@@ -15,7 +15,7 @@ Values = npt.NDArray[np.float64]
 def interval(
     of: Callable[[Values], Values], rows: Values, coverage: float = 0.90, resamples: int = 300, seed: int = 2005
 ) -> tuple[float, float]:
-    """The interval (low, high) of `of(means)`, where `means` (..., k) weigh the n rows of `rows` (n, k) at random.
+    """The interval (low, high) of ``of(means)``, where ``means`` (..., k) weigh the n rows (n, k) at random.
 
     The same seed gives the same interval.  Source: Rubin 1981, Ann. Statist. 9:130 (the Bayesian bootstrap).
 

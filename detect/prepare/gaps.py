@@ -19,7 +19,7 @@ from logs import LoopRecord
 __all__ = ["Gap", "bridgeable", "describe", "falls_into", "gaps_in", "split"]
 
 BRIDGED_SHARE = 0.1  # of a period
-STEPS = 5.0  # median steps between two good samples, beyond which samples are missing; as `LoopRecord.segments`
+STEPS = 5.0  # median steps between two good samples, beyond which samples are missing; as ``LoopRecord.segments``
 SINGLE = 2.5  # median steps across one missing sample, with some room for uneven sampling
 NAMED = 3  # gaps named one by one in a sentence
 

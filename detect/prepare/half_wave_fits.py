@@ -100,7 +100,7 @@ def relay_wave(phase: Values, q: float) -> Values:
 
 
 def relay(x: Samples, ratios: Values = RATIOS) -> Fit:
-    """The best relay wave of each half wave among `ratios` of theta / tau, which are returned as parameter."""
+    """The best relay wave of each half wave among ``ratios`` of theta / tau, which are returned as parameter."""
     shapes = [relay_wave(x.phase, float(q)) for q in ratios]
     product = np.array([x.sums(x.y * shape) for shape in shapes])
     power = np.array([x.sums(shape * shape) for shape in shapes])
@@ -139,7 +139,7 @@ def free_triangle(x: Samples) -> Fit:
 
 
 def folded(halves: Sequence[HalfWave], points: int = 41, most: int = 60) -> tuple[Values, Values]:
-    """Phases (points,) and at most `most` of the half waves on them, (h, points), each over its best sine."""
+    """Phases (points,) and at most ``most`` of the half waves on them, (h, points), each over its best sine."""
     phase = np.linspace(0.0, 1.0, points)
     shown = halves[:: -(-len(halves) // most)]
     height = sine(gather(shown)).height

@@ -26,7 +26,7 @@ SHORTEST = 4  # samples, one more than a parabola has coefficients
 
 
 class Piece(NamedTuple):
-    """From sample `start` up to, not including, `stop`, and its letter."""
+    """From sample ``start`` up to, not including, ``stop``, and its letter."""
 
     start: int
     stop: int

@@ -36,9 +36,9 @@ class Response(NamedTuple):
 
 
 class Lags:
-    """The model for one measurement y (n,) whose swing turns every `turn` samples.
+    """The model for one measurement y (n,) whose swing turns every ``turn`` samples.
 
-    `sign` is that of the process gain; only `every` n-th sample of y is compared.
+    ``sign`` is that of the process gain; only ``every`` n-th sample of y is compared.
 
     >>> u = np.sin(np.arange(400.0) / 9)
     >>> late = np.concatenate([np.zeros(3), u[:-3]])

@@ -1,7 +1,7 @@
-"""Two models of PV side by side: OP through a lag, with a play on the way and without one; see `methods/play_fit`.
+"""Two models of PV side by side: OP through a lag, with a play on the way and without one; see ``methods/play_fit``.
 
 The candidates are tried over a coarse grid of (S, J, start) with part of the samples, then closer and closer about the
-best; what S, J and start are good for is only ever told by the same response model (`lags`) with the same freedom.
+best; what S, J and start are good for is only ever told by the same response model (``lags``) with the same freedom.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Fit(NamedTuple):
 
 
 def fit(u: Values, y: Values, turn: float, sign: float = 1.0, integrating: bool = False) -> Fit:
-    """Fit y (n,) by u (n,) with and without play; `turn` [samples] is the time between two turns of u.
+    """Fit y (n,) by u (n,) with and without play; ``turn`` [samples] is the time between two turns of u.
 
     >>> t = np.arange(600.0)
     >>> u = 5 * np.sin(t / 15) + np.sin(t / 47)
@@ -108,7 +108,7 @@ def search(u: Values, travel: float, coarse: Model, close: Model) -> tuple[Table
 
 
 def _about(centre: Candidate, width: float) -> list[Candidate]:
-    """Candidates around one: S within `width` of it [-], J / S and start further, because they matter less."""
+    """Candidates around one: S within ``width`` of it [-], J / S and start further, because they matter less."""
     S, ratio, start = centre
     ratios = {min(max(ratio + 2.5 * width * j, 0.0), 1.0) for j in (-1, 0, 1)}
     starts = {min(max(start + 5.0 * width * k, -1.0), 1.0) for k in (-1, 0, 1)}

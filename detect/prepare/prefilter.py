@@ -61,7 +61,7 @@ class Params:
         if not (self.noise_std > 0 and self.q > 0 and math.isfinite(self.noise_std + self.q)):
             raise ValueError(
                 f"noise_std = {self.noise_std}, q = {self.q}; both must be positive and finite: "
-                "use `estimate` or give them"
+                "use ``estimate`` or give them"
             )
 
 

@@ -32,7 +32,7 @@ SMOOTHED_AT = 8.0  # times the frequency of the oscillation: corners need the hi
 class Loops(NamedTuple):
     """Mean cycles of OP and of the form of PV (g, 64); roundness, range and travel of OP of each (g,) [-, unit, unit].
 
-    `repeats` is the share of the variance of the form of PV that returns in every cycle [-].
+    ``repeats`` is the share of the variance of the form of PV that returns in every cycle [-].
     """
 
     op: Values
@@ -63,9 +63,9 @@ def roundness(x: Values, y: Values) -> Values:
 
 
 def loops(loop: Prepared, form: Values, shift: float = 0.0, noise: float = 0.05, least: int = 3) -> Loops | None:
-    """The curves of OP(t) against form(t + shift) [s], neighbouring cycles averaged; None without `least` cycles.
+    """The curves of OP(t) against form(t + shift) [s], neighbouring cycles averaged; None without ``least`` cycles.
 
-    `form` (n,) is PV on the grid of the stretch, turned into what stands for the valve.
+    ``form`` (n,) is PV on the grid of the stretch, turned into what stands for the valve.
     """
     cycles = whole_cycles(loop, "OP", POINTS, cut_at=SMOOTHED_AT)
     inside = cycles.end + shift <= loop.stretch.t[-1]

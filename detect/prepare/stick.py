@@ -5,7 +5,7 @@
     f_S = (S + J) / 2,    f_D = (S - J) / 2
 
 J = 0 is the play (backlash) of width S.  For every input these are the moves of the valve of Kano et al. 2004
-(`blocks/kano_valve.py`) without its end stops; detectors load no simulator, so the recursion stands here again, over
+(``blocks/kano_valve.py``) without its end stops; detectors load no simulator, so the recursion stands here again, over
 many candidates side by side.
 """
 
@@ -55,7 +55,7 @@ def stick(u: Values, S: npt.ArrayLike, J: npt.ArrayLike = 0.0, start: npt.ArrayL
 
 
 def play(u: Values, S: Values, start: Values) -> Values:
-    """Stem positions (n, m) of a play without slip jump, J = 0: the same as `stick`, in a third of the time.
+    """Stem positions (n, m) of a play without slip jump, J = 0: the same as ``stick``, in a third of the time.
 
     >>> play(np.array([0.0, 3.0, 6.0, 4.0, 1.0]), np.array([4.0]), np.zeros(1))[:, 0].tolist()
     [0.0, 1.0, 4.0, 4.0, 3.0]
@@ -70,7 +70,7 @@ def play(u: Values, S: Values, start: Values) -> Values:
 
 
 def turns(u: Values, travel: float) -> npt.NDArray[np.intp]:
-    """Where u turns: the extremes that are followed and preceded by a move of more than `travel`, in order.
+    """Where u turns: the extremes that are followed and preceded by a move of more than ``travel``, in order.
 
     >>> turns(np.array([0.0, 5.0, 4.0, 6.0, 1.0, 2.0, 0.0, 7.0]), 3.0).tolist()
     [3, 6]
@@ -97,7 +97,7 @@ def turns(u: Values, travel: float) -> npt.NDArray[np.intp]:
 def turn_time(u: Values, period: float) -> tuple[npt.NDArray[np.intp], float]:
     """The large turns of u, by more than a quarter of its range, and the time between two turns [samples].
 
-    That time is half the period where there is one (`period` [samples] finite), else the record over its turns.
+    That time is half the period where there is one (``period`` [samples] finite), else the record over its turns.
     """
     at = turns(u, 0.25 * float(np.percentile(u, 98) - np.percentile(u, 2)))
     return at, max(0.5 * period if math.isfinite(period) else len(u) / (len(at) + 1.0), 2.0)

@@ -22,7 +22,7 @@ Values = npt.NDArray[np.float64]
 def end_matched(x: Values, period: float, room: float = 1.5) -> slice:
     """The part of x (n,) whose last value and slope lead on to its first; even length, whole cycles.
 
-    Start and end are looked for within `room` periods [samples] of the ends, for the least
+    Start and end are looked for within ``room`` periods [samples] of the ends, for the least
     |x_a - x_b| / std(x) + |dx_a - dx_b| / std(dx).
 
     >>> x = np.sin(2 * np.pi * np.arange(1000) / 64)
@@ -52,7 +52,7 @@ def phase_randomised(x: Values, count: int, rng: np.random.Generator) -> Values:
     True
     """
     if len(x) % 2:
-        raise ValueError(f"n = {len(x)}; give an even number of samples, such as `end_matched` cuts")
+        raise ValueError(f"n = {len(x)}; give an even number of samples, such as ``end_matched`` cuts")
     spectrum = np.fft.rfft(x)
     turned = np.abs(spectrum) * np.exp(2j * np.pi * rng.uniform(size=(count, len(spectrum))))
     turned[:, 0], turned[:, -1] = spectrum[0], spectrum[-1]

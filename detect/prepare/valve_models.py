@@ -9,7 +9,7 @@ S is the change of OP that a reversal needs, J the slip jump, 0 <= J <= S; S = J
 stem sticks again at every sample, Kano's only where OP stops: on a ramp He's goes in steps of J.
 
 Source: Kano, Maruta, Kugemoto and Shimizu 2004, IFAC DYCOPS; He, Wang, Pottmann and Qin 2007, Ind. Eng. Chem. Res.
-46:4549. `blocks/kano_valve.py` and `blocks/he_valve.py` are the same for simulation; detectors load no simulator.
+46:4549. ``blocks/kano_valve.py`` and ``blocks/he_valve.py`` are the same for simulation; detectors load no simulator.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ Values = npt.NDArray[np.float64]
 def kano(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
     """Stem positions (m, n) of Kano's valve for OP u (n,) and S, J (m,), all in the unit of OP.
 
-    OP comes from the direction `way` (1 up, -1 down) and has just moved the stem along.  Written by f_S and f_D, which
-    comes to the same: a stem that moves stays f_D behind OP, one that is stuck slips when OP is f_S away.
+    OP comes from the direction ``way`` (1 up, -1 down) and has just moved the stem along.  Written by f_S and f_D,
+    which comes to the same: a stem that moves stays f_D behind OP, one that is stuck slips when OP is f_S away.
 
     >>> kano(np.array([7.0, 9.0, 4.0, 2.0, 1.0]), np.array([6.0]), np.array([2.0]))[0].tolist()
     [5.0, 7.0, 7.0, 4.0, 3.0]
@@ -52,7 +52,7 @@ def kano(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
 
 
 def he(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
-    """Stem positions (m, n) of He's valve for OP u (n,) and S, J (m,), all in the unit of OP; `way` as in `kano`.
+    """Stem positions (m, n) of He's valve for OP u (n,) and S, J (m,), all in the unit of OP; ``way`` as in ``kano``.
 
     >>> he(np.array([7.0, 9.0, 4.0, 2.0, 1.0]), np.array([6.0]), np.array([2.0]))[0].tolist()
     [5.0, 5.0, 5.0, 5.0, 3.0]

@@ -33,12 +33,12 @@ def whole_cycles(
     cut_at: float = 0.0,
     even_halves: bool = False,
 ) -> WholeCycles:
-    """At most `most` cycles of a signal, evenly spread, from a crossing upwards to the next.
+    """At most ``most`` cycles of a signal, evenly spread, from a crossing upwards to the next.
 
-    A cycle is a positive half wave with the negative one after it, drift off. Each of the `points` values is the mean
+    A cycle is a positive half wave with the negative one after it, drift off. Each of the ``points`` values is the mean
     of the signal over its share of the cycle, so that many samples a period also mean little noise.  ``cut_at`` is that
-    of `Prepared.wave`; crossings are always those of the smoothed wave.  ``even_halves`` puts as many points on either
-    half wave, however long each is.
+    of ``Prepared.wave``; crossings are always those of the smoothed wave.  ``even_halves`` puts as many points on
+    either half wave, however long each is.
 
     >>> from logs import LoopRecord
     >>> t = np.arange(1000.0)
@@ -77,7 +77,7 @@ def means_between(t: Values, y: Values, edges: Values) -> Values:
 
 
 def averaged(cycles: WholeCycles, noise: float, least: int) -> WholeCycles:
-    """Means of neighbouring cycles, with noise of `noise` standard deviations or as much as leaves `least` of them.
+    """Means of neighbouring cycles, with noise of ``noise`` standard deviations or as much as leaves ``least`` of them.
 
     >>> y = np.sin(np.arange(64) / 10.2)
     >>> many = WholeCycles(np.arange(40.0), np.arange(1.0, 41.0), np.tile(y, (40, 1)), 0.1)
