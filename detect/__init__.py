@@ -47,6 +47,16 @@ from detect.methods import (
     window_tests,
 )
 from detect.oscillation import acf_crossings, hagglund1995
+from detect.methods import area_ratio, bicoherence, cross_correlation, hammerstein, surrogates
+from detect.oscillation import (
+    acf_crossings,
+    forsman_stattin,
+    hagglund1995,
+    miao_seborg,
+    salsbury_singhal,
+    several_periods,
+    thornhill1997,
+)
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
 
@@ -79,3 +89,13 @@ METHODS: tuple[Method, ...] = (
 
 GATES: tuple[ModuleType, ...] = (acf_crossings, hagglund1995)
 """Every oscillation detector: modules with ``find(record) -> Gate``."""
+GATES: tuple[ModuleType, ...] = (
+    acf_crossings,
+    forsman_stattin,
+    hagglund1995,
+    miao_seborg,
+    salsbury_singhal,
+    several_periods,
+    thornhill1997,
+)
+"""Every oscillation detector: modules with `find(record) -> Gate`."""

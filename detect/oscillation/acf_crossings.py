@@ -52,7 +52,7 @@ from detect.prepare.gaps import bridgeable, split
 from detect.prepare.smoothing import moving_average
 from logs import LoopRecord
 
-__all__ = ["CARD", "Params", "find", "find_in"]
+__all__ = ["CARD", "Params", "find", "find_in", "significant_crossings"]
 
 Values = npt.NDArray[np.float64]
 _SAMPLES_MIN = 20  # to test at all
@@ -204,7 +204,7 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
     spectrum = np.fft.rfft(y, 2 * n)
     acf = np.fft.irfft(np.abs(spectrum) ** 2)[:n]
     acf /= acf[0]
-    crossings = _significant_crossings(acf, p.band)[: p.crossings]
+    crossings = significant_crossings(acf, p.band)[: p.crossings]
     intervals = np.diff(crossings) * dt
     if len(intervals) < p.intervals_min:
         period = _cut_short(intervals, n * dt, p)
@@ -251,7 +251,7 @@ def _too_short(period: float, duration: float, amplitude: float, p: Params) -> G
     return Gate(False, period, 0.0, amplitude, cycles, reason)
 
 
-def _significant_crossings(acf: Values, band: float) -> Values:
+def significant_crossings(acf: Values, band: float) -> Values:
     """Zero crossings [lags] up to the last swing that leaves the noise band of the module's docstring."""
     n = len(acf)
     k = np.flatnonzero((acf[:-1] > 0) != (acf[1:] > 0))

@@ -1,0 +1,95 @@
+"""Likeness of half periods, Forsman and Stattin 1999: does each resemble the one of the same sign before it?
+
+    h = share of i with  alpha < A(i+2) / A(i) < 1 / alpha  and  gamma < d(i+2) / d(i) < 1 / gamma
+
+A are the areas of |e| between zero crossings, d the lengths between them; alpha = 0.6, gamma = 0.75. Oscillating if
+h > 0.4; above 0.8 it is very clear.
+
+Source: Forsman and Stattin 1999, European Control Conference. Ours: a small band of hysteresis about zero, and ten half
+periods at least.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from detect.card import Card
+from detect.oscillation.even import even, regularity
+from detect.oscillation.gate import Gate
+from detect.prepare.half_cycles import crossings
+from logs import LoopRecord
+
+__all__ = ["CARD", "Params", "find", "likeness"]
+
+CARD = Card(
+    name="forsman_stattin",
+    title="Likeness of half periods",
+    source="Forsman and Stattin 1999, European Control Conference",
+    signals=("SP", "PV"),
+    assumes=("e is centred on zero",),
+    finds="which share of the half periods resemble the one before them",
+    index=(0.0, 1.0),
+    process=("self_regulating", "integrating"),
+    streams="no",
+    pros=("unlike half waves above and below do no harm", "slow changes of period or amplitude pass"),
+    cons=("noise adds crossings", "an offset or drift takes them away"),
+    cost="O(n)",
+    kind="gate",
+)
+
+
+@dataclass(frozen=True)
+class Params:
+    """Limits of the paper: alpha of areas, gamma of lengths, least h [-]; `band` in standard deviations."""
+
+    alpha: float = 0.6
+    gamma: float = 0.75
+    h_min: float = 0.4
+    band: float = 0.1
+    half_periods: int = 10
+
+
+def likeness(areas: np.ndarray, lengths: np.ndarray, alpha: float = 0.6, gamma: float = 0.75) -> float:
+    """h [-] of areas (m,) and lengths (m,) of half periods in order of time; 0 for fewer than three.
+
+    >>> likeness(np.array([1.0, 3.0, 1.1, 2.9]), np.array([5.0, 5.0, 5.0, 9.0]))
+    0.5
+    """
+    if len(areas) < 3:
+        return 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        area, length = areas[2:] / areas[:-2], lengths[2:] / lengths[:-2]
+    alike = (area > alpha) & (area < 1.0 / alpha) & (length > gamma) & (length < 1.0 / gamma)
+    return float(np.mean(alike))
+
+
+def find(record: LoopRecord, p: Params = Params()) -> Gate:
+    """Test the control error of the longest good stretch.
+
+    >>> t = np.arange(0.0, 500.0)
+    >>> gate = find(LoopRecord.from_arrays(t, pv=np.sin(2 * np.pi * t / 50), op=t))
+    >>> gate.oscillating, round(gate.period)
+    (True, 50)
+    """
+    signal = even(record)
+    if signal is None:
+        return Gate(False, None, 0.0, 0.0, 0.0, "No stretch of 20 good samples in which e moves.")
+    std = float(np.std(signal.x))
+    zeros = np.asarray(crossings(signal.t, signal.x, p.band * std))
+    lengths = np.diff(zeros)
+    amplitude = math.sqrt(2.0) * std
+    if len(lengths) < p.half_periods:
+        few = f"{len(lengths)} whole half periods of e; {p.half_periods} are needed."
+        return Gate(False, None, 0.0, amplitude, 0.0, few)
+    area = np.concatenate([[0.0], np.cumsum(np.abs(signal.x)) * signal.dt])
+    areas = np.diff(np.interp(zeros, np.append(signal.t, signal.t[-1] + signal.dt), area))
+    h, period = likeness(areas, lengths, p.alpha, p.gamma), 2.0 * float(np.median(lengths))
+    oscillating = h > p.h_min and period >= 4.0 * signal.dt
+    reason = (
+        f"{'Oscillating' if oscillating else 'Not oscillating'}: h = {h:.2f} (limit {p.h_min:g}) of {len(lengths)} "
+        f"half periods resemble the one before them, period {period:.4g} s."
+    )
+    return Gate(oscillating, period, regularity(lengths), amplitude, len(lengths) / 2.0, reason)

@@ -1,0 +1,91 @@
+"""Regularity of the crossings of e itself, Thornhill and Hagglund 1997: are the half periods of equal length?
+
+    r = mean(d) / (3 std(d)) over the intervals d between zero crossings,    oscillating if r > 1
+    a half period counts while its IAE, the integral of |e|, exceeds 2 a / w: half a sine of amplitude a
+
+The intervals of noise scatter as much as their mean, so that it does not pass; but a little noise on a wave makes
+crossings of its own, hence the band of hysteresis, and the ACF (`acf_crossings`) is the better test for noisy loops.
+
+Source: Control Eng. Practice 5 (1997) 1343. Ours: the band, and a tolerated amplitude of half the standard deviation.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from detect.card import Card
+from detect.oscillation.even import CYCLES_MIN, even, regularity
+from detect.oscillation.gate import REGULARITY_MAX, Gate
+from detect.prepare.half_cycles import crossings
+from logs import LoopRecord
+
+__all__ = ["CARD", "Params", "find"]
+
+CARD = Card(
+    name="thornhill1997",
+    title="Regularity of IAE crossings",
+    source="Thornhill and Hagglund 1997, Control Eng. Practice 5:1343",
+    signals=("SP", "PV"),
+    assumes=("e is centred on zero", "one dominant period"),
+    finds="whether half periods are of equal length and large enough",
+    index=(0.0, REGULARITY_MAX),
+    process=("self_regulating", "integrating"),
+    streams="no",
+    pros=("in time, no spectrum", "every half period is looked at"),
+    cons=("noise adds crossings", "drift takes them away", "one period only"),
+    cost="O(n)",
+    kind="gate",
+)
+
+
+@dataclass(frozen=True)
+class Params:
+    """Settings.
+
+    regularity_min : float
+        Least r [-], of the paper.
+    band : float
+        Hysteresis about zero [standard deviations].
+    tolerated : float
+        Amplitude a below which a half period does not count [standard deviations].
+    share : float
+        Least share of half periods that count [-].
+    """
+
+    regularity_min: float = 1.0
+    band: float = 0.3
+    tolerated: float = 0.5
+    share: float = 0.5
+
+
+def find(record: LoopRecord, p: Params = Params()) -> Gate:
+    """Test the control error of the longest good stretch.
+
+    >>> t = np.arange(0.0, 500.0)
+    >>> gate = find(LoopRecord.from_arrays(t, pv=np.sin(2 * np.pi * t / 50), op=t))
+    >>> gate.oscillating, round(gate.period)
+    (True, 50)
+    """
+    signal = even(record)
+    if signal is None:
+        return Gate(False, None, 0.0, 0.0, 0.0, "No stretch of 20 good samples in which e moves.")
+    std = float(np.std(signal.x))
+    zeros = np.asarray(crossings(signal.t, signal.x, p.band * std))
+    lengths = np.diff(zeros)
+    amplitude = math.sqrt(2.0) * std
+    if len(lengths) < 2.0 * CYCLES_MIN:
+        return Gate(False, None, 0.0, amplitude, 0.0, f"e crosses zero {len(zeros)} times; 7 crossings are needed.")
+    area = np.concatenate([[0.0], np.cumsum(np.abs(signal.x)) * signal.dt])
+    at = np.append(signal.t, signal.t[-1] + signal.dt)
+    iae = np.diff(np.interp(zeros, at, area))
+    loads = float(np.mean(iae > 2.0 * p.tolerated * std * lengths / math.pi))
+    r, period = regularity(lengths), 2.0 * float(np.mean(lengths))
+    oscillating = r > p.regularity_min and loads >= p.share and period >= 4.0 * signal.dt
+    reason = (
+        f"{'Regular' if oscillating else 'No regular'} crossings: period {period:.4g} s, regularity {r:.2g} (limit "
+        f"{p.regularity_min:g}), {loads:.0%} of {len(lengths)} half periods are large (limit {p.share:.0%})."
+    )
+    return Gate(oscillating, period, r, amplitude, len(lengths) / 2.0, reason)
