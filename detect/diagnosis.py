@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from detect.method import Method
 from detect.prepare.conditions import Fact
+from detect.prepare.harris import Harris
 from detect.prepare.prepared import Prepared, prepared
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
@@ -36,6 +37,8 @@ class Diagnosis:
     conditions : tuple of Fact
         Measured properties of the record.
     record : LoopRecord
+    performance : Harris or None
+        How near the loop is to minimum variance; None where e does not move.
     """
 
     loop: str
@@ -46,6 +49,7 @@ class Diagnosis:
     methods: tuple[Verdict, ...]
     conditions: tuple[Fact, ...] = field(repr=False)
     record: LoopRecord = field(repr=False)
+    performance: Harris | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The answer as plain values that JSON can hold, schema "stickslip.check/1"."""
@@ -103,6 +107,7 @@ def diagnose(record: LoopRecord | Prepared, methods: Sequence[Method] | None = N
         methods=verdicts,
         conditions=loop.facts,
         record=record,
+        performance=loop.performance,
     )
 
 

@@ -194,9 +194,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
     >>> t = np.arange(3000.0)
     >>> op = 50 + 5 * np.abs(t / 25 % 2 - 1)
-    >>> pv = np.where(t // 25 % 2 == 0, 1.0, -1.0)
-    >>> square = LoopRecord.from_arrays(t, pv=pv, op=op, sp=0 * t)
-    >>> detect(square).verdict
+    >>> pv = np.where(t // 25 % 2 == 0, 1.0, -1.0) * (1 - 1.97 * np.exp(-(t % 25) / 6))
+    >>> slipping = LoopRecord.from_arrays(t, pv=pv, op=op, sp=0 * t)  # PV settles anew at every turn of OP
+    >>> detect(slipping).verdict
     'stiction'
     """
     loop = prepared(record)

@@ -92,7 +92,7 @@ def forecast_error(x: Values, length: int, horizon: int, neighbours: int = 8) ->
     >>> t = np.arange(200.0)
     >>> wave, noise = np.sin(2 * np.pi * t / 10), np.random.default_rng(0).normal(size=200)
     >>> wrong = forecast_error(np.stack([wave, noise]), 10, 10)
-    >>> wrong[0] < 1e-12, 0.8 < wrong[1] < 1.6
+    >>> bool(wrong[0] < 1e-12), bool(0.8 < wrong[1] < 1.6)
     (True, True)
     """
     n = x.shape[1]

@@ -6,8 +6,8 @@
 I is the periodogram under a Hann window. The background follows any colour that is smooth over two octaves, a power of
 f nearly exactly, so that a slow noise is no oscillation. Around every peak the signal is band-passed (0.7 to 1.4 times
 its frequency) and must be regular by the zero crossings of its autocorrelation, r = mean / (3 std) > 1 over 10
-intervals, as Thornhill, Huang and Zhang 2003 do for mixed periods. Multiples of a stronger and slower oscillation are its harmonics
-and are not listed.
+intervals, as Thornhill, Huang and Zhang 2003 do for mixed periods. Multiples of a stronger and slower oscillation are
+its harmonics and are not listed.
 
 Measured: none of 1,200 noises of the ten colours in the tests (200 and 1,000 samples) passed.
 

@@ -100,7 +100,7 @@ def fit(x: Values, y: Values, period: float, model: Linear, tried: Bank) -> Fit:
 
     >>> u = np.sin(np.arange(400.0) / 9) ** 3
     >>> found = fit(u[None], np.concatenate([np.zeros(3), 2 * u[:-3]]), 57.0, "oe1", bank(57.0, "oe1", 1.0))
-    >>> found.quality[0] > 90, found.processes[0].delay, round(found.processes[0].gain)
+    >>> bool(found.quality[0] > 90), found.processes[0].delay, round(found.processes[0].gain)
     (True, 2, 2)
     """
     start, end = _settled(x.shape[1], period, model)

@@ -25,6 +25,7 @@ from detect.oscillation.gate import Gate
 from detect.prepare.conditions import Fact, examine
 from detect.prepare.cycles import Cycles, Refusal, cut
 from detect.prepare.half_cycles import crossings
+from detect.prepare.harris import Harris, harris
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.smoothing import moving_average, noise_std
 from logs import LoopRecord
@@ -134,6 +135,16 @@ class Prepared:
     def cycles(self) -> Cycles | Refusal:
         """The half cycles of the control error, each with its peak and areas, or why there are none."""
         return cut(self.record)
+
+    @cached_property
+    def performance(self) -> Harris | None:
+        """The Harris index of the control error, at an eighth of the period, or ten samples where nothing oscillates.
+
+        The dead time is seldom known; the horizon in its place is ours.
+        """
+        e = self.stretch.e
+        ahead = self.samples_per_period / 8.0
+        return harris(e, max(1, round(ahead)) if math.isfinite(ahead) else 10) if len(e) else None
 
     # --- even grids -------------------------------------------------------------------------------------------
     @cached_property

@@ -54,8 +54,8 @@ def kano(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
 def he(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
     """Stem positions (m, n) of He's valve for OP u (n,) and S, J (m,), all in the unit of OP; ``way`` as in ``kano``.
 
-    >>> he(np.array([7.0, 9.0, 4.0, 2.0, 1.0]), np.array([6.0]), np.array([2.0]))[0].tolist()
-    [5.0, 5.0, 5.0, 5.0, 3.0]
+    >>> he(np.array([7.0, 9.0, 4.0, 2.0, 0.0]), np.array([6.0]), np.array([2.0]))[0].tolist()
+    [5.0, 5.0, 5.0, 5.0, 2.0]
     """
     static, kinetic = 0.5 * (S + J), 0.5 * (S - J)
     x = np.empty((len(u), len(S)))
