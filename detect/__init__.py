@@ -48,6 +48,7 @@ from detect.methods import (
 )
 from detect.oscillation import acf_crossings, hagglund1995
 from detect.methods import area_ratio, bicoherence, cross_correlation, hammerstein, surrogates
+from detect.methods import area_ratio, bicoherence, cross_correlation, hammerstein, segmentation, surrogates
 from detect.oscillation import (
     acf_crossings,
     forsman_stattin,
@@ -82,6 +83,7 @@ METHODS: tuple[Method, ...] = (
     second_difference_kurtosis,
     shifted_pv,
     stem_play,
+    segmentation,
     surrogates,
     window_tests,
 )
