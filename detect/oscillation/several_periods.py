@@ -48,6 +48,7 @@ CARD = Card(
     kind="gate",
 )
 
+LEVELS = 80
 UNSURE = 1.8  # 1.8 standard deviations of the logarithm of a median of few lines, which a Hann window correlates
 
 
@@ -117,16 +118,20 @@ def find_all(record: LoopRecord, p: Params = Params()) -> tuple[Gate, ...]:
 
 
 def _above_background(power: Values, low: int, high: int) -> Values:
-    """Each line over the level that noise of the same colour has there, shape (m,)."""
-    above = np.zeros(len(power))
-    for k in range(low, high):
+    """Each line over the level that noise of the same colour has there, shape (m,); 0 outside low .. high.
+
+    The level is worked out at `LEVELS` frequencies and joined by powers of f.
+    """
+    at, level = np.unique(np.geomspace(low, high - 1, LEVELS).astype(int)), []
+    for k in at.tolist():
         below = power[max(min(k // 2, k - 7), 1) : k - 2]
         beyond = power[k + 3 : max(2 * k, k + 9) + 1]
-        if not len(beyond) or not len(below):
-            continue
-        level = math.sqrt(float(np.median(below)) * float(np.median(beyond))) / math.log(2.0)
-        level *= math.exp(UNSURE * math.sqrt(1.0 / len(below) + 1.0 / len(beyond)))
-        above[k] = power[k] / level if level > 0.0 else 0.0
+        unsure = math.exp(UNSURE * math.sqrt(1.0 / len(below) + 1.0 / len(beyond)))
+        level.append(unsure * math.sqrt(float(np.median(below)) * float(np.median(beyond))) / math.log(2.0))
+    lines = np.arange(low, high)
+    above = np.zeros(len(power))
+    joined = np.interp(np.log(lines), np.log(at), np.log(np.maximum(level, 1e-300)))
+    above[low:high] = power[low:high] / np.exp(joined)
     return above
 
 
