@@ -10,11 +10,11 @@ of the best process without valve [points]. All (S, J) within 2 points of the be
 Stiction: the region excludes S = 0, S is at least a tenth of the swing of OP, the index is 5 points or more, F 50 % or
 more, and the region holds valves with a slip (J above 0.2 S; without one it is a deadband).
 
-It clears nothing, though the notes of others do where the process alone fits as well. Measured here: of 216 loops moved
-by an outside sine, valve sticking by 1 to 3 % (0.3 to 0.9 of the swing of OP), 129 would have been cleared below
-a size smaller than their own, because a lag between two sines tells either from the other, valve or not. None of those
-loops was called sticky either. On 72 simulated loops that cycle by their valve (noise to 0.5 % of span) 51 were found,
-19 refused (no cycle), S was 7 % low in the median (4 to 19 % for 8 of 10) and inside its interval in 92 %.
+It clears nothing, though a region that holds S = 0 invites to. Measured here: of 216 loops moved by an outside sine,
+valve sticking by 1 to 3 %, 129 would have been cleared below a size smaller than their own (region up to half the swing
+of OP), because a lag between two sines tells either from the other, valve or not. None of them was called sticky either.
+On 72 simulated loops that cycle by their valve (noise to 0.7 % of span) 51 were found and 19 refused (no cycle); S was
+7 % low in the median (4 to 19 % for 8 of 10) and inside its interval in 92 %; J hangs on the process gain and is poor.
 
 Source: Jelali 2008, J. Process Control 18:632; Lee, Ren and Huang 2008; Karra and Karim 2009, Control Eng. Practice
 17:387; Bacci di Capaci, Scali and Pannocchia 2016, J. Process Control 46:11. The limits are ours.
