@@ -12,7 +12,7 @@ more, and the region holds valves with a slip (J above 0.2 S; without one it is 
 
 It clears nothing, though a region that holds S = 0 invites to. Measured here: of 216 loops moved by an outside sine,
 valve sticking by 1 to 3 %, 129 would have been cleared below a size smaller than their own (region up to half the swing
-of OP), because a lag between two sines tells either from the other, valve or not. None of them was called sticky either.
+of OP), because a lag between two sines tells either from the other, valve or not. None of them was called sticky.
 On 72 simulated loops that cycle by their valve (noise to 0.7 % of span) 51 were found and 19 refused (no cycle); S was
 7 % low in the median (4 to 19 % for 8 of 10) and inside its interval in 92 %; J hangs on the process gain and is poor.
 
