@@ -41,14 +41,12 @@ from detect.methods import (
     qualitative_shapes,
     relay_fit,
     second_difference_kurtosis,
+    segmentation,
     shifted_pv,
     stem_play,
     surrogates,
     window_tests,
 )
-from detect.oscillation import acf_crossings, hagglund1995
-from detect.methods import area_ratio, bicoherence, cross_correlation, hammerstein, surrogates
-from detect.methods import area_ratio, bicoherence, cross_correlation, hammerstein, segmentation, surrogates
 from detect.oscillation import (
     acf_crossings,
     forsman_stattin,
@@ -81,16 +79,14 @@ METHODS: tuple[Method, ...] = (
     qualitative_shapes,
     relay_fit,
     second_difference_kurtosis,
+    segmentation,
     shifted_pv,
     stem_play,
-    segmentation,
     surrogates,
     window_tests,
 )
 """Every stiction method, by hand; a test fails when a module with a CARD of kind "detector" is missing."""
 
-GATES: tuple[ModuleType, ...] = (acf_crossings, hagglund1995)
-"""Every oscillation detector: modules with ``find(record) -> Gate``."""
 GATES: tuple[ModuleType, ...] = (
     acf_crossings,
     forsman_stattin,
@@ -100,4 +96,4 @@ GATES: tuple[ModuleType, ...] = (
     several_periods,
     thornhill1997,
 )
-"""Every oscillation detector: modules with `find(record) -> Gate`."""
+"""Every oscillation detector: modules with ``find(record) -> Gate``."""

@@ -5,8 +5,8 @@
     N = (mean Gamma_twins - Gamma) / (3 std Gamma_twins),     non-linear if N > 1
 
 E and H are one period, K = 8; the twins keep the spectrum and draw the phases anew (``prepare.surrogates``). Before,
-the wave is cut at upward crossings of zero, so that it repeats without a jump, and resampled to 12 a period: unmatched, a
-clean sine scores 2 to 5.
+the wave is cut at upward crossings of zero, so that it repeats without a jump, and resampled to 12 a period: unmatched,
+a clean sine scores 2 to 5.
 
 N says that the wave is not linear, and no more: a valve, a saw-like outside wave or another non-linearity. It lives on
 how cycles vary, because a wave that repeats exactly is as predictable as its twins. It never accuses or clears a valve;

@@ -43,7 +43,7 @@ CARD = Card(
 
 @dataclass(frozen=True)
 class Params:
-    """Limits of the paper: alpha of areas, gamma of lengths, least h [-]; `band` in standard deviations."""
+    """Limits of the paper: alpha of areas, gamma of lengths, least h [-]; ``band`` in standard deviations."""
 
     alpha: float = 0.6
     gamma: float = 0.75

@@ -5,7 +5,7 @@
 
 For an ACF exp(-s k) cos(w k) R is its decay over half a period, q = exp(-pi s / w), whichever maxima are taken. Those
 after the first crossing of zero are taken, because noise stands at lag 0, and each must leave the band that noise of
-the same colour keeps to (`acf_crossings`): in plain noise neighbouring swings are alike too, and R is near 1.
+the same colour keeps to (``acf_crossings``): in plain noise neighbouring swings are alike too, and R is near 1.
 
 Source: Miao and Seborg 1999, Control Eng. Practice 7:73 (the ratio and its limit). Ours: which maxima, and the band.
 """

@@ -74,7 +74,7 @@ class Params:
 
 
 def find(record: LoopRecord, p: Params = Params()) -> Gate:
-    """The strongest of the oscillations; see `find_all`."""
+    """The strongest of the oscillations; see ``find_all``."""
     found = find_all(record, p)
     if found:
         return max(found, key=lambda gate: gate.amplitude)
@@ -120,7 +120,7 @@ def find_all(record: LoopRecord, p: Params = Params()) -> tuple[Gate, ...]:
 def _above_background(power: Values, low: int, high: int) -> Values:
     """Each line over the level that noise of the same colour has there, shape (m,); 0 outside low .. high.
 
-    The level is worked out at `LEVELS` frequencies and joined by powers of f.
+    The level is worked out at ``LEVELS`` frequencies and joined by powers of f.
     """
     at, level = np.unique(np.geomspace(low, high - 1, LEVELS).astype(int)), []
     for k in at.tolist():

@@ -4,7 +4,7 @@
     a half period counts while its IAE, the integral of |e|, exceeds 2 a / w: half a sine of amplitude a
 
 The intervals of noise scatter as much as their mean, so that it does not pass; but a little noise on a wave makes
-crossings of its own, hence the band of hysteresis, and the ACF (`acf_crossings`) is the better test for noisy loops.
+crossings of its own, hence the band of hysteresis, and the ACF (``acf_crossings``) is the better test for noisy loops.
 
 Source: Control Eng. Practice 5 (1997) 1343. Ours: the band, and a tolerated amplitude of half the standard deviation.
 """

@@ -10,7 +10,8 @@ that eta says that there is something to gain, not what: valve, tuning and outsi
 With the dead time unknown d is a horizon of one's own choice (the extended horizon index): compare like with like only.
 
 Source: Harris 1989, Can. J. Chem. Eng. 67:856; Desborough and Harris 1992, ibid. 70:1186; Thornhill, Oettinger and
-Fedenczuk 1999, J. Process Control 9:109 (horizon). Ours: the order of the AR model by Akaike's criterion up to `ORDER`.
+Fedenczuk 1999, J. Process Control 9:109 (horizon). Ours: the order of the AR model by Akaike's criterion
+up to ``ORDER``.
 """
 
 from __future__ import annotations
