@@ -14,7 +14,7 @@ because a shifted triangle is a triangle still, where ``high_passed_pv`` makes i
 second harmonic lower G as corners do (10 % of it, far from the opposite phase, gives 0.95), and S is 10 to 20 % low in
 simulation. As in ``high_passed_pv``, the flow must stand still while OP travels and the range of OP must repeat.  On
 the simulated levels named there: 39 of 64 sticky ones found, 12 of 97 accused under outside squares, none of 100 under
-sines, 27 of 46 with a deadband.  A round curve clears nothing.  Measured on the prepared record: 4 ms for 7,200 samples.
+sines, 27 of 46 with a deadband.  A round curve clears nothing.  4 ms for 7,200 prepared samples.
 """
 
 from __future__ import annotations
