@@ -22,6 +22,7 @@ from types import ModuleType
 
 from detect.card import Card
 from detect.diagnosis import Diagnosis, diagnose
+from detect.judge.combine import Weight, WeightedVote
 from detect.method import Method
 from detect.methods import (
     area_ratio,
@@ -50,7 +51,7 @@ from detect.oscillation import acf_crossings, hagglund1995
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
 
-__all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict", "diagnose"]
+__all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict", "Weight", "WeightedVote", "diagnose"]
 
 METHODS: tuple[Method, ...] = (
     area_ratio,
