@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
@@ -159,6 +160,8 @@ def compare(
 
         methods = METHODS
     records, skipped = _records(source)
+    for module in ("optimize", "signal", "stats"):  # loaded here, or the first method would be charged with it
+        import_module(f"scipy.{module}")
 
     return Comparison(tuple(_judged(record, methods, combine or WeightedVote()) for record in records), skipped)
 
