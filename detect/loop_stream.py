@@ -17,8 +17,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
+from itertools import repeat
 from types import ModuleType
-from typing import Any
+from typing import Any, Literal
 
 from detect.diagnosis import ask
 from detect.prepare.prepared import Prepared
@@ -26,6 +27,8 @@ from detect.stream import Buffer, LoopFacts, Sample
 from detect.verdict import Verdict
 
 __all__ = ["LoopStream"]
+
+Way = Literal["memory", "twin", "window"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +40,8 @@ class LoopStream:
         By default all of `detect.METHODS`.
     window : int
         Most rows held [-].
+    buffer, states, ways
+        The rows, the state of each method and how it takes part; worked out, not given.
 
     Raises ValueError for a window below 64 rows.
 
@@ -55,8 +60,11 @@ class LoopStream:
     window: int = 2048
     buffer: Buffer = field(default_factory=Buffer)
     states: tuple[Any, ...] = ()
+    ways: tuple[Way, ...] = ()
 
     def __post_init__(self) -> None:
+        if self.ways:
+            return  # one more sample of a stream that has begun
         if self.window < 64:
             raise ValueError(f"window = {self.window} rows; give at least 64")
         if not self.methods:
@@ -64,25 +72,22 @@ class LoopStream:
 
             object.__setattr__(self, "methods", METHODS)
         object.__setattr__(self, "methods", tuple(self.methods))
-        if not self.states:
-            object.__setattr__(self, "states", tuple(_start(method, self.facts) for method in self.methods))
+        object.__setattr__(self, "ways", tuple(map(_way, self.methods)))
+        object.__setattr__(self, "states", tuple(map(_start, self.methods, self.ways, repeat(self.facts))))
 
     def update(self, t: float, sample: Sample) -> LoopStream:
         """The stream after one more sample at time t [s]; raises ValueError when t does not advance."""
         buffer = self.buffer.append(t, sample)
-        states = tuple(
-            method.update(method.Params(), state, t, sample) if _is_twin(method) else state
-            for method, state in zip(self.methods, self.states, strict=True)
-        )
-        if len(buffer) < self.window:
-            return replace(self, buffer=buffer, states=states)
-        if any(map(_remembers, self.methods)):
-            loop = Prepared(buffer.record(self.facts))
-            states = tuple(
-                method.remember(method.Params(), state, loop) if _remembers(method) else state
-                for method, state in zip(self.methods, states, strict=True)
-            )
-        return replace(self, buffer=buffer.last(self.window // 2), states=states)
+        states = list(self.states)
+        full = len(buffer) >= self.window
+        loop = Prepared(buffer.record(self.facts)) if full else None
+        for k, way in enumerate(self.ways):
+            if way == "twin":
+                states[k] = self.methods[k].update(self.methods[k].Params(), states[k], t, sample)
+            elif way == "memory" and loop is not None:
+                states[k] = self.methods[k].remember(self.methods[k].Params(), states[k], loop)
+        kept = buffer.last(self.window // 2) if full else buffer
+        return replace(self, buffer=kept, states=tuple(states))
 
     @cached_property
     def loop(self) -> Prepared:
@@ -93,14 +98,14 @@ class LoopStream:
 
     def verdicts(self) -> tuple[Verdict, ...]:
         """What every method says now, in their order."""
-        return tuple(self._said(method, state) for method, state in zip(self.methods, self.states, strict=True))
+        return tuple(map(self._said, self.methods, self.ways, self.states))
 
-    def _said(self, method: Any, state: Any) -> Verdict:
+    def _said(self, method: Any, way: Way, state: Any) -> Verdict:
         if len(self.buffer) == 0:
             said = Verdict.not_applicable(method.CARD.name, "too_few_cycles", "No sample has arrived yet.")
-        elif _remembers(method):
+        elif way == "memory":
             said = method.recall(method.Params(), state, self.loop)
-        elif _is_twin(method):
+        elif way == "twin":
             said = method.verdict(method.Params(), state)
         else:
             return ask(method, self.loop)
@@ -108,7 +113,7 @@ class LoopStream:
 
     def __getstate__(self) -> dict[str, Any]:
         """Name the modules, which cannot be pickled themselves; the prepared window is made anew."""
-        kept = {name: getattr(self, name) for name in ("facts", "window", "buffer", "states")}
+        kept = {name: getattr(self, name) for name in ("facts", "window", "buffer", "states", "ways")}
         named = [method.__name__ if isinstance(method, ModuleType) else method for method in self.methods]
         return kept | {"methods": named}
 
@@ -117,17 +122,13 @@ class LoopStream:
         self.__dict__.update(state | {"methods": methods})
 
 
-def _remembers(method: Any) -> bool:
-    return hasattr(method, "remember") and hasattr(method, "recall")
+def _way(method: Any) -> Way:
+    if hasattr(method, "remember") and hasattr(method, "recall"):
+        return "memory"
+    exact = method.CARD.streams == "exact" and all(hasattr(method, part) for part in ("init", "update", "verdict"))
+    return "twin" if exact else "window"
 
 
-def _is_twin(method: Any) -> bool:
-    exact = getattr(method.CARD, "streams", "no") == "exact"
-    return exact and not _remembers(method) and all(hasattr(method, part) for part in ("init", "update", "verdict"))
-
-
-def _start(method: Any, facts: LoopFacts) -> Any:
+def _start(method: Any, way: Way, facts: LoopFacts) -> Any:
     """The state of a method before the first sample; None for one that only looks at the window."""
-    if _is_twin(method):
-        return method.init(method.Params(), facts)
-    return () if _remembers(method) else None
+    return method.init(method.Params(), facts) if way == "twin" else () if way == "memory" else None

@@ -142,7 +142,7 @@ def _cards(say: Speaker, methods: "list[Method]", csv_file: Path | None) -> None
     from detect.cards import CARD_COLUMNS, card_rows
 
     rows = card_rows(methods)
-    say.table(["method", "signals", "process", "streams", "finds"], [[r[0], r[3], r[4], r[7], r[6]] for r in rows])
+    say.table(["method", "signals", "process", "streams"], [[row[0], row[3], row[4], row[7]] for row in rows])
     for row in rows:
         say(f"{row[0]}: {row[1]}", bold=True)
         for column, cell in zip(CARD_COLUMNS[2:], row[2:], strict=True):
