@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from diagram.diagram import Diagram
     from diagram.simulation import Run
+    from logs import LoopRecord
 
 
 @dataclass(frozen=True)
@@ -53,3 +54,18 @@ class Case:
         from diagram import simulate
 
         return simulate(self.build(), self.duration, every=self.every, **changes)
+
+    def loop(self) -> "LoopRecord":
+        """Simulate the case and return its loop; raise ``ValueError`` if no signals are plainly PV and OP.
+
+        >>> from cases import find
+        >>> find("ideal_high").loop().name
+        'ideal_high'
+        """
+        log = self.run().log
+        if "PV" not in log or "OP" not in log:
+            raise ValueError(
+                f"case '{self.name}' logs no signals PV and OP but {', '.join(log.names[:12])}, ...; run it and name "
+                "them in Python: find(name).run().log.loop(sp=..., pv=..., op=...)"
+            )
+        return log.loop(name=self.name)

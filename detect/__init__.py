@@ -14,6 +14,10 @@ inconclusive
 ``answer.reason`` says why, ``answer.to_dict()`` is ready for JSON, ``answer.plot()`` draws it. A single method is a
 module with a CARD, Params and ``detect(record) -> Verdict``; all of them stand in METHODS. One from outside the
 package is given as ``diagnose(loop, [*METHODS, mine])``; see ``Method``.
+``answer.reason`` says why, ``answer.to_dict()`` is ready for JSON, ``answer.plot()`` draws it. A single method is a
+module with a CARD, Params and ``detect(record) -> Verdict``; all of them stand in METHODS. One from outside the
+package is given as ``diagnose(loop, [*METHODS, mine])``; see ``Method``. ``compare(loop)`` shows all
+methods side by side.
 """
 
 from __future__ import annotations
@@ -21,7 +25,9 @@ from __future__ import annotations
 from types import ModuleType
 
 from detect.card import Card
+from detect.comparison import Comparison, compare
 from detect.diagnosis import Diagnosis, diagnose
+from detect.judge.combine import Weight, WeightedVote
 from detect.method import Method
 from detect.methods import (
     area_ratio,
@@ -59,7 +65,20 @@ from detect.oscillation import (
 from detect.oscillation.gate import Gate
 from detect.verdict import Verdict
 
-__all__ = ["GATES", "METHODS", "Card", "Diagnosis", "Gate", "Method", "Verdict", "diagnose"]
+__all__ = [
+    "GATES",
+    "METHODS",
+    "Card",
+    "Comparison",
+    "Diagnosis",
+    "Gate",
+    "Method",
+    "Verdict",
+    "Weight",
+    "WeightedVote",
+    "compare",
+    "diagnose",
+]
 
 METHODS: tuple[Method, ...] = (
     area_ratio,

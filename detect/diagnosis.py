@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
+from detect.judge.advice import advice
+from detect.judge.combine import Combine, WeightedVote
 from detect.method import Method
 from detect.prepare.conditions import Fact
 from detect.prepare.harris import Harris
@@ -16,7 +18,7 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SCHEMA", "Diagnosis", "diagnose"]
+__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose"]
 
 SCHEMA = "stickslip.check/1"
 
@@ -73,13 +75,17 @@ class Diagnosis:
         return plot_diagnosis(self, words)
 
 
-def diagnose(record: LoopRecord | Prepared, methods: Sequence[Method] | None = None) -> Diagnosis:
+def diagnose(
+    record: LoopRecord | Prepared, methods: Sequence[Method] | None = None, combine: Combine | None = None
+) -> Diagnosis:
     """Put every method to a record and say what follows.
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
-    default all of ``detect.METHODS``. One whose card says ``experimental`` is shown and has no vote.
+    default all of ``detect.METHODS``. One whose card says ``experimental`` is shown and has no vote. ``combine`` makes
+    one word of the verdicts that vote; by default ``WeightedVote`` (see ``judge.combine``).
 
-    Raises TypeError for a method without ``detect``, or whose answer is no Verdict.
+    Raises TypeError for a method without ``detect``, or whose answer is no Verdict, and ValueError if ``combine`` gives
+    no word of a verdict.
 
     >>> import numpy as np
     >>> t = np.arange(1000.0)
@@ -94,15 +100,18 @@ def diagnose(record: LoopRecord | Prepared, methods: Sequence[Method] | None = N
         methods = METHODS
     loop = prepared(record)
     record = loop.record
-    verdicts = tuple(_ask(method, loop) for method in methods)
+    verdicts = tuple(ask(method, loop) for method in methods)
     votes = [v for v in verdicts if not v.experimental]
-    word = _together(votes)
+    word = (combine or WeightedVote())(votes)
+    if word not in get_args(Word):
+        raise ValueError(f"combine gave {word!r}; it must return one of {', '.join(get_args(Word))}")
     trials = _on_trial([v for v in verdicts if v.experimental])
+    next_step = advice(word, {v.code for v in votes if v.code is not None}, record.mv is not None)
     return Diagnosis(
         loop=record.name,
         verdict=word,
         probability=None,
-        reason=" ".join([_reason(word, votes), *trials, _next_step(word, votes, record)]),
+        reason=" ".join([_reason(word, votes), *trials, next_step]),
         assumptions=_assumptions(record),
         methods=verdicts,
         conditions=loop.facts,
@@ -111,8 +120,11 @@ def diagnose(record: LoopRecord | Prepared, methods: Sequence[Method] | None = N
     )
 
 
-def _ask(method: Method, loop: Prepared) -> Verdict:
-    """The verdict of one method, with the method's picture and standing."""
+def ask(method: Method, loop: Prepared) -> Verdict:
+    """The verdict of one method, with the method's picture and standing.
+
+    Raises TypeError for a method without ``detect``, or whose answer is no Verdict.
+    """
     if not callable(getattr(method, "detect", None)):
         raise TypeError(
             f"method {method!r} has no function detect(record); give a module of detect, such as area_ratio, or an "
@@ -136,15 +148,6 @@ def _on_trial(verdicts: Sequence[Verdict]) -> list[str]:
     return [f"Of {len(verdicts)} experimental methods, which have no vote, {', '.join(counts)}."]
 
 
-def _together(votes: Sequence[Verdict]) -> Word:
-    """Agreement of the methods that decided; a contradiction is inconclusive."""
-    words = {v.verdict for v in votes}
-    decided = words & {"stiction", "no_stiction"}
-    if len(decided) == 1:
-        return next(iter(decided))
-    return "inconclusive" if decided or "inconclusive" in words else "not_applicable"
-
-
 _HEAD: dict[str, str] = {
     "stiction": "The valve looks sticky.",
     "no_stiction": "No sign of stiction in this oscillation.",
@@ -155,7 +158,14 @@ _HEAD: dict[str, str] = {
 
 def _reason(word: Word, votes: Sequence[Verdict]) -> str:
     shown = [v for v in votes if v.verdict == word or word == "inconclusive"]
-    return " ".join([_HEAD[word], *(f"{_name(v)}: {_sentence(v)}" for v in shown)])
+    against = [v for v in votes if v.verdict in ("stiction", "no_stiction") and v not in shown]
+    return " ".join(
+        [
+            _HEAD[word],
+            *(f"{_name(v)}: {_sentence(v)}" for v in shown),
+            *(f"{_name(v)} disagrees and is outweighed: {_sentence(v)}" for v in against),
+        ]
+    )
 
 
 def _name(v: Verdict) -> str:
@@ -164,40 +174,6 @@ def _name(v: Verdict) -> str:
 
 def _sentence(v: Verdict) -> str:
     return v.reason if v.reason.endswith(".") else v.reason + "."
-
-
-def _next_step(word: Word, votes: Sequence[Verdict], record: LoopRecord) -> str:
-    codes = {v.code for v in votes}
-    test = "step the OP in manual by 0.5 to 1 % at a time, both ways, and watch for moves that fail to show in PV"
-    logged = record.mv is not None
-    stem = "see where the logged stem rests while OP moves" if logged else "log the stem position"
-    if word == "stiction":
-        return f"To prove it and size it: {stem}, or {test}."
-    if word == "no_stiction":
-        return (
-            "To tell tight tuning from an outside wave: put the loop in manual for a few periods; "
-            "a wave that stays comes from outside."
-        )
-    if "constant_signal" in codes or "signal_missing" in codes:
-        return "Check the transmitter and the historian tag."
-    if "manual_mode" in codes:
-        return "Log a stretch in automatic."
-    if "undersampled" in codes or "compressed" in codes or "quantised" in codes:
-        return "To settle it: log raw values, uncompressed, at 20 samples per period or more."
-    if "op_saturated" in codes:
-        return "To settle it: log a stretch with OP away from its limits."
-    if "sp_not_constant" in codes:
-        return "To settle it: hold the set point (or open the cascade) for ten periods."
-    if "no_oscillation" in codes:
-        return f"A sticky valve need not cycle; to check: {test}."
-    if "too_few_cycles" in codes:
-        return "To settle it: log ten periods at a fixed set point."
-    if word == "inconclusive":
-        return (
-            f"To settle it: {stem} for ten periods; or put the loop in manual for a few periods (a wave that stays "
-            f"comes from outside), then {test}."
-        )
-    return f"To settle it: {stem} for ten periods, or {test}."
 
 
 def _assumptions(record: LoopRecord) -> tuple[str, ...]:

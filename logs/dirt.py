@@ -45,7 +45,7 @@ def swinging_door_kept(t: npt.ArrayLike, values: npt.ArrayLike, deviation: float
     kept = np.zeros(n, dtype=bool)
     kept[[0, n - 1]] = True
     start = 0
-    low, high = -np.inf, np.inf  # slopes of the lines from `start` that pass all samples so far
+    low, high = -np.inf, np.inf  # slopes of the lines from ``start`` that pass all samples so far
     for i in range(1, n):
         slope = (y[i] - y[start]) / (times[i] - times[start])
         if not low <= slope <= high:

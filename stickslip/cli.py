@@ -10,6 +10,7 @@ from stickslip import __version__
 COMMANDS = {
     "demo": "five short stories with known truth, and two real loops, as one HTML page",
     "check": "read one loop from a file and say whether its valve sticks",
+    "table": "all detection methods side by side on a file, a folder or a case; --cards describes them",
     "simulate": "run a named case, save its log, draw it; --numbers shows published beside reproduced",
     "linearise": "find where a case rests; its poles, loops and relative gains",
     "reproduce": "regenerate the thesis's results, tables 5.4 to 6.2 and their figures, published beside reproduced",
@@ -24,6 +25,7 @@ Start here:
   stickslip demo                      see what this is about (writes stickslip-demo/index.html)
   stickslip check my_loop.csv         is the valve sticking? in words first
   stickslip check my_loop.csv --op OUT.CV --pv PV.CV --process integrating
+  stickslip table my_loop.csv         what every detection method says of it
   stickslip simulate ideal_high --numbers   the thesis's loop: published beside reproduced
 
 \b

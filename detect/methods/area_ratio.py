@@ -67,7 +67,19 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Params", "State", "closed_form", "detect", "draw", "init", "update", "verdict"]
+__all__ = [
+    "CARD",
+    "Params",
+    "State",
+    "closed_form",
+    "detect",
+    "draw",
+    "init",
+    "recall",
+    "remember",
+    "update",
+    "verdict",
+]
 
 Values = npt.NDArray[np.float64]
 NAME = "area_ratio"
@@ -305,7 +317,6 @@ class State:
     facts: LoopFacts
     buffer: Buffer = field(default_factory=Buffer)
     half_cycles: tuple[HalfCycle, ...] = ()
-    done_until: float = -math.inf
 
 
 def init(p: Params, facts: LoopFacts | None = None) -> State:
@@ -318,28 +329,34 @@ def update(p: Params, state: State, t: float, sample: Sample) -> State:
     buffer = state.buffer.append(t, sample)
     if len(buffer) < p.block:
         return replace(state, buffer=buffer)
-    found = _survey(Prepared(buffer.record(state.facts)), p)
-    kept = buffer.last(p.block // 2)
-    if isinstance(found, Verdict):  # the loop stopped cycling (or worse): what it did before is another story
-        return replace(state, buffer=kept, half_cycles=(), done_until=-math.inf)
-    fresh = _fresh(found, state)
-    past = (*state.half_cycles, *fresh)[-p.half_cycles_max :]
-    done = past[-1].end if past else -math.inf
-    return replace(state, buffer=kept, half_cycles=past, done_until=done)
+    past = remember(p, state.half_cycles, Prepared(buffer.record(state.facts)))
+    return replace(state, buffer=buffer.last(p.block // 2), half_cycles=past)
 
 
 def verdict(p: Params, state: State) -> Verdict:
     """The verdict on all half cycles remembered; equal to ``detect`` while the record fits in the buffer."""
     if len(state.buffer) == 0:
         return _refuse("too_few_cycles", "No sample has arrived yet.", p)
-    found = _survey(Prepared(state.buffer.record(state.facts)), p)
-    if isinstance(found, Verdict):
-        return found
-    return _judge((*state.half_cycles, *_fresh(found, state)), found, p)
+    return recall(p, state.half_cycles, Prepared(state.buffer.record(state.facts)))
 
 
-def _fresh(found: Cycles, state: State) -> tuple[HalfCycle, ...]:
-    return tuple(h for h in found.half_cycles if 0.5 * (h.start + h.end) > state.done_until)
+def remember(p: Params, past: tuple[HalfCycle, ...], loop: Prepared) -> tuple[HalfCycle, ...]:
+    """The half cycles to keep when the window ``loop`` is about to lose its older half; see ``LoopStream``."""
+    found = _survey(loop, p)
+    if isinstance(found, Verdict):  # the loop stopped cycling (or worse): what it did before is another story
+        return ()
+    return (*past, *_fresh(found, past))[-p.half_cycles_max :]
+
+
+def recall(p: Params, past: tuple[HalfCycle, ...], loop: Prepared) -> Verdict:
+    """The verdict on the half cycles that are kept and those of the window ``loop``."""
+    found = _survey(loop, p)
+    return found if isinstance(found, Verdict) else _judge((*past, *_fresh(found, past)), found, p)
+
+
+def _fresh(found: Cycles, past: tuple[HalfCycle, ...]) -> tuple[HalfCycle, ...]:
+    done = past[-1].end if past else -math.inf
+    return tuple(half for half in found.half_cycles if 0.5 * (half.start + half.end) > done)
 
 
 # ---- picture -----------------------------------------------------------------------------------------------

@@ -45,6 +45,7 @@ def examine(record: LoopRecord) -> tuple[Fact, ...]:
     return (
         manual(record),
         missing(record),
+        beyond_reason(record),
         constant(record, "PV"),
         constant(record, "OP"),
         saturated(record),
@@ -72,6 +73,16 @@ def missing(record: LoopRecord, limit: float = 0.5) -> Fact:
     share = float(np.mean(bad))
     text = f"PV, OP or SP is missing or bad in {share:.0%} of the samples ({limit:.0%} allowed)."
     return Fact("signal_missing", share > limit, share, limit, text)
+
+
+def beyond_reason(record: LoopRecord, limit: float = 1e100) -> Fact:
+    """Return whether a number is so large that its square is none: no measurement and no clock gives it."""
+    good = record.good
+    signals = {"time": record.t, "PV": record.pv[good], "OP": record.op[good]}
+    largest = {name: float(np.max(np.abs(x))) if len(x) else 0.0 for name, x in signals.items()}
+    name = max(largest, key=lambda key: largest[key])
+    text = f"{name} reaches {largest[name]:.3g}, which no plant measures: look at its unit and at the columns read."
+    return Fact("signal_missing", largest[name] > limit, largest[name], limit, text)
 
 
 def constant(record: LoopRecord, signal: str = "PV") -> Fact:

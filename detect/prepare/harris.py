@@ -55,6 +55,9 @@ def harris(y: Values, horizon: int) -> Harris | None:
     if horizon < 1:
         raise ValueError(f"horizon = {horizon} samples; give 1 or more, the dead time included")
     n = len(y)
+    scale = float(np.max(np.abs(y))) if n else 0.0
+    if not 1e-150 < scale < 1e150:
+        return None  # squares of such numbers are none
     y = y - np.mean(y)
     variance = float(np.mean(y * y))
     most = min(ORDER, n // 10)

@@ -142,6 +142,8 @@ class Prepared:
 
         The dead time is seldom known; the horizon in its place is ours.
         """
+        if any(fact.code == "signal_missing" for fact in self.present):
+            return None
         e = self.stretch.e
         ahead = self.samples_per_period / 8.0
         return harris(e, max(1, round(ahead)) if math.isfinite(ahead) else 10) if len(e) else None

@@ -167,7 +167,7 @@ def _one_loop(free: list[str], named: Mapping[str, str], loop: str | None) -> tu
     for _, parts in groups.values():
         for role, column in parts.items():
             if role == "STEM":
-                continue  # `_stem_elsewhere` knows which of several belongs here
+                continue  # ``_stem_elsewhere`` knows which of several belongs here
             if role in merged:
                 raise ReadError(
                     f"several columns may be the {role} ({merged[role]!r}, {column!r}) and no tag has both PV "

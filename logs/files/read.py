@@ -1,35 +1,32 @@
-"""Reading records: a CSV, text or Parquet file, or a data frame, becomes a log or one control loop."""
+"""Reading records: a CSV, text or Parquet file, or a data frame, becomes a log, one control loop or all of them."""
 
 from __future__ import annotations
 
 import io
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
 from logs.errors import LogError, ReadError
-from logs.files.assemble import Layout, assemble, layout_of
-from logs.files.columns import Roles, choose_columns
+from logs.files.assemble import assemble, layout_of
+from logs.files.columns import loop_names
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
+from logs.files.loops import Origin, check_span, loop_of
 from logs.files.source import decoded, file_bytes, is_parquet
 from logs.files.table import Table, names_and_units, parse_table
 from logs.log import Log
 from logs.loop import LoopRecord
-from logs.spans import guess_op_span
-from logs.tags import Process, measurement_of, process_of, tag_in
+from logs.tags import Process
 
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["ReadError", "read_log", "read_loop"]
+__all__ = ["ReadError", "read_log", "read_loop", "read_loops"]
 
-_UNUSED_SHOWN = 15
 # A path, or a frame of any library: frames are known by what they can do, so no type names them all.
 Source: TypeAlias = Any
 
@@ -73,7 +70,7 @@ def read_log(
     with _named(source):
         table, heading = _opened(source, separator)
         layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
-        return _with_origin(assemble(layout, columns), source, heading)
+        return _origin(source, heading).on(assemble(layout, columns))
 
 
 def read_loop(
@@ -118,54 +115,51 @@ def read_loop(
     """
     with _named(source):
         if op_span is not None:
-            _check_span(op_span)
+            check_span(op_span)
         table, heading = _opened(source, separator)
         layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
         given = {"sp": sp, "pv": pv, "op": op, "mv": mv, "mode": mode}
-        roles = choose_columns(layout.names, given, loop)
-        parts = {"SP": roles.sp, "PV": roles.pv, "OP": roles.op, "MV": roles.mv, "MODE": roles.mode}
-        wanted = {part: column for part, column in parts.items() if column is not None}
-        log = assemble(layout, wanted, [roles.mode] if roles.mode else [])
-        log = _with_origin(log, source, heading)
-        notes = [f"{c!r} is read as {part}." for part, c in wanted.items() if _differs(c, part, roles.loop)]
-        notes += roles.notes
-        notes += _about_unused(layout, roles)
-        if "MODE" in log and not np.isfinite(log["MODE"]).any():
-            log = _without(log, "MODE")
-        log, found = _with_spans(log, op_span, own=heading is not None)
-        notes += found
-        stem = "" if frame_kind(source) else Path(source).stem
-        tag = roles.loop or tag_in(stem)
-        measurement = measurement_of(tag) or measurement_of(roles.pv)
-        if process is None:
-            process = process_of(measurement)
-            notes.append(_about_process(measurement, tag, process))
-        return LoopRecord(
-            log=replace(log, notes=(*log.notes, *(note for note in notes if note not in log.notes))),
-            name=name or roles.loop or stem or "loop",
-            sp_name="SP" if "SP" in log else None,
-            pv_name="PV",
-            op_name="OP",
-            mv_name="MV" if "MV" in log else None,
-            mode_name="MODE" if "MODE" in log else None,
-            process=process,
-            measurement=measurement,
-        )
+        return loop_of(layout, _origin(source, heading), given, loop, name, process, op_span)
 
 
-def _about_unused(layout: Layout, roles: Roles) -> list[str]:
-    """The sentence that names the columns (or tags) that are not used, each with the reason."""
-    reasons = {**layout.aside, **dict(roles.unused)}
-    taken = {roles.pv, roles.op, roles.sp, roles.mv, roles.mode}
-    for column, signals in layout.marks.items():
-        if not taken & set(signals):
-            reasons[column] = f"quality of {signals[0]!r}"
-    if not reasons or layout.heading is not None:
-        return []
-    shown = [f"{column!r} ({why})" for column, why in list(reasons.items())[:_UNUSED_SHOWN]]
-    more = len(reasons) - len(shown)
-    rest = f" and {more} more" if more else ""
-    return [f"Columns not used: {', '.join(shown)}{rest}."]
+def read_loops(
+    source: Source,
+    *,
+    loops: Sequence[str] | None = None,
+    time: str | None = None,
+    decimal: str | None = None,
+    separator: str | None = None,
+    time_format: str | None = None,
+    interval: float | None = None,
+    time_unit: str | None = None,
+) -> tuple[LoopRecord, ...]:
+    """Read every control loop of a CSV, text or Parquet file, or of a data frame, in one read.
+
+    Parameters: ``source``, ``time``, ``decimal``, ``separator``, ``time_format``, ``interval``, ``time_unit`` as for
+    ``read_log``; ``loops`` the tags of the loops to read, in this order, otherwise all whose names show a PV and an
+    output, as they stand.
+
+    Returns one LoopRecord a loop, each as ``read_loop(source, loop=tag)`` gives it, but without a note on the columns
+    of the other loops. A file without loop tags gives the one loop that ``read_loop`` finds.
+
+    Raises ReadError as ``read_loop`` does.
+
+    >>> import tempfile, pathlib
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "unit.csv"
+    >>> _ = file.write_text("time,FIC1.PV,FIC1.OP,LIC2.PV,LIC2.OP\\n0,4,50,1,20\\n1,5,51,2,21\\n")
+    >>> [(record.name, record.process) for record in read_loops(file)]
+    [('FIC1', 'self_regulating'), ('LIC2', 'integrating')]
+    """
+    with _named(source):
+        table, heading = _opened(source, separator)
+        layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
+        origin = _origin(source, heading)
+        found = loop_names(layout.names) if loops is None else tuple(loops)
+        if len(found) == 0 and loops is not None:
+            raise ReadError("loops names no loop; leave it out to read all, or name at least one")
+        if loops is None and len(found) < 2:
+            return (loop_of(layout, origin),)
+        return tuple(loop_of(layout, origin, loop=tag, beside=found) for tag in found)
 
 
 @contextmanager
@@ -223,65 +217,10 @@ def _typed(frame: pl.DataFrame) -> Table:
     return Table(frame, list(range(1, frame.height + 1)), units)
 
 
-def _with_origin(log: Log, source: Source, heading: Heading | None) -> Log:
-    if heading is not None:
-        return replace(log, origin=heading.origin, notes=(*heading.notes, *log.notes))
+def _origin(source: Source, heading: Heading | None) -> Origin:
     kind = frame_kind(source)
-    return replace(log, origin=f"read from {f'a {kind} frame' if kind else Path(source).name}")
-
-
-def _differs(column: str, part: str, loop: str) -> bool:
-    """Whether the reader had to interpret: FIC211.PV of the loop FIC211 is plain, PID1/OUT.CV is not."""
-    rest = column.casefold().replace(loop.casefold(), "", 1) if loop else column.casefold()
-    return rest.strip(" ._/\\:-") != part.casefold()
-
-
-def _without(log: Log, name: str) -> Log:
-    return replace(
-        log,
-        signals={key: values for key, values in log.signals.items() if key != name},
-        units={key: unit for key, unit in log.units.items() if key != name},
-        spans={key: span for key, span in log.spans.items() if key != name},
-        quality={key: mask for key, mask in log.quality.items() if key != name},
-    )
-
-
-def _check_span(span: tuple[float, float]) -> None:
-    low, high = (float(limit) for limit in span)
-    if not (np.isfinite(low) and np.isfinite(high) and low < high):
-        raise ReadError(
-            f"op_span = ({low:g}, {high:g}) is empty or turned round; give finite low < high, "
-            "and turn the signal itself for an air-to-close valve"
-        )
-
-
-def _with_spans(log: Log, op_span: tuple[float, float] | None, *, own: bool) -> tuple[Log, list[str]]:
-    """The log with the span of OP, and that of MV where it moves on the same scale."""
-    notes: list[str] = []
-    unit = log.units.get("OP", "")
-    span: tuple[float, float] | None
-    if op_span is not None:
-        span = (float(op_span[0]), float(op_span[1]))
-    elif own or "OP" in log.spans:
-        return log, notes
+    if heading is not None:
+        text, notes = heading.origin, tuple(heading.notes)
     else:
-        span, unit, note = guess_op_span(log["OP"][log.good("OP")], unit)
-        notes += [note] if note else []
-    if span is None:
-        return log, notes
-    units = dict(log.units) | ({"OP": unit} if unit else {})
-    spans = dict(log.spans) | {"OP": span}
-    if "MV" in log and "MV" not in spans and units.get("MV", unit) == unit:
-        seen = log["MV"][log.good("MV")]
-        margin = 0.05 * (span[1] - span[0])
-        if len(seen) and span[0] - margin <= seen.min() and seen.max() <= span[1] + margin:
-            spans["MV"] = span
-            units |= {"MV": unit} if unit else {}
-    return replace(log, units=units, spans=spans), notes
-
-
-def _about_process(measurement: str, tag: str, process: str) -> str:
-    if not measurement:
-        return "The tag does not tell what is measured: the process is taken as unknown."
-    kind = "integrating" if process == "integrating" else "self-regulating"
-    return f"The process is taken as {kind}: {tag or 'the tag of PV'} is a {measurement} loop."
+        text, notes = f"read from {f'a {kind} frame' if kind else Path(source).name}", ()
+    return Origin(text, notes, own=heading is not None, stem="" if kind else Path(source).stem)

@@ -112,9 +112,9 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
 
 HEAD = """# The blocks
 
-One line a block; `stickslip blocks NAME` shows its page: equation, parameters with units, limits, an example.
-Ports without a unit take any. Source `textbook`: no single source. This page is written by
-`stickslip blocks --markdown > docs/blocks.md`.
+One line a block; ``stickslip blocks NAME`` shows its page: equation, parameters with units, limits, an example.
+Ports without a unit take any. Source ``textbook``: no single source. This page is written by
+``stickslip blocks --markdown > docs/blocks.md``.
 """
 
 

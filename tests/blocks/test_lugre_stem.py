@@ -49,7 +49,8 @@ def test_a_slow_ramp_breaks_it_away_at_the_static_friction():
     run = drive(LuGreStem(v_s=0.01), 600.0, every=0.1, OP=Ramp("OP", 0.0001))
     force = K * (run.log["OP"] - run.log["MV"])
     assert force.max() == pytest.approx(F_S, rel=1e-3)  # analytic in the limit of slow ramps
-    assert run.log["MV"][-1] - run.log["MV"][np.argmax(force)] > 0.009  # and then it slips
+    first = int(np.argmax(force > 0.999 * force.max()))  # later peaks are as high
+    assert run.log["MV"][-1] - run.log["MV"][first] > 0.009  # and then it slips
 
 
 @given(z=st.floats(-1.0, 1.0), v=st.floats(-3.0, 3.0), op=st.floats(0.0, 1.0), sigma_1=st.floats(0.0, 765.0))

@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 
-import diagram.simulation as simulation
 from benchmarks.peers.coupled_sticky import coupled_sticky_loops
 from blocks import PI, FirstOrder, IdealValve, Integrator, KanoValve, QuasiStaticStem, Step, StickSlip, Sum
-from diagram import simulate, wire
+from diagram import Diagram, simulate, wire
 from diagram.cells import MANY
-from diagram.flatten import plan, plan_in_cells
 from engine.status import Status
 
 COUNT = 40  # loops, more than MANY
@@ -17,7 +15,7 @@ COUNT = 40  # loops, more than MANY
 def whole(monkeypatch, *arguments, **keywords):
     """Simulate as one component."""
     with monkeypatch.context() as patch:
-        patch.setattr(simulation, "plan_in_cells", plan)
+        patch.setattr(Diagram, "plan_in_cells", Diagram.plan)
         run = simulate(*arguments, **keywords)
     assert run.statistics.components == 1
     return run
@@ -86,7 +84,7 @@ def test_cells_that_hang_together_tightly_are_run_as_one(monkeypatch):
             Integrator(1.0, 1.0, name=f"P{i}", inputs=[f"u{i}"], outputs=f"PV{i}"),
         ]
     ring = wire(blocks)
-    assert plan_in_cells(ring).links
+    assert ring.plan_in_cells().links
     run = simulate(ring, 5.0, every=0.5)
     exact = whole(monkeypatch, ring, 5.0, every=0.5, rtol=1e-9, atol=1e-12)
     assert run.ok and run.statistics.components == 1
@@ -117,7 +115,7 @@ def test_a_run_in_cells_can_be_interrupted():
 
 
 def test_few_loops_stay_one_component():
-    assert not plan_in_cells(coupled_sticky_loops(MANY // 2)).links
+    assert not coupled_sticky_loops(MANY // 2).plan_in_cells().links
 
 
 def mixed_ring(seed):
@@ -142,7 +140,7 @@ def mixed_ring(seed):
 @pytest.mark.parametrize("seed", range(4))
 def test_mixed_loops_in_cells_are_what_they_are_together(monkeypatch, seed):
     ring = mixed_ring(seed)
-    assert plan_in_cells(ring).links
+    assert ring.plan_in_cells().links
     run = simulate(ring, 40.0, every=0.5)
     exact = whole(monkeypatch, ring, 40.0, every=0.5, rtol=1e-9, atol=1e-12)
     assert run.ok and run.statistics.components >= COUNT

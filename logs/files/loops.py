@@ -1,0 +1,155 @@
+"""From the table of a file to a loop record: which columns play which part, the span of OP, the kind of process.
+
+Everything that is guessed about a loop is guessed here, for one loop and for many.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from logs.errors import ReadError
+from logs.files.assemble import Layout, assemble
+from logs.files.columns import Roles, choose_columns
+from logs.files.names import plain, role_of
+from logs.log import Log
+from logs.loop import LoopRecord
+from logs.spans import guess_op_span
+from logs.tags import Process, measurement_of, process_of, tag_in
+
+__all__ = ["Origin", "check_span", "loop_of"]
+
+_UNUSED_SHOWN = 15
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a table came from: in words, its notes, whether we wrote it ourselves, the file's name without ending."""
+
+    text: str
+    notes: tuple[str, ...]
+    own: bool
+    stem: str
+
+    def on(self, log: Log) -> Log:
+        """The log with this origin."""
+        return replace(log, origin=self.text, notes=(*self.notes, *log.notes))
+
+
+def loop_of(
+    layout: Layout,
+    origin: Origin,
+    given: Mapping[str, str | None] | None = None,
+    loop: str | None = None,
+    name: str | None = None,
+    process: Process | None = None,
+    op_span: tuple[float, float] | None = None,
+    beside: Collection[str] = (),
+) -> LoopRecord:
+    """One loop of a table; ``beside`` names the loops whose columns need no note. Raises as ``read_loop`` does."""
+    roles = choose_columns(layout.names, given, loop)
+    parts = {"SP": roles.sp, "PV": roles.pv, "OP": roles.op, "MV": roles.mv, "MODE": roles.mode}
+    wanted = {part: column for part, column in parts.items() if column is not None}
+    log = origin.on(assemble(layout, wanted, [roles.mode] if roles.mode else []))
+    notes = [f"{c!r} is read as {part}." for part, c in wanted.items() if _differs(c, part, roles.loop)]
+    notes += roles.notes
+    notes += _about_unused(layout, roles, beside)
+    if "MODE" in log and not np.isfinite(log["MODE"]).any():
+        log = _without(log, "MODE")
+    log, found = _with_spans(log, op_span, own=origin.own)
+    notes += found
+    tag = roles.loop or tag_in(origin.stem)
+    measurement = measurement_of(tag) or measurement_of(roles.pv)
+    if process is None:
+        process = process_of(measurement)
+        notes.append(_about_process(measurement, tag, process))
+    return LoopRecord(
+        log=replace(log, notes=(*log.notes, *(note for note in notes if note not in log.notes))),
+        name=name or roles.loop or origin.stem or "loop",
+        sp_name="SP" if "SP" in log else None,
+        pv_name="PV",
+        op_name="OP",
+        mv_name="MV" if "MV" in log else None,
+        mode_name="MODE" if "MODE" in log else None,
+        process=process,
+        measurement=measurement,
+    )
+
+
+def _about_unused(layout: Layout, roles: Roles, beside: Collection[str]) -> list[str]:
+    """The sentence that names the columns (or tags) that no loop among ``beside`` uses, each with the reason."""
+    reasons = {**layout.aside, **dict(roles.unused)}
+    for column in list(reasons):
+        told = role_of(column)
+        if told is not None and plain(told[0]) in {plain(tag) for tag in beside} - {plain(roles.loop)}:
+            del reasons[column]  # of another loop that is read, too
+    taken = {roles.pv, roles.op, roles.sp, roles.mv, roles.mode}
+    for column, signals in layout.marks.items():
+        if not taken & set(signals):
+            reasons[column] = f"quality of {signals[0]!r}"
+    if not reasons or layout.heading is not None:
+        return []
+    shown = [f"{column!r} ({why})" for column, why in list(reasons.items())[:_UNUSED_SHOWN]]
+    more = len(reasons) - len(shown)
+    rest = f" and {more} more" if more else ""
+    return [f"Columns not used: {', '.join(shown)}{rest}."]
+
+
+def _differs(column: str, part: str, loop: str) -> bool:
+    """Whether the reader had to interpret: FIC211.PV of the loop FIC211 is plain, PID1/OUT.CV is not."""
+    rest = column.casefold().replace(loop.casefold(), "", 1) if loop else column.casefold()
+    return rest.strip(" ._/\\:-") != part.casefold()
+
+
+def _without(log: Log, name: str) -> Log:
+    return replace(
+        log,
+        signals={key: values for key, values in log.signals.items() if key != name},
+        units={key: unit for key, unit in log.units.items() if key != name},
+        spans={key: span for key, span in log.spans.items() if key != name},
+        quality={key: mask for key, mask in log.quality.items() if key != name},
+    )
+
+
+def check_span(span: tuple[float, float]) -> None:
+    """Raise ReadError for a span that is not finite, empty or turned round."""
+    low, high = (float(limit) for limit in span)
+    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        raise ReadError(
+            f"op_span = ({low:g}, {high:g}) is empty or turned round; give finite low < high, "
+            "and turn the signal itself for an air-to-close valve"
+        )
+
+
+def _with_spans(log: Log, op_span: tuple[float, float] | None, *, own: bool) -> tuple[Log, list[str]]:
+    """The log with the span of OP, and that of MV where it moves on the same scale."""
+    notes: list[str] = []
+    unit = log.units.get("OP", "")
+    span: tuple[float, float] | None
+    if op_span is not None:
+        span = (float(op_span[0]), float(op_span[1]))
+    elif own or "OP" in log.spans:
+        return log, notes
+    else:
+        span, unit, note = guess_op_span(log["OP"][log.good("OP")], unit)
+        notes += [note] if note else []
+    if span is None:
+        return log, notes
+    units = dict(log.units) | ({"OP": unit} if unit else {})
+    spans = dict(log.spans) | {"OP": span}
+    if "MV" in log and "MV" not in spans and units.get("MV", unit) == unit:
+        seen = log["MV"][log.good("MV")]
+        margin = 0.05 * (span[1] - span[0])
+        if len(seen) and span[0] - margin <= seen.min() and seen.max() <= span[1] + margin:
+            spans["MV"] = span
+            units |= {"MV": unit} if unit else {}
+    return replace(log, units=units, spans=spans), notes
+
+
+def _about_process(measurement: str, tag: str, process: str) -> str:
+    if not measurement:
+        return "The tag does not tell what is measured: the process is taken as unknown."
+    kind = "integrating" if process == "integrating" else "self-regulating"
+    return f"The process is taken as {kind}: {tag or 'the tag of PV'} is a {measurement} loop."
