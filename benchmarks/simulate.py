@@ -17,6 +17,8 @@ import warnings
 import numpy as np
 
 from benchmarks.peers.coupled_sticky import coupled_sticky_loops
+from benchmarks.replay import NOTES as REPLAY_NOTES
+from benchmarks.replay import replay_figures
 from benchmarks.report import Figures, median_seconds, options, publish
 from cases import find
 from cases.exact import exact_run
@@ -49,6 +51,7 @@ NOTES = {
     "plan_1000_s": "laying out 1000 coupled loops for the engine, once per diagram [s]",
     "plan_exponent": "cost of that ~ N^this from 250 to 1000 loops",
     "ensemble_1000_s": "1000 variants of the ideal loop, all signals kept [s] (required: at most 3)",
+    **REPLAY_NOTES,
     "simulate_process_s": "whole process 'stickslip simulate ideal_high', warm cache [s] (required: at most 2.0)",
     "simulate_over_import": "that over 'python -c \"import control\"', in turn (required: at most 1.4)",
     "help_process_s": "whole process 'stickslip --help' [s] (required: at most 0.3)",
@@ -156,6 +159,8 @@ def main() -> None:
     result = ensemble(loop, case.duration, params=spread, every=case.every)
     figures[f"ensemble_{variants}_s"] = time.perf_counter() - begin
     figures["ensemble_failed"] = int(np.sum(np.asarray(result.status) != 0))
+
+    figures |= replay_figures(repeats)
 
     figures |= start_figures(3 if chosen.quick else 7)
     figures["help_process_s"] = process_seconds(["-m", "stickslip", "--help"], 3 if chosen.quick else 7)

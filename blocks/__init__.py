@@ -1,6 +1,7 @@
 """Blocks: one python-control nonlinear I/O system per file, made of pure kernels.
 
 sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise PRBS Chirp
+log on top   Pin (of a signal)
 controllers  PI PID SampledPI RelayTuner
 valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
              Positioner (pneumatic, in front of a stem)
@@ -49,6 +50,7 @@ from blocks.noise import Noise
 from blocks.periodic import Sine, Slug, Square, Triangle
 from blocks.pi import PI
 from blocks.pid import PID
+from blocks.pin import Pin
 from blocks.plenum import Plenum
 from blocks.ports import BlockError, Labels, Port
 from blocks.positioner import Positioner
@@ -123,6 +125,7 @@ __all__ = [
     "MaxSelect",
     "MinSelect",
     "Noise",
+    "Pin",
     "Plenum",
     "Port",
     "Positioner",

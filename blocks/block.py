@@ -43,7 +43,8 @@ class Kernels:
 
     ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the
     same instant.  ``timed``: whether ``out`` or ``der`` reads the time ``t``.  ``rates``: whether ``zc`` and ``jump``
-    want the input rates behind the inputs in ``u``.
+    want the input rates behind the inputs in ``u``.  ``jumps``: whether outputs jump when an event fires, as a stem
+    without mass does when it slips.
     """
 
     out: Kernel | None = None
@@ -56,6 +57,7 @@ class Kernels:
     feeds: bool = True
     rates: bool = False
     timed: bool = False
+    jumps: bool = False
 
 
 class Host(Protocol):
@@ -78,6 +80,10 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     ``period_param`` and ``offset_param`` (sampled blocks), ``dead_time_param`` (delays all inputs in the engine) and
     ``before_param`` (what they were before the start), ``limit_params`` (low and high end of the output),
     ``plays`` (part in a loop -> port that plays it, where the port has another name; see ``loop_signal``).
+
+    ``timetable`` (rows, 1 + values): times [s], strictly increasing, and the values in force from each time on, of the
+    first row also before.  Kernels read the values in force behind the parameters in ``p``; nothing else of the table
+    is copied, however many runs read it.  A block with a timetable and a kernel ``step`` takes a sample at each time.
     """
 
     role: Role = Role.PROCESS
@@ -107,6 +113,7 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         memory: Mapping[str, float] | None = None,
         start_output: ArrayLike | None = None,
         table: ArrayLike = (),
+        timetable: Floats | None = None,
         inputs: Labels = None,
         outputs: Labels = None,
         units: Mapping[str, str] | None = None,
@@ -121,7 +128,9 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         self.state_names = tuple(states)
         self.memory_names = tuple(memory)
         named = np.array([number(name, key, value) for key, value in params.items()], dtype=float)
-        self.p: Floats = np.concatenate([named, np.asarray(table, dtype=float).ravel()])
+        self.timetable = None if timetable is None else np.ascontiguousarray(timetable, dtype=float)
+        row: ArrayLike = [] if self.timetable is None else self.timetable[0, 1:]
+        self.p: Floats = np.concatenate([named, np.asarray(table, dtype=float).ravel(), np.asarray(row)])
         self.y0: Floats = (
             np.zeros(len(self.ports_out)) if start_output is None else self._checked_outputs(start_output, name)
         )
@@ -216,6 +225,11 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     def sampled(self) -> bool:
         """Whether the block runs at its own sampling instants."""
         return self.period_param is not None
+
+    @property
+    def takes_samples(self) -> bool:
+        """Whether the block does something at sampling instants, be they periodic or listed in its timetable."""
+        return self.sampled or (self.timetable is not None and self.kernels.step is not None)
 
     @property
     def period(self) -> float:
@@ -420,7 +434,7 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
             return after
         rates = np.zeros(len(self.x0))
         if self.kernels.der is not None:
-            self.kernels.der(t, x, self.seen_memory(x, u), u, self._p_now, rates)
+            self.kernels.der(t, x, self.seen_memory(x, u), u, self._p_at(t), rates)
         return rates
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
@@ -428,8 +442,17 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
             return self._sample(t, np.array(x, dtype=float), u)
         y = np.zeros(len(self.ports_out))
         if self.kernels.out is not None:
-            self.kernels.out(t, x, self.seen_memory(x, u), u, self._p_now, y)
+            self.kernels.out(t, x, self.seen_memory(x, u), u, self._p_at(t), y)
         return y
+
+    def _p_at(self, t: float) -> Floats:
+        """Return parameters and, behind them, the values of the timetable that are in force at ``t`` [s]."""
+        if self.timetable is None:
+            return self._p_now
+        passed = int(np.searchsorted(self.timetable[:, 0], t, side="right"))
+        p = self._p_now.copy()
+        p[len(p) - self.timetable.shape[1] + 1 :] = self.timetable[max(0, passed - 1), 1:]
+        return p
 
     def _sample(self, t: float, memory: Floats, u: Floats) -> Floats:
         if self.host is not None:

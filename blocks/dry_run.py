@@ -117,13 +117,14 @@ def dry_run(block: "Block") -> None:
     """
     k = block.kernels
     sizes = (len(block.ports_in), len(block.ports_out), len(block.x0), len(block.d0), len(block.p))
-    key = (k, sizes, tuple(block.modes.values()), block.sampled)
+    key = (k, sizes, tuple(block.modes.values()), block.takes_samples)
     if block.host is not None or key in _passed:
         return
     try:
         _complete(block)
         with contextlib.redirect_stdout(io.StringIO()) as said, np.errstate(all="ignore"):
-            for name in ("step",) if block.sampled else ("out", "der", "zc", "jump", "next_time"):
+            names = ("out", "der", "zc", "jump", "next_time", "step")
+            for name in names[-1:] if block.sampled else names:
                 kernel = getattr(k, name)
                 always_python = isinstance(getattr(kernel, "may_run_in_python", None), str)  # cannot harm memory
                 if kernel is not None and not always_python and (name != "der" or len(block.x0)):
@@ -141,8 +142,8 @@ def _complete(block: "Block") -> None:
     rules = (
         (block.sampled and k.step is None, "has a sampling period but no kernel step"),
         (
-            not block.sampled and k.step is not None,
-            "has a kernel step but no period_param, so it would never be called",
+            not block.takes_samples and k.step is not None,
+            "has a kernel step but no period_param or timetable, so it would never be called",
         ),
         (not block.sampled and len(block.ports_out) > 0 and k.out is None, "has outputs but no kernel out"),
         (not block.sampled and len(block.x0) > 0 and k.der is None, "has states but no kernel der"),

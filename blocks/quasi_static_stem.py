@@ -87,7 +87,7 @@ class QuasiStaticStem(Block):
     role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2, rates=True)
+    kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2, rates=True, jumps=True)
     modes = {"stuck": STUCK, "sliding up": UP, "sliding down": DOWN, "ideal": IDEAL}
     limit_params = ("low", "high")
 

@@ -3,42 +3,64 @@
     previous   y = v_k                                              t_k <= t < t_(k+1)
     linear     y = v_k + (v_(k+1) - v_k) (t - t_k)/(t_(k+1) - t_k)
 
-The ends hold: y = v_1 before t_1, y = v_n after t_n.  The table is block data (``p`` = n, linear, t_1 ... t_n,
-v_1 ... v_n); each value is found by binary search, nothing is remembered between calls.  Every t_k is announced to
-the engine, so playback is exact at the knots; n knots cost at least n integration steps.
+The ends hold: y = v_1 before t_1, y = v_n after t_n.  The table is the block's timetable (rows t_k, v_k and the slope
+to the next), read with a cursor and shared by all runs.  Every t_k is an instant of the run, so playback is exact at
+the knots; n knots cost at least n integration steps.
 See also: sources, periodic.
 """
 
-import math
 from collections.abc import Sequence
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Kernels
 from blocks.ports import BlockError, nearest, require
 from blocks.sources import Source
-from blocks.table import passed, same_size
 
-HOLDS = {"previous": 0.0, "linear": 1.0}
+HOLDS = ("previous", "linear")
 
-
-def _recorded_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    n = int(p[0])
-    k = passed(t, int(p[0]), 2, p)
-    at = 1 + n + k  # the value of the last knot passed
-    if k == 0:
-        y[0] = p[2 + n]
-    elif k == n or p[1] == 0.0:
-        y[0] = p[at]
-    else:
-        y[0] = p[at] + (p[at + 1] - p[at]) * ((t - p[1 + k]) / (p[2 + k] - p[1 + k]))
+# p = the row in force: v where it is held; t, v and the slope to the next where lines join them
 
 
-def _recorded_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
-    k = passed(t, int(p[0]), 2, p)
-    out[0] = p[2 + k] if k < int(p[0]) else math.inf
+def _held_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = p[0]
+
+
+def _line_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = p[1] + p[2] * (t - p[0]) if t > p[0] else p[1]
+
+
+def samples(name: str, t: ArrayLike, values: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return times [s] and values as arrays (n,).
+
+    Raises ``BlockError`` unless both are finite numbers, n >= 1, and the times strictly increase.
+    """
+    try:
+        times, levels = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise BlockError(
+            f"{name}: t = {t!r:.60}, values = {values!r:.60}, but both must be numbers; give an array for each"
+        ) from None
+    if times.ndim != 1 or times.shape != levels.shape or not times.size:
+        raise BlockError(
+            f"{name}: t has shape {times.shape}, values {levels.shape}, but both must be (n,) with n >= 1; "
+            f"give one value per time"
+        )
+    bad = np.flatnonzero(~(np.isfinite(times) & np.isfinite(levels)))
+    if bad.size:
+        raise BlockError(
+            f"{name}: {bad.size} of {times.size} samples are not finite, the first at index {bad[0]}; "
+            f"drop them or fill the gaps first"
+        )
+    back = np.flatnonzero(np.diff(times) <= 0.0)
+    if back.size:
+        raise BlockError(
+            f"{name}: t[{back[0]}] = {times[back[0]]} is followed by {times[back[0] + 1]}, but times must "
+            f"strictly increase; sort them and drop repeated ones"
+        )
+    return times, levels
 
 
 class Recorded(Source):
@@ -51,8 +73,6 @@ class Recorded(Source):
     [5.0, 5.5, 6.0, 5.0, 4.0]
     """
 
-    kernels = Kernels(out=_recorded_out, next_time=_recorded_next, feeds=False, timed=True)
-
     def __init__(
         self,
         signal: str,
@@ -64,41 +84,14 @@ class Recorded(Source):
         name: str = "",
     ) -> None:
         name = name or signal
-        try:
-            times, levels = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
-        except (TypeError, ValueError):
-            raise BlockError(
-                f"{name}: t = {t!r:.60}, values = {values!r:.60}, but both must be numbers; give an array for each"
-            ) from None
         if hold not in HOLDS:
-            raise BlockError(f"{name}: hold = {hold!r}; {nearest(str(hold), list(HOLDS))}")
-        if times.ndim != 1 or times.shape != levels.shape or not times.size:
-            raise BlockError(
-                f"{name}: t has shape {times.shape}, values {levels.shape}, but both must be (n,) with n >= 1; "
-                f"give one value per time"
-            )
-        bad = np.flatnonzero(~(np.isfinite(times) & np.isfinite(levels)))
-        if bad.size:
-            raise BlockError(
-                f"{name}: {bad.size} of {times.size} samples are not finite, the first at index {bad[0]}; "
-                f"drop them or fill the gaps first"
-            )
-        back = np.flatnonzero(np.diff(times) <= 0.0)
-        if back.size:
-            raise BlockError(
-                f"{name}: t[{back[0]}] = {times[back[0]]} is followed by {times[back[0] + 1]}, but times must "
-                f"strictly increase; sort them and drop repeated ones"
-            )
-        params = {"n": times.size, "linear": HOLDS[hold]}
-        super().__init__(signal, params, table=np.concatenate([times, levels]), unit=unit, name=name)
-
-    def with_params(self, **changes: float) -> Self:
-        """Return a copy with ``linear`` (1 or 0) changed; the length of the table cannot change.
-
-        Raises ``BlockError`` for another length or an unknown name.
-        """
-        same_size(self, changes, "n")
-        return super().with_params(**changes)
+            raise BlockError(f"{name}: hold = {hold!r}; {nearest(str(hold), HOLDS)}")
+        times, levels = samples(name, t, values)
+        held = hold == "previous"
+        slopes = np.append(np.diff(levels) / np.diff(times), 0.0)
+        self.kernels = Kernels(out=_held_out if held else _line_out, feeds=False, timed=not held)
+        rows = np.column_stack([times, levels] if held else [times, times, levels, slopes])
+        super().__init__(signal, {}, timetable=rows, unit=unit, name=name)
 
 
 class Staircase(Recorded):

@@ -76,7 +76,7 @@ def cut(flat: Sequence[FlatBlock], groups: Sequence[Sequence[int]], signals: int
             if driver[w] not in shared and group_of[driver[w]] != g
         }
     )
-    busy = sum(any(flat[f].n_events or flat[f].kind == SAMPLED for f in group) for group in groups)
+    busy = sum(any(flat[f].n_events or flat[f].listed or flat[f].kind == SAMPLED for f in group) for group in groups)
     if not crossing or 2 * busy < len(groups) or len(crossing) > MOST_READ * len(groups):
         return None
     blocks, cells, links = [*flat], [[*group] for group in groups], []

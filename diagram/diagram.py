@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from diagram.flatten import Plan
     from diagram.segments import Segment
+    from logs import Log
 
 
 class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
@@ -185,6 +186,19 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         Raises ``WiringError`` if there is no such block, or if the new one has other numbers of ports.
         """
         return changes.replaced(self, name, block)
+
+    def pinned(self, log: "Log", signals: Sequence[str] | None = None) -> "Diagram":
+        """Return the diagram held to a log: logged signals are set right at each logged time (``diagram.pins``).
+
+        ``signals``: those to pin, by default all that the log has too.  Of a sensor's PV, ``PV:sensor`` is then what
+        the sensor gives and ``PV:offset`` what the pin adds.  Open inputs that are logged are driven by the log, held
+        between samples.  What is missing or marked bad in the log is not pinned there.
+
+        Raises ``WiringError`` if log and diagram share no signal, or for a signal that one of them has not.
+        """
+        from diagram.pins import pinned
+
+        return pinned(self, log, signals)
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""

@@ -41,13 +41,18 @@ class Plan:
     links: tuple[Link, ...] = ()
 
     def fill(self, run: Snapshot, blocks: tuple[Block, ...]) -> None:
-        """Write parameters, start states, modes, memories and held outputs of the blocks into the arrays of a run."""
+        """Write parameters, start states, modes, memories and held outputs of the blocks into the arrays of a run.
+
+        Of timetables only the addresses are written: the blocks have to outlive the run.
+        """
         for b in run.component.blocks:
             if b < len(blocks):
                 block = blocks[b]
                 run.params(b, len(block.p))[:] = block.p
                 run.states(b, len(block.x0))[:] = block.x0
                 run.memory(b, len(block.d0))[:] = block.d0
+                if block.timetable is not None:
+                    run.point_to(b, block.timetable)
                 if len(block.y0):
                     run.outputs(self.flat[b].first_signal, len(block.y0))[:] = block.y0
         for b, flats in self.delays.items():
@@ -226,14 +231,16 @@ def _flat(block: Block, wires: tuple[int, ...], first: int) -> FlatBlock:
         der=k.der if continuous and len(block.x0) else None,
         zc=k.zc if continuous else None,
         jump=k.jump if continuous else None,
-        step=k.step if kind == SAMPLED else None,
+        step=k.step if kind == SAMPLED or block.timetable is not None else None,
         next_time=k.next_time if continuous else None,
         n_events=k.n_events if continuous else 0,
         rates=k.rates,
+        jumps=continuous and k.jumps,
         feeds=k.feeds,
         timed=k.timed,
         logged=bool(block.modes),
         period_at=block.param_index(block.period_param) if block.period_param else -1,
         offset_at=block.param_index(block.offset_param) if block.offset_param else -1,
+        listed=0 if block.timetable is None else block.timetable.shape[1],
         host=block.host,
     )

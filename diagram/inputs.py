@@ -44,6 +44,11 @@ def source(signal: str, given: Any, name: str = "", unit: str = "") -> Block:
     )
 
 
+def source_name(diagram: Diagram, signal: str) -> str:
+    """Return the name of the block that drives an open input: that of the signal, unless a block has it."""
+    return f"{signal}:given" if any(block.name == signal for block in diagram.blocks) else signal
+
+
 def by_signal(diagram: Diagram, inputs: Inputs) -> Mapping[str, Any]:
     """Return what drives each input by name; of a log or table as a whole, every column that is an open input.
 
@@ -77,9 +82,8 @@ def close(diagram: Diagram, inputs: Inputs) -> Diagram:
     for signal in given:
         if signal not in diagram.open_inputs:
             raise WiringError(f"the diagram has no open input '{signal}'; {nearest(signal, list(diagram.open_inputs))}")
-    taken = {block.name for block in diagram.blocks}
     sources = [
-        source(signal, what, f"{signal}:given" if signal in taken else signal, diagram.input_units[signal])
+        source(signal, what, source_name(diagram, signal), diagram.input_units[signal])
         for signal, what in given.items()
     ]
     still_open = [s for s in diagram.open_inputs if s not in given]

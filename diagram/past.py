@@ -44,7 +44,7 @@ class Past:
         """Collect what the components leave behind."""
         place = _places(diagram, laid)
         delays = {place[f]: UnderWay(theta, records) for end in ends for f, theta, records in end.delays()}
-        sampled = frozenset(block.name for block in diagram.blocks if block.sampled)
+        sampled = frozenset(block.name for block in diagram.blocks if block.takes_samples)
         return Past(min(end.t for end in ends), delays, sampled)
 
     def put_back(self, diagram: "Diagram", laid: "Plan", run: Snapshot) -> None:
@@ -100,7 +100,7 @@ def resumed(diagram: "Diagram", t0: float) -> Past | None:
     if past is None:
         return None
     dead = {block.name: block for block in diagram.blocks if block.dead_time > 0.0}
-    sampled = [block.name for block in diagram.blocks if block.sampled and block.name in past.sampled]
+    sampled = [block.name for block in diagram.blocks if block.takes_samples and block.name in past.sampled]
     afresh = "start afresh with diagram.with_past(None)"
     if abs(t0 - past.t) > 4.0 * float(np.spacing(max(1.0, abs(t0)))):
         if kept := [*(name for name in dead if (name, 0) in past.delays), *sampled]:

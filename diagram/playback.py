@@ -4,18 +4,17 @@ A missing sample (NaN, or marked bad) is left out: a held signal keeps its last 
 joined one goes straight on to the next good value.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from blocks.block import Block
 from blocks.recorded import Recorded
 from diagram.wiring import WiringError
 from logs import Log
 from logs.as_frames import from_table
-
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
 
 
 @dataclass(frozen=True)
@@ -95,9 +94,9 @@ def is_table(given: Any) -> bool:
     return isinstance(given, Log) or bool(frame_kind(given))
 
 
-def check_logged(diagram: "Diagram", t0: float, t_end: float) -> None:
+def check_logged(blocks: Iterable[Block], t0: float, t_end: float) -> None:
     """Raise ``ValueError`` if a run from ``t0`` to ``t_end`` [s] would go beyond a log that it plays back."""
-    for block in diagram.blocks:
+    for block in blocks:
         if isinstance(block, Played):
             first, last, dt = block.logged
             if t0 < first - 1e-9 * abs(first) or t_end > last + 1.001 * dt:

@@ -151,7 +151,7 @@ def simulate(
     if on_progress is not None and not callable(on_progress):
         raise ValueError(f"on_progress = {on_progress!r}, but it is called with the time reached; give a function of t")
     t0, t_end = float(t0), float(t0) + float(duration)  # the engine is compiled for these and no other numbers
-    check_logged(ready, t0, t_end)
+    check_logged(ready.blocks, t0, t_end)
     past = resumed(ready, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     before = counts(ready)

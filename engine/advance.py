@@ -15,6 +15,7 @@ from engine.layout import (
     CHAIN,
     CROWDED,
     EV_COUNT,
+    EV_ROOM,
     EVENTS,
     EVENTS_SEEN,
     FRESH,
@@ -23,13 +24,16 @@ from engine.layout import (
     HOLD,
     JAC_VALID,
     K1_VALID,
+    LINKED,
     MAX_CHAIN,
     MAX_STEPS,
     METHOD,
     N_CHECKED,
     N_EVENTS,
+    N_PINS,
     N_SAMPLED,
     N_STATES,
+    N_TIMES,
     O_F,
     O_G,
     O_G0,
@@ -48,6 +52,7 @@ from engine.layout import (
     T,
 )
 from engine.pace import APART, first_step, restart, watch_stiffness
+from engine.pinning import sample_and_pin
 from engine.record import arrive, limit_by_delays, store_delays
 from engine.rows import write_rows_inside, write_rows_now
 from engine.sampling import sample
@@ -58,15 +63,19 @@ OK, PAUSED, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS =
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyped-def]
-    """Integrate to ``t_end``; write rows of ``log`` at ``times``; rows at ``t_end`` itself only if ``last``.
+def advance(ints, floats, buffer, grid, rows, t_end, last):  # type: ignore[no-untyped-def]
+    """Integrate to ``t_end``; write ``rows`` of the log at the times ``grid``; those at ``t_end`` only if ``last``.
 
-    Resumable: call again with a later ``t_end``, or, when it has paused, after emptying the event buffer ``EV``.
+    Resumable: call again with a later ``t_end``, or, when it has paused, after emptying the event ``buffer``.  All
+    arrays are contiguous; inside they are pointers, because handing an array on counts its references each time.
     """
     I, W = pointer_to(ints), pointer_to(floats)
+    EV, times, log = pointer_to(buffer), pointer_to(grid), pointer_to(rows)
+    I[N_TIMES], I[EV_ROOM] = grid.shape[0], buffer.shape[0]
     n = I[N_STATES]
     while True:
-        if I[FRESH]:
+        current = I[FRESH] != 0  # after an instant signals and event functions are those of the present
+        if current:
             copy(W, I[O_Y0], I[O_X], n)
             if I[HOLD] and W[T] >= t_end - clock(W):
                 return OK
@@ -75,11 +84,11 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
                 return status
         arrived = W[T] >= t_end - clock(W)
         if last or not arrived:
-            write_rows_now(I, W, times, log)
+            write_rows_now(I, W, times, log, current)
         if arrived:
             copy(W, I[O_Y0], I[O_X], n)
             return OK
-        room = EV.shape[0] - I[MAX_CHAIN] - 2 * I[N_EVENTS] - 8  # what one instant may write
+        room = I[EV_ROOM] - I[MAX_CHAIN] - 2 * I[N_EVENTS] - 8  # what one instant may write
         if I[EV_COUNT] >= room or I[STEPS] >= I[PAUSE_AT]:
             return PAUSED
         next_stop(I, W, t_end)
@@ -95,7 +104,7 @@ def advance(ints, floats, EV, times, log, t_end, last):  # type: ignore[no-untyp
         if h <= 0.0:
             return STEP_TOO_SMALL if h == 0.0 else NOT_FINITE
         t_new = W[T_STOP] if h == left else t + h
-        dense = I[N_EVENTS] > 0 or I[HAS_DELAYS] or (I[ROW] < times.shape[0] and times[I[ROW]] < t_new)
+        dense = I[N_EVENTS] > 0 or I[HAS_DELAYS] or (I[ROW] < I[N_TIMES] and times[I[ROW]] < t_new)
         if dense:
             prepare_dense(I, W, t, h)
         crossing = 2.0
@@ -138,7 +147,10 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
     if I[FRESH] == 1:
         begin_instant(I, W)
         copy(W, I[O_Y0], I[O_X], n)
-        if I[N_SAMPLED] > 0:
+        if I[N_PINS] > 0:
+            if not sample_and_pin(I, W, EV):
+                return CHATTERING
+        elif I[N_SAMPLED] > 0:
             sample(I, W)
     if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
         signals(I, W, W[T])
@@ -155,16 +167,21 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def look(I, W):  # type: ignore[no-untyped-def]
-    """Evaluate rates and event functions at the start of a stretch; return whether the rates are finite."""
+    """Take rates and event functions at the start of a stretch; return whether the rates are finite.
+
+    It follows ``renew``, which has left the event functions, and the rates where event functions look at rates.
+    But what is read from other cells may have been replaced since.
+    """
     n = I[N_STATES]
     copy(W, I[O_Y0], I[O_X], n)
-    rates(I, W, W[T])
+    if I[LINKED] or not I[HAS_RATES]:
+        rates(I, W, W[T])
     copy(W, I[O_F], I[O_K], n)
     if not finite(W, I[O_F], n):
         return False
-    if I[N_EVENTS] > 0:
+    if I[LINKED] and I[N_EVENTS] > 0:
         evaluate_events(I, W, W[T], min(1.0, max(W[STEP], 1e-9)))
-        copy(W, I[O_G], I[O_G0], I[N_EVENTS])
+    copy(W, I[O_G], I[O_G0], I[N_EVENTS])
     I[K1_VALID] = 1
     return True
 

@@ -17,6 +17,7 @@ from engine.layout import (
     CHAIN,
     CONTINUOUS,
     EV_COUNT,
+    EV_ROOM,
     EVENTS,
     EVENTS_SEEN,
     GLOBAL,
@@ -39,10 +40,11 @@ from engine.layout import (
     O_X,
     RATES,
     RTOL,
-    SAMPLED,
     SMOOTH_STOP,
     T_LEFT,
     T_STOP,
+    TABLE,
+    TAKES,
     WIRES,
     D,
     G,
@@ -54,7 +56,7 @@ from engine.layout import (
     X,
 )
 from engine.sampling import begin_run, due
-from engine.sweep import evaluate_events, gather_with_rates, resolution, signals
+from engine.sweep import events_of_signals, gather_with_rates, resolution, signals
 
 IMPULSE = 1e12  # rate that stands for a jump of a signal
 
@@ -78,11 +80,9 @@ def fire(I, W, EV, row, which):  # type: ignore[no-untyped-def]
     I[EVENTS] += 1
     I[CHAIN] += 1
     happens(I, row, 0)
-    if I[row + LOGGED] and W[d] != before and I[EV_COUNT] < EV.shape[0]:
-        EV[I[EV_COUNT], 0] = W[T]
-        EV[I[EV_COUNT], 1] = I[row + GLOBAL]
-        EV[I[EV_COUNT], 2] = before
-        EV[I[EV_COUNT], 3] = W[d]
+    if I[row + LOGGED] and W[d] != before and I[EV_COUNT] < I[EV_ROOM]:
+        at = 4 * I[EV_COUNT]
+        EV[at], EV[at + 1], EV[at + 2], EV[at + 3] = W[T], I[row + GLOBAL], before, W[d]
         I[EV_COUNT] += 1
 
 
@@ -153,7 +153,7 @@ def settle(I, W, EV, scale):  # type: ignore[no-untyped-def]
             if I[CHAIN] > I[MAX_CHAIN]:
                 return False
             continue
-        evaluate_events(I, W, W[T], scale)
+        events_of_signals(I, W, W[T], scale)
         if not fire_positive(I, W, EV):
             return True
         if I[CHAIN] > I[MAX_CHAIN]:
@@ -193,9 +193,9 @@ def next_stop(I, W, t_end):  # type: ignore[no-untyped-def]
     largest = np.inf
     for b in range(I[N_BLOCKS]):
         row = H + b * R
-        if I[row + KIND] == SAMPLED:
+        if I[row + TAKES] or I[row + TABLE] != 0:
             stop_at(I, W, due(I, W, row))
-        elif I[row + KIND] == CONTINUOUS and I[row + A_NEXT] != 0:
+        if I[row + KIND] == CONTINUOUS and I[row + A_NEXT] != 0:
             at = I[row + NEXT_TIME]
             call(I[row + A_NEXT], W[T], W, I[O_X] + I[row + X], I[row + D], I[row + U], I[row + P], at)
             if W[at] > W[T]:

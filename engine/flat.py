@@ -40,10 +40,12 @@ class FlatBlock:
     next_time: Kernel | None = None
     n_events: int = 0
     rates: bool = False
+    jumps: bool = False
     feeds: bool = True
     timed: bool = False  # whether out or der reads the time
     logged: bool = False
     period_at: int = -1  # where the sampling period stands in p
     offset_at: int = -1  # where the first sampling instant stands in p
+    listed: int = 0  # numbers in a row of its timetable; 0: it has none
     capacity: int = 0  # of the delay ring
     host: Any = None

@@ -8,7 +8,7 @@ from engine.call import pointer_to
 from engine.delay import happens
 from engine.events import begin_instant
 from engine.flat import FlatBlock, Floats, Ints
-from engine.sampling import publish, take
+from engine.sampling import publish, take, turn_tables
 from engine.sweep import resolution, signals
 from engine.table import Component
 
@@ -18,6 +18,7 @@ def open_instant(ints, floats):  # type: ignore[no-untyped-def]
     """Begin an instant and publish, called from Python with the arrays themselves."""
     I, W = pointer_to(ints), pointer_to(floats)
     begin_instant(I, W)
+    turn_tables(I, W)
     publish(I, W)
 
 

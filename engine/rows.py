@@ -18,6 +18,7 @@ from engine.layout import (
     N_LOG,
     N_SIGNALS,
     N_STATES,
+    N_TIMES,
     NU,
     NY,
     O_CS,
@@ -41,17 +42,18 @@ from engine.sweep import clock, signals
 
 
 @njit(cache=True, error_model="numpy")
-def write_rows_now(I, W, times, log):  # type: ignore[no-untyped-def]
-    """Write the log rows that are due at the present."""
+def write_rows_now(I, W, times, log, current):  # type: ignore[no-untyped-def]
+    """Write the log rows that are due at the present; ``current``: the signals are those of the present."""
     present = W[T] + clock(W)
-    if I[ROW] >= times.shape[0] or times[I[ROW]] > present:
+    if I[ROW] >= I[N_TIMES] or times[I[ROW]] > present:
         return
-    copy(W, I[O_Y0], I[O_X], I[N_STATES])
-    signals(I, W, W[T])
+    if not current:
+        copy(W, I[O_Y0], I[O_X], I[N_STATES])
+        signals(I, W, W[T])
     wires = I[L_WIRES]
-    while I[ROW] < times.shape[0] and times[I[ROW]] <= present:
+    while I[ROW] < I[N_TIMES] and times[I[ROW]] <= present:
         for i in range(I[N_LOG]):
-            log[i, I[ROW]] = W[I[O_S] + I[wires + i]]
+            log[i * I[N_TIMES] + I[ROW]] = W[I[O_S] + I[wires + i]]
         I[ROW] += 1
 
 
@@ -64,7 +66,7 @@ def write_rows_inside(I, W, times, log, t, h, t_new):  # type: ignore[no-untyped
     while True:
         first = I[ROW]
         count = 0
-        while count < CHUNK and first + count < times.shape[0] and times[first + count] < t_new:
+        while count < CHUNK and first + count < I[N_TIMES] and times[first + count] < t_new:
             interpolate(I, W, (times[first + count] - t) / h)
             for i in range(n):
                 W[cx + count * n + i] = W[x + i]
@@ -80,7 +82,7 @@ def write_rows_inside(I, W, times, log, t, h, t_new):  # type: ignore[no-untyped
         for i in range(I[N_LOG]):
             signal = cs + I[wires + i]
             for r in range(count):
-                log[i, first + r] = W[signal + r * ns]
+                log[i * I[N_TIMES] + first + r] = W[signal + r * ns]
         I[ROW] = first + count
 
 

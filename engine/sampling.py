@@ -12,6 +12,7 @@ from engine.layout import (
     FEEDS,
     KIND,
     L_REPLAYED,
+    LATE,
     N_BLOCKS,
     N_REPLAYED,
     ND,
@@ -19,9 +20,14 @@ from engine.layout import (
     O_SCRATCH,
     O_X,
     OFFSET,
+    P_SIGNALS,
     PERIOD,
     SAMPLED,
     SEEN,
+    SWEPT,
+    SWEPT_CALLS,
+    TABLE,
+    TAKES,
     D,
     H,
     P,
@@ -31,21 +37,46 @@ from engine.layout import (
     X,
     Y,
 )
-from engine.sweep import clock, gather, signals
+from engine.listed import find_row, listed_time, put_row
+from engine.sweep import clock, gather, play_calls, signals
 
 
 @njit(cache=True, error_model="numpy")
 def sample(I, W):  # type: ignore[no-untyped-def]
     """Run the sampled blocks that are due now: those without feedthrough publish first, then all in flow order."""
+    turn_tables(I, W)
     publish(I, W)
+    take_all(I, W)
+
+
+@njit(cache=True, error_model="numpy")
+def take_all(I, W):  # type: ignore[no-untyped-def]
+    """Take all samples due now but the late ones, in flow order, sweeping over the signals once in between."""
+    place, calls = I[P_SIGNALS], 0
     for b in range(I[N_BLOCKS]):
-        take(I, W, H + b * R)
+        row = H + b * R
+        if I[row + TAKES] and not I[row + LATE] and due(I, W, row) <= W[T] + clock(W):
+            play_calls(I, W, W[T], place, I[row + SWEPT_CALLS] - calls)
+            place, calls = I[row + SWEPT], I[row + SWEPT_CALLS]
+            take_swept(I, W, row)
+
+
+@njit(cache=True, error_model="numpy")
+def turn_tables(I, W):  # type: ignore[no-untyped-def]
+    """Put the rows of the timetables that are due now in force, but for blocks that take samples then."""
+    now = W[T] + clock(W)
+    for b in range(I[N_BLOCKS]):
+        row = H + b * R
+        if I[row + TABLE] != 0 and not I[row + TAKES]:
+            while listed_time(I, row) <= now:
+                put_row(I, W, row, I[row + COUNT])
+                I[row + COUNT] += 1
+                happens(I, row, 0)
 
 
 @njit(cache=True, error_model="numpy")
 def publish(I, W):  # type: ignore[no-untyped-def]
     """Let the sampled blocks that are due and need no input for it write their outputs, memories untouched."""
-    signals(I, W, W[T])
     now = W[T] + clock(W)
     for b in range(I[N_BLOCKS]):
         row = H + b * R
@@ -60,15 +91,26 @@ def publish(I, W):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def take(I, W, row):  # type: ignore[no-untyped-def]
     """Take the sample of one block if it is due."""
-    if I[row + KIND] == SAMPLED and due(I, W, row) <= W[T] + clock(W):
-        signals(I, W, W[T])
-        run_step(I, W, row)
-        I[row + COUNT] += 1
+    if not I[row + TAKES] or due(I, W, row) > W[T] + clock(W):
+        return
+    signals(I, W, W[T])
+    take_swept(I, W, row)
+
+
+@njit(cache=True, error_model="numpy")
+def take_swept(I, W, row):  # type: ignore[no-untyped-def]
+    """Take the sample of one block; what it reads must be current."""
+    if I[row + TABLE] != 0:
+        put_row(I, W, row, I[row + COUNT])
+    run_step(I, W, row)
+    I[row + COUNT] += 1
 
 
 @njit(cache=True, error_model="numpy")
 def due(I, W, row):  # type: ignore[no-untyped-def]
-    """Return the next sampling instant of a block, counted, so that rounding cannot drift."""
+    """Return the next sampling instant of a block, listed or counted, so that rounding cannot drift."""
+    if I[row + TABLE] != 0:
+        return listed_time(I, row)
     return W[I[row + OFFSET]] + I[row + COUNT] * W[I[row + PERIOD]]
 
 
@@ -94,15 +136,18 @@ def begin_run(I, W):  # type: ignore[no-untyped-def]
     """Count the samples that lie before the start, or at it if the run continues one that has taken them.
 
     So are the breakpoints that a continued run has let out of its dead times.  A block that joins such a run has no
-    sample at first (COUNT below zero) and takes the one at the start.
+    sample at first (COUNT below zero) and takes the one at the start.  Of a timetable the last row before the start is
+    in force, the first if there is none.
     """
     for k in range(I[N_REPLAYED]):
         let_out(I, W, I[I[L_REPLAYED] + k], W[T] + clock(W))
     for b in range(I[N_BLOCKS]):
         row = H + b * R
-        if I[row + KIND] == SAMPLED:
-            joins = I[row + COUNT] < 0
+        joins = I[row + COUNT] < 0
+        if I[row + TABLE] != 0:
+            find_row(I, W, row, W[T] - clock(W))
+        elif I[row + KIND] == SAMPLED:
             I[row + COUNT] = max(0, int(np.ceil((W[T] - W[I[row + OFFSET]]) / W[I[row + PERIOD]] - 1e-9)))
-            if not joins and due(I, W, row) <= W[SEEN] + clock(W):
-                I[row + COUNT] += 1
+        if I[row + TAKES] and not joins and due(I, W, row) <= W[SEEN] + clock(W):
+            I[row + COUNT] += 1
     I[EVENTS_SEEN] = -2

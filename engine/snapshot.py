@@ -61,6 +61,11 @@ class Snapshot(NamedTuple):
         """Write values to ``places``, as ``offset`` counts them."""
         self.W[places] = values
 
+    def point_to(self, b: int, timetable: Floats) -> None:
+        """Let a block read this timetable (rows, numbers in a row), which must stay where it is during the run."""
+        row = at.H + self.component.blocks.index(b) * at.R
+        self.I[row + at.TABLE], self.I[row + at.TABLE_ROWS] = timetable.ctypes.data, len(timetable)
+
     # --- what is under way ----------------------------------------------------------------------------------
     def delays(self) -> Iterator[tuple[int, float, Floats]]:
         """Yield the dead times: number, length [s], records (n, values of a record) from the oldest on."""
@@ -76,9 +81,10 @@ class Snapshot(NamedTuple):
             self.I[row + at.HEAD] = len(records[f])
 
     def sample_first(self, blocks: Collection[int]) -> None:
-        """Let the compiled sampled ones of some blocks take a sample as the run begins, for they took none before."""
-        for f, row in self._rows(at.SAMPLED):
-            if f in blocks:
+        """Let the compiled ones of some blocks that take samples take one as the run begins: they took none before."""
+        for number, f in enumerate(self.component.blocks):
+            row = at.H + number * at.R
+            if self.I[row + at.TAKES] and f in blocks:
                 self.I[row + at.COUNT] = -1
 
     # --- cost -----------------------------------------------------------------------------------------------

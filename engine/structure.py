@@ -134,7 +134,7 @@ def _reach(rows: Sequence[FlatBlock], readers: Sequence[list[int]], delays: Sequ
 
 def _does_something(block: FlatBlock) -> bool:
     """Return whether a block's outputs can jump, or let out a jump, at an instant of its own."""
-    return block.kind != at.CONTINUOUS or block.n_events > 0 or block.next_time is not None
+    return block.kind != at.CONTINUOUS or block.n_events > 0 or block.next_time is not None or block.listed > 0
 
 
 def _passes(rows: Sequence[FlatBlock], readers: Sequence[list[int]], origin: int) -> list[Reached]:

@@ -46,10 +46,15 @@ def gather(I, W, row):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def play(I, W, t, program):  # type: ignore[no-untyped-def]
     """Carry out the calls of a program (``engine.layout``) at time ``t``; ``program`` is its place in the header."""
+    play_calls(I, W, t, I[program], I[program + 1])
+
+
+@njit(cache=True, error_model="numpy")
+def play_calls(I, W, t, at, calls):  # type: ignore[no-untyped-def]
+    """Carry out so many calls of a program, the first of which stands at ``at``."""
     if t > W[T_LEFT]:
         t = W[T_LEFT]
-    at = I[program]
-    for _ in range(I[program + 1]):
+    for _ in range(calls):
         where, x, d, u, p, out, count = I[at], I[at + 1], I[at + 2], I[at + 3], I[at + 4], I[at + 5], I[at + 6]
         at += 7
         for i in range(count):
@@ -115,11 +120,17 @@ def gather_with_rates(I, W, row):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def evaluate_events(I, W, t, scale):  # type: ignore[no-untyped-def]
     """Bring signals, rates (where asked for) and event functions up to date at ``t``."""
+    play(I, W, t, P_MOVING if I[HAS_RATES] else P_EVENT_SIGNALS)
+    events_of_signals(I, W, t, scale)
+
+
+@njit(cache=True, error_model="numpy")
+def events_of_signals(I, W, t, scale):  # type: ignore[no-untyped-def]
+    """Bring rates (where asked for) and event functions up to date; the signals must be those at ``t``."""
     if I[HAS_RATES]:
-        rates(I, W, t)
+        I[RHS] += 1
+        play(I, W, t, P_RATES)
         signal_rates(I, W, t, scale)
-    else:
-        play(I, W, t, P_EVENT_SIGNALS)
     play(I, W, t, P_EVENTS)
 
 

@@ -11,6 +11,7 @@ from engine.call import KernelError, address
 from engine.delay import SMOOTH
 from engine.elimination import eliminate
 from engine.flat import FlatBlock, Floats, Ints
+from engine.pinning import late
 from engine.program import Programs
 from engine.structure import analyse
 
@@ -67,6 +68,7 @@ class _Table:
             for j in range(len(block.y0)):
                 self.local[block.first_signal + j] = len(self.local)
         self.shape = analyse(blocks)
+        self.late = late(blocks)
         self.order = eliminate(sum(len(b.x0) for b in blocks), self.shape.entries)
         self.header = np.zeros(at.H, dtype=np.int64)
         self.rows = np.zeros((len(blocks), at.R), dtype=np.int64)
@@ -137,6 +139,9 @@ class _Table:
         zero = self.stretch(1)
         row[at.PERIOD] = row[at.P] + block.period_at if block.period_at >= 0 else zero
         row[at.OFFSET] = row[at.P] + block.offset_at if block.offset_at >= 0 else zero
+        pinned = any(other.kind == at.CONTINUOUS and other.step is not None for other in self.blocks)
+        row[at.TAKES], row[at.LATE] = block.step is not None, block.step is not None and pinned and self.late[number]
+        row[at.TABLE_WIDTH], row[at.TABLE_VALUES] = block.listed, row[at.P] + len(block.p) - max(0, block.listed - 1)
         if block.kind == at.DEAD_TIME:
             needed = {*self.shape.for_rates, *self.shape.for_events, *self.shape.entering}
             row[at.NEEDED] = number in needed
@@ -183,6 +188,7 @@ class _Table:
             (at.P_EVENTS, at.A_ZC, [i for i, b in enumerate(blocks) if b.n_events]),
         ):
             self.header[place : place + 2] = program(kernel, numbers)
+        self.write_sweep(programs)
         self.header[at.L_PLACE], self.header[at.N_JAC] = self.keep(self.order.places), len(self.order.places)
         self.header[at.L_DIAGONAL], self.header[at.N_FACTORS] = self.keep(self.order.diagonals), self.order.size
         self.header[at.L_FACTOR], self.header[at.L_FORWARD] = (
@@ -190,6 +196,15 @@ class _Table:
             self.keep(self.order.forward),
         )
         self.header[at.L_BACKWARD] = self.keep(self.order.backward)
+
+    def write_sweep(self, programs: Programs) -> None:
+        """Write for each block where a sweep over all signals goes on from it."""
+        place, calls = int(self.header[at.P_SIGNALS]), 0
+        for number, (block, row) in enumerate(zip(self.blocks, self.rows, strict=True)):
+            row[at.SWEPT], row[at.SWEPT_CALLS] = place, calls
+            if block.kind in (at.CONTINUOUS, *at.REPLAYING):
+                place += sum(len(call) for call in programs.calls(at.A_OUT, [number]))
+                calls += 1
 
     def write_facts(self) -> None:
         """Write what kind of component it is, and that its run has not begun."""
@@ -203,10 +218,11 @@ class _Table:
         header[at.L_DELAYS] = self.keep([*leaving, *delays, *entering])
         header[at.N_DELAYS] = len(leaving) + len(delays)
         header[at.L_REPLAYED], header[at.N_REPLAYED] = header[at.L_DELAYS] + len(leaving), len(delays) + len(entering)
-        header[at.HAS_DELAYS] = bool(leaving or delays or entering)
-        header[at.N_SAMPLED] = sum(b.kind == at.SAMPLED for b in blocks)
+        header[at.HAS_DELAYS], header[at.LINKED] = bool(leaving or delays or entering), bool(entering)
+        header[at.N_SAMPLED] = sum(b.kind == at.SAMPLED or b.listed > 0 for b in blocks)
+        header[at.N_PINS] = sum(b.kind == at.CONTINUOUS and b.step is not None for b in blocks)
         header[at.N_CHECKED] = len(self.local) - sum(len(b.y0) for b in blocks if b.kind == at.HOSTED)
-        sampled = any(b.kind in (at.SAMPLED, at.HOSTED) for b in blocks)
+        sampled = header[at.N_PINS] > 0 or any(b.kind in (at.SAMPLED, at.HOSTED) for b in blocks)
         # long steps do not pay between close sampling instants, nor between the breakpoints of several dead times
         many = sum(b.kind == at.DEAD_TIME and row[at.NEEDED] for b, row in zip(blocks, self.rows, strict=True)) > 2
         header[at.EXPLICIT] = 0 if sampled or many else 2

@@ -45,10 +45,11 @@ from engine.layout import (
     REJECTED,
     RHS,
     RTOL,
-    SAMPLED,
     SAVED,
     STEPS,
+    TABLE,
     TAIL,
+    TAKES,
     WIRES,
     H,
     R,
@@ -171,7 +172,7 @@ def instants(ints, cells):  # type: ignore[no-untyped-def]
         total += ints[i + EVENTS]
         for b in range(ints[i + N_BLOCKS]):
             row = i + H + b * R
-            if ints[row + KIND] == SAMPLED:
+            if ints[row + TAKES] or ints[row + TABLE] != 0:
                 total += ints[row + COUNT]
     return total
 

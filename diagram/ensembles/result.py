@@ -31,12 +31,13 @@ def freeze(arrays: Iterable[NDArray[Any]]) -> None:
 class Ensemble:
     """The outcome of ``ensemble``.
 
-    Attributes: ``t`` ((rows,) [s].); ``values`` (signal -> (variants, rows), read-only; NaN where a variant did not get
-    to.); ``status`` ((variants,) codes of ``Status``; ``ended`` (variants,) the time reached [s].); ``summary`` (name
-    -> (variants,), NaN where a variant failed.); ``event_counts`` ((variants,); ``statistics`` the cost of all variants
-    together.); ``troubles`` ((variants,) what the blocks say where a variant's model ended, else "".); ``variants``,
-    ``settings``, ``duration`` (what was asked for, see ``params``, ``start``, ``seeds``.); ``raw_events`` (per variant
-    (events, 4): t, block, value before, value after; see ``events``.).
+    Attributes: ``t`` (log times [s], (rows,), or (variants, rows) where variants have times of their own; see
+    ``times``.); ``values`` (signal -> (variants, rows), read-only; NaN where a variant did not get to.); ``status``
+    ((variants,) codes of ``Status``; ``ended`` (variants,) the time reached [s].); ``summary`` (name -> (variants,),
+    NaN where a variant failed.); ``event_counts`` ((variants,); ``statistics`` the cost of all variants together.);
+    ``troubles`` ((variants,) what the blocks say where a variant's model ended, else "".); ``variants``, ``settings``,
+    ``duration`` (what was asked for, see ``params``, ``start``, ``seeds``.); ``raw_events`` (per variant (events, 4):
+    t, block, value before, value after; see ``events``.).
     """
 
     t: Floats
@@ -90,6 +91,11 @@ class Ensemble:
         """The seed of every variant, (variants,)."""
         return self.variants.seeds
 
+    def times(self, i: int) -> Floats:
+        """Return the log times of variant ``i`` [s], (rows,)."""
+        self._check(i)
+        return self.t if self.t.ndim == 1 else self.t[i]
+
     def described(self, i: int) -> str:
         """Return what makes variant ``i`` different, in one line."""
         self._check(i)
@@ -112,7 +118,7 @@ class Ensemble:
             raise ValueError(f"no logs were kept; give keep_logs=True, or call run({i}) to simulate the variant again")
         diagram = self.variants.diagram
         return Log(
-            t=self.t,
+            t=self.times(i),
             signals={signal: rows[i] for signal, rows in self.values.items()},
             units={s: diagram.signal_units[s] for s in self.values if diagram.signal_units.get(s)},
             spans={s: span for s, span in diagram.signal_spans.items() if s in self.values},
@@ -133,8 +139,8 @@ class Ensemble:
         """Simulate variant ``i`` again, alone and with all signals; the values agree to the last bit."""
         s = self.settings
         return simulate(
-            self.variant(i), self.duration, times=self.t, rtol=s.rtol, atol=s.atol, method=s.method,
-            max_steps=s.max_steps,
+            self.variant(i), self.duration, times=self.times(i), t0=float(self.variants.t0[i]), rtol=s.rtol,
+            atol=s.atol, method=s.method, max_steps=s.max_steps,
         )  # fmt: skip
 
     def plot(self, signal: str) -> "Figure":
@@ -157,6 +163,7 @@ class Ensemble:
             **self.params,
             **{f"{key}(0)": column for key, column in self.start.items()},
             **({} if self.seeds is None else {"seed": self.seeds}),
+            **({} if self.t.ndim == 1 else {"t0 [s]": self.variants.t0, "time [s]": self.t}),
             "events": self.event_counts,
             **{f"summary.{key}": column for key, column in self.summary.items()},
             **self.values,

@@ -14,14 +14,16 @@ from threading import Lock
 import numpy as np
 from numpy.typing import ArrayLike
 
+from blocks.block import Block
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
+from diagram.ensembles.per_run import apart, grids
 from diagram.ensembles.result import Ensemble, freeze
 from diagram.ensembles.variants import Floats, Places, Variants, variants_of
 from diagram.flatten import DELAY_RECORDS, Plan
 from diagram.inputs import Inputs
-from diagram.kept import log_times, logging_only, wanted_signals
-from diagram.past import resumed
+from diagram.kept import logging_only, wanted_signals
+from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.progress import Progress, reporting
 from diagram.simulation import check_settings, set_up, troubles
@@ -42,9 +44,12 @@ def ensemble(
     params: Mapping[str, ArrayLike] | None = None,
     start: Mapping[str, ArrayLike] | None = None,
     seeds: ArrayLike | None = None,
+    t0: ArrayLike = 0.0,
     every: float | None = None,
+    times: ArrayLike | None = None,
     signals: Sequence[str] | None = None,
     inputs: Inputs | None = None,
+    blocks: Mapping[str, Sequence[Block]] | None = None,
     rtol: float = 1e-6,
     atol: float = 1e-9,
     method: str = "auto",
@@ -58,7 +63,10 @@ def ensemble(
 
     Parameters: ``params`` ``{"valve.F_s": (variants,)}``; ``start`` ``{"process.x": (variants,)}``; ``seeds``
     (variants,) integers: blocks with random numbers draw the streams of [seed, number of the block]; a single
-    number holds for all variants.  ``signals`` to log (default all); ``workers`` threads (default all cores);
+    number holds for all variants.  ``t0`` [s] when a run begins, (variants,) or one for all; ``times`` [s] of the log,
+    (rows,) for all or (variants, rows).  ``inputs`` as in ``simulate``; a list, or an array of numbers, gives one input
+    to each variant.  ``blocks`` ``{"PV pin": [...]}``: one block a variant in place of the diagram's, of the same kind.
+    ``signals`` to log (default all); ``workers`` threads (default all cores);
     ``progress`` True for a bar, False for none, a function of (done, variants), default a bar on a terminal;
     ``keep_logs`` False keeps no values; ``summary`` function ``(t, {signal: (rows,)}) -> {name: number}``, called
     for each variant that reached its end.  The rest as in ``simulate``.
@@ -74,13 +82,14 @@ def ensemble(
     >>> result.values["F"].tolist()
     [[0.0, 0.5, 1.0], [0.0, 1.0, 2.0], [0.0, 2.0, 4.0]]
     """
-    ready = set_up(diagram, inputs)
-    resumed(ready, 0.0)  # refuses what would be lost: variants start afresh
+    first, own = apart(diagram, inputs)
+    ready = set_up(diagram, first)
     wanted = wanted_signals(ready, signals)
     settings = check_settings(rtol, atol, method, max_steps)
-    variants = variants_of(ready, params, start, seeds)
-    grid = log_times(duration, every, None, 0.0, len(wanted), len(variants) if keep_logs else 1)
-    check_logged(ready, 0.0, float(duration))
+    variants = variants_of(ready, params, start, seeds, t0, times, {**own, **(blocks or {})})
+    grid = grids(variants.t0, duration, every, times, len(wanted), keep_logs)
+    for i, begin in enumerate(variants.t0.tolist()):
+        check_logged(variants.blocks_of(i), begin, begin + float(duration))
     if not keep_logs and summary is None:
         raise ValueError("keep_logs=False without a summary leaves nothing; give summary=, or keep the logs")
     if workers is not None and not (isinstance(workers, int | np.integer) and workers >= 1):
@@ -130,6 +139,16 @@ def _lay_out(variants: Variants, i: int, wanted: Sequence[str], records: int) ->
     return _Layout(laid, tuple(parts))
 
 
+def _pasts(variants: Variants) -> list[Past | None]:
+    """Return with what each variant goes on: with all that the diagram's past holds, or afresh.
+
+    Raises ``ValueError`` where something under way would be lost.
+    """
+    if variants.diagram.past is None:
+        return [None] * len(variants)
+    return [resumed(variants.diagram_of(i), float(variants.t0[i])) for i in range(len(variants))]
+
+
 class _Runs:
     """The result in the making: threads call ``work``, which takes variant after variant until none is left."""
 
@@ -140,7 +159,7 @@ class _Runs:
         n = len(variants)
         self.variants, self.wanted, self.grid, self.duration, self.settings = variants, wanted, grid, duration, settings
         self.summary = summary
-        self.values = {signal: np.empty((n, len(grid))) for signal in wanted} if keep_logs else {}
+        self.values = {signal: np.empty((n, grid.shape[-1])) for signal in wanted} if keep_logs else {}
         self.keep_logs = keep_logs
         self.status = np.full(n, Status.INTERRUPTED, dtype=np.int8)
         self.ended = np.zeros(n)
@@ -150,7 +169,9 @@ class _Runs:
         self.troubles = [""] * n
         shapes, self.shape_of = np.unique(variants.shapes(), axis=0, return_inverse=True)
         self.shape_of = self.shape_of.ravel()
-        self.layouts = [_lay_out(variants, self._first(s), wanted, DELAY_RECORDS) for s in range(len(shapes))]
+        self.pasts = _pasts(variants)
+        records = max([DELAY_RECORDS, *(2 * past.records for past in self.pasts if past is not None)])
+        self.layouts = [_lay_out(variants, self._first(s), wanted, records) for s in range(len(shapes))]
         self.lock = Lock()
         self.waiting = iter(range(n))
         self.done = 0
@@ -184,7 +205,7 @@ class _Runs:
             values[i] = rows[signal]
         failed = next((o for o in outcomes if o.status is not Status.OK), None)
         if self.summary is not None and failed is None:
-            self.summaries[i] = self.summary(self.grid, {signal: rows[signal] for signal in self.wanted})
+            self.summaries[i] = self.summary(self.times(i), {signal: rows[signal] for signal in self.wanted})
         if self.keep_logs:
             self.events[i] = np.concatenate([o.events for o in outcomes])
         ends = tuple(Snapshot(part.component, o.I, o.W) for part, o in zip(layout.parts, outcomes, strict=True))
@@ -198,11 +219,22 @@ class _Runs:
 
     def _run(self, layout: _Layout, i: int) -> list[Outcome]:
         outcomes = []
+        t0, past = float(self.variants.t0[i]), self.pasts[i]
         for part in layout.parts:
-            I, W = prepare(part.component, self.settings, 0.0)
-            Snapshot(part.component, I, W).put(part.offsets, self.variants.table[i, part.columns])
-            outcomes.append(run(part.component, layout.laid.flat, I, W, self.grid, self.duration, self._listen))
+            I, W = prepare(part.component, self.settings, t0, -np.inf if past is None else past.t)
+            begun = Snapshot(part.component, I, W)
+            begun.put(part.offsets, self.variants.table[i, part.columns])
+            self.variants.point_to_tables(begun, i)
+            if past is not None:
+                past.put_back(self.variants.diagram, layout.laid, begun)
+            outcomes.append(
+                run(part.component, layout.laid.flat, I, W, self.times(i), t0 + self.duration, self._listen)
+            )
         return outcomes
+
+    def times(self, i: int) -> Floats:
+        """Return the log times of variant ``i`` [s], (rows,)."""
+        return self.grid if self.grid.ndim == 1 else self.grid[i]
 
     def _doubt(self) -> None:
         """Warn if the absolute tolerance is too large for some of the blocks."""

@@ -15,7 +15,7 @@ from blocks.arguments import by_name
 from blocks.block import Block
 from diagram.diagram import Diagram
 from diagram.flatten import Plan
-from engine.snapshot import offset
+from engine.snapshot import Snapshot, offset
 from engine.table import Component
 
 Floats = NDArray[np.float64]
@@ -50,7 +50,8 @@ class Variants:
     """The variants of an ensemble of ``diagram``.
 
     ``params``, ``start``, ``seeds``: what was asked for, each column (variants,).
-    ``table[i, c]``: what variant ``i`` has at ``targets[c]``; shape (variants, columns).
+    ``table[i, c]``: what variant ``i`` has at ``targets[c]``; shape (variants, columns).  ``t0``: when each run begins
+    [s], (variants,).  ``blocks[b]``: what stands in place of block ``b`` in each variant.
     """
 
     diagram: Diagram
@@ -59,16 +60,32 @@ class Variants:
     seeds: NDArray[np.int64] | None
     table: Floats
     targets: tuple[Target, ...]
+    t0: Floats
+    blocks: Mapping[int, Sequence[Block]]
 
     def __len__(self) -> int:
         return len(self.table)
 
+    def blocks_of(self, i: int) -> tuple[Block, ...]:
+        """Return the blocks of variant ``i``, with the parameters of the diagram."""
+        own = {b: given[i] for b, given in self.blocks.items()}
+        blocks = self.diagram.blocks
+        return tuple(own.get(b, block) for b, block in enumerate(blocks)) if own else tuple(blocks)
+
     def diagram_of(self, i: int) -> Diagram:
         """Return variant ``i`` as a diagram of its own."""
-        diagram = self.diagram.with_params({key: float(column[i]) for key, column in self.params.items()})
+        diagram = self.diagram.with_blocks(self.blocks_of(i)) if self.blocks else self.diagram
+        diagram = diagram.with_params({key: float(column[i]) for key, column in self.params.items()})
         if self.seeds is not None:
             diagram = reseeded(diagram, int(self.seeds[i]))
         return diagram.starting_at({key: float(column[i]) for key, column in self.start.items()})
+
+    def point_to_tables(self, run: Snapshot, i: int) -> None:
+        """Let the blocks that differ between the variants read the timetables of variant ``i``."""
+        for b, given in self.blocks.items():
+            timetable = given[i].timetable
+            if b in run.component.blocks and timetable is not None:
+                run.point_to(b, timetable)
 
     def shapes(self) -> NDArray[np.bool_]:
         """Tell which varied dead times are in force, (variants, varied dead times): one plan serves one such row."""
@@ -97,8 +114,11 @@ def variants_of(
     params: Mapping[str, ArrayLike] | None,
     start: Mapping[str, ArrayLike] | None,
     seeds: ArrayLike | None,
+    t0: ArrayLike = 0.0,
+    times: ArrayLike | None = None,
+    blocks: Mapping[str, Sequence[Block]] | None = None,
 ) -> Variants:
-    """Return the variants asked for; single numbers hold for all.
+    """Return the variants asked for; single numbers hold for all.  ``times`` only tells how many there are.
 
     Raises ``ValueError`` if lengths differ, a name is unknown, or a block refuses the values of a variant (the
     message names the variant).
@@ -108,6 +128,10 @@ def variants_of(
     given = [(key, _numbers(key, v)) for key, v in [*(params or {}).items(), *(start or {}).items()]]
     if seeds is not None:
         given.append(("seeds", np.asarray(seeds)))
+    given.append(("t0", _numbers("t0", t0)))
+    if times is not None and np.ndim(times) == 2:
+        given.append(("times", np.zeros(len(np.asarray(times)))))
+    given += [(name, np.zeros(len(own))) for name, own in (blocks or {}).items()]
     n = _count(given)
     wanted = {key: _column(values, n) for key, values in (params or {}).items()}
     starts = {key: _column(values, n) for key, values in (start or {}).items()}
@@ -117,6 +141,9 @@ def variants_of(
             raise ValueError(f"'{key}' is to start at {column[i]} in variant {i}, but a start value is a finite number")
     streams = None if seeds is None else _seeds(seeds, n)
     columns: dict[Target, Floats] = {}
+    own = {diagram.block_index(name): tuple(each) for name, each in (blocks or {}).items()}
+    for b, each in own.items():
+        columns |= _differing(diagram.blocks[b], b, each)
     for b, names in _grouped(diagram, wanted).items():
         columns |= _checked(diagram.blocks[b], b, names, n)
     if streams is not None:
@@ -132,7 +159,30 @@ def variants_of(
             index = (block.state_names if state else block.memory_names).index(name)
             columns[b, "x0" if state else "d0", index] = column
     table = np.stack(list(columns.values()), axis=1) if columns else np.zeros((n, 0))
-    return Variants(diagram, wanted, starts, streams, table, tuple(columns))
+    return Variants(diagram, wanted, starts, streams, table, tuple(columns), _column(t0, n), own)
+
+
+def _differing(block: Block, b: int, given: Sequence[Block]) -> dict[Target, Floats]:
+    """Return what differs between the blocks that the variants have in place of one block.
+
+    Raises ``ValueError`` unless they differ in numbers only: same kernels, labels and sizes.
+    """
+    for i, other in enumerate(given):
+        alike = isinstance(other, Block) and (other.kernels, other.input_labels, other.output_labels) == (
+            block.kernels, block.input_labels, block.output_labels
+        )  # fmt: skip
+        if not (alike and (len(other.p), len(other.x0), len(other.d0)) == (len(block.p), len(block.x0), len(block.d0))):
+            raise ValueError(
+                f"in place of '{block.name}' variant {i} has {other!r:.80}, but variants differ in numbers only; give "
+                f"blocks of the same kind with the labels {', '.join([*block.input_labels, *block.output_labels])}"
+            )
+    found: dict[Target, Floats] = {}
+    kinds: tuple[Kind, ...] = ("p", "x0", "d0")
+    for kind in kinds:
+        values = np.array([getattr(other, kind) for other in given]).reshape(len(given), -1)
+        places = np.flatnonzero((values != getattr(block, kind)).any(axis=0)).tolist()
+        found |= {(b, kind, k): values[:, k] for k in places}
+    return found
 
 
 def _numbers(key: str, values: ArrayLike) -> Floats:
@@ -152,7 +202,9 @@ def _count(given: Sequence[tuple[str, NDArray[np.generic]]]) -> int:
             )
     lengths = {key: values.size for key, values in given if values.ndim == 1}
     if not lengths:
-        raise ValueError("nothing says how many variants there are; give params, start or seeds at least one array")
+        raise ValueError(
+            "nothing says how many variants there are; give params, start, seeds, t0 or inputs at least one array"
+        )
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"'{key}' {length}" for key, length in lengths.items())
         raise ValueError(

@@ -108,10 +108,11 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     whole = np.flatnonzero(result.ok)
     if not whole.size:
         raise ValueError(f"no variant reached its end, there is nothing to plot; the first: {result.hint(0)}")
-    stride = -(-len(result.t) // POINTS)
-    t, values = result.t[::stride], result.values[signal][whole, ::stride]
+    stride = -(-result.t.shape[-1] // POINTS)
+    t, values = result.t[..., ::stride], result.values[signal][whole, ::stride]
+    t = t if t.ndim == 1 else t[0] - t[0, 0]  # windows side by side: time since each began
     low, middle, high = np.percentile(values, [5.0, 50.0, 95.0], axis=0)
-    scale, unit = time_unit(float(result.t[-1] - result.t[0]))
+    scale, unit = time_unit(float(t[-1] - t[0]))
     figure = Picture(figsize=(9.5, 3.6), layout="constrained")
     ax = figure.subplots()
     ax.fill_between(t / scale, low, high, color=CYCLE[0], alpha=0.18, linewidth=0, label="5 to 95 %")

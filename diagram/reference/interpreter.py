@@ -50,6 +50,8 @@ class Interpreter:
                 offset = block.p[block.param_index(block.offset_param)] if block.offset_param else 0.0
                 self.taken[b] = max(0, math.ceil((t0 - offset) / block.period - 1e-9))
                 self.checked[self.places[b]] = block.host is None
+            elif block.takes_samples:
+                self.taken[b] = int(np.sum(block.timetable[:, 0] < t0 - self.rounding(t0)))  # type: ignore[index]
             if block.dead_time > 0.0:
                 self.dead[b] = block.dead_time, block.value_before
         self.thetas = [theta for theta, _ in self.dead.values()]
@@ -61,6 +63,7 @@ class Interpreter:
         self.n_fired = 0
         self.n_rates = 0
         self.events: list[tuple[float, str, str, str]] = []
+        self.behind_jumps = self._behind_jumps()
         self._enter_breaks(t0, 0)
         self.first = True  # nothing went before the first instant, so nothing can have jumped
         self.old = self.s.copy()
@@ -69,6 +72,30 @@ class Interpreter:
     def rounding(t: float) -> float:
         """Return the time difference [s] that is none at ``t``."""
         return 8.0 * math.ulp(max(1.0, abs(t)))
+
+    def _behind_jumps(self) -> set[int]:
+        """Return the blocks that take samples of what may jump at an event of the same instant."""
+        driver = {signal: b for b, signals in enumerate(self.places) for signal in signals}
+        found: set[int] = set()
+        waiting = [b for b, block in enumerate(self.blocks) if block.kernels.jumps and not block.sampled]
+        while waiting:
+            jumping = waiting.pop()
+            for b, block in enumerate(self.blocks):
+                if any(driver[signal] == jumping for signal in self.wires[b]) and b not in found:
+                    found.add(b)
+                    if block.kernels.feeds and b not in self.dead:
+                        waiting.append(b)
+        return {b for b in found if b in self.taken}
+
+    def _p(self, b: int, t: float) -> Floats:
+        """Return the parameters of a block and the row of its timetable that is in force at ``t`` [s]."""
+        block = self.blocks[b]
+        if block.timetable is None:
+            return block.p
+        t += self.rounding(t) if math.isinf(self.t_left) else 0.0  # instants that differ by rounding are one
+        row = bisect.bisect_right(block.timetable[:, 0], t) - 1
+        values = block.timetable[max(row, 0), 1:]
+        return np.concatenate([block.p[: len(block.p) - len(values)], values])
 
     # --- signals, rates, event functions ------------------------------------------------------------------
     def _input(self, b: int, t: float) -> Floats:
@@ -96,7 +123,7 @@ class Interpreter:
             block = self.blocks[b]
             if not block.sampled and block.kernels.out is not None:
                 y = np.zeros(len(self.places[b]))
-                block.kernels.out(t, x[self.states[b]], self.d[b], self._input(b, t), block.p, y)
+                block.kernels.out(t, x[self.states[b]], self.d[b], self._input(b, t), self._p(b, t), y)
                 self.s[self.places[b]] = y
         return self.s
 
@@ -110,7 +137,7 @@ class Interpreter:
         for b, block in enumerate(self.blocks):
             if len(block.x0) and block.kernels.der is not None and not block.sampled:
                 part = np.zeros(len(block.x0))
-                block.kernels.der(t, x[self.states[b]], self.d[b], self._input(b, t), block.p, part)
+                block.kernels.der(t, x[self.states[b]], self.d[b], self._input(b, t), self._p(b, t), part)
                 rates[self.states[b]] = part
         return rates
 
@@ -147,10 +174,15 @@ class Interpreter:
     def settle(self) -> bool:
         """Do all that happens at the present instant; return False if transitions never end."""
         self.t_left = math.inf
-        self._sample()
+        if not self._sample():
+            return False
+        done = self._transitions()
+        self.first = False
+        return done
+
+    def _transitions(self) -> bool:
         if self.first:
             self.old = self.signals_at(self.t, self.x).copy()
-            self.first = False
         while self.chain <= 20 + 10 * sum(self.n_events):
             new = self.signals_at(self.t, self.x).copy()
             jumped = self.any_rates and self._fire_on_jumps(new)
@@ -216,10 +248,12 @@ class Interpreter:
 
     def _due(self, b: int) -> float:
         block = self.blocks[b]
+        if block.timetable is not None:
+            return float(block.timetable[self.taken[b], 0]) if self.taken[b] < len(block.timetable) else math.inf
         offset = block.p[block.param_index(block.offset_param)] if block.offset_param else 0.0
         return float(offset + self.taken[b] * block.period)
 
-    def _sample(self) -> None:
+    def _sample(self) -> bool:
         due = [b for b in self.order if b in self.taken and self._due(b) <= self.t + self.rounding(self.t)]
         self.signals_at(self.t, self.x)
         for b in due:
@@ -227,10 +261,14 @@ class Interpreter:
                 keep = self.d[b].copy()
                 self._step(b)
                 self.d[b] = keep
-        for b in due:
+        pins = any(self.blocks[b].timetable is not None for b in self.taken)
+        for b in sorted(due, key=lambda b: pins and b in self.behind_jumps):
+            if pins and b in self.behind_jumps and not self._transitions():
+                return False
             self.signals_at(self.t, self.x)
             self._step(b)
             self.taken[b] += 1
+        return True
 
     def _step(self, b: int) -> None:
         block, u = self.blocks[b], self._input(b, self.t)
@@ -238,13 +276,17 @@ class Interpreter:
         if block.host is not None:
             self.hosted[b], y = block.host.step(self.t, self.hosted[b], u, block.p)  # type: ignore[assignment]
         elif block.kernels.step is not None:
-            block.kernels.step(self.t, block.x0, self.d[b], u, block.p, y)
+            block.kernels.step(self.t, block.x0, self.d[b], u, self._p(b, self.t), y)
         self.s[self.places[b]] = y
 
     # --- what lies ahead and behind -----------------------------------------------------------------------
     def next_stop(self, t_end: float) -> tuple[float, float]:
         """Return (next instant not to be stepped over, largest step [s]); sets the left limit."""
         marks = [(t_end, 0)] + [(self._due(b), 0) for b in self.taken]
+        for block in self.blocks:
+            if block.timetable is not None:
+                ahead = block.timetable[:, 0] > self.t + self.rounding(self.t)
+                marks += [(float(at), 0) for at in block.timetable[ahead, 0][:1]]
         largest = math.inf
         for b, block in enumerate(self.blocks):
             if block.kernels.next_time is not None and not block.sampled:

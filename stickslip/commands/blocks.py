@@ -27,7 +27,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     "Signals and boundary conditions": {
         "Constant": TEXTBOOK, "Step": TEXTBOOK, "Ramp": TEXTBOOK, "Sine": SLUGS, "Square": TEXTBOOK,
         "Triangle": TEXTBOOK, "Slug": SLUGS, "Staircase": TEXTBOOK, "Recorded": TEXTBOOK, "Noise": "L'Ecuyer 1999",
-        "PRBS": "Ljung 1999", "Chirp": TEXTBOOK,
+        "PRBS": "Ljung 1999", "Chirp": TEXTBOOK, "Pin": TEXTBOOK,
     },
     "Controllers": {
         "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
@@ -79,6 +79,7 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "Staircase": {"signal": "out", "levels": [0.0, 1.0], "dwell": 1.0},
     "Recorded": {"signal": "out", "t": [0.0, 1.0], "values": [0.0, 1.0]},
     "Noise": {"signal": "out"},
+    "Pin": {"t": [0.0, 1.0], "values": [0.0, 1.0]},
     "HeValve": {"f_s": 0.04, "f_d": 0.02},
     "Sum": {"signal": "out", "weights": {"in_1": 1.0, "in_2": 1.0}},
     "Gain": {"signal": "out", "source": "in"},

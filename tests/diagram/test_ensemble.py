@@ -75,6 +75,50 @@ def test_a_full_delay_line_is_made_longer():
         assert same(result, i, simulate(plant, 650.0, every=1.0, params={"process.theta": theta}))
 
 
+def test_runs_have_start_times_log_times_and_inputs_of_their_own():
+    plant = wire([FirstOrder(K=2.0, tau=5.0)], inputs=["MV"], name="lag")
+    tables = [([0.0, 4.0], [0.0, 1.0]), ([0.0, 1.0, 20.0], [1.0, -1.0, 3.0]), ([5.0], [0.5])]
+    times = np.array([[0.0, 2.0, 9.5], [3.0, 3.5, 12.0], [5.0, 6.0, 7.0]])
+    result = ensemble(plant, 10.0, t0=[0.0, 3.0, 5.0], times=times, inputs={"MV": tables}, workers=2)
+    for i, table in enumerate(tables):
+        run = simulate(plant, 10.0, t0=float(times[i, 0]), times=times[i], inputs={"MV": table})
+        assert same(result, i, run)
+        assert same(result, i, result.run(i))
+        assert result.log(i).t.tolist() == times[i].tolist()
+
+
+def test_start_times_alone_make_runs_and_every_counts_from_each():
+    result = ensemble(wire([Sine("F")], outputs=["F"]), 2.0, t0=[0.0, 0.25], every=1.0)
+    assert result.t.tolist() == [[0.0, 1.0, 2.0], [0.25, 1.25, 2.25]]
+    np.testing.assert_allclose(result.values["F"], np.sin(2.0 * np.pi * result.t), atol=1e-12)
+    assert result.plot("F").axes
+
+
+def test_constant_inputs_as_an_array_and_one_for_all():
+    plant = wire([FirstOrder(K=2.0, tau=5.0)], inputs=["MV"])
+    result = ensemble(plant, 5.0, inputs={"MV": np.array([1.0, 2.0])}, times=[0.0, 5.0])
+    assert result.values["PV"][1].tolist() == pytest.approx((2.0 * result.values["PV"][0]).tolist())
+
+
+def test_many_branches_go_on_from_where_a_run_ended():
+    plant = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0, theta=4.0)])
+    first = simulate(plant, 10.0)
+    gains = [1.0, 2.0, 3.0]
+    result = ensemble(first.final, 5.0, t0=10.0, params={"process.K": gains}, every=1.0)
+    for i, K in enumerate(gains):
+        assert same(result, i, simulate(first.final, 5.0, t0=10.0, params={"process.K": K}, every=1.0))
+
+
+def test_inputs_of_two_kinds_and_numbers_of_runs_that_disagree_are_refused():
+    plant = wire([FirstOrder(K=2.0, tau=5.0)], inputs=["MV"])
+    with pytest.raises(ValueError, match=r"variant 1 has .*differ in numbers only"):
+        ensemble(plant, 5.0, inputs={"MV": [1.0, ([0.0], [1.0])]})
+    with pytest.raises(ValueError, match="'t0' 3"):
+        ensemble(plant, 5.0, inputs={"MV": [1.0, 2.0]}, t0=[0.0, 1.0, 2.0])
+    with pytest.raises(ValueError, match="strictly"):
+        ensemble(plant, 5.0, inputs={"MV": 1.0}, times=[[0.0, 1.0], [1.0, 0.0]])
+
+
 def test_seeds_name_streams():
     noisy = wire(
         [Noise("MV", sd=1.0, dt=1.0), Noise("D", sd=1.0, dt=1.0), FirstOrder(K=2.0, tau=5.0)], outputs=["D", "PV"]

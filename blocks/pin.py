@@ -1,0 +1,76 @@
+"""Pin: sets a signal right at every logged time and lets the model move it in between.
+
+    s(t) = r(t) + o_k,   t_k <= t < t_(k+1),     o_k = v_k - r(t_k)
+
+in   r  the signal as the model drives it       v_k  its logged value at the time t_k (the timetable)
+out  s  the signal set right                    o    the offset in force (both in the unit of r)
+
+The offset is zero until the first time and held after the last.  It is the residual of the model: without a gap it is
+the noise of a sensor or the rounding of the log.  Where the model drives r through an integral (a controller), the
+change from one offset to the next is its one-step error.
+
+Valid for any finite samples at increasing times; they need not be periodic.  Between samples nothing is interpolated.
+See also: recorded (a table as a source), ``diagram.pins`` (pins behind the drivers of all logged signals).
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from blocks.block import Block, Kernels
+from blocks.ports import Labels, Port
+from blocks.recorded import samples
+from blocks.role import Role
+
+# p = v in force; d = o
+
+
+def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    y[0] = u[0] + d[0]
+    y[1] = d[0]
+
+
+def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    d[0] = p[0] - u[0]
+    y[0] = p[0]
+    y[1] = d[0]
+
+
+class Pin(Block):
+    """A signal set right at the times ``t`` [s] to the ``values`` [unit of r] logged there.
+
+    Raises ``BlockError`` unless t (n,) strictly increases and values (n,) are finite.
+
+    >>> pin = Pin([0.0, 1.0], [0.5, 0.7])
+    >>> pin.output(0.2, [], [0.4]).tolist(), pin.starting_at(offset=0.1).output(0.2, [], [0.4]).tolist()
+    ([0.4, 0.0], [0.5, 0.1])
+    """
+
+    role = Role.DISTURBANCE
+    ports_in = (Port("r"),)
+    ports_out = (Port("s"), Port("offset"))
+    kernels = Kernels(out=_out, step=_step)
+
+    def __init__(
+        self,
+        t: ArrayLike,
+        values: ArrayLike,
+        *,
+        name: str = "pin",
+        inputs: Labels = None,
+        outputs: Labels = None,
+        units: Mapping[str, str] | None = None,
+        spans: Mapping[str, tuple[float, float]] | None = None,
+    ) -> None:
+        super().__init__(
+            name=name,
+            params={},
+            memory={"offset": 0.0},
+            timetable=np.column_stack(samples(name, t, values)),
+            inputs=inputs,
+            outputs=outputs,
+            units=units,
+            spans=spans,
+        )

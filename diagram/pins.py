@@ -1,0 +1,211 @@
+"""Pins: a diagram held to a log, signals set right at every logged time and moved by the diagram in between.
+
+    s(t) = r(t) + o_k,   t_k <= t < t_(k+1),     o_k = v_k - r(t_k)          (``blocks.pin``)
+
+r is the signal as its block drives it, v_k its logged value at t_k.  The loop stays closed between samples and is open
+across them, so an error at one place shows there and does not wander around the loop.  Nothing logged is interpolated.
+
+The offsets are the residuals.  Behind a sensor the offset itself is its noise; behind a controller, whose integral runs
+on freely, the change from one offset to the next is the one-step error.  Without a gap between diagram and log they are
+noise and rounding.  At one instant pins follow the flow of signals, and each sees what the blocks before it make of the
+instant: a valve that slips when OP jumps has slipped before its MV is compared with the log.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blocks.arguments import texts
+from blocks.block import Block
+from blocks.pin import Pin
+from blocks.ports import nearest
+from blocks.recorded import Recorded
+from diagram.changes import rebuilt
+from diagram.diagram import Diagram
+from diagram.ensembles.result import Ensemble
+from diagram.ensembles.running import Summary, ensemble
+from diagram.inputs import close, source_name
+from diagram.progress import Progress
+from diagram.simulation import Run, simulate
+from diagram.wiring import WiringError
+from logs import Log
+
+Floats = NDArray[np.float64]
+
+
+def pinned(diagram: Diagram, log: Log, signals: Sequence[str] | None = None) -> Diagram:
+    """Return the diagram with a pin behind the driver of every logged signal; see ``Diagram.pinned``."""
+    if not isinstance(log, Log):
+        raise WiringError(f"the diagram is to be pinned to {log!r:.60}; give a Log, e.g. Log(t=..., signals={{...}})")
+    names = _logged(diagram, log, signals)
+    played, pins = _blocks(diagram, log, names)
+    if played:
+        diagram = close(diagram, played)
+    model = {pin.output_labels[0]: pin.input_labels[0] for pin in pins}
+    blocks = [
+        block.relabelled(block.name, list(block.input_labels), [model.get(s, s) for s in block.output_labels])
+        for block in diagram.blocks
+    ]
+    return rebuilt(diagram, [*blocks, *pins], diagram.open_inputs, diagram.declared_outputs)
+
+
+def _blocks(diagram: Diagram, log: Log, names: Sequence[str]) -> tuple[dict[str, Recorded], list[Pin]]:
+    """Return the sources that play the logged open inputs, and the pins of the other signals."""
+    played = {
+        s: Recorded(s, *_samples(log, s), hold="previous", name=source_name(diagram, s))
+        for s in names
+        if s in diagram.open_inputs
+    }
+    pins = []
+    for s in names:
+        if s not in played:
+            folder, _, _ = s.rpartition("/")
+            driver = diagram.blocks[diagram.driven[s][0]].name.removeprefix(f"{folder}/")
+            pin = Pin(
+                *_samples(log, s),
+                name=f"{s} pin",
+                inputs=[f"{s}:{driver}"],
+                outputs=[s, f"{s}:offset"],
+                units=dict.fromkeys(("r", "s", "offset"), diagram.signal_units[s]),
+                spans={"s": diagram.signal_spans[s]} if s in diagram.signal_spans else None,
+            )
+            pins.append(pin)
+    return played, pins
+
+
+def residuals(run: Run) -> dict[str, Floats]:
+    """Return signal -> (rows,): what each pin had to add at each time of the run's log, in the signal's unit.
+
+    NaN at rows where the signal was not logged: the pin holds its last offset there, which says nothing new.
+    """
+    found = {}
+    for block in run.diagram.blocks:
+        offset = f"{block.output_labels[0]}:offset" if block.output_labels else ""
+        if block.timetable is not None and offset in block.output_labels and offset in run.log:
+            known = block.timetable[:, 0]
+            near = known[np.clip(np.searchsorted(known, run.log.t - 0.5 * _rounding(run.log.t)), 0, len(known) - 1)]
+            listed = np.abs(near - run.log.t) <= _rounding(run.log.t)
+            found[block.output_labels[0]] = np.where(listed, run.log[offset], np.nan)
+    return found
+
+
+def replay(
+    diagram: Diagram,
+    log: Log,
+    *,
+    signals: Sequence[str] | None = None,
+    params: Mapping[str, float] | None = None,
+    start: Mapping[str, float] | None = None,
+    rtol: float = 1e-6,
+    atol: float = 1e-9,
+) -> Run:
+    """Simulate the diagram pinned to a log, from its first to its last time, with one row for each of them.
+
+    ``signals``: those to pin, by default all that log and diagram share; the rest as in ``simulate``.
+
+    >>> from blocks import FirstOrder, Step
+    >>> from diagram import wire
+    >>> from diagram.pins import replay, residuals
+    >>> model = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
+    >>> run = replay(model, Log(t=[0.0, 5.0, 10.0], signals={"PV": [0.1, 1.3, 1.7]}))
+    >>> residuals(run)["PV"].round(4).tolist()
+    [0.1, 0.0358, -0.0293]
+    """
+    held = pinned(diagram, log, signals)
+    return simulate(
+        held, log.duration, times=log.t, t0=float(log.t[0]), params=params, start=start, rtol=rtol, atol=atol
+    )
+
+
+def replays(
+    diagram: Diagram,
+    logs: Log | Sequence[Log],
+    *,
+    signals: Sequence[str] | None = None,
+    keep: Sequence[str] | None = None,
+    params: Mapping[str, ArrayLike] | None = None,
+    start: Mapping[str, ArrayLike] | None = None,
+    summary: Summary | None = None,
+    keep_logs: bool = True,
+    rtol: float = 1e-6,
+    atol: float = 1e-9,
+    workers: int | None = None,
+    progress: Progress = False,
+) -> Ensemble:
+    """Replay many times on all cores: parameters, start values and logs as arrays, one entry a run.
+
+    ``logs``: one for all runs, which share its tables, or one a run with equal numbers of rows: other records, or
+    windows of one, ``log.between(t0, t1)``.  ``keep``: the signals to keep, by default the offsets (``PV:offset``,
+    (runs, rows)).  ``summary`` with ``keep_logs=False`` keeps numbers only; the rest as in ``ensemble``.
+
+    Raises ``ValueError`` if logs differ in their number of rows, or in the signals that they have.
+
+    >>> import numpy as np
+    >>> from blocks import FirstOrder, Step
+    >>> from diagram import wire
+    >>> from diagram.pins import replays
+    >>> model = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
+    >>> log = Log(t=[0.0, 5.0, 10.0], signals={"PV": [0.0, 1.264241, 1.729329]})
+    >>> many = replays(model, log, params={"process.K": [1.8, 2.0]})
+    >>> abs(many.values["PV:offset"]).round(4).tolist()
+    [[0.0, 0.1264, 0.1729], [0.0, 0.0, 0.0]]
+    """
+    each = [logs] if isinstance(logs, Log) else list(logs)
+    if not each or len({len(log) for log in each}) > 1:
+        raise ValueError(
+            f"the logs have {sorted({len(log) for log in each})} rows, but runs side by side have equally many; "
+            "give windows of one length, log.samples(first, stop)"
+        )
+    names = _logged(diagram, each[0], signals)
+    held = pinned(diagram, each[0], names)
+    own: dict[str, list[Block]] = {}
+    if not isinstance(logs, Log):
+        for log in each:
+            played, pins = _blocks(diagram, log, _logged(diagram, log, names))
+            for block in (*played.values(), *pins):
+                own.setdefault(block.name, []).append(block)
+    return ensemble(
+        held,
+        max(log.duration for log in each),
+        params=params,
+        start=start,
+        t0=float(each[0].t[0]) if isinstance(logs, Log) else [float(log.t[0]) for log in each],
+        times=each[0].t if isinstance(logs, Log) else np.array([log.t for log in each]),
+        blocks=own,
+        signals=[s for s in held.signals if s.endswith(":offset")] if keep is None else keep,
+        summary=summary,
+        keep_logs=keep_logs,
+        rtol=rtol,
+        atol=atol,
+        workers=workers,
+        progress=progress,
+    )
+
+
+def _logged(diagram: Diagram, log: Log, signals: Sequence[str] | None) -> list[str]:
+    known = [*diagram.open_inputs, *diagram.signals]
+    if signals is None:
+        names = [s for s in known if s in log and log.good(s).any()]
+        if not names:
+            raise WiringError(
+                f"the log has none of the diagram's signals: it has {', '.join(log.names) or 'none'}; "
+                f"rename them with log.renamed({{...}}) to some of {', '.join(known[:20])}"
+            )
+        return names
+    for s in texts(diagram.name, "signals", signals):
+        if s not in known:
+            raise WiringError(f"the diagram has no signal '{s}' to pin; {nearest(s, known)}")
+        if not log.good(s).any():
+            raise WiringError(f"the log has no good sample of '{s}', so it cannot be pinned; leave it out of signals=")
+    return list(dict.fromkeys(signals))
+
+
+def _samples(log: Log, signal: str) -> tuple[Floats, Floats]:
+    good = log.good(signal)
+    return log.t[good], log[signal][good]
+
+
+def _rounding(t: Any) -> Any:
+    return 4.0 * np.spacing(np.maximum(1.0, np.abs(t)))
