@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from logs.errors import ReadError
+from logs.files.carried import carried_over
 from logs.files.clean import decimal_mark, modes, numbers
 from logs.files.heading import Heading
 from logs.files.longform import LongColumns, find_long_form, pivot
@@ -112,10 +113,12 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
         good = {tag: mask for tag, mask in result.good.items() if not (mask | np.isnan(values[tag])).all()}
     else:
         values, good = _columns(layout, wanted, mode, notes)
+        if layout.heading is None:
+            carried_over(t, values, good, notes)
         held = [*values.values(), *(mask.astype(float) for mask in good.values())]
         t, keep, found = ordered_times(t, layout.table.lines, held)
         notes += found
-        if len(keep) < layout.table.frame.height:
+        if not np.array_equal(keep, np.arange(layout.table.frame.height)):
             values = {name: v[keep] for name, v in values.items()}
             good = {name: mask[keep] for name, mask in good.items()}
     if layout.heading is None:

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Numbers", "decimal_mark", "modes", "numbers"]
 
+# Between the thousands stand a comma or point, whichever is not the decimal mark, an apostrophe or a space of any kind.
+_OTHER = {".": ",", ",": r"\."}
+_GAP = r"'’\s\u00a0\u202f"
+
 
 @dataclass(frozen=True)
 class Numbers:
@@ -41,8 +45,8 @@ def decimal_mark(frame: pl.DataFrame) -> str:
     for name in head.columns:
         if head[name].dtype == pl.String:
             cells = head[name].alias("")
-            commas += int(cells.str.contains(r"^[-+]?\d*,\d+([eE][-+]?\d+)?$").sum())
-            points += int(cells.str.contains(r"^[-+]?\d*\.\d+([eE][-+]?\d+)?$").sum())
+            commas += int(cells.str.contains(r"^[-+]?(\d*|\d{1,3}(\.\d{3})+),\d+([eE][-+]?\d+)?$").sum())
+            points += int(cells.str.contains(r"^[-+]?(\d*|\d{1,3}(,\d{3})+)\.\d+([eE][-+]?\d+)?$").sum())
     return "," if commas > points else "."
 
 
@@ -67,11 +71,15 @@ def numbers(
     if column.dtype.is_temporal():
         raise ReadError(f"column {name!r} holds times, not numbers; name another column")
     text = column.alias("").cast(pl.String).fill_null("")
+    notes = []
+    grouped = _grouped(text, decimal)
+    if grouped.any():
+        notes.append(f"{name}: '{text.filter(grouped)[0]}' and the like are read with a mark between the thousands.")
+        text = text.str.replace_all(rf"[{_OTHER[decimal]}{_GAP}]", "").zip_with(grouped, text)
     plain = text.str.replace(",", ".", literal=True) if decimal == "," else text
     parsed = plain.cast(pl.Float64, strict=False)
     values = parsed.fill_null(float("nan")).to_numpy().astype(np.float64)
     good = np.ones(len(values), dtype=bool)
-    notes = []
     # Only the distinct words are looked at one by one: there are few, however long the file.
     is_value = ~parsed.is_nan() if keep_infinite else parsed.is_finite()
     words = text.filter(~is_value.fill_null(False)).value_counts(sort=True, name="rows")
@@ -93,6 +101,15 @@ def numbers(
     if blanks:
         notes.append(f"{name}: {blanks} {'cell is' if blanks == 1 else 'cells are'} blank: missing.")
     return Numbers(values, None if good.all() else good, tuple(notes))
+
+
+def _grouped(text: pl.Series, decimal: str) -> pl.Series:
+    """Which cells have a mark between the thousands: never "0.125", nor where that mark stands elsewhere too."""
+    mark = "," if decimal == "," else r"\."
+    other = _OTHER[decimal]
+    elsewhere = text.str.contains(rf"^[-+]?\d*{other}(\d{{0,2}}|\d{{4,}})$").any()
+    marks = _GAP if elsewhere else other + _GAP
+    return text.str.contains(rf"^[-+]?[1-9]\d{{0,2}}([{marks}]\d{{3}})+({mark}\d*)?$")
 
 
 def _says(count: int) -> str:

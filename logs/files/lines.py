@@ -105,7 +105,11 @@ def _padded_titles(lines: list[str], separator: str) -> int:
     usual = Counter(reach).most_common(1)[0][0]
     first = next((i for i, width in enumerate(reach) if width >= usual), 0)
     header = [cell.strip(' "') for cell in lines[first].split(separator)]
-    return first if first and not any(_FIGURES.match(cell) for cell in header) else 0
+    if not first or any(_FIGURES.match(cell) for cell in header):
+        return 0
+    named = [cell for cell in header if cell]
+    # "PV, OP, PV, OP" cannot do without the row of tags above it.
+    return first - 1 if len(set(named)) < len(named) else first
 
 
 def _without_footer(numbered: Numbered, separator: str, notes: list[str]) -> Numbered:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from logs.files.carried import carried, is_held
 from logs.files.clean import modes, numbers
 from logs.files.names import role_of
 from logs.files.order import ordered_times
@@ -107,37 +108,10 @@ def pivot(
     axis = np.unique(np.concatenate([t for t, _, _ in series.values()]))
     values, masks = {}, {}
     for tag, (t, own, good) in series.items():
-        role = role_of(tag)
-        held = role is not None and role[1] in ("SP", "OP", "MODE")
-        values[tag], masks[tag] = _carried(axis, t, own, good, held=held)
+        held = is_held(tag)
+        values[tag], masks[tag] = carried(axis, t, own, good, held=held)
         missing = len(axis) - len(t)
         if missing:
             how = "held from the report before" if held else "on the line between reports"
             notes.append(f"{tag}: reported at {len(t)} of {len(axis)} times, {how} at the others.")
     return Pivot(axis, values, masks, tuple(notes))
-
-
-def _carried(
-    axis: npt.NDArray[np.float64],
-    t: npt.NDArray[np.float64],
-    values: npt.NDArray[np.float64],
-    good: npt.NDArray[np.bool_],
-    *,
-    held: bool,
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
-    """Values on ``axis``: NaN before the first report and, unless held, after the last one."""
-    before = np.searchsorted(t, axis, side="right") - 1
-    known = before >= 0
-    i = np.maximum(before, 0)
-    on_report = known & (t[i] == axis)
-    carried = np.where(known, values[i], np.nan)
-    mask = known & good[i]
-    if not held:
-        after = np.minimum(i + 1, len(t) - 1)
-        width = t[after] - t[i]
-        inside = known & ~on_report & (width > 0)
-        weight = np.divide(axis - t[i], width, out=np.zeros(len(axis)), where=inside)
-        line = values[i] + weight * (values[after] - values[i])
-        carried = np.where(on_report, values[i], np.where(inside, line, np.nan))
-        mask = np.where(on_report, good[i], inside & good[i] & good[after])
-    return carried, mask

@@ -13,6 +13,8 @@ Values = npt.NDArray[np.float64]
 
 _GAP = 5.0  # a step longer than this many usual ones is a gap
 _SHARED = 0.2  # share of rows that share a stamp, from which rounding, not a mistake, explains them
+_LATE = 0.01  # share of rows that may come after a later one, or one row
+_LATE_FROM = 20  # rows of a table in which one late row is a slip
 _SHORTEST, _LONGEST = 0.05, 3600.0  # intervals [s] at which processes are logged, as a rule
 
 
@@ -21,8 +23,9 @@ def ordered_times(
 ) -> tuple[Values, npt.NDArray[np.intp], list[str]]:
     """Times that increase strictly, the rows kept, and sentences on what was done.
 
-    Stamps that a historian has rounded are evened out. A row is dropped if it repeats the row before it, time and
-    values alike. Raises ReadError if the time falls, or stands still while a value changes.
+    A few rows that come late are put in their places; stamps that a historian has rounded are evened out. A row is
+    dropped if it repeats the row before it, time and values alike. Raises ReadError if more rows come late, or the time
+    stands still while a value changes.
 
     >>> t, keep, notes = ordered_times(np.array([0.0, 1, 2, 2, 4, 5]), list(range(6)), [np.arange(6.0)])
     >>> t.tolist()
@@ -31,14 +34,24 @@ def ordered_times(
     ['1 repeated time stamp beside a double step: evened out (the stamps are rounded).']
     """
     of = f" of {what!r}" if what else ""
-    falls = np.diff(t) < 0
-    if falls.any():
-        row = int(np.argmax(falls)) + 1
+    order = np.arange(len(t))
+    late = t < np.maximum.accumulate(t)
+    sorting: list[str] = []
+    if 0 < late.sum() <= max(1.0, _LATE * len(t)) and len(t) >= _LATE_FROM:
+        order = np.argsort(t, kind="stable")
+        t, lines, columns = t[order], [lines[row] for row in order], [values[order] for values in columns]
+        count = int(late.sum())
+        sorting.append(
+            f"{count} row{'s come' if count > 1 else ' comes'} late and {'are' if count > 1 else 'is'} put in place."
+        )
+    elif late.any():
+        row = int(np.argmax(np.diff(t) < 0)) + 1
         raise ReadError(
             f"line {lines[row]}{of} is earlier than the line before it ({t[row]:g} s after {t[row - 1]:g} s); "
             "sort the rows by time, or export in UTC if the clock was set back"
         )
     t, notes = _evened(t)
+    notes = sorting + notes
     same = np.concatenate([[False], np.diff(t) == 0])
     for values in columns:
         changed = same & ~_equal(values, np.roll(values, 1))
@@ -52,7 +65,7 @@ def ordered_times(
         count = int(same.sum())
         notes.append(f"{count} repeated row{'s' * (count > 1)} dropped.")
     keep = np.flatnonzero(~same)
-    return t[keep], keep, notes
+    return t[keep], order[keep], notes
 
 
 def _equal(a: Values, b: Values) -> npt.NDArray[np.bool_]:

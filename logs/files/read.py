@@ -16,8 +16,10 @@ from logs.files.columns import loop_names
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
 from logs.files.loops import Origin, check_span, loop_of
+from logs.files.packed import is_workbook, unpacked
 from logs.files.source import decoded, file_bytes, is_parquet
 from logs.files.table import Table, names_and_units, parse_table
+from logs.files.workbook import workbook_text
 from logs.log import Log
 from logs.loop import LoopRecord
 from logs.tags import Process
@@ -180,17 +182,22 @@ def _named(source: Source) -> Iterator[None]:
 def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | None]:
     if frame_kind(source):
         return _typed(polars_frame(source)), None
-    raw = file_bytes(source)
+    raw, notes = unpacked(file_bytes(source))
     if is_parquet(raw):
-        return _parquet(raw)
-    text = decoded(raw)
+        table, heading = _parquet(raw)
+        return replace(table, notes=(*notes, *table.notes)), heading
+    if is_workbook(raw):
+        text, found = workbook_text(raw)
+        notes += found
+    else:
+        text = decoded(raw)
     head = [line[1:].strip() for line in text[:200_000].split("\n") if line.startswith("#")]
     heading = parse_heading(head)
     table = parse_table(text, separator, split_units=heading is None)
     if heading is not None:  # the time column of our own files says its unit
         first = table.frame.columns[0]
         table = replace(table, frame=table.frame.rename({first: "time"}), units={"time": "s"})
-    return table, heading
+    return replace(table, notes=(*notes, *table.notes)), heading
 
 
 def _parquet(raw: bytes) -> tuple[Table, Heading | None]:

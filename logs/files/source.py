@@ -13,7 +13,6 @@ __all__ = ["decoded", "file_bytes", "is_parquet"]
 _EXPORT = "export the data as CSV (or Parquet) and read that"
 _MAGIC = (
     (b"\xd0\xcf\x11\xe0", "an old Excel workbook (.xls)"),
-    (b"\x1f\x8b", "a gzip archive"),
     (b"7z\xbc\xaf", "a 7z archive"),
     (b"\x89HDF", "an HDF5 file"),
     (b"MATLAB 5.0", "a MATLAB file"),
@@ -85,9 +84,6 @@ def _decode(raw: bytes, encoding: str) -> str:
 
 
 def _refuse_known_formats(raw: bytes) -> None:
-    if raw.startswith(b"PK\x03\x04"):
-        kind = "an Excel workbook (.xlsx)" if b"xl/" in raw else "a zip archive"
-        raise ReadError(f"this is {kind}, not text; {_EXPORT}")
     for magic, kind in _MAGIC:
         if raw.startswith(magic):
             raise ReadError(f"this is {kind}, not a table of text; {_EXPORT}")

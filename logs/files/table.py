@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from logs.errors import ReadError
+from logs.files.headers import told_apart, with_tag_row, without_twins
 from logs.files.lines import LOOK, cells_of, numbered_lines, width_of, without_frame
 from logs.files.pairs import is_paired, long_from_pairs, numbered_pairs
 from logs.files.states import is_blank, is_state
@@ -65,7 +66,7 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
     over; ``separator`` (str, optional) One character between cells; found from the first lines when not given;
     ``split_units`` (bool) Take "[unit]" and "(unit)" off the header cells.
 
-    Raises ReadError if there is no header, no row, one column only, a repeated name or a ragged row.
+    Raises ReadError if there is no header, no row, one column only, a name repeated over other values, or a ragged row.
 
     >>> table = parse_table("time;OP\\ns;%\\n0;50,5\\n1;51\\n")
     >>> table.units, table.frame["OP"].to_list(), table.lines
@@ -91,12 +92,16 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
     paired = split_units and is_paired(header)
     if paired:
         header = numbered_pairs(header)
+    if split_units:
+        header, rows = with_tag_row(header, rows, chosen, notes)
     _check_header(header, numbered[0][0], chosen)
     _check_widths(rows, len(header), chosen)
+    header, twins = told_apart(header)
     names, units = names_and_units(header) if split_units else (header, {})
     if split_units:
         rows = _without_word_rows(rows, names, units, chosen, notes)
     frame, lines = _frame(names, rows, chosen), [n for n, _ in rows]
+    frame = without_twins(frame, dict(zip(header, names, strict=True)), twins, notes)
     if paired:
         frame, lines = long_from_pairs(frame, lines)
         notes.append("Every signal has a time of its own.")
@@ -151,9 +156,6 @@ def _check_header(header: list[str], number: int, separator: str) -> None:
             f"column {', '.join(empty)} has no name in the header on line {number} "
             f"(separator: {_SEPARATOR_NAMES.get(separator, separator)}); name it or delete it"
         )
-    twice = sorted({name for name in header if header.count(name) > 1})
-    if twice:
-        raise ReadError(f"the header names {', '.join(map(repr, twice))} more than once; rename one of them")
 
 
 def _check_widths(rows: list[tuple[int, str]], width: int, separator: str) -> None:
