@@ -1,7 +1,6 @@
 """What was asked of a study, as plain values: two requests are one if these agree, and what differs can be named."""
 
 import hashlib
-import json
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -11,11 +10,15 @@ import blocks
 import engine
 import plant
 from diagram.diagram import Diagram
+from logs.files import resumable
 from study.axes import Axis
 
 SCHEMA = "stickslip.study-folder/1"
 PACKAGES = (blocks, engine, plant)
-LONGEST_VALUE = 60  # characters of a value in a message
+PHRASES = {
+    "code": "stickslip itself has changed since",
+    "fingerprint": "the diagram itself (its blocks, wiring or numbers) has changed",
+}
 
 
 def fingerprint(diagram: Diagram) -> str:
@@ -57,25 +60,13 @@ def spelt(axes: Sequence[Axis]) -> dict[str, dict[str, object]]:
     return found
 
 
-def differences(wanted: Mapping[str, Any], found: Mapping[str, Any], prefix: str = "") -> list[str]:
+def differences(wanted: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
     """Return what differs between a new request and one that a folder holds, a phrase each.
 
     >>> differences({"seed": 1, "vary": {"a.x": [1.0]}}, {"seed": 2, "vary": {}})
     ['seed: there 2, now 1', 'vary a.x: there not given, now [1.0]']
     """
-    phrases = []
-    for key in dict.fromkeys([*wanted, *found]):
-        new, old = wanted.get(key), found.get(key)
-        if new == old:
-            continue
-        if isinstance(new, Mapping) and isinstance(old, Mapping):
-            phrases += differences(new, old, f"{prefix}{key} ")
-        elif key == "code":
-            phrases.append("stickslip itself has changed since")
-        elif key == "fingerprint":
-            phrases.append("the diagram itself (its blocks, wiring or numbers) has changed")
-        else:
-            phrases.append(f"{prefix}{key}: there {_short(old)}, now {_short(new)}")
+    phrases = resumable.differences(wanted, found, PHRASES)
     if not phrases and list(_flat(wanted)) != list(_flat(found)):
         phrases.append("the order of the axes")
     return phrases
@@ -83,10 +74,3 @@ def differences(wanted: Mapping[str, Any], found: Mapping[str, Any], prefix: str
 
 def _flat(request: Mapping[str, Any]) -> list[str]:
     return [key for kind in ("vary", "plant", "start") for key in request.get(kind, {})]
-
-
-def _short(value: object) -> str:
-    if value is None:
-        return "not given"
-    text = json.dumps(value) if not isinstance(value, str) else value
-    return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 20]} ... {text[-15:]}"

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from logs.files.resumable import parquet, write
 from study.findings import Findings
-from study.folder import parquet, write
+from study.request import SCHEMA
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,4 +53,4 @@ class StudyResult(Findings):
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Write the table with the request in the footer under the key "stickslip", whole or not at all."""
-        write(Path(path), parquet(self.table, self.request))
+        write(Path(path), parquet(self.table, {"schema": SCHEMA, "request": self.request}))

@@ -16,9 +16,10 @@ from diagram.ensembles.running import cores, ensemble
 from diagram.kept import log_times
 from diagram.progress import Progress, reporting
 from engine.status import Status
+from logs.files.resumable import RowsFolder, joined, opened
 from study.axes import StudyError, axes_of
 from study.design import design
-from study.folder import Folder, Memory, Store, joined, opened
+from study.folder import KEPT, Memory, Store
 from study.measures import Measures, OwnMeasures, slips, valves
 from study.points import Batch, Points, Refusal, resolve
 from study.request import code, fingerprint, spelt
@@ -107,23 +108,23 @@ def study(
     schema = Schema.of(plan, [first, *_other_shapes(points)], wanted, None if measures is None else measures.names)
     options = {"duration": duration, "every": every, "rtol": rtol, "atol": atol, "method": method or chosen.method}
     begun = time.perf_counter()
-    held = nullcontext(Memory()) if out is None else opened(Path(out), request, fresh)
+    held = nullcontext(Memory()) if out is None else opened(Path(out), request, KEPT, fresh)
     with held as store, reporting(progress, len(plan), "runs") as tell, stop_asked() as stopped:
-        if isinstance(store, Folder):
+        if isinstance(store, RowsFolder):
             store.note(status="running", runs=len(plan))
         work = _Work(points, schema, since, options, len(grid), workers or cores(), tell, longest, measures)
         complete = work.all(store, stopped)
         tables = store.rows()
-        table = joined(tables) if tables else schema.empty()
+        table = joined(tables, "run") if tables else schema.empty()
         if complete and len(table) and table["status"].is_in(IMPOSSIBLE).all():
-            if isinstance(store, Folder):
+            if isinstance(store, RowsFolder):
                 store.forget()
             raise StudyError(f"none of the {len(table)} runs is possible; the first: {table['reason'][0]}")
         seconds = time.perf_counter() - begun
         result = StudyResult(table, request, tuple(axes), wanted, chosen.stages, schema.units, complete, seconds)
-        if isinstance(store, Folder) and complete:
+        if isinstance(store, RowsFolder) and complete:
             store.finish(table)
-        if isinstance(store, Folder):
+        if isinstance(store, RowsFolder):
             store.note(
                 status="complete" if complete else "interrupted",
                 runs=len(plan),

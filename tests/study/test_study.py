@@ -12,12 +12,12 @@ import polars as pl
 import pytest
 
 from diagram import simulate
+from logs.files.resumable import RowsFolder, parquet
 from logs.oscillation import oscillation
 from plant import kicked, production_plant
 from plant.loops import integrating_loop, self_regulating_loop
 from study import StudyError, Subject, production_subject, study, uniform
 from study import run as running
-from study.folder import Folder, parquet
 from study.groups import groups
 from study.request import fingerprint
 
@@ -78,7 +78,7 @@ def test_workers_do_not_change_a_byte(whole, short_parts):
 
 def test_an_interrupted_study_goes_on_and_gives_the_same_bytes(whole, tmp_path, monkeypatch, short_parts):
     small(out=tmp_path / "one", workers=1)
-    kept, add = [], Folder.add
+    kept, add = [], RowsFolder.add
 
     def breaks_down(self, table):
         if len(kept) == 3:
@@ -86,10 +86,10 @@ def test_an_interrupted_study_goes_on_and_gives_the_same_bytes(whole, tmp_path, 
         kept.append(table)
         add(self, table)
 
-    monkeypatch.setattr(Folder, "add", breaks_down)
+    monkeypatch.setattr(RowsFolder, "add", breaks_down)
     with pytest.raises(RuntimeError, match="gone"):
         small(out=tmp_path / "two", workers=2)
-    monkeypatch.setattr(Folder, "add", add)
+    monkeypatch.setattr(RowsFolder, "add", add)
     assert not (tmp_path / "two" / "study.parquet").exists()
     made = []
     split = running.Points.split
@@ -140,7 +140,7 @@ def test_kill_9_loses_nothing_but_the_last_part(tmp_path):
 
 
 def test_a_part_that_cannot_be_read_is_made_again(whole, tmp_path, monkeypatch, short_parts):
-    monkeypatch.setattr(Folder, "finish", lambda *_: pytest.fail("stop here"))
+    monkeypatch.setattr(RowsFolder, "finish", lambda *_: pytest.fail("stop here"))
     with pytest.raises(pytest.fail.Exception):
         small(out=tmp_path)
     monkeypatch.undo()
