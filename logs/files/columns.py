@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from logs.errors import ReadError
 from logs.files.names import ROLES, numbers_in, plain, role_of, same_numbers
 
-__all__ = ["Roles", "choose_columns", "loop_names"]
+__all__ = ["Roles", "choose_columns", "columns_of_loops", "loop_names"]
 
 # Valves that are open or shut by their tag letters: no controller moves them, whatever their number.
 _SHUT_OFF = re.compile(r"(?<![A-Za-z])(X[A-Z]?|HV|MOV|BDV|E?SDV)(?=[-_ ]?\d)", re.IGNORECASE)
@@ -36,6 +36,24 @@ def loop_names(columns: Iterable[str]) -> tuple[str, ...]:
     ('FIC1', 'LIC2')
     """
     return tuple(shown for shown, parts in _grouped(columns).values() if _is_loop(parts))
+
+
+def columns_of_loops(columns: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """The loops among ``columns``, each with all columns that bear its tag or, for a stem position, its number.
+
+    >>> columns_of_loops(["time", "FIC1.PV", "FIC1.OP", "ZT1.PV", "TI7.PV"])
+    {'FIC1': ('FIC1.PV', 'FIC1.OP', 'ZT1.PV')}
+    """
+    groups = _grouped(columns)
+    stems: dict[tuple[str, ...], list[str]] = {}
+    for shown, parts in groups.values():
+        if "STEM" in parts and not _is_loop(parts):
+            stems.setdefault(numbers_in(shown), []).append(parts["STEM"])
+    return {
+        shown: tuple(dict.fromkeys([*parts.values(), *stems.get(numbers_in(shown), ())]))
+        for shown, parts in groups.values()
+        if _is_loop(parts)
+    }
 
 
 def choose_columns(

@@ -1,0 +1,70 @@
+"""The result of a scan: the ranked table, its files and its picture."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from logs.files.resumable import parquet, write
+from scan.changes import Change
+from scan.table import csv_bytes
+
+if TYPE_CHECKING:
+    import polars as pl
+    from matplotlib.figure import Figure
+
+__all__ = ["ScanResult"]
+
+
+@dataclass(frozen=True, eq=False)
+class ScanResult:
+    """All loops of a scan, the valves to look at first on top.
+
+    table : polars.DataFrame
+        One row a loop, in the order of ``rank``; see ``scan.table.COLUMNS``.
+    source : str
+    notes : tuple of str
+        What was assumed of the source.
+    changes : tuple of Change
+        Loops whose verdict is another than in the scan before.
+    """
+
+    table: pl.DataFrame = field(repr=False)
+    source: str
+    notes: tuple[str, ...] = ()
+    changes: tuple[Change, ...] = ()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of loops by verdict; "error" for those that could not be read or judged."""
+        found: dict[str, int] = {}
+        for word in self.table["verdict"].to_list():
+            found[word or "error"] = found.get(word or "error", 0) + 1
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as plain values, schema "stickslip.scan/1"."""
+        return {
+            "schema": "stickslip.scan/1",
+            "source": self.source,
+            "notes": list(self.notes),
+            "counts": self.counts,
+            "changes": [vars(change) for change in self.changes],
+            "loops": self.table.drop("order").to_dicts(),
+        }
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as Parquet."""
+        write(Path(path), parquet(self.table))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as CSV that is safe to open in a spreadsheet."""
+        write(Path(path), csv_bytes(self.table))
+
+    def plot(self) -> Figure:
+        """How many loops have which verdict, and the periods of those that oscillate."""
+        from scan.figure import plot_scan
+
+        return plot_scan(self)

@@ -1,0 +1,115 @@
+"""A scan: jobs spread over the cores of this machine or of a cluster, their rows kept as they come in."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from logs.files.resumable import Kept, RowsFolder, differences, joined, opened
+from scan.changes import changes
+from scan.code import code
+from scan.judge import JOB_ROWS, Row, judged
+from scan.loop_map import read_map
+from scan.result import ScanResult
+from scan.sources import Job, Source, source_of
+from scan.table import ranked, table_of
+from scan.workers import on_cluster, on_cores
+
+if TYPE_CHECKING:
+    import polars as pl
+
+__all__ = ["KEPT", "ScanError", "scan"]
+
+SCHEMA = "stickslip.scan/1"
+PHRASES = {"code": "stickslip itself has changed since", "identity": "the files have changed"}
+
+Tell = Callable[[int, int], None]
+
+
+class ScanError(ValueError):
+    """A scan cannot be done as asked."""
+
+
+def _told(wanted: Any, found: Any) -> list[str]:
+    return differences(wanted, found, PHRASES)
+
+
+KEPT = Kept("scan", SCHEMA, "order", ScanError, _told)
+
+
+def scan(
+    source: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    loop_map: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    cluster: str | None = None,
+    fresh: bool = False,
+    tell: Tell | None = None,
+) -> ScanResult:
+    """Judge every loop of a source and rank them.
+
+    Parameters: ``source`` (path or str) A folder, a Parquet or text file, or ``duckdb:SELECT ...``; ``out`` (path)
+    Folder for the result, which also keeps what is done so that an interrupted scan goes on; ``loop_map`` (path,
+    optional) CSV file that names the tags of each loop; ``workers`` (int, optional) Processes, by default one a core;
+    ``cluster`` (str, optional) Address of a Dask scheduler: the jobs go there, and its machines must see the files
+    under the same paths; ``fresh`` (bool) Throw away what another scan left in ``out``; ``tell`` (function (done,
+    total), optional) Called with the number of loops judged.
+
+    Returns a ScanResult. Raises ScanError if ``out`` holds another scan, and ReadError if the source holds no loop.
+    """
+    if workers is not None and workers < 1:
+        raise ScanError(f"workers = {workers}, but at least one process is needed; leave it out to use all cores")
+    folder = Path(out)
+    mapped = () if loop_map is None else read_map(loop_map)
+    found = source_of(source, folder / "source", mapped)
+    request = {
+        "source": found.name,
+        "identity": dict(found.identity),
+        "map": [repr(tags) for tags in mapped],
+        "code": code(),
+    }
+    before = _last(folder, fresh)
+    with opened(folder, request, KEPT, fresh) as kept:
+        kept.note(finished=False)
+        _work(found, kept, workers, cluster, tell or (lambda done, total: None))
+        tables = kept.rows()
+        table = joined(tables, "order") if tables else table_of([])
+        if "rank" not in table.columns:
+            table = ranked(table)
+        else:
+            table = table.sort("rank")
+        kept.finish(table)
+        kept.note(finished=True)
+    return ScanResult(table=table, source=found.name, notes=found.notes, changes=changes(before, table))
+
+
+def _last(folder: Path, fresh: bool) -> pl.DataFrame | None:
+    """The table that an earlier scan left, to be compared with."""
+    import polars as pl
+
+    file = folder / KEPT.table
+    if not file.exists():
+        return None
+    try:
+        return pl.read_parquet(file)
+    except pl.exceptions.PolarsError:
+        return None
+
+
+def _work(source: Source, kept: RowsFolder, workers: int | None, cluster: str | None, tell: Tell) -> None:
+    """Do the jobs of which no row is kept yet."""
+    done = {int(order) // JOB_ROWS for table in kept.rows() for order in table["order"]}
+    missing = [(number, job) for number, job in enumerate(source.jobs) if number not in done]
+    total, judged_loops = source.count, sum(len(table) for table in kept.rows())
+    tell(judged_loops, total)
+    if not missing:
+        return
+    work = on_cores(missing, workers) if cluster is None else on_cluster(missing, cluster)
+    for rows in work:
+        kept.add(table_of(rows))
+        judged_loops += len(rows)
+        tell(min(judged_loops, total), total)

@@ -1,0 +1,55 @@
+"""The rows of a scan as a table: its columns, its order, and files that a spreadsheet opens safely."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import polars as pl
+
+__all__ = ["COLUMNS", "csv_bytes", "ranked", "table_of"]
+
+# column -> type; every scan writes all of them
+COLUMNS = {
+    "order": "Int64", "loop": "String", "verdict": "String", "probability": "Float64", "period_s": "Float64",
+    "amplitude": "Float64", "health": "String", "reason": "String", "samples": "Int64", "interval_s": "Float64",
+    "hours": "Float64", "error": "String",
+}  # fmt: skip
+FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a cell that begins so is run by a spreadsheet
+
+
+def table_of(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:
+    """The rows with all columns; what a row does not say is null."""
+    import polars as pl
+
+    schema = {name: getattr(pl, kind) for name, kind in COLUMNS.items()}
+    return pl.DataFrame([{name: row.get(name) for name in COLUMNS} for row in rows], schema=schema, orient="row")
+
+
+def ranked(table: pl.DataFrame) -> pl.DataFrame:
+    """The table with the column ``rank``, the valves to look at first: by verdict, probability, then order."""
+    import polars as pl
+
+    place = pl.col("verdict").replace_strict(
+        dict(zip(FIRST, range(len(FIRST)), strict=True)), default=len(FIRST), return_dtype=pl.Int64
+    )
+    by = [place, pl.col("probability").fill_null(-1.0), pl.col("order")]
+    table = table.sort(by, descending=[False, True, False])
+    return table.select(pl.int_range(1, pl.len() + 1, dtype=pl.Int64).alias("rank"), pl.all())
+
+
+def csv_bytes(table: pl.DataFrame) -> bytes:
+    """The table as CSV; an apostrophe stands before text that a spreadsheet would run as a formula."""
+    import polars as pl
+
+    text = [name for name, kind in table.schema.items() if kind == pl.String]
+    safe = [
+        pl.when(pl.col(name).str.slice(0, 1).is_in(list(FORMULA))).then("'" + pl.col(name)).otherwise(pl.col(name)).alias(name)
+        for name in text
+    ]
+    content = io.BytesIO()
+    table.with_columns(safe).write_csv(content)
+    return content.getvalue()

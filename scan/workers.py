@@ -1,0 +1,104 @@
+"""Jobs on the cores of this machine, or on a Dask cluster: the same rows, in the order in which they are finished.
+
+A loop that brings its process down (memory, a fault in compiled code) must not end a scan: the jobs that were under way
+are then done again, loop by loop, each in a process of its own, and what falls again is an error in its row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
+from multiprocessing import get_context
+
+from logs import ReadError
+from scan.judge import JOB_ROWS, Row, judged
+from scan.sources import Job
+
+__all__ = ["on_cluster", "on_cores"]
+
+Numbered = tuple[int, Job]
+AHEAD = 2  # jobs that wait for each process, so that a list of thousands is not sent at once
+START = "forkserver"  # a forked copy of a process with threads may hang
+
+
+def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[list[Row]]:
+    """The rows of each job, from ``workers`` processes (default: one a core)."""
+    from os import cpu_count
+
+    count = workers or cpu_count() or 1
+    if count == 1 or len(jobs) == 1:
+        for number, job in jobs:
+            yield judged(job, number)
+        return
+    left = list(jobs)
+    while left:
+        fallen: list[Numbered] = []
+        with ProcessPoolExecutor(count, mp_context=get_context(START)) as pool:
+            under_way = {}
+            while (left or under_way) and not fallen:
+                while left and len(under_way) < AHEAD * count:
+                    number, job = left.pop(0)
+                    under_way[pool.submit(judged, job, number)] = (number, job)
+                ready, _ = wait(under_way, return_when=FIRST_COMPLETED)
+                for future in ready:
+                    try:
+                        rows = future.result()
+                    except BrokenProcessPool:
+                        fallen = sorted(under_way.values(), key=lambda item: item[0])
+                        break
+                    del under_way[future]
+                    yield rows
+        for number, job in fallen:
+            yield _one_by_one(number, job)
+
+
+def _one_by_one(number: int, job: Job) -> list[Row]:
+    """The rows of a job of which some loop brings its process down."""
+    rows: list[Row] = []
+    for part in _singles(job):
+        with ProcessPoolExecutor(1, mp_context=get_context(START)) as pool:
+            try:
+                found = pool.submit(judged, part, number).result()
+            except BrokenProcessPool:
+                name = part.loops[0][0] if part.loops else part.files[0]
+                found = [{"loop": name, "error": "the process that judged this loop ended without an answer"}]
+        rows += [row | {"order": number * JOB_ROWS + len(rows) + i} for i, row in enumerate(found)]
+    return rows
+
+
+def _singles(job: Job) -> list[Job]:
+    """The job as jobs of one loop or one file each."""
+    if job.loops:
+        return [replace(job, loops=(loop,)) for loop in job.loops]
+    return [replace(job, files=(file,)) for file in job.files]
+
+
+def on_cluster(jobs: Sequence[Numbered], address: str) -> Iterator[list[Row]]:
+    """The rows of each job, from the workers of the Dask scheduler at ``address``.
+
+    A job whose worker is lost goes to another. Raises ReadError if Dask is missing or the scheduler does not answer.
+    """
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        raise ReadError(
+            "a cluster needs Dask, which is not installed: pip install 'stickslip[cluster]'"
+        ) from None
+    try:
+        client = Client(address, timeout=10)
+    except (OSError, TimeoutError, ValueError) as fault:
+        raise ReadError(f"no Dask scheduler answers at {address} ({fault}); start one, or leave the address out") from None
+    with client:
+        by_key = {}
+        for number, job in jobs:
+            future = client.submit(judged, job, number, pure=False, retries=2)
+            by_key[future.key] = (number, job, future)
+        for future in as_completed([entry[2] for entry in by_key.values()]):
+            number, job, _ = by_key.pop(future.key)
+            if future.status == "finished":
+                yield future.result()
+            else:  # its workers were lost again and again
+                yield _one_by_one(number, job)
+            future.release()
