@@ -288,3 +288,8 @@ def test_no_function_hides_a_module_of_its_name(package: Path) -> None:
 def test_the_rule_of_hidden_modules_can_fail() -> None:
     assert hidden("from a.slopes import slopes", "a", {"slopes"}) == {"slopes"}
     assert hidden("from a import slopes", "a", {"slopes"}) == set()
+
+
+def test_files_are_short() -> None:
+    lengths = sorted(len(path.read_text().splitlines()) for _, path in FILES)
+    assert lengths[-1] < 400 and lengths[len(lengths) * 9 // 10] < 300
