@@ -1,103 +1,36 @@
 """The block: a python-control nonlinear I/O system made of pure kernels.
 
-A block is data (parameters ``p``, start states ``x0``, modes and memories ``d0``) plus kernels, plain functions
-of one shape ``(t, x, d, u, p, out)`` that read arrays and write ``out``:
-
-    out        outputs y(t, x, u)                  der   state rates dx/dt
-    zc         event functions, fire when > 0      jump  the transition of event ``out[0]``: changes d and x
-    step       one sample: changes d, writes y     next_time  next discontinuity of a source, largest step
-
-Python-control calls them interpreted (``updfcn``, ``outfcn``); the engine calls the same functions compiled.
-Nothing is kept inside a block, so a call never changes it.
+A block is data (parameters ``p``, start states ``x0``, modes and memories ``d0``), what it declares of itself
+(``declared``) and pure functions (``kernels``).  Python-control calls them interpreted (``control_view``), the engine
+compiled.  Nothing is kept inside a block, so a call never changes it; what changes a value returns a changed copy.
 """
 
 import copy
 import math
-import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol, Self
+from collections.abc import Iterable, Mapping
+from typing import Any, Self
 
-import control as ct
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from blocks.arguments import by_name, checked, text
-from blocks.parameters import Parametrised
-from blocks.ports import BlockError, Labels, Port, check_names, labelled, nearest, number, require, shortened
+from blocks.control_view import ControlView
+from blocks.declared import FREE_MODE, PARTS
+from blocks.kernels import Floats, Host, Kernel, Kernels
+from blocks.ports import BlockError, Labels, check_names, labelled, nearest, number, require, shortened
 from blocks.role import Role
 
-Floats = NDArray[np.float64]
-NO_APPEND = (
-    "ct.append stacks linear systems only; use diagram.wire([...], inputs=[...]), or ct.interconnect([...], "
-    "inplist=..., outlist=...), or give ct.append its linearisation, ct.linearize(system, x0, u0)"
-)
-STUCK_MODE, FREE_MODE = "stuck", "ideal"  # the names that these two modes of a valve have in every block
-PARTS = ("SP", "PV", "OP", "MV")
-Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
+__all__ = ["Block", "Floats", "Host", "Kernel", "Kernels"]
 
 
-@dataclass(frozen=True)
-class Kernels:
-    """The functions of a block and what the engine must know about them.
-
-    ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the
-    same instant.  ``timed``: whether ``out`` or ``der`` reads the time ``t``.  ``rates``: whether ``zc`` and ``jump``
-    want the input rates behind the inputs in ``u``.  ``jumps``: whether outputs jump when an event fires, as a stem
-    without mass does when it slips.
-    """
-
-    out: Kernel | None = None
-    der: Kernel | None = None
-    zc: Kernel | None = None
-    jump: Kernel | None = None
-    step: Kernel | None = None
-    next_time: Kernel | None = None
-    n_events: int = 0
-    feeds: bool = True
-    rates: bool = False
-    timed: bool = False
-    jumps: bool = False
-
-
-class Host(Protocol):
-    """What a sampled block runs in Python, between two calls of the engine: a filter, a detector.
-
-    The state is any value; it goes in and comes out, so the block itself never changes.
-    """
-
-    def init(self, p: Floats) -> Any:
-        """Return the state before the first sample."""
-
-    def step(self, t: float, state: Any, u: Floats, p: Floats) -> tuple[Any, Sequence[float]]:
-        """Take the sample ``u`` at time ``t`` [s]; return the next state and the outputs to hold."""
-
-
-class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
-    """Base of all blocks; see the module docstring.  Subclasses fill in the class data and call ``__init__``.
-
-    Class data: ``role``, ``ports_in``, ``ports_out``, ``kernels``, ``modes`` (name -> value of ``d[0]``),
-    ``period_param`` and ``offset_param`` (sampled blocks), ``dead_time_param`` (delays all inputs in the engine) and
-    ``before_param`` (what they were before the start), ``limit_params`` (low and high end of the output),
-    ``plays`` (part in a loop -> port that plays it, where the port has another name; see ``loop_signal``).
+class Block(ControlView):
+    """Base of all blocks; see the module docstring.  Subclasses fill in the class data (see ``Declared``) and call
+    ``__init__``.
 
     ``timetable`` (rows, 1 + values): times [s], strictly increasing, and the values in force from each time on, of the
     first row also before.  Kernels read the values in force behind the parameters in ``p``; nothing else of the table
     is copied, however many runs read it.  A block with a timetable and a kernel ``step`` takes a sample at each time.
     """
-
-    role: Role = Role.PROCESS
-    plays: Mapping[str, str] = {}
-    ports_in: tuple[Port, ...] = ()
-    ports_out: tuple[Port, ...] = ()
-    kernels: Kernels = Kernels()
-    modes: Mapping[str, float] = {}
-    period_param: str | None = None
-    offset_param: str | None = None
-    dead_time_param: str | None = None
-    before_param: str | None = None
-    limit_params: tuple[str, str] | None = None
-    host: "Host | None" = None
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
@@ -160,9 +93,6 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         )
         self._fix_params(dict(zip(self.param_names, named.tolist(), strict=True)))
 
-    def _owner(self) -> str:
-        return str(self.name)
-
     def _span(self, name: str, key: str, span: Any) -> tuple[float, float]:
         """Return low and high end of an instrument's span, refusing what is none."""
         if key not in self.units:
@@ -176,16 +106,6 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         ports = f"{', '.join(self.input_labels)} -> {', '.join(self.output_labels)}"
         values = zip(self.param_names, self.p.tolist(), strict=False)
         return shortened(f"<{type(self).__name__} '{self.name}': {'; '.join([ports, _listed(values)])}>")
-
-    def _repr_html_(self) -> None:
-        """Leave it to ``repr``: python-control would show matrices."""
-
-    def append(self, other: object) -> None:
-        """Say what to use in place of ``ct.append``, which stacks linear systems only.
-
-        Raises ``TypeError``, always.
-        """
-        raise TypeError(f"'{self.name}': {NO_APPEND}")
 
     # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod
@@ -202,80 +122,6 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         A sampled block that names no better twin is seen holding its start output.
         """
         return Held(self) if self.sampled else self
-
-    def seen_states(self) -> tuple[str, ...]:
-        """Return the names of the states that python-control sees."""
-        return self.memory_names if self.sampled else self.state_names
-
-    def seen_start(self) -> Floats:
-        """Return the start values of the states that python-control sees."""
-        if self.host is not None:
-            return np.zeros(0)
-        return self.d0 if self.sampled else self.x0
-
-    def seen_memory(self, x: Floats, u: Floats) -> Floats:
-        """Return the modes and memories that python-control sees while the states are ``x`` and the inputs ``u``.
-
-        Python-control knows no events: unless a block says otherwise it stays as it starts.
-        """
-        return self.d0
-
-    # --- facts --------------------------------------------------------------------------------------------
-    @property
-    def sampled(self) -> bool:
-        """Whether the block runs at its own sampling instants."""
-        return self.period_param is not None
-
-    @property
-    def takes_samples(self) -> bool:
-        """Whether the block does something at sampling instants, be they periodic or listed in its timetable."""
-        return self.sampled or (self.timetable is not None and self.kernels.step is not None)
-
-    @property
-    def period(self) -> float:
-        """Sampling period [s]; 0 for a continuous block."""
-        return float(self.p[self.param_names.index(self.period_param)]) if self.period_param else 0.0
-
-    @property
-    def dead_time(self) -> float:
-        """Dead time of all inputs [s]; 0 if there is none."""
-        return float(self.p[self.param_names.index(self.dead_time_param)]) if self.dead_time_param else 0.0
-
-    @property
-    def value_before(self) -> float:
-        """What stood at the inputs before the start, for the dead time to let out; 0 unless a parameter says."""
-        return float(self.p[self.param_names.index(self.before_param)]) if self.before_param else 0.0
-
-    @property
-    def limits(self) -> tuple[float, float]:
-        """Low and high end of the output in its unit, infinite where there is none."""
-        if self.limit_params is None:
-            return -math.inf, math.inf
-        low, high = (float(self.p[self.param_names.index(key)]) for key in self.limit_params)
-        return low, high
-
-    def loop_signal(self, part: str) -> str | None:
-        """Return the signal at the port that plays ``part`` in a loop (SP, PV, OP or MV), None if no port does.
-
-        A port plays the part it is named after, unless the block's ``plays`` says that another does.
-
-        >>> from blocks import AntiSurge, PI
-        >>> PI(1.0, 10.0, inputs=["level_SP", "level"]).loop_signal("PV"), AntiSurge().loop_signal("PV")
-        ('level', 'q')
-        """
-        wanted = self.plays.get(part, part)
-        ports = zip((*self.ports_in, *self.ports_out), (*self.input_labels, *self.output_labels), strict=True)
-        return next((str(label) for port, label in ports if port.name == wanted), None)
-
-    @property
-    def can_stick(self) -> bool:
-        """Whether the block is a valve with a mode in which its stem is stuck."""
-        return self.role is Role.VALVE and STUCK_MODE in self.modes
-
-    @property
-    def mode(self) -> str | None:
-        """Name of the present mode, if the block has modes."""
-        return next((m for m, value in self.modes.items() if self.d0[0] == value), None) if self.modes else None
 
     # --- changed copies -----------------------------------------------------------------------------------
     def with_role(self, role: str, **plays: str) -> Self:
@@ -396,79 +242,6 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         other = copy.copy(self)
         other.updfcn, other.outfcn = other._update, other._output
         return other
-
-    def param_index(self, key: str) -> int:
-        """Return where a parameter stands in ``p``; raise ``BlockError`` with the nearest name if it does not."""
-        if key not in self.param_names:
-            known = list(self.param_names)
-            raise BlockError(f"block '{self.name}' has no parameter '{key}'; {nearest(key, known)}")
-        return self.param_names.index(key)
-
-    # --- python-control -----------------------------------------------------------------------------------
-    def _update_params(self, params: Mapping[str, float] | None) -> None:
-        """Take parameters as ``block.name``, and by their own name where no other system can mean them.
-
-        Python-control hands every system of an interconnection the parameters of all: others' are not ours, even
-        where they are called alike.
-        """
-        given, prefix = params or {}, self.params.prefix
-        joined = all(prefix + key in given for key in self.param_names)
-        p = self.p.copy()
-        for key, value in given.items():
-            if key.startswith(prefix):
-                p[self.param_index(key.removeprefix(prefix))] = value
-            elif not joined:
-                p[self.param_index(key)] = value
-            elif key in self.param_names:
-                warnings.warn(
-                    f"parameter '{key}' of an interconnection is not taken by block '{self.name}', because every "
-                    f"system has its own; to change the block's write '{prefix}{key}'",
-                    stacklevel=2,
-                )
-        self._p_now = p
-
-    def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
-        if self.sampled:
-            after = np.array(x, dtype=float)
-            self._sample(t, after, u)
-            return after
-        rates = np.zeros(len(self.x0))
-        if self.kernels.der is not None:
-            self.kernels.der(t, x, self.seen_memory(x, u), u, self._p_at(t), rates)
-        return rates
-
-    def _out(self, t: float, x: Floats, u: Floats) -> Floats:
-        if self.sampled:
-            return self._sample(t, np.array(x, dtype=float), u)
-        y = np.zeros(len(self.ports_out))
-        if self.kernels.out is not None:
-            self.kernels.out(t, x, self.seen_memory(x, u), u, self._p_at(t), y)
-        return y
-
-    def _p_at(self, t: float) -> Floats:
-        """Return parameters and, behind them, the values of the timetable that are in force at ``t`` [s]."""
-        if self.timetable is None:
-            return self._p_now
-        passed = int(np.searchsorted(self.timetable[:, 0], t, side="right"))
-        p = self._p_now.copy()
-        p[len(p) - self.timetable.shape[1] + 1 :] = self.timetable[max(0, passed - 1), 1:]
-        return p
-
-    def _sample(self, t: float, memory: Floats, u: Floats) -> Floats:
-        if self.host is not None:
-            return np.asarray(self.host.step(t, self.host.init(self._p_now), u, self._p_now)[1], dtype=float)
-        y = np.zeros(len(self.ports_out))
-        if self.kernels.step is not None:
-            self.kernels.step(t, self.x0, memory, u, self._p_now, y)
-        return y
-
-    def _update(self, t: float, x: Floats, u: Floats, params: Mapping[str, float]) -> Floats:
-        self._update_params(params)
-        return self._rhs(t, x, u)
-
-    def _output(self, t: float, x: Floats, u: Floats, params: Mapping[str, float]) -> Floats:
-        self._update_params(params)
-        return self._out(t, x, u)
 
 
 def _listed(values: Iterable[tuple[str, float]]) -> str:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import text, texts
-from blocks.block import NO_APPEND, Block
+from blocks.block import Block
+from blocks.control_view import NO_APPEND
 from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
 from blocks.ports import nearest, shortened

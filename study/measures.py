@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.block import STUCK_MODE
+from blocks.declared import STUCK_MODE
 from blocks.role import Role
 from diagram.diagram import Diagram
 from logs.oscillation import oscillations

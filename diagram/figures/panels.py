@@ -5,7 +5,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from blocks.arguments import texts
-from blocks.block import PARTS, Block
+from blocks.block import Block
+from blocks.declared import PARTS
 from blocks.ports import nearest
 from blocks.role import Role
 from diagram.diagram import Diagram

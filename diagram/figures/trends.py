@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.block import STUCK_MODE, Block
+from blocks.block import Block
+from blocks.declared import STUCK_MODE
 from blocks.ports import nearest
 from diagram.figures.panels import choose, heading, parts_played
 from diagram.simulation import Run

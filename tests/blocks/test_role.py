@@ -9,7 +9,8 @@ import pytest
 import blocks
 import detect.blocks
 from blocks import PI, AntiSurge, BlockError, Equations, Flare, SampledFunction, Sine, StateSpace, Step, StickSlip
-from blocks.block import PARTS, Block
+from blocks.block import Block
+from blocks.declared import PARTS
 from blocks.role import Role
 from diagram import wire
 from diagram.figures.drawing import colour

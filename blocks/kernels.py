@@ -1,0 +1,55 @@
+"""The kernels of a block: plain functions of numbers and arrays, and what the engine must know about them.
+
+    out        outputs y(t, x, u)                  der   state rates dx/dt
+    zc         event functions, fire when > 0      jump  the transition of event ``out[0]``: changes d and x
+    step       one sample: changes d, writes y     next_time  next discontinuity of a source, largest step
+
+Each has the shape ``(t, x, d, u, p, out)``: time [s], states, modes and memories, inputs, parameters, and what it
+writes.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
+
+
+@dataclass(frozen=True)
+class Kernels:
+    """The functions of a block and what the engine must know about them.
+
+    ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the
+    same instant.  ``timed``: whether ``out`` or ``der`` reads the time ``t``.  ``rates``: whether ``zc`` and ``jump``
+    want the input rates behind the inputs in ``u``.  ``jumps``: whether outputs jump when an event fires, as a stem
+    without mass does when it slips.
+    """
+
+    out: Kernel | None = None
+    der: Kernel | None = None
+    zc: Kernel | None = None
+    jump: Kernel | None = None
+    step: Kernel | None = None
+    next_time: Kernel | None = None
+    n_events: int = 0
+    feeds: bool = True
+    rates: bool = False
+    timed: bool = False
+    jumps: bool = False
+
+
+class Host(Protocol):
+    """What a sampled block runs in Python, between two calls of the engine: a filter, a detector.
+
+    The state is any value; it goes in and comes out, so the block itself never changes.
+    """
+
+    def init(self, p: Floats) -> Any:
+        """Return the state before the first sample."""
+
+    def step(self, t: float, state: Any, u: Floats, p: Floats) -> tuple[Any, Sequence[float]]:
+        """Take the sample ``u`` at time ``t`` [s]; return the next state and the outputs to hold."""
