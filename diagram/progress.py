@@ -30,6 +30,6 @@ def reporting(progress: Progress, total: int, what: str) -> Iterator[Callable[[i
         )  # fmt: skip
         with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("", total=total)
-            yield lambda done, _: bar.update(task, completed=done)
+            yield lambda done, of: bar.update(task, completed=done, total=of)
     else:
         yield lambda done, _: None

@@ -56,7 +56,7 @@ class LoopTags:
 
 
 def read_map(path: str | os.PathLike[str]) -> tuple[LoopTags, ...]:
-    """The loops of a CSV file with the columns loop, pv, op and, where known, sp, mv, mode, process, op_low, op_high, unit.
+    """The loops of a CSV file with the columns loop, pv, op and, where known, the others of ``COLUMNS``.
 
     Raises ReadError if it cannot be read, a needed cell is empty, or a loop stands in it twice.
     """
@@ -64,7 +64,7 @@ def read_map(path: str | os.PathLike[str]) -> tuple[LoopTags, ...]:
 
     name = os.fspath(path)
     try:
-        frame = pl.read_csv(path, infer_schema=False)
+        frame = pl.read_csv(name, infer_schema=False)
     except (pl.exceptions.PolarsError, OSError) as fault:
         raise ReadError(f"{name}: the loop map cannot be read ({fault}); give a CSV file with a header") from None
     names = [column.strip().casefold() for column in frame.columns]

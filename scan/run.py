@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import nullcontext
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from logs.files.resumable import Kept, RowsFolder, differences, joined, opened
 from scan.changes import changes
 from scan.code import code
-from scan.judge import JOB_ROWS, Row, judged
+from scan.judge import JOB_ROWS
 from scan.loop_map import read_map
 from scan.result import ScanResult
-from scan.sources import Job, Source, source_of
+from scan.sources import Source, source_of
 from scan.table import ranked, table_of
 from scan.workers import on_cluster, on_cores
 
@@ -78,10 +77,7 @@ def scan(
         _work(found, kept, workers, cluster, tell or (lambda done, total: None))
         tables = kept.rows()
         table = joined(tables, "order") if tables else table_of([])
-        if "rank" not in table.columns:
-            table = ranked(table)
-        else:
-            table = table.sort("rank")
+        table = table.sort("rank") if "rank" in table.columns else ranked(table)
         kept.finish(table)
         kept.note(finished=True)
     return ScanResult(table=table, source=found.name, notes=found.notes, changes=changes(before, table))

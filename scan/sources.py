@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from logs import LoopRecord, ReadError, read_log, read_loop, read_loops
+from logs import LoopRecord, ReadError, read_log, read_loops
 from logs.files.columns import columns_of_loops
 from logs.files.longform import LongColumns, find_long_form
 from logs.files.names import role_of
@@ -219,9 +219,12 @@ def _of_query(name: str, kept: Path, mapped: tuple[LoopTags, ...]) -> Source:
         kept.mkdir(parents=True, exist_ok=True)
         part = target.with_suffix(".part")
         try:
-            duckdb.sql(query).write_parquet(str(part))
+            rows = duckdb.sql(query)
         except duckdb.Error as fault:
             raise ReadError(f"the query failed: {fault}") from None
+        if rows is None:
+            raise ReadError(f"the query gives no rows: {query[:60]}; write SELECT ...")
+        rows.write_parquet(str(part))
         part.replace(target)
     return _of_parquet(name, target, {"query": query}, mapped)
 
@@ -283,5 +286,3 @@ def _identity(files: Iterable[Path]) -> dict[str, Any]:
 def _without_source(fault: ReadError) -> str:
     """The reason without the name of the frame in front, which says nothing to the user."""
     return str(fault).removeprefix("polars frame: ")
-
-

@@ -46,10 +46,12 @@ def csv_bytes(table: pl.DataFrame) -> bytes:
     import polars as pl
 
     text = [name for name, kind in table.schema.items() if kind == pl.String]
-    safe = [
-        pl.when(pl.col(name).str.slice(0, 1).is_in(list(FORMULA))).then("'" + pl.col(name)).otherwise(pl.col(name)).alias(name)
-        for name in text
-    ]
     content = io.BytesIO()
-    table.with_columns(safe).write_csv(content)
+    table.with_columns([_harmless(pl.col(name)).alias(name) for name in text]).write_csv(content)
     return content.getvalue()
+
+
+def _harmless(column: pl.Expr) -> pl.Expr:
+    import polars as pl
+
+    return pl.when(column.str.slice(0, 1).is_in(list(FORMULA))).then("'" + column).otherwise(column)

@@ -7,7 +7,7 @@ are then done again, loop by loop, each in a process of its own, and what falls 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from multiprocessing import get_context
@@ -36,7 +36,7 @@ def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[l
     while left:
         fallen: list[Numbered] = []
         with ProcessPoolExecutor(count, mp_context=get_context(START)) as pool:
-            under_way = {}
+            under_way: dict[Future[list[Row]], Numbered] = {}
             while (left or under_way) and not fallen:
                 while left and len(under_way) < AHEAD * count:
                     number, job = left.pop(0)
@@ -83,19 +83,20 @@ def on_cluster(jobs: Sequence[Numbered], address: str) -> Iterator[list[Row]]:
     try:
         from distributed import Client, as_completed
     except ImportError:
-        raise ReadError(
-            "a cluster needs Dask, which is not installed: pip install 'stickslip[cluster]'"
-        ) from None
+        raise ReadError("a cluster needs Dask, which is not installed: pip install 'stickslip[cluster]'") from None
     try:
-        client = Client(address, timeout=10)
+        client = Client(address, timeout=10)  # type: ignore[no-untyped-call]
     except (OSError, TimeoutError, ValueError) as fault:
-        raise ReadError(f"no Dask scheduler answers at {address} ({fault}); start one, or leave the address out") from None
+        raise ReadError(
+            f"no Dask scheduler answers at {address} ({fault}); start one, or leave the address out"
+        ) from None
     with client:
         by_key = {}
         for number, job in jobs:
             future = client.submit(judged, job, number, pure=False, retries=2)
             by_key[future.key] = (number, job, future)
-        for future in as_completed([entry[2] for entry in by_key.values()]):
+        futures = [entry[2] for entry in by_key.values()]
+        for future in as_completed(futures):  # type: ignore[no-untyped-call]
             number, job, _ = by_key.pop(future.key)
             if future.status == "finished":
                 yield future.result()

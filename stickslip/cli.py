@@ -11,6 +11,7 @@ COMMANDS = {
     "demo": "five short stories with known truth, and two real loops, as one HTML page",
     "check": "read one loop from a file and say whether its valve sticks",
     "table": "all detection methods side by side on a file, a folder or a case; --cards describes them",
+    "scan": "judge every loop of a folder, a historian file or a query, and rank the valves to look at",
     "simulate": "run a named case, save its log, draw it; --numbers shows published beside reproduced",
     "linearise": "find where a case rests; its poles, loops and relative gains",
     "reproduce": "regenerate the thesis's results, tables 5.4 to 6.2 and their figures, published beside reproduced",

@@ -1,0 +1,49 @@
+"""The picture of a scan: how many loops have which verdict, and how fast those swing that oscillate."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from detect.words import WORDS
+from logs.style import BLUE, PALE, tidy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from scan.result import ScanResult
+
+__all__ = ["plot_scan"]
+
+
+def plot_scan(result: ScanResult) -> Figure:
+    """Bars of the verdicts beside a histogram of the periods [s] on a logarithmic axis."""
+    from logs.picture import Picture
+
+    figure = Picture(figsize=(9.0, 3.2), layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
+    counts = result.counts
+    rows = [(WORDS[word].spoken, WORDS[word].colour, counts[word]) for word in WORDS if word in counts]
+    if counts.get("error"):
+        rows.append(("could not be judged", PALE, counts["error"]))
+    names, colours, numbers = zip(*rows, strict=True) if rows else ((), (), ())
+    left.barh(names, numbers, color=colours)
+    left.invert_yaxis()
+    for i, number in enumerate(numbers):
+        left.text(number, i, f" {number}", va="center")
+    left.set_xlabel("loops")
+    left.margins(x=0.12)
+    periods = result.table["period_s"].drop_nulls().to_numpy()
+    if len(periods):
+        edges = np.geomspace(0.9 * periods.min(), 1.1 * periods.max(), 25)
+        right.hist(periods, bins=edges, color=BLUE)
+        right.set_xscale("log")
+    right.set_xlabel("period of the oscillation [s]")
+    right.set_ylabel("loops")
+    for ax in (left, right):
+        tidy(ax)
+    total = len(result.table)
+    swinging = f"{len(periods)} of {total} loops oscillate"
+    figure.suptitle(f"{swinging}; {counts.get('stiction', 0)} with a sticky valve", x=0.01, ha="left")
+    return figure
