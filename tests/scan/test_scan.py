@@ -1,0 +1,204 @@
+"""A scan gives one row a loop whatever the form of the source, whatever falls over, however often it is begun."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import polars as pl
+import pytest
+
+from logs import ReadError
+from scan import ScanError, ScanResult, scan
+from scan.judge import judged, row_of
+from scan.loop_map import read_map
+from scan.sources import Job, source_of
+from scan.table import csv_bytes, ranked, table_of
+
+TAGS = ("FIC101", "LIC102", "PIC103", "TIC104")  # of conftest.py
+PLAIN = ["loop", "verdict", "period_s", "samples", "interval_s"]
+FORMS = ["wide", "text", "long", "folder", "tags", "query"]
+
+
+@pytest.fixture(scope="session")
+def rows(forms, tmp_path_factory) -> pl.DataFrame:
+    return scan(forms["wide"], tmp_path_factory.mktemp("out"), workers=1).table.sort("loop")
+
+
+def test_one_row_a_loop(rows) -> None:
+    assert rows["loop"].to_list() == list(TAGS)
+    assert rows["error"].is_null().all()
+    # analytic: the periods that the records were made with, 100 and 140 s
+    assert rows["period_s"].to_list()[:2] == [pytest.approx(100.0, rel=0.02), pytest.approx(140.0, rel=0.02)]
+    assert rows["samples"].to_list() == [600] * 4
+
+
+@pytest.mark.parametrize("form", FORMS[1:])
+def test_every_form_gives_the_same_rows(form, forms, rows, tmp_path) -> None:
+    if form == "query":
+        pytest.importorskip("duckdb")
+    found = scan(forms[form], tmp_path / "out", workers=1).table.sort("loop")
+    assert found.select(PLAIN).equals(rows.select(PLAIN))
+
+
+def test_processes_give_the_same_bytes(forms, tmp_path) -> None:
+    scan(forms["folder"], tmp_path / "one", workers=1)
+    source = source_of(forms["folder"], tmp_path / "kept")
+    assert len(source.jobs) == 1 and source.count == len(TAGS)
+    scan(forms["folder"], tmp_path / "two", workers=2)
+    one, two = ((tmp_path / name / "scan.parquet").read_bytes() for name in ("one", "two"))
+    assert one == two
+
+
+def test_a_finished_scan_is_read_and_another_is_refused(forms, tmp_path) -> None:
+    first = scan(forms["wide"], tmp_path, workers=1)
+    told = []
+    again = scan(forms["wide"], tmp_path, workers=1, tell=lambda done, total: told.append((done, total)))
+    assert again.table.equals(first.table) and told == [(4, 4)]
+    with pytest.raises(ScanError, match="holds another scan"):
+        scan(forms["long"], tmp_path, workers=1)
+    fresh = scan(forms["long"], tmp_path, workers=1, fresh=True)
+    assert len(fresh.table) == 4 and fresh.changes == ()
+
+
+def test_a_killed_scan_goes_on_to_the_same_bytes(forms, tmp_path) -> None:
+    many = tmp_path / "many"
+    many.mkdir()
+    for i in range(24):  # three jobs of eight files
+        for tag in TAGS[:1]:
+            (many / f"{tag}_{i:02d}.csv").write_bytes((Path(forms["folder"]) / f"{tag}.csv").read_bytes())
+    command = [
+        sys.executable,
+        "-c",
+        f"from scan import scan; scan({str(many)!r}, {str(tmp_path / 'cut')!r}, workers=1)",
+    ]
+    process = subprocess.Popen(command, env={**os.environ})
+    parts = tmp_path / "cut" / "parts"
+    deadline = time.monotonic() + 120.0
+    while time.monotonic() < deadline and process.poll() is None and not list(parts.glob("0*.parquet")):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    assert list(parts.glob("0*.parquet")) and not (tmp_path / "cut" / "scan.parquet").exists()
+    scan(many, tmp_path / "cut", workers=1)
+    scan(many, tmp_path / "whole", workers=1)
+    cut, whole = ((tmp_path / name / "scan.parquet").read_bytes() for name in ("cut", "whole"))
+    assert cut == whole
+
+
+def test_one_bad_loop_stops_no_other(forms, tmp_path, monkeypatch) -> None:
+    folder = tmp_path / "plant"
+    folder.mkdir()
+    for tag in TAGS:
+        (folder / f"{tag}.csv").write_bytes((Path(forms["folder"]) / f"{tag}.csv").read_bytes())
+    (folder / "FIC900.csv").write_bytes(b"\x00\x01\x02" * 50)
+    (folder / "FIC901.csv").write_text("time,PV,OP\n0,four,5\n")
+    table = scan(folder, tmp_path / "out", workers=1).table
+    assert len(table) == 6
+    bad = table.filter(pl.col("error").is_not_null())
+    assert sorted(bad["loop"]) == ["FIC900", "FIC901"] and bad["rank"].to_list() == [5, 6]
+    assert "'four' is not a number" in " ".join(bad["error"])
+
+
+def test_a_fault_of_ours_is_a_row_too(forms, monkeypatch) -> None:
+    import scan.judge
+
+    def broken(record):
+        if record.name == "LIC102":
+            raise ZeroDivisionError("planted")
+        return row_of(record)
+
+    monkeypatch.setattr(scan.judge, "row_of", broken)
+    job = source_of(forms["wide"], Path("unused")).jobs[0]
+    rows = judged(job, 3)
+    assert [row["loop"] for row in rows] == list(TAGS)
+    assert [row["order"] for row in rows] == [30_000, 30_001, 30_002, 30_003]
+    assert rows[1]["error"] == "ZeroDivisionError: planted" and "verdict" in rows[2]
+
+
+def test_a_loop_that_never_ends_is_given_up(forms, monkeypatch) -> None:
+    import scan.judge
+
+    def endless(record):
+        while True:
+            time.sleep(0.01)
+
+    monkeypatch.setattr(scan.judge, "row_of", endless)
+    monkeypatch.setattr(scan.judge, "SECONDS_MAX", 1)
+    job = source_of(forms["wide"], Path("unused")).jobs[0]
+    rows = judged(replace(job, loops=job.loops[:1]), 0)
+    assert rows[0]["error"] == "TimeoutError: the loop took more than 1 s"
+
+
+def test_a_loop_map_names_what_tags_do_not(wide, tmp_path) -> None:
+    wide.select("time", pl.col("FIC101.PV").alias("FT-A"), pl.col("FIC101.OP").alias("FCV-A")).write_parquet(
+        tmp_path / "trend.parquet"
+    )
+    with pytest.raises(ReadError, match="--map"):
+        scan(tmp_path / "trend.parquet", tmp_path / "none")
+    (tmp_path / "loops.csv").write_text("loop,pv,op,process,op_low,op_high\nFIC101,FT-A,FCV-A,self_regulating,0,100\n")
+    result = scan(tmp_path / "trend.parquet", tmp_path / "out", loop_map=tmp_path / "loops.csv", workers=1)
+    assert result.table["loop"].to_list() == ["FIC101"] and result.table["error"].is_null().all()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("loop,pv\nA,B\n", "no column 'op'"),
+        ("loop,pv,op,size\nA,B,C,3\n", "'size' that means nothing"),
+        ("loop,pv,op\n", "no loop"),
+        ("loop,pv,op\nA,B,C\nA,B,C\n", "line 3 names the loop 'A' again"),
+        ("loop,pv,op\nA,,C\n", "line 2 has no pv"),
+        ("loop,pv,op,process\nA,B,C,fast\n", "process = 'fast'"),
+        ("loop,pv,op,op_low,op_high\nA,B,C,1,\n", "two numbers, or both blank"),
+        ("loop,pv,op,op_low,op_high\nA,B,C,5,1\n", "op_low = 5 is not below op_high = 1"),
+    ],
+)
+def test_a_bad_map_says_what_is_wrong(text, words, tmp_path) -> None:
+    (tmp_path / "loops.csv").write_text(text)
+    with pytest.raises(ReadError, match=words):
+        read_map(tmp_path / "loops.csv")
+
+
+def test_sources_that_are_none(tmp_path) -> None:
+    with pytest.raises(ReadError, match="no such file or folder"):
+        scan(tmp_path / "nothing", tmp_path / "out")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ReadError, match="holds no record"):
+        scan(tmp_path / "empty", tmp_path / "out")
+    with pytest.raises(ScanError, match="at least one process"):
+        scan(tmp_path / "empty", tmp_path / "out", workers=0)
+    pytest.importorskip("duckdb")
+    with pytest.raises(ReadError, match="the query failed"):
+        scan("duckdb:SELECT FROM WHERE", tmp_path / "out")
+
+
+def test_no_cell_of_the_csv_starts_a_formula() -> None:
+    names = ["=1+1", "+A1", "-A1", "@SUM(A1)", "\t=1", "FIC1"]
+    table = ranked(table_of([{"order": i, "loop": name} for i, name in enumerate(names)]))
+    cells = pl.read_csv(csv_bytes(table), infer_schema=False)["loop"].to_list()
+    assert cells == ["'=1+1", "'+A1", "'-A1", "'@SUM(A1)", "'\t=1", "FIC1"]
+
+
+def test_ranking_and_changes(forms, tmp_path) -> None:
+    rows = [("a", "inconclusive", 0.4), ("b", "stiction", 0.7), ("c", "stiction", 0.9), ("d", None, None)]
+    table = ranked(table_of([
+        {"order": i, "loop": name, "verdict": word, "probability": p} for i, (name, word, p) in enumerate(rows)
+    ]))  # fmt: skip
+    assert table["loop"].to_list() == ["c", "b", "a", "d"] and table["rank"].to_list() == [1, 2, 3, 4]
+    assert ScanResult(table, "x").counts == {"stiction": 2, "inconclusive": 1, "error": 1}
+
+
+def test_a_job_can_be_sent_to_another_machine(forms) -> None:
+    import pickle
+
+    job = source_of(forms["long"], Path("unused")).jobs[0]
+    assert isinstance(job, Job) and pickle.loads(pickle.dumps(job)) == job
+
+
+def test_the_picture_names_its_finding(forms, tmp_path) -> None:
+    figure = scan(forms["wide"], tmp_path, workers=1).plot()
+    assert "of 4 loops oscillate" in figure.get_suptitle()
