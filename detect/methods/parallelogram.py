@@ -34,7 +34,7 @@ from detect.prepare.play import interval, travel_of
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
 from detect.prepare.stem import stem_signal
-from detect.prepare.stick import play, turn_time, turns
+from detect.prepare.stick import stick, turn_time, turns
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
 
@@ -109,12 +109,12 @@ def width(u: Values, y: Values, turn: float) -> Width:
     short = np.unique(np.linspace(0, 0.25 * turn, 6).astype(int))
     sizes = span * np.linspace(0.02, 1.0, 50)
     starts = np.linspace(-1.0, 1.0, 5)
-    rho, at = _correlate(play(u, np.repeat(sizes, 5), np.tile(starts, 50)), y, short, drop)
+    rho, at = _correlate(stick(u, np.repeat(sizes, 5), 0.0, np.tile(starts, 50)), y, short, drop)
     rho = rho.reshape(50, 5)
     k = int(np.argmax(np.max(rho, axis=1)))
     start = float(starts[np.argmax(rho[k])])
     fine = np.linspace(max(sizes[k] - 0.06 * span, 1e-3 * span), min(sizes[k] + 0.06 * span, span), 61)
-    stems = play(u, fine, np.full(61, start))
+    stems = stick(u, fine, 0.0, start)
     middle, reach = int(short[at.reshape(50, 5)[k, np.argmax(rho[k])]]), int(np.max(np.diff(short), initial=1))
     short = np.arange(max(middle - reach, 0), min(middle + reach, int(short[-1])) + 1)
     close, at = _correlate(stems, y, short, drop)

@@ -11,7 +11,6 @@ integrates, and cosines too slow for the swing.
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import NamedTuple
 
@@ -25,6 +24,7 @@ REACH = 4.0  # of the time between turns: how long the response may be
 WIDER = 1.35  # one corner's lag over the last's
 SLOW = 6.0  # of the time between turns: a longer swing is taken for load
 WAVES_MAX = 40
+SETTLES = 2.0  # of the time between turns: how long what happened before the record is felt most; left out of the sums
 
 
 class Response(NamedTuple):
@@ -38,7 +38,9 @@ class Response(NamedTuple):
 class Lags:
     """The model for one measurement y (n,) whose swing turns every ``turn`` samples.
 
-    ``sign`` is that of the process gain; only ``every`` n-th sample of y is compared.
+    ``sign`` is that of the process gain.  Of y the first two turns are left out, and ``rows`` samples of the rest are
+    compared, spread unevenly, so that they fall into step with no wave; None compares all.  ``waves`` (n, w) are loads
+    beside the slow one.
 
     >>> u = np.sin(np.arange(400.0) / 9)
     >>> late = np.concatenate([np.zeros(3), u[:-3]])
@@ -48,48 +50,37 @@ class Lags:
     (True, 3)
     """
 
-    def __init__(self, y: Values, turn: float, integrating: bool = False, sign: float = 1.0, every: int = 1) -> None:
+    def __init__(
+        self, y: Values, turn: float, integrating: bool = False, sign: float = 1.0, rows: int | None = None,
+        waves: Values | None = None,
+    ) -> None:  # fmt: skip
         n = len(y)
         corners = max(round(math.log(REACH * turn) / math.log(WIDER)), 2)
         ends = {-1, 0, *np.round(np.geomspace(1.0, REACH * turn, corners)).astype(int)}
         self.knots = np.array(sorted(e for e in ends if e < n), dtype=np.intp)
         self.integrating, self.sign = integrating, sign
-        self.every = every
-        y = y[::every]
-        steps = (np.arange(len(y)) + 0.5) / len(y)
-        waves = min(int(2.0 * n / (SLOW * turn)), WAVES_MAX)
-        self.load = np.cos(np.pi * steps[:, None] * np.arange(waves + 1.0))
-        self.load /= np.linalg.norm(self.load, axis=0)
+        first = int(SETTLES * turn) if n >= 12.0 * turn else 0  # in few turns every one counts
+        self.rows = first + _spread(n - first, rows)
+        steps = (self.rows + 0.5) / n
+        slow = min(int(2.0 * n / (SLOW * turn)), WAVES_MAX)
+        load = np.cos(np.pi * steps[:, None] * np.arange(slow + 1.0))
         if integrating:
-            ramp = self._freed(steps)
-            self.load = np.column_stack([self.load, ramp / np.linalg.norm(ramp)])
-        self.y = self._freed(y)
+            load = np.column_stack([load, steps])
+        if waves is not None:
+            load = np.column_stack([load, waves[self.rows]])
+        self.load = np.linalg.qr(load)[0]
+        self.y = self._freed(y[self.rows])
         self.tss = float(self.y @ self.y)
 
     def _freed(self, x: Values) -> Values:
         return np.asarray(x - self.load @ (self.load.T @ x))
 
     def columns(self, x: Values) -> Values:
-        """What each corner of g alone would make of x (n, m), shape (m, p, n); x stands still before its start."""
-        n, m = x.shape
-        reach = int(self.knots[-1])
-        rows = np.ascontiguousarray(x.T)
-        if self.integrating:
-            rows = np.cumsum(rows - np.mean(rows, axis=1, keepdims=True), axis=1)
-            before = rows[:, :1] - (rows[:, 1:2] - rows[:, :1]) * np.arange(reach, 0, -1)
-        else:
-            before = np.broadcast_to(rows[:, :1], (m, reach))
-        area = np.zeros((m, n + reach + 1))
-        np.cumsum(np.concatenate([before, rows], axis=1), axis=1, out=area[:, 1:])
-        np.cumsum(area, axis=1, out=area)
-        out = np.empty((m, len(self.knots) - 2, len(self.y)))
-        slopes = []
-        for a, b in itertools.pairwise(self.knots):
-            first, last = reach - int(a), reach - int(b)
-            later, sooner = area[:, first : first + n : self.every], area[:, last : last + n : self.every]
-            slopes.append((later - sooner) / (b - a))
-        for i in range(len(slopes) - 1):
-            np.subtract(slopes[i], slopes[i + 1], out[:, i])
+        """What each corner of g alone would make of x (n, m), shape (m, p, rows); x stands still before its start."""
+        from detect.prepare.kernels import polygons
+
+        out = np.empty((x.shape[1], len(self.knots) - 2, len(self.y)))
+        polygons(np.ascontiguousarray(x.T, dtype=float), self.knots, self.integrating, self.rows, out)
         return out
 
     def fit(self, x: Values) -> list[Response]:
@@ -107,9 +98,10 @@ class Lags:
         ridge = 1e-10 * whole + 1e-12 * self.tss
         gram[:, range(len(widths)), range(len(widths))] += ridge[:, None]
         found = []
-        for g, b in zip(gram, product, strict=True):
-            root = np.linalg.cholesky(g)
-            weights = nnls(root.T, np.linalg.solve(root, b))[0]
+        roots = np.linalg.cholesky(gram)
+        whitened = np.linalg.solve(roots, product[..., None])[..., 0]
+        for g, b, root, seen in zip(gram, product, roots, whitened, strict=True):
+            weights = nnls(root.T, seen)[0]
             rss = max(self.tss - 2.0 * float(b @ weights) + float(weights @ g @ weights), 1e-12 * self.tss)
             mass = widths * weights
             total = float(mass.sum())
@@ -118,6 +110,14 @@ class Lags:
         return found
 
     def residual(self, x: Values, response: Response) -> Values:
-        """What is left of y, shape (n,)."""
+        """What is left of y, shape (rows,)."""
         told = response.weights @ self.columns(x[:, None])[0]
         return np.asarray(self.y - self.sign * self._freed(told))
+
+
+def _spread(n: int, rows: int | None) -> npt.NDArray[np.intp]:
+    """So many samples of n, in order: one at random of each of as many stretches, the same at every call."""
+    if rows is None or rows >= n:
+        return np.arange(n)
+    edges = n * np.arange(rows) / rows
+    return np.asarray(edges + np.random.default_rng(0).uniform(0.0, n / rows, rows), dtype=np.intp)

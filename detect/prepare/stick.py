@@ -6,7 +6,7 @@
 
 J = 0 is the play (backlash) of width S.  For every input these are the moves of the valve of Kano et al. 2004
 (``blocks/kano_valve.py``) without its end stops; detectors load no simulator, so the recursion stands here again, over
-many candidates side by side.
+many candidates, compiled (``kernels``).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["play", "stick", "turn_time", "turns"]
+__all__ = ["stick", "turn_time", "turns"]
 
 Values = npt.NDArray[np.float64]
 
@@ -31,42 +31,13 @@ def stick(u: Values, S: npt.ArrayLike, J: npt.ArrayLike = 0.0, start: npt.ArrayL
     >>> stick(np.array([0.0, 3.0, 6.0, 9.0, 4.0]), 6.0, 2.0).tolist()
     [0.0, 0.0, 4.0, 7.0, 7.0]
     """
+    from detect.prepare.kernels import sticks
+
     s, j, at = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (S, J, start)))
-    static, kinetic = 0.5 * (s + j), 0.5 * (s - j)
+    x = np.empty((len(s), len(u)))
     eps = 1e-9 * max(float(np.ptp(u)), 1e-300)
-    moving = kinetic + eps
-    x = np.empty((len(u), len(s)))
-    here = u[0] - at * static
-    way = np.ones(len(s))
-    limit = static + eps
-    push, pull = way * kinetic, static + eps
-    for k, op in enumerate(u.tolist()):
-        over = way * (op - here)
-        back = over < -pull
-        if back.any():
-            way = np.where(back, -way, way)
-            push = way * kinetic
-            over = np.abs(over) * back + over * ~back
-        go = back | (over > limit)
-        here = np.where(go, op - push, here)
-        limit = np.where(go, moving, pull)
-        x[k] = here
-    return x[:, 0] if np.ndim(S) == np.ndim(J) == np.ndim(start) == 0 else x
-
-
-def play(u: Values, S: Values, start: Values) -> Values:
-    """Stem positions (n, m) of a play without slip jump, J = 0: the same as ``stick``, in a third of the time.
-
-    >>> play(np.array([0.0, 3.0, 6.0, 4.0, 1.0]), np.array([4.0]), np.zeros(1))[:, 0].tolist()
-    [0.0, 1.0, 4.0, 4.0, 3.0]
-    """
-    half = 0.5 * S
-    x = np.empty((len(u), len(S)))
-    here = u[0] - start * half
-    for k, op in enumerate(u.tolist()):
-        here = np.minimum(np.maximum(here, op - half), op + half)
-        x[k] = here
-    return x
+    sticks(*(np.ascontiguousarray(v) for v in (np.asarray(u, dtype=float), s, j, at)), eps, x)
+    return x[0] if np.ndim(S) == np.ndim(J) == np.ndim(start) == 0 else x.T
 
 
 def turns(u: Values, travel: float) -> npt.NDArray[np.intp]:

@@ -33,22 +33,12 @@ def kano(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
     >>> kano(np.array([7.0, 9.0, 4.0, 2.0, 1.0]), np.array([6.0]), np.array([2.0]))[0].tolist()
     [5.0, 7.0, 7.0, 4.0, 3.0]
     """
-    static, kinetic = 0.5 * (S + J), 0.5 * (S - J)
+    from detect.prepare.kernels import kano_stems
+
     least = 1e-9 * max(float(np.ptp(u)), 1e-300)  # rounding is no move
-    stuck, moving, pull = static + least, kinetic + least, -static - least
-    x = np.empty((len(u), len(S)))
-    side = np.full(len(S), way)
-    here, limit = u[0] - side * kinetic, moving
-    x[0] = here
-    for k, op in enumerate(u[1:].tolist(), start=1):
-        away = side * (op - here)
-        back = away < pull
-        goes = back | (away > limit)
-        side = np.where(back, -side, side)
-        here = np.where(goes, op - side * kinetic, here)
-        limit = np.where(goes, moving, stuck)
-        x[k] = here
-    return x.T
+    x = np.empty((len(S), len(u)))
+    kano_stems(u, S, J, way, least, x)
+    return x
 
 
 def he(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
@@ -57,19 +47,11 @@ def he(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
     >>> he(np.array([7.0, 9.0, 4.0, 2.0, 0.0]), np.array([6.0]), np.array([2.0]))[0].tolist()
     [5.0, 5.0, 5.0, 5.0, 2.0]
     """
-    static, kinetic = 0.5 * (S + J), 0.5 * (S - J)
-    x = np.empty((len(u), len(S)))
-    force = way * kinetic
-    here = u[0] - force
-    x[0] = here
-    for k, change in enumerate(np.diff(u).tolist(), start=1):
-        force = force + change
-        left = np.copysign(kinetic, force)
-        slips = np.abs(force) > static
-        here = np.where(slips, here + force - left, here)
-        force = np.where(slips, left, force)
-        x[k] = here
-    return x.T
+    from detect.prepare.kernels import he_stems
+
+    x = np.empty((len(S), len(u)))
+    he_stems(u, S, J, way, x)
+    return x
 
 
 VALVES: Mapping[str, Callable[[Values, Values, Values, float], Values]] = {"he": he, "kano": kano}

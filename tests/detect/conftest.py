@@ -105,6 +105,26 @@ def _forced(n=3000, period=60.0, S=0.0, J=0.0, noise=0.05, swing=3.0, walk=0.03,
     )
 
 
+def _outside_square(seed, n=2500, period=None):
+    """A PI loop on a lag with a healthy valve, moved by a square wave and a walk from outside, all in %."""
+    rng = np.random.default_rng([91, seed])
+    period = rng.uniform(40.0, 160.0) if period is None else period
+    tau = rng.uniform(4.0, 20.0)
+    load = rng.uniform(1.0, 5.0) * np.sign(np.sin(2 * np.pi * (np.arange(n) / period + rng.uniform())))
+    load += np.cumsum(rng.normal(0, 0.02, n))
+    pv, integral, rows = 50.0, 50.0, np.empty((n, 2))
+    for k in range(n):
+        seen = pv + 0.05 * rng.normal()
+        integral += 0.5 / tau * (50.0 - seen)
+        u = integral + 0.5 * (50.0 - seen)
+        pv += (u + load[k] - pv) * -np.expm1(-1.0 / tau)
+        rows[k] = seen, u
+    t = np.arange(float(n))
+    return LoopRecord.from_arrays(
+        t, pv=rows[:, 0], op=rows[:, 1], sp=np.full(n, 50.0), name="FIC1", process="self_regulating"
+    )
+
+
 def _noise(kind, n, seed):
     """Noise without any period: white, AR(1), a random walk, white noise through two lags, a loop under a walk."""
     rng = np.random.default_rng([2009, seed, n])
@@ -173,6 +193,11 @@ def simulated():
 @pytest.fixture
 def forced():
     return _forced
+
+
+@pytest.fixture
+def outside_square():
+    return _outside_square
 
 
 @pytest.fixture

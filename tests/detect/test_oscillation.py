@@ -175,3 +175,20 @@ def test_missing_samples_are_skipped(wave, loop):
 def test_wrong_params_are_refused():
     with pytest.raises(ValueError, match="a > 0"):
         hagglund1995.Params(a=0.0)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_load_counting_of_a_record_is_that_of_its_samples(seed):
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 1500))
+    t = np.cumsum(rng.uniform(0.5, 1.5, n))
+    e = rng.uniform(0.0, 2.0) * np.sin(2 * np.pi * t / rng.uniform(10, 200)) + rng.choice([0, 0.05, 0.5]) * rng.normal(
+        size=n
+    )
+    e = np.round(e, 1) if seed % 4 == 0 else e
+    p = hagglund1995.Params(a=0.3, band=float(rng.choice([0.0, 0.1])), w_u=None if seed % 3 else 0.1)
+    s = hagglund1995.init(p)
+    for now, value in zip(t.tolist(), e.tolist(), strict=True):
+        s = hagglund1995.update(p, s, now, value)
+    for name, one_by_one, at_once in zip(s._fields, s, hagglund1995.run(p, t, e), strict=True):
+        assert at_once == pytest.approx(one_by_one, rel=1e-9, abs=1e-9, nan_ok=True), name

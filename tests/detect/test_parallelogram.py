@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from detect.methods.parallelogram import detect, slip, width
-from detect.prepare.stick import play, stick
+from detect.prepare.stick import stick
 from logs import LoopRecord
 
 
@@ -29,7 +29,7 @@ def test_recursion_of_the_paper():  # analytic: OP - F of the paper is the play,
     for k in range(1, len(u)):
         F = max(min(F + u[k] - u[k - 1], S), 0.0)
         x.append(u[k] - F)
-    ours = play(u, np.array([S]), np.array([-1.0]))[:, 0]  # F(0) = 0: OP stands at the lower end of the band
+    ours = stick(u, S, 0.0, -1.0)  # F(0) = 0: OP stands at the lower end of the band
     assert np.ptp(ours - np.array(x)) < 1e-9
 
 

@@ -59,7 +59,7 @@ def test_exact_play_behind_a_process(process):
     u, rng = swings(), np.random.default_rng(0)
     x = stick(u, 4.0)
     inside = np.cumsum(x - x.mean()) * 0.02 if process == "integrating" else lfilter([0.1], [1, -0.9], x)
-    found = fit(u, inside + 0.05 * rng.normal(size=len(u)), 47.0, integrating=process == "integrating")
+    found = fit(u, inside + 0.05 * rng.normal(size=len(u)), 47.0, kinds=(process == "integrating",))
     assert abs(found.S - 4.0) < 0.2
     assert found.ratio > 1.4 and found.gain > 100
 
@@ -73,26 +73,41 @@ def test_without_play_there_is_none():
 
 @pytest.mark.parametrize("valve", ["kano", "choudhury", "he"])
 @pytest.mark.parametrize("process", ["self_regulating", "integrating"])
-def test_valves_in_a_limit_cycle(valve, process, simulated):
+def test_valves_in_an_even_cycle(valve, process, simulated):
     v = detect(simulated(valve, process, S=6.0, J=4.0, n=1500 if process == "self_regulating" else 4000))
-    assert v.verdict == "stiction", v.reason
-    assert 4.2 < v.amount_percent_op < 7.0  # S = 6 %, slip and lag trade places in a steady cycle
+    if v.verdict != "stiction":  # a cycle that repeats exactly has another explanation, which is said
+        assert v.verdict == "inconclusive" and ("constant period" in v.reason or "deadband" in v.reason), v.reason
+    assert 4.2 < 100 * v.evidence["S"] < 7.0  # S = 6 %, slip and lag trade places in a steady cycle
 
 
-@pytest.mark.parametrize("valve", ["kano", "he"])
+@pytest.mark.parametrize("valve", ["kano", "choudhury", "he"])
 def test_stiction_under_set_point_moves(valve, simulated):
-    v = detect(simulated(valve, "integrating", S=3.0, J=1.0, moves=MOVES, n=3000))
+    v = detect(simulated(valve, "integrating", S=3.0, J=1.5, moves=MOVES, n=3000))
     assert v.verdict == "stiction", v.reason
     assert v.amount_percent_op == pytest.approx(3.0, rel=0.3)
 
 
 @pytest.mark.parametrize("noise", [0.02, 0.2])
-def test_deadband_without_a_cycle(noise, sticky):
+def test_deadband_is_sized_and_is_not_stiction(noise, sticky):
     record = sticky(S=4.0, J=0.0, noise=noise, moves=MOVES)
     v = detect(record)
-    assert v.verdict == "stiction", v.reason
-    assert v.amount_percent_op == pytest.approx(4.0, rel=0.1)
+    assert v.verdict == "inconclusive" and "deadband" in v.reason, v.reason
+    assert v.evidence["S"] == pytest.approx(4.0, rel=0.1)
     assert v.evidence["S_low"] < 4.0 < v.evidence["S_high"]
+
+
+def test_wave_from_outside_keeps_time_and_is_not_stiction(outside_square):
+    accused = [detect(outside_square(seed)).verdict == "stiction" for seed in range(12)]
+    assert not any(accused)
+
+
+def test_outside_wave_is_the_rival_that_wins():
+    """The rival tells an outside square wave that OP has nothing to do with, and no valve does."""
+    rng = np.random.default_rng(0)
+    t = np.arange(1500.0)
+    u = swings(1500)
+    y = lfilter([0.1], [1, -0.9], u) + 3.0 * np.sign(np.sin(2 * np.pi * t / 61.0)) + 0.05 * rng.normal(size=1500)
+    assert fit(u, y, 47.0, wave=60.0).clock < 0.5
 
 
 @pytest.mark.parametrize("process", ["self_regulating", "integrating"])
