@@ -124,7 +124,7 @@ def _loop(r: Random, group: str, setting: Setting) -> dict[str, Any]:
     if process == "integrating":  # integral slow enough for the gain, or the loop swings at low frequency
         gain, _ = ultimate(loop.with_integral(math.inf))
         damped = r.uniform(2.5, 8.0) if not tight or r.random() < 0.6 else r.uniform(0.15, 0.5)
-        T_i = damped / (share * gain * abs(K)) if math.isfinite(gain) else T_i
+        T_i = max(damped / (share * gain * abs(K)), (4.0 if damped > 1.0 else 1.5) * (theta + tau2))
         share = share if damped > 1.0 else share * 0.4
         loop = loop.with_integral(T_i)
     gain, ring = ultimate(loop)
@@ -170,6 +170,8 @@ def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> di
         time = loop["natural"] * (_log(r, 0.3, 3.0) if group == "cascade_slave" else _log(r, 1.0, 20.0))
     elif group == "drift":
         driver = "drift"
+    elif group == "dead_loop":  # what drives PV has no mean, or OP would run into a limit and stay there
+        driver, time = _DRIVERS[int(r.integers(4))], loop["natural"] * _log(r, 0.3, 2.0)
     elif group == "cycling":
         driver = "none"
     if driver in ("stochastic", "moves"):

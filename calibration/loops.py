@@ -95,7 +95,8 @@ def parameters(spec: LoopSpec, valve: str, scan: float, limited: bool) -> Mappin
     if spec.controller.startswith("pid"):
         series = 1.0 + spec.T_d / spec.T_i if spec.controller == "pid_series" else 1.0
         found |= {"controller.K_p": spec.K_p * series, "controller.T_i": spec.T_i * series, "controller.b": spec.b}
-        found["controller.T_d"] = spec.T_d / series
+        T_d = spec.T_d / series
+        found |= {"controller.T_d": T_d, "controller.N": min(8.0, T_d / scan)}  # a filter no faster than a scan
     else:
         found["controller.dt"] = scan
     if spec.controller == "pi_filtered":

@@ -37,6 +37,8 @@ LOUDEST = 0.08  # of the range of OP: the noise that proportional action hands o
 RTOL, ATOL = 1e-4, 1e-6
 
 
+ASLEEP = 0.3  # range of OP over S below which a pilot run has come to rest
+SLOW = 4.0  # natural periods in a cycle by stiction, about
 QUIET = {"sensor.sd": 0.0, "sensor.step": 0.0}
 
 
@@ -95,6 +97,9 @@ def simulate(
 def planned(spec: LoopSpec, shown: Measured) -> Plan:
     """Return how the main run of a loop goes, after what its pilot showed."""
     rows = math.ceil(300.0 * RATIO ** math.ceil(math.log(max(spec.samples, 300) / 300.0) / math.log(RATIO) - 1e-9))
+    if spec.group == "cycling" and not shown.op > ASLEEP * spec.S:  # without noise this one comes to rest
+        size = abs(spec.K) * (spec.natural if spec.process == "integrating" else 1.0)
+        shown = Measured(spec.S, size * spec.J, SLOW * spec.natural)
     drive = spec.swing / shown.op if spec.swing > 0.0 and shown.op > 0.0 else 1.0
     time = spec.natural if spec.driver == "drift" or math.isnan(shown.period) else shown.period
     wanted = spec.per_natural * time / (spec.natural * spec.points)
