@@ -21,6 +21,7 @@ from logs.files.states import is_blank, is_state
 from logs.files.table import Table
 from logs.files.time_column import find_times, oldest_first
 from logs.log import Log
+from logs.loop_signals import renamed, within
 
 if TYPE_CHECKING:
     import polars as pl
@@ -122,6 +123,7 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
         notes += about_sampling(t, guessed=layout.times.guessed)
     name_of = {name: signal for signal, name in (wanted or {name: name for name in values}).items()}
     units = layout.heading.units if layout.heading else layout.table.units
+    loops = renamed(within(layout.heading.loops, values), name_of) if layout.heading else {}
     spans = layout.heading.spans if layout.heading else {}
     return Log(
         t=t,
@@ -131,6 +133,7 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
         quality={name_of[name]: mask for name, mask in good.items()},
         start=layout.heading.start if layout.heading else layout.times.start,
         notes=tuple(notes),
+        loops=loops,
     )
 
 

@@ -126,6 +126,7 @@ def read_loops(
     source: Source,
     *,
     loops: Sequence[str] | None = None,
+    process: Process | None = None,
     time: str | None = None,
     decimal: str | None = None,
     separator: str | None = None,
@@ -136,8 +137,9 @@ def read_loops(
     """Read every control loop of a CSV, text or Parquet file, or of a data frame, in one read.
 
     Parameters: ``source``, ``time``, ``decimal``, ``separator``, ``time_format``, ``interval``, ``time_unit`` as for
-    ``read_log``; ``loops`` the tags of the loops to read, in this order, otherwise all whose names show a PV and an
-    output, as they stand.
+    ``read_log``; ``loops`` the tags of the loops to read, in this order, otherwise all that the file itself notes (a
+    log written by this package does) or whose names show a PV and an output, as they stand; ``process`` as for
+    ``read_loop``, of every loop.
 
     Returns one LoopRecord a loop, each as ``read_loop(source, loop=tag)`` gives it, but without a note on the columns
     of the other loops. A file without loop tags gives the one loop that ``read_loop`` finds.
@@ -154,12 +156,13 @@ def read_loops(
         table, heading = _opened(source, separator)
         layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
         origin = _origin(source, heading)
-        found = loop_names(layout.names) if loops is None else tuple(loops)
+        noted = heading.loops if heading is not None else {}
+        found = (tuple(noted) or loop_names(layout.names)) if loops is None else tuple(loops)
         if len(found) == 0 and loops is not None:
             raise ReadError("loops names no loop; leave it out to read all, or name at least one")
         if loops is None and len(found) < 2:
-            return (loop_of(layout, origin),)
-        return tuple(loop_of(layout, origin, loop=tag, beside=found) for tag in found)
+            return (loop_of(layout, origin, process=process),)
+        return tuple(loop_of(layout, origin, loop=tag, process=process, beside=found) for tag in found)
 
 
 @contextmanager
