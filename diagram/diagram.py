@@ -35,7 +35,8 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
-    ``input_units``, ``signal_spans`` (of instruments), ``loops`` (controller -> its signals), ``driven`` (signal -> (block, port)), ``order`` (signal-flow
+    ``input_units``, ``signal_spans`` (of instruments), ``loops`` (controller -> its signals),
+    ``driven`` (signal -> (block, port)), ``order`` (signal-flow
     order).  Every kernel is tried once, see ``blocks.dry_run``.  As a python-control system its inputs are the open
     inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from logs.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array, seconds_and_start
 from logs.errors import LogError
 from logs.hint import nearest
-from logs.loop_signals import LoopSignals, renamed, within
+from logs.loop_signals import LoopSignals, renamed
 
 if TYPE_CHECKING:
     import polars as pl

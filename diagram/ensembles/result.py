@@ -15,8 +15,8 @@ from diagram.simulation import Event, Run, named_events, simulate
 from engine.run import Settings
 from engine.status import HINTS, Statistics, Status
 from logs import Log
-from logs.loop_signals import within
 from logs.files.write import replacing
+from logs.loop_signals import within
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
