@@ -12,7 +12,7 @@ import numpy as np
 
 from logs.errors import ReadError
 from logs.files.assemble import Layout, assemble
-from logs.files.columns import Roles, choose_columns
+from logs.files.columns import Roles, choose_columns, loop_names
 from logs.files.names import plain, role_of
 from logs.log import Log
 from logs.loop import LoopRecord
@@ -20,7 +20,7 @@ from logs.loop_signals import LoopSignals, within
 from logs.spans import guess_op_span
 from logs.tags import Process, measurement_of, process_of, tag_in
 
-__all__ = ["Origin", "check_span", "loop_of"]
+__all__ = ["Origin", "check_span", "loop_of", "with_loops"]
 
 _UNUSED_SHOWN = 15
 
@@ -85,6 +85,33 @@ def loop_of(
         process=process,
         measurement=measurement,
     )
+
+
+def with_loops(log: Log, layout: Layout) -> Log:
+    """The log of a whole file with the loops that its tags tell, and the spans of their outputs.
+
+    A file of our own notes its loops itself.
+    """
+    if layout.heading is not None:
+        return log
+    loops: dict[str, LoopSignals] = {}
+    for tag in filter(None, loop_names(layout.names)):
+        roles = choose_columns(layout.names, None, tag)
+        if roles.pv not in log or roles.op not in log:
+            continue
+        sp, mv, mode = (name if name in log else None for name in (roles.sp, roles.mv, roles.mode))
+        measurement = measurement_of(tag) or measurement_of(roles.pv)
+        loops[tag] = LoopSignals(roles.pv, roles.op, sp, mv, mode, process_of(measurement), measurement)
+        if roles.op not in log.spans:
+            span, unit, note = guess_op_span(log[roles.op][log.good(roles.op)], log.units.get(roles.op, ""))
+            if span is not None:
+                log = replace(
+                    log,
+                    spans={**log.spans, roles.op: span},
+                    units={**log.units, **({roles.op: unit} if unit else {})},
+                    notes=(*log.notes, *([note.replace("OP", roles.op, 1)] if note else [])),
+                )
+    return replace(log, loops=loops)
 
 
 def _noted(layout: Layout, given: Mapping[str, str | None] | None, loop: str | None) -> tuple[str, LoopSignals | None]:

@@ -15,7 +15,7 @@ from logs.files.assemble import assemble, layout_of
 from logs.files.columns import loop_names
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
-from logs.files.loops import Origin, check_span, loop_of
+from logs.files.loops import Origin, check_span, loop_of, with_loops
 from logs.files.source import decoded, file_bytes, is_parquet
 from logs.files.table import Table, names_and_units, parse_table
 from logs.log import Log
@@ -56,7 +56,8 @@ def read_log(
     1, "datenum" MATLAB's days, "excel" a spreadsheet's days, "labview" seconds since 1904; "s" to "ns" may count from
     1970.
 
-    Returns a Log whose notes say what was assumed. A clock time becomes seconds from the first row and ``start``.
+    Returns a Log whose notes say what was assumed, and whose ``loops`` are those that the file notes or its tags tell,
+    with the spans of their outputs. A clock time becomes seconds from the first row and ``start``.
 
     Raises ReadError if the file cannot be read as a table of signals over time.
 
@@ -70,7 +71,8 @@ def read_log(
     with _named(source):
         table, heading = _opened(source, separator)
         layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
-        return _origin(source, heading).on(assemble(layout, columns))
+        log = _origin(source, heading).on(assemble(layout, columns))
+        return log if columns else with_loops(log, layout)
 
 
 def read_loop(
