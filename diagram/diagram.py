@@ -20,6 +20,7 @@ from blocks.parameters import Parametrised
 from blocks.ports import nearest, shortened
 from diagram import changes, cuts
 from diagram.connections import ConnectionMap, own_params
+from diagram.loops import loops_of
 from diagram.past import Past
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
 
@@ -35,7 +36,8 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
-    ``input_units``, ``signal_spans`` (of instruments), ``driven`` (signal -> (block, port)), ``order`` (signal-flow
+    ``input_units``, ``signal_spans`` (of instruments), ``loops`` (controller -> its signals),
+    ``driven`` (signal -> (block, port)), ``order`` (signal-flow
     order).  Every kernel is tried once, see ``blocks.dry_run``.  As a python-control system its inputs are the open
     inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
@@ -65,6 +67,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.signal_units = {signal: units[signal] for signal in self.driven}
         self.input_units = {signal: units[signal] for signal in self.open_inputs}
         self.signal_spans = spans(self.blocks)
+        self.loops = loops_of(self.blocks, self.signal_units)
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._plan: Plan | None = None

@@ -21,11 +21,12 @@ from typing import TYPE_CHECKING, Any
 from logs.errors import LogError, ReadError
 from logs.log import Log
 from logs.loop import LoopRecord
+from logs.loop_signals import LoopSignals
 
 if TYPE_CHECKING:
     from logs.files.read import read_log, read_loop, read_loops
 
-__all__ = ["Log", "LogError", "LoopRecord", "ReadError", "read_log", "read_loop", "read_loops"]
+__all__ = ["Log", "LogError", "LoopRecord", "LoopSignals", "ReadError", "read_log", "read_loop", "read_loops"]
 
 
 def __getattr__(name: str) -> Any:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from logs.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array, seconds_and_start
 from logs.errors import LogError
 from logs.hint import nearest
+from logs.loop_signals import LoopSignals, renamed
 
 if TYPE_CHECKING:
     import polars as pl
@@ -36,7 +37,8 @@ class Log:
     unless they are read-only; ``units`` (mapping of name to str) Unit of each signal; absent means unknown; ``spans``
     (mapping of name to (low, high)) Instrument span in the signal's unit, low < high; absent means unknown; ``quality``
     (mapping of name to (n,) bool array) True where the sample is good; absent means every finite value is good;
-    ``origin`` (str) One line: where the log comes from; ``start`` (datetime, optional) Wall-clock time of t = 0;
+    ``loops`` (mapping of tag to LoopSignals) Which signals make up which control loop, where that is known; ``origin``
+    (str) One line: where the log comes from; ``start`` (datetime, optional) Wall-clock time of t = 0;
     ``notes`` (tuple of str) What a reader assumed or repaired, one sentence each.
 
     Raises ``LogError`` if lengths differ, time does not increase, a span is empty or a mapping names an unknown signal.
@@ -56,6 +58,7 @@ class Log:
     origin: str = ""
     start: datetime | None = None
     notes: tuple[str, ...] = ()
+    loops: Mapping[str, LoopSignals] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         seconds, start = seconds_and_start(self.t)
@@ -73,6 +76,12 @@ class Log:
             for name in mapping:
                 if name not in signals:
                     raise LogError(f"{kind} name a signal {name!r} that is not logged; {nearest(name, signals)}")
+        for tag, loop in self.loops.items():
+            for part, signal in loop.parts.items():
+                if signal not in signals:
+                    raise LogError(
+                        f"{part} of loop {tag!r} is {signal!r}, which is not logged; {nearest(signal, signals)}"
+                    )
         set_field = object.__setattr__
         set_field(self, "t", t)
         set_field(self, "start", self.start if start is None else start)
@@ -81,11 +90,12 @@ class Log:
         set_field(self, "spans", MappingProxyType({n: checked_span(n, s) for n, s in self.spans.items()}))
         set_field(self, "quality", MappingProxyType({n: checked_mask(n, q, len(t)) for n, q in self.quality.items()}))
         set_field(self, "notes", tuple(self.notes))
+        set_field(self, "loops", MappingProxyType(dict(self.loops)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Read-only mappings cannot be pickled; process pools need logs that can.
         plain = (dict(self.signals), dict(self.units), dict(self.spans), dict(self.quality))
-        return type(self), (self.t, *plain, self.origin, self.start, self.notes)
+        return type(self), (self.t, *plain, self.origin, self.start, self.notes, dict(self.loops))
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{name} [{self.units[name]}]" if name in self.units else name for name in self.names)
@@ -223,6 +233,7 @@ class Log:
             units={names.get(name, name): unit for name, unit in self.units.items()},
             spans={names.get(name, name): span for name, span in self.spans.items()},
             quality={names.get(name, name): mask for name, mask in self.quality.items()},
+            loops=renamed(self.loops, names),
         )
 
     def clock(self) -> list[datetime]:
@@ -247,7 +258,8 @@ class Log:
         """The control loop made of these signals.
 
         A log without "SP" gives a loop without set point; "MV" (the stem position) and "MODE" are taken
-        when they are logged and no other name is given.
+        when they are logged and no other name is given. A ``name`` that is one of ``loops`` takes the signals noted
+        there, unless others are given.
 
         >>> log = Log(t=[0, 1], signals={"PV": [4, 5], "OP": [50, 51]})
         >>> log.loop(name="FIC211").sp is None
@@ -255,6 +267,9 @@ class Log:
         """
         from logs.loop import LoopRecord
         from logs.tags import measurement_of
+
+        if name in self.loops and (sp, pv, op, mv, mode) == ("SP", "PV", "OP", None, None):
+            return self._noted_loop(name)
 
         return LoopRecord(
             log=self,
@@ -267,6 +282,28 @@ class Log:
             process=process,
             measurement=measurement_of(name),
         )
+
+    def _noted_loop(self, tag: str) -> LoopRecord:
+        from logs.loop import LoopRecord
+        from logs.tags import measurement_of
+
+        loop = self.loops[tag]
+        parts = {f"{part}_name": signal for part, signal in loop.parts.items()}
+        return LoopRecord(
+            self, tag, parts.pop("sp_name", None), **parts,
+            process=loop.process, measurement=loop.measurement or measurement_of(tag),
+        )  # fmt: skip
+
+    def loop_records(self) -> tuple[LoopRecord, ...]:
+        """Every loop noted in ``loops``, or, where none is, the one of PV and OP.
+
+        Raises ``LogError`` if there is neither.
+
+        >>> log = Log(t=[0, 1], signals={"p": [4, 5], "u": [50, 51]}, loops={"PC1": LoopSignals(pv="p", op="u")})
+        >>> [(record.name, record.pv_name) for record in log.loop_records()]
+        [('PC1', 'p')]
+        """
+        return tuple(self._noted_loop(tag) for tag in self.loops) if self.loops else (self.loop(),)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a CSV file with the metadata in '# ' lines; ``read_log`` gives the same log back."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Literal
 
-__all__ = ["Process", "measurement_of", "process_of", "tag_in"]
+__all__ = ["Process", "measurement_in", "measurement_of", "process_of", "tag_in"]
 
 Process = Literal["self_regulating", "integrating", "unknown"]
 
@@ -16,6 +16,14 @@ _MEASURED = {
     "T": "temperature",
     "A": "analyser",
     "Q": "analyser",
+}
+
+_BY_UNIT = {
+    "flow": ("m3/s", "m3/h", "kg/s", "kg/h", "t/h", "mol/s", "l/s", "l/min", "l/h", "nm3/h", "sm3/h", "gpm"),
+    "level": ("m", "mm", "cm", "m3", "l"),
+    "pressure": ("pa", "kpa", "mpa", "bar", "mbar", "barg", "bara", "bar(g)", "psi", "psig"),
+    "temperature": ("k", "degc", "°c", "degf", "°f"),
+    "speed": ("rad/s", "rpm", "1/min"),
 }
 
 # First letter, an optional modifier (difference, ratio, total), then the functions, then the number.
@@ -47,6 +55,16 @@ def measurement_of(tag: str) -> str:
     if not found:
         return ""
     return _MEASURED[(found["first"] or found["quality"]).upper()]
+
+
+def measurement_in(unit: str) -> str:
+    """The measured variable by the unit of PV, "" when it cannot be told; a content in m3 counts as a level.
+
+    >>> [measurement_in(unit) for unit in ("Pa", "m3", "m3/h", "%", "")]
+    ['pressure', 'level', 'flow', '', '']
+    """
+    plain = unit.strip().casefold()
+    return next((name for name, units in _BY_UNIT.items() if plain in units), "")
 
 
 def process_of(measurement: str) -> Process:

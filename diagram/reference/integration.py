@@ -23,6 +23,7 @@ from diagram.reference.interpreter import Interpreter
 from diagram.simulation import Event, Run, set_up
 from engine.status import HINTS, Statistics, Status
 from logs import Log
+from logs.loop_signals import within
 
 Floats = NDArray[np.float64]
 SCIPY = ("LSODA", "Radau", "BDF", "DOP853", "RK45")
@@ -113,6 +114,7 @@ def simulate_reference(
         units={s: u for s, u in ready.signal_units.items() if u},
         spans=ready.signal_spans,
         origin=f"reference ({backend}): {ready.name}",
+        loops=within(ready.loops, ready.signals),
     )
     events = tuple(Event(t, block, before, after) for t, block, before, after in world.events)
     statistics = Statistics(steps=settings.steps, rhs=world.n_rates, events=world.n_fired, components=1)

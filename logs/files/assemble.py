@@ -22,6 +22,7 @@ from logs.files.states import is_blank, is_state
 from logs.files.table import Table
 from logs.files.time_column import find_times, oldest_first
 from logs.log import Log
+from logs.loop_signals import renamed, within
 
 if TYPE_CHECKING:
     import polars as pl
@@ -125,6 +126,7 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
         notes += about_sampling(t, guessed=layout.times.guessed)
     name_of = {name: signal for signal, name in (wanted or {name: name for name in values}).items()}
     units = layout.heading.units if layout.heading else layout.table.units
+    loops = renamed(within(layout.heading.loops, values), name_of) if layout.heading else {}
     spans = layout.heading.spans if layout.heading else {}
     return Log(
         t=t,
@@ -134,6 +136,7 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
         quality={name_of[name]: mask for name, mask in good.items()},
         start=layout.heading.start if layout.heading else layout.times.start,
         notes=tuple(notes),
+        loops=loops,
     )
 
 

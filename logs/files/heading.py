@@ -8,7 +8,9 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
 
+from logs.errors import LogError
 from logs.log import Log
+from logs.loop_signals import LoopSignals
 
 __all__ = ["FIRST_LINE", "Heading", "heading_of", "parse_heading"]
 
@@ -26,6 +28,7 @@ class Heading:
     spans: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     quality: Mapping[str, str] = field(default_factory=dict)  # signal -> column with 1 for good, 0 for bad
     names: tuple[str, ...] = ()
+    loops: Mapping[str, LoopSignals] = field(default_factory=dict)
 
     def lines(self) -> list[str]:
         """The heading as text lines, without the '# '."""
@@ -44,6 +47,7 @@ class Heading:
             if name in self.quality:
                 facts["quality"] = self.quality[name]
             lines.append(f"signal: {_text(facts)}")
+        lines += [f"loop: {_text({'name': tag} | loop.to_dict())}" for tag, loop in self.loops.items()]
         return lines
 
 
@@ -63,6 +67,7 @@ def heading_of(log: Log) -> Heading:
         spans=log.spans,
         quality=quality,
         names=log.names,
+        loops=log.loops,
     )
 
 
@@ -84,6 +89,7 @@ def parse_heading(lines: Iterable[str]) -> Heading | None:
     units: dict[str, str] = {}
     spans: dict[str, tuple[float, float]] = {}
     quality: dict[str, str] = {}
+    loops: dict[str, LoopSignals] = {}
     for line in kept:
         key, _, text = line.partition(": ")
         try:
@@ -104,9 +110,11 @@ def parse_heading(lines: Iterable[str]) -> Heading | None:
                     spans[name] = (float(low), float(high))
                 if "quality" in value:
                     quality[name] = str(value["quality"])
-        except (ValueError, TypeError, KeyError):
+            elif key == "loop":
+                loops[str(value["name"])] = LoopSignals.from_dict(value)
+        except (ValueError, TypeError, KeyError, AttributeError, LogError):
             continue
-    return Heading(origin, start, tuple(notes), units, spans, quality, tuple(names))
+    return Heading(origin, start, tuple(notes), units, spans, quality, tuple(names), loops)
 
 
 def _text(value: object) -> str:

@@ -12,14 +12,15 @@ import numpy as np
 
 from logs.errors import ReadError
 from logs.files.assemble import Layout, assemble
-from logs.files.columns import Roles, choose_columns
+from logs.files.columns import Roles, choose_columns, loop_names
 from logs.files.names import plain, role_of
 from logs.log import Log
 from logs.loop import LoopRecord
+from logs.loop_signals import LoopSignals, within
 from logs.spans import guess_op_span
 from logs.tags import Process, measurement_of, process_of, tag_in
 
-__all__ = ["Origin", "check_span", "loop_of"]
+__all__ = ["Origin", "check_span", "loop_of", "with_loops"]
 
 _UNUSED_SHOWN = 15
 
@@ -49,9 +50,15 @@ def loop_of(
     beside: Collection[str] = (),
 ) -> LoopRecord:
     """One loop of a table; ``beside`` names the loops whose columns need no note. Raises as ``read_loop`` does."""
-    roles = choose_columns(layout.names, given, loop)
-    parts = {"SP": roles.sp, "PV": roles.pv, "OP": roles.op, "MV": roles.mv, "MODE": roles.mode}
-    wanted = {part: column for part, column in parts.items() if column is not None}
+    tag, noted = _noted(layout, given, loop)
+    if noted is None:
+        roles = choose_columns(layout.names, given, loop)
+    else:  # the file says which signals belong together; what the user names goes before it
+        told = {part: column for part, column in (given or {}).items() if column is not None}
+        parts = {part: noted.parts.get(part, "") for part in ("sp", "pv", "op", "mv", "mode")}
+        roles = replace(choose_columns(layout.names, parts | told), loop=tag)
+    columns = {"SP": roles.sp, "PV": roles.pv, "OP": roles.op, "MV": roles.mv, "MODE": roles.mode}
+    wanted = {part: column for part, column in columns.items() if column is not None}
     log = origin.on(assemble(layout, wanted, [roles.mode] if roles.mode else []))
     notes = [f"{c!r} is read as {part}." for part, c in wanted.items() if _differs(c, part, roles.loop)]
     notes += roles.notes
@@ -61,8 +68,10 @@ def loop_of(
     log, found = _with_spans(log, op_span, own=origin.own)
     notes += found
     tag = roles.loop or tag_in(origin.stem)
-    measurement = measurement_of(tag) or measurement_of(roles.pv)
-    if process is None:
+    measurement = (noted.measurement if noted else "") or measurement_of(tag) or measurement_of(roles.pv)
+    if process is None and noted is not None and noted.process != "unknown":
+        process = noted.process
+    elif process is None:
         process = process_of(measurement)
         notes.append(_about_process(measurement, tag, process))
     return LoopRecord(
@@ -76,6 +85,48 @@ def loop_of(
         process=process,
         measurement=measurement,
     )
+
+
+def with_loops(log: Log, layout: Layout) -> Log:
+    """The log of a whole file with the loops that its tags tell, and the spans of their outputs.
+
+    A file of our own notes its loops itself.
+    """
+    if layout.heading is not None:
+        return log
+    loops: dict[str, LoopSignals] = {}
+    for tag in filter(None, loop_names(layout.names)):
+        roles = choose_columns(layout.names, None, tag)
+        if roles.pv not in log or roles.op not in log:
+            continue
+        sp, mv, mode = (name if name in log else None for name in (roles.sp, roles.mv, roles.mode))
+        measurement = measurement_of(tag) or measurement_of(roles.pv)
+        loops[tag] = LoopSignals(roles.pv, roles.op, sp, mv, mode, process_of(measurement), measurement)
+        if roles.op not in log.spans:
+            span, unit, note = guess_op_span(log[roles.op][log.good(roles.op)], log.units.get(roles.op, ""))
+            if span is not None:
+                log = replace(
+                    log,
+                    spans={**log.spans, roles.op: span},
+                    units={**log.units, **({roles.op: unit} if unit else {})},
+                    notes=(*log.notes, *([note.replace("OP", roles.op, 1)] if note else [])),
+                )
+    return replace(log, loops=loops)
+
+
+def _noted(layout: Layout, given: Mapping[str, str | None] | None, loop: str | None) -> tuple[str, LoopSignals | None]:
+    """The tag and the signals of the loop asked for, where the file itself notes its loops; otherwise "" and None."""
+    noted = layout.heading.loops if layout.heading is not None else {}
+    if loop is not None:
+        return loop, noted.get(loop)
+    named = any((given or {}).get(part) for part in ("pv", "op"))
+    if not noted or named or {"PV", "OP"} <= set(layout.names):
+        return "", None
+    if len(noted) > 1:
+        raise ReadError(
+            f"the file has {len(noted)} loops: {', '.join(map(repr, noted))}; choose one with loop= (--loop NAME)"
+        )
+    return next(iter(noted.items()))
 
 
 def _about_unused(layout: Layout, roles: Roles, beside: Collection[str]) -> list[str]:
@@ -110,6 +161,7 @@ def _without(log: Log, name: str) -> Log:
         units={key: unit for key, unit in log.units.items() if key != name},
         spans={key: span for key, span in log.spans.items() if key != name},
         quality={key: mask for key, mask in log.quality.items() if key != name},
+        loops=within(log.loops, set(log.names) - {name}),
     )
 
 

@@ -15,8 +15,8 @@ from logs.files.assemble import assemble, layout_of
 from logs.files.columns import loop_names
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
-from logs.files.loops import Origin, check_span, loop_of
 from logs.files.packed import is_workbook, unpacked
+from logs.files.loops import Origin, check_span, loop_of, with_loops
 from logs.files.source import decoded, file_bytes, is_parquet
 from logs.files.table import Table, names_and_units, parse_table
 from logs.files.workbook import workbook_text
@@ -58,7 +58,8 @@ def read_log(
     1, "datenum" MATLAB's days, "excel" a spreadsheet's days, "labview" seconds since 1904; "s" to "ns" may count from
     1970.
 
-    Returns a Log whose notes say what was assumed. A clock time becomes seconds from the first row and ``start``.
+    Returns a Log whose notes say what was assumed, and whose ``loops`` are those that the file notes or its tags tell,
+    with the spans of their outputs. A clock time becomes seconds from the first row and ``start``.
 
     Raises ReadError if the file cannot be read as a table of signals over time.
 
@@ -72,7 +73,8 @@ def read_log(
     with _named(source):
         table, heading = _opened(source, separator)
         layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
-        return _origin(source, heading).on(assemble(layout, columns))
+        log = _origin(source, heading).on(assemble(layout, columns))
+        return log if columns else with_loops(log, layout)
 
 
 def read_loop(
@@ -128,6 +130,7 @@ def read_loops(
     source: Source,
     *,
     loops: Sequence[str] | None = None,
+    process: Process | None = None,
     time: str | None = None,
     decimal: str | None = None,
     separator: str | None = None,
@@ -138,8 +141,9 @@ def read_loops(
     """Read every control loop of a CSV, text or Parquet file, or of a data frame, in one read.
 
     Parameters: ``source``, ``time``, ``decimal``, ``separator``, ``time_format``, ``interval``, ``time_unit`` as for
-    ``read_log``; ``loops`` the tags of the loops to read, in this order, otherwise all whose names show a PV and an
-    output, as they stand.
+    ``read_log``; ``loops`` the tags of the loops to read, in this order, otherwise all that the file itself notes (a
+    log written by this package does) or whose names show a PV and an output, as they stand; ``process`` as for
+    ``read_loop``, of every loop.
 
     Returns one LoopRecord a loop, each as ``read_loop(source, loop=tag)`` gives it, but without a note on the columns
     of the other loops. A file without loop tags gives the one loop that ``read_loop`` finds.
@@ -156,12 +160,13 @@ def read_loops(
         table, heading = _opened(source, separator)
         layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
         origin = _origin(source, heading)
-        found = loop_names(layout.names) if loops is None else tuple(loops)
+        noted = heading.loops if heading is not None else {}
+        found = (tuple(noted) or loop_names(layout.names)) if loops is None else tuple(loops)
         if len(found) == 0 and loops is not None:
             raise ReadError("loops names no loop; leave it out to read all, or name at least one")
         if loops is None and len(found) < 2:
-            return (loop_of(layout, origin),)
-        return tuple(loop_of(layout, origin, loop=tag, beside=found) for tag in found)
+            return (loop_of(layout, origin, process=process),)
+        return tuple(loop_of(layout, origin, loop=tag, process=process, beside=found) for tag in found)
 
 
 @contextmanager

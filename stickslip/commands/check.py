@@ -10,10 +10,11 @@ from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis
+    from stickslip.report.page import Section
 
 
 @click.command("check")
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--pv", help="Name of the measurement column.")
 @click.option("--op", help="Name of the controller output column.")
 @click.option("--sp", help="Name of the set point column.")
@@ -31,8 +32,8 @@ if TYPE_CHECKING:
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
-def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -> None:
-    """Say whether the valve of the loop in FILE sticks, and why.
+def command(files: tuple[Path, ...], html: Path | None, json_file: str | None, **told: Any) -> None:
+    """Say whether the valve of the loop in FILE sticks, and why; of several loops or files, which to look at first.
 
     FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start.
 
@@ -40,6 +41,7 @@ def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -
     Examples:
       stickslip check FIC101.csv
       stickslip check export.csv --loop FIC101 --html report.html
+      stickslip check plant.csv
       stickslip check trend.csv --pv FT101 --op FCV101 --time Zeit --decimal ,
       stickslip check FIC101.csv --json - | jq .verdict
 
@@ -49,9 +51,16 @@ def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -
       1  done, and stiction found
       2  FILE cannot be read, or the request makes no sense
     """
-    check_targets({"--html": html, "--json": json_file}, source=file)
-    if file.is_char_device() or file.is_block_device():
-        raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
+    for file in files:
+        check_targets({"--html": html, "--json": json_file}, source=file)
+        if file.is_char_device() or file.is_block_device():
+            raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
+    from stickslip.commands.check_many import check_many, several
+
+    many = several(files, told)
+    if many is not None:
+        raise SystemExit(check_many(many, html, json_file))
+    file = files[0]
     from detect import diagnose
     from logs import read_loop
 
@@ -95,12 +104,20 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
         say("The methods without a vote are experimental: not yet calibrated on simulation. --json has their reasons.")
 
 
-def _report(diagnosis: "Diagnosis") -> str:
+def section_of(diagnosis: "Diagnosis") -> "Section":
+    """Return the article on one loop of a page."""
     from detect.words import WORDS
-    from stickslip.report.page import Section, figure_to_svg, page
+    from stickslip.report.page import Section, figure_to_svg
 
     word = WORDS[diagnosis.verdict]
     section = Section(diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason)
     section.notes.extend(diagnosis.assumptions)
     section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
-    return page(f"{diagnosis.loop}: {word.spoken}", "", [section])
+    return section
+
+
+def _report(diagnosis: "Diagnosis") -> str:
+    from detect.words import WORDS
+    from stickslip.report.page import page
+
+    return page(f"{diagnosis.loop}: {WORDS[diagnosis.verdict].spoken}", "", [section_of(diagnosis)])

@@ -40,7 +40,12 @@ FILES = [
     ("one huge line", "a," * 300_000 + "\n", [], ["header"]),
     ("prose", "Dear all, nothing here, really.\nYours\n", [], ["line 2"]),
     ("only text", "time,remark\n0,all well\n1,gone home\n", [], ["'remark'", "--pv"]),
-    ("two loops", "time,F1.PV,F1.OP,F2.PV,F2.OP\n0,1,2,3,4\n1,1,2,3,4\n", [], ["2 loops", "--loop"]),
+    (
+        "two loops",
+        "time,F1.PV,F1.OP,F2.PV,F2.OP\n0,1,2,3,4\n1,1,2,3,4\n",
+        ["--op-span", "0", "100"],
+        ["2 loops", "--loop"],
+    ),
     ("no such loop", "time,F1.PV,F1.OP\n0,1,2\n", ["--loop", "F9"], ["'F9'", "'F1'"]),
     ("duplicated header", "time,PV,PV,OP\n0,1,2,3\n", [], ["'PV'", "more than once"]),
     ("number too large", "time,PV,OP\n0,1,2\n1,1e400,2\n", [], ["line 3", "1e400"]),

@@ -1,0 +1,125 @@
+"""Which tags share an oscillation: each tag's strongest spectral line, and the tags that have power at it.
+
+    x less its straight line, under a Hann window, zero-padded four times  ->  power P(f)
+    share(f) = sum of P over the main lobe about f / sum of P          [-]
+    a line     the largest P with at least three cycles in the log, if its share is ``LINE`` or more
+    a group    the line that holds most of the tags still without a group, and the tags with ``SHARE`` or more there,
+               if the autocorrelation of one of its ``TRIED`` strongest tags is regular at that period
+
+The last rule keeps noise out: a random walk, too, has a strongest line.
+
+Source of the idea: Thornhill, Shah, Huang and Vishnubhotla 2002, Control Eng. Practice 10:1353 (tags are grouped by
+their power spectra); the rule here is the plain one of a common peak (Jiang, Choudhury and Shah 2007 look for it in the
+spectral envelope).  Both limits are ours.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.oscillation import acf_crossings
+from logs import LoopRecord
+
+__all__ = ["Spectra", "Together", "groups", "spectra"]
+
+Values = npt.NDArray[np.float64]
+CYCLES = 3.0  # fewest in the log: below, a drift is as good an answer
+LINE = 0.30  # of the variance, that a tag's own line must hold
+SHARE = 0.25  # of the variance, that a tag of the group must have at the common line
+TRIED = 5  # tags of a group that may confirm it
+PERIOD_OFF = 0.15  # relative: how far the period of the autocorrelation may lie from the line's
+PAD = 4
+
+
+class Spectra(NamedTuple):
+    """Power (tags, m) at the frequencies f (m,) [1/s] with a sum of 1 for each tag; ``lobe`` half width in steps.
+
+    t (n,) [s] and rows (tags, n) are what they were made of: straight lines off, standard deviation 1.
+    """
+
+    t: Values
+    rows: Values
+    tags: tuple[str, ...]
+    f: Values
+    power: Values
+    lobe: int
+
+    def share(self, k: int) -> Values:
+        """Share of each tag's variance in the main lobe about frequency number k, shape (tags,)."""
+        return np.asarray(self.power[:, max(k - self.lobe, 0) : k + self.lobe + 1].sum(axis=1))
+
+
+class Together(NamedTuple):
+    """A line that several tags share: period [s], share [-] of each tag's variance at it."""
+
+    period: float
+    shares: Mapping[str, float]
+
+
+def spectra(t: Values, signals: Mapping[str, Values]) -> Spectra:
+    """The spectra of the tags that move, on an even grid t (n,) [s]; values (n,) each.
+
+    >>> t = np.arange(400.0)
+    >>> found = spectra(t, {"a": np.sin(t / 5), "still": 0 * t})
+    >>> found.tags, round(1 / found.f[found.power[0].argmax()], 1)
+    (('a',), 31.4)
+    """
+    n, dt = len(t), float(t[1] - t[0])
+    centred = t - np.mean(t)
+    rows, kept = [], []
+    for tag, x in signals.items():
+        y = x - np.mean(x)
+        y = y - centred * float(centred @ y) / float(centred @ centred)
+        if float(np.std(y)) > 1e-9 * float(np.max(np.abs(x))):
+            rows.append(y / np.std(y))
+            kept.append(tag)
+    size, waves = PAD * n, np.array(rows).reshape(len(rows), n)
+    power = np.abs(np.fft.rfft(waves * np.hanning(n), size)) ** 2
+    power[:, :PAD] = 0.0  # less than one cycle in the log
+    power /= np.maximum(power.sum(axis=1, keepdims=True), 1e-300)
+    return Spectra(t, waves, tuple(kept), np.fft.rfftfreq(size, dt), power, 2 * PAD)
+
+
+def groups(found: Spectra) -> list[Together]:
+    """The groups, the one with most tags first; a tag belongs to one, and a group has two tags or more.
+
+    >>> t = np.arange(600.0)
+    >>> signals = {"a": np.sin(t / 5), "b": np.cos(t / 5) + 1, "c": np.sin(t / 13), "d": np.sin(t / 13 + 1)}
+    >>> [(round(one.period), tuple(one.shares)) for one in groups(spectra(t, signals))]
+    [(31, ('a', 'b')), (81, ('c', 'd'))]
+    """
+    first = math.ceil(CYCLES * PAD)
+    if not found.tags or found.power.shape[1] <= first + 1:
+        return []
+    peaks = first + np.argmax(found.power[:, first:], axis=1)
+    own = np.array([found.share(int(k))[i] for i, k in enumerate(peaks)])
+    free = np.ones(len(found.tags), dtype=bool)
+    together: list[Together] = []
+    while True:
+        lines = [int(k) for i, k in enumerate(peaks) if free[i] and own[i] >= LINE]
+        if not lines:
+            break
+        k = max(lines, key=lambda line: float(np.sum(found.share(line)[free])))
+        shares = found.share(k)
+        joined = free & (shares >= SHARE)
+        free &= ~joined
+        if joined.sum() > 1 and _regular(found, np.flatnonzero(joined), shares, 1.0 / float(found.f[k])):
+            top = k - found.lobe + int(np.argmax(found.power[joined, k - found.lobe : k + found.lobe + 1].sum(axis=0)))
+            names = [(tag, float(s)) for tag, s, here in zip(found.tags, shares, joined, strict=True) if here]
+            together.append(Together(1.0 / float(found.f[top]), dict(sorted(names, key=lambda pair: -pair[1]))))
+    return sorted(together, key=lambda one: -len(one.shares))
+
+
+def _regular(found: Spectra, joined: npt.NDArray[np.intp], shares: Values, period: float) -> bool:
+    """Whether one of the strongest tags of a group oscillates at its period by its autocorrelation."""
+    for i in sorted(joined.tolist(), key=lambda i: -float(shares[i]))[:TRIED]:
+        x = found.rows[i]
+        gate = acf_crossings.find(LoopRecord.from_arrays(found.t, pv=x, op=x))
+        if gate.oscillating and gate.period and abs(gate.period / period - 1.0) < PERIOD_OFF:
+            return True
+    return False

@@ -1,0 +1,130 @@
+"""``stickslip check`` on several loops, of one file or of several: a table, the groups, and where to look first."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from stickslip.console import Speaker
+from stickslip.targets import check_targets, write_whole
+
+if TYPE_CHECKING:
+    from detect import Diagnosis
+    from detect.plantwide.survey import Survey
+    from logs import Log, LoopRecord
+
+SCHEMA = "stickslip.check-many/1"
+COLUMNS = ("loop", "verdict", "OP travel [%]", "what the other tags show")
+OF_ONE = ("pv", "op", "sp", "mv", "mode", "op_span", "loop")  # options that name one loop or its columns
+
+
+class Read(NamedTuple):
+    """What a file holds: its loops, and the whole log where they are several."""
+
+    file: Path
+    records: "tuple[LoopRecord, ...]"
+    log: "Log | None"
+
+
+def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read] | None":
+    """Return what every file holds, or None where there is one loop: one file with one, or one that is named.
+
+    Raises ``ValueError`` where options that name the parts of one loop meet several files, and as ``read_loops`` does.
+    """
+    one = [part for part in OF_ONE if told.get(part) is not None]
+    if one and len(files) > 1:
+        option = one[0].replace("_", "-")
+        raise ValueError(f"--{option} names what belongs to one loop, but {len(files)} files are given; give one file")
+    if one:
+        return None
+    from logs import read_log, read_loops
+
+    options = {name: value for name, value in told.items() if value is not None}
+    found = []
+    for file in files:
+        records = read_loops(file, **options)
+        log = read_log(file, **{k: v for k, v in options.items() if k != "process"}) if len(records) > 1 else None
+        found.append(Read(file, records, log))
+    return None if len(found) == 1 and len(found[0].records) == 1 else found
+
+
+def check_many(found: "Sequence[Read]", html: Path | None, json_file: str | None) -> int:
+    """Judge every loop, survey every file with several, say it and write it; return the exit code.
+
+    That is 1 where a loop is called sticky, else 0.
+    """
+    from detect import diagnose
+
+    check_targets({"--html": html, "--json": json_file})
+    say = Speaker(json_file)
+    judged = [(read.file, [diagnose(record) for record in read.records]) for read in found]
+    surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]
+    rows = _rows(judged, surveys)
+    say(f"{len(rows)} loops, those to look at first on top:", bold=True)
+    say.table(list(COLUMNS), rows)
+    for read, one in zip(found, surveys, strict=True):
+        if one is not None:
+            say(f"{read.file.name}: oscillations that tags share", bold=True)
+            for words in one.words.split("\n"):
+                say.paragraph(words, "  - ")
+    say("One loop in full: stickslip check FILE --loop NAME")
+    if html is not None:
+        write_whole(html, _page(judged, surveys, rows).encode())
+        say(f"report: {html}")
+    say.document(
+        {
+            "schema": SCHEMA,
+            "files": [
+                {
+                    "file": str(file),
+                    "loops": [answer.to_dict() for answer in answers],
+                    "survey": None if one is None else one.to_dict(),
+                }
+                for (file, answers), one in zip(judged, surveys, strict=True)
+            ],
+        }
+    )
+    return 1 if any(answer.verdict == "stiction" for _, answers in judged for answer in answers) else 0
+
+
+def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
+    """Return the survey of a file with several loops, None of another."""
+    from detect.plantwide.survey import survey
+
+    if read.log is None or not read.log.loops:
+        return None
+    return survey(read.log, {answer.loop: answer.verdict for answer in answers})
+
+
+def _rows(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]") -> list[list[str]]:
+    """Return one row a loop as in ``COLUMNS``, the likeliest valve first."""
+    from detect.words import WORDS
+
+    order: list[tuple[tuple[bool, float], list[str]]] = []
+    for (file, answers), one in zip(judged, surveys, strict=True):
+        suspects = {} if one is None else {suspect.loop: suspect for suspect in one.suspects}
+        for answer in answers:
+            suspect = suspects.get(answer.loop)
+            name = answer.loop if len(judged) == 1 else f"{file.stem}: {answer.loop}"
+            travel, why, gain = "-", "OP hardly moves, or its span is not known." if one is not None else "", 0.0
+            if suspect is not None:
+                travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
+            row = [name, WORDS[answer.verdict].spoken, travel, why.rstrip(".")]
+            order.append(((answer.verdict != "stiction", -gain), row))
+    return [row for _, row in sorted(order, key=lambda pair: pair[0])]
+
+
+def _page(
+    judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]", rows: list[list[str]]
+) -> str:
+    from stickslip.commands.check import section_of
+    from stickslip.report.page import Section, figure_to_svg, page, table_to_html
+
+    table = Section("All loops", f"{len(rows)} loops", "open", "", figures=[table_to_html(COLUMNS, rows)])
+    sections = [table]
+    for (file, _), one in zip(judged, surveys, strict=True):
+        if one is not None:
+            shared = Section(file.name, f"{len(one.groups)} shared oscillations", "open", "")
+            shared.reason, shared.figures = one.words.replace("\n", " "), [figure_to_svg(one.plot())]
+            sections.append(shared)
+    sections += [section_of(answer) for _, answers in judged for answer in answers]
+    return page(f"{len(rows)} loops", "The likeliest sticky valves are on top.", sections)

@@ -1,0 +1,84 @@
+"""`stickslip check` on several loops: of a plant's own export, of a historian's, of several files."""
+
+import json
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def plant_file(tmp_path_factory):
+    from diagram import simulate
+    from plant import kicked, production_plant
+
+    plant = kicked(production_plant(F_s="high", sticky=["VPCS1"]), 1.02, 1.03)
+    log = simulate(plant, 1200.0, every=2.0, method="stiff").log.between(200.0, 1200.0)
+    file = tmp_path_factory.mktemp("plant") / "plant.csv"
+    log.to_csv(file)
+    return file
+
+
+def test_the_plants_own_export(call, plant_file, tmp_path):
+    done = call("check", plant_file, "--json", tmp_path / "all.json", "--html", tmp_path / "all.html")
+    assert done.exit_code in (0, 1) and "8 loops, those to look at first on top" in done.stdout
+    rows = [line for line in done.stdout.split("\n") if line.startswith("│ ") and line[2] != " "]
+    assert rows[0].startswith("│ PCS11")  # the sticky one, of eight
+    assert "Look at the valve of PCS11 first" in " ".join(done.stdout.split())
+    document = json.loads((tmp_path / "all.json").read_text())
+    (one,) = document["files"]
+    assert {loop["loop"] for loop in one["loops"]} == {
+        "LCS11", "PCS11", "LCS21", "PCS21", "ASC2", "ASC3", "SC001", "SC002",
+    }  # fmt: skip
+    assert one["survey"]["suspects"][0]["loop"] == "PCS11" and one["survey"]["groups"][0]["tags"]
+    assert all(loop["schema"] == "stickslip.check/1" for loop in one["loops"])
+    stuck = [loop for loop in one["loops"] if loop["verdict"] == "stiction"]
+    assert done.exit_code == (1 if stuck else 0)
+    page = (tmp_path / "all.html").read_text()
+    assert page.count("<article") == 1 + 1 + 8 and "<script" not in page
+
+
+def test_one_loop_of_it_is_told_in_full(call, plant_file):
+    done = call("check", plant_file, "--loop", "PCS21", "--json", "-")
+    assert json.loads(done.stdout)["loop"] == "PCS21"
+
+
+def test_several_files(call, exports, tmp_path):
+    first, second = exports / "FIC101_pi_export.csv", tmp_path / "other.csv"
+    second.write_bytes(first.read_bytes())
+    done = call("check", first, second, "--json", "-")
+    files = json.loads(done.stdout)["files"]
+    assert done.exit_code == 1 and [len(file["loops"]) for file in files] == [1, 1]
+    assert [file["survey"] for file in files] == [None, None]
+    alone = json.loads(call("check", first, "--json", "-").stdout)
+    assert files[0]["loops"][0] == alone  # each loop as it is judged alone
+
+
+def test_a_historians_export_of_two_loops(call, tmp_path):
+    rows = "\n".join(f"{t},{40 + t % 7},{50 + t % 5},{30 + t % 3},{60 + t % 9}" for t in range(200))
+    file = tmp_path / "unit.csv"
+    file.write_text(f"time,FIC1.PV,FIC1.OP,LIC2.PV,LIC2.OP\n{rows}\n")
+    done = call("check", file, "--json", "-")
+    (one,) = json.loads(done.stdout)["files"]
+    assert [loop["loop"] for loop in one["loops"]] == ["FIC1", "LIC2"] and one["survey"]["suspects"]
+
+
+@pytest.mark.parametrize(
+    "options, piece",
+    [
+        (["--pv", "x"], "--pv names what belongs to one loop, but 2 files are given; give one file"),
+        (["--op-span", "0", "100"], "--op-span names what belongs to one loop"),
+        (["--loop", "x"], "--loop names what belongs to one loop"),
+        (["--json", "a.csv"], "a.csv would overwrite the file that is read"),
+    ],
+)
+def test_mistakes_are_said(call, exports, tmp_path, monkeypatch, options, piece):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_bytes((exports / "FIC101_pi_export.csv").read_bytes())
+    done = call("check", "a.csv", "b.csv", *options)
+    assert done.exit_code == 2 and piece in done.stderr
+
+
+def test_one_unreadable_file_among_several(call, exports, tmp_path):
+    (tmp_path / "bad.csv").write_text("nothing here")
+    done = call("check", exports / "FIC101_pi_export.csv", tmp_path / "bad.csv")
+    assert done.exit_code == 2 and "bad.csv" in done.stderr
