@@ -32,6 +32,7 @@ class Declared:
     before_param: str | None = None
     limit_params: tuple[str, str] | None = None
     host: Host | None = None
+    tolerances: Mapping[str, float] = {}
 
     name: str
     input_labels: list[str]

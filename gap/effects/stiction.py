@@ -1,0 +1,50 @@
+"""Stiction: the stem sticks, and jumps when it breaks away.
+
+A massless stem behind the valve's own (``blocks.quasi_static_stem``): what the valve gives is where the stem is wanted.
+
+    S  deadband plus stickband [% of OP's span]        J  slip jump [% of OP's span], 0 <= J <= S
+
+J = 0 is a deadband.  Another law of friction shows the same S and J in its MV-OP figure.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.quasi_static_stem import QuasiStaticStem
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Parameter, not_below
+from gap.inserted import Inserted, percent_in
+
+
+class Stiction(Inserted):
+    """A valve that sticks by S and jumps by J.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> Stiction().insert(self_regulating_loop(), "valve", S=5.0, J=2.0)["valve:stiction"].params["S"]
+    0.05
+    """
+
+    name = "stiction"
+    role = Role.VALVE
+    parameters = (Parameter("S", "% OP", 0.0, 0.2, 20.0, "log"), Parameter("J", "% OP", 0.0, 0.0, 20.0))
+    where = "at"
+    state = "x"
+    hidden = True
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the stem."""
+        return QuasiStaticStem(0.01, 0.0, low=-math.inf, high=math.inf, name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return S and J in units of the stem."""
+        percent = percent_in(diagram, place)
+        return {f"{self.block(place)}.{key}": values[key] * percent for key in ("S", "J")}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        if values["J"] > values["S"]:
+            return f"J = {values['J']:g} %, but a jump is part of S = {values['S']:g} %; lower J or raise S"
+        return not_below(values, {"S": 0.0, "J": 0.0})
