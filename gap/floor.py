@@ -159,5 +159,5 @@ def _predictor(r: Floats) -> tuple[Floats, Floats]:
 def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[Floor, list[Log]]:
     """Return the floor of a model for records like this one, and the logs of the runs that showed it."""
     logs = without_gap(model, record, runs, seed)
-    found = offsets([quiet] * len(logs), record, logs)
+    found = offsets(quiet, record, logs=logs)
     return floor_of(found), logs

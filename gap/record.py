@@ -59,6 +59,11 @@ class Record:
         """Rounding of each pinned signal [its unit], 0 for none."""
         return {s: rounding(self.log[s][self.log.good(s)]) for s in self.pinned}
 
+    @cached_property
+    def first(self) -> dict[str, float]:
+        """First good value of each signal of the diagram that the log has."""
+        return {s: float(self.log[s][self.log.good(s)][0]) for s in (*self.played, *self.pinned)}
+
     def rounded(self, values: dict[str, Floats]) -> dict[str, Floats]:
         """Return values of the pinned signals rounded as the log rounds them."""
         return {s: np.round(v / self.steps[s]) * self.steps[s] if self.steps[s] else v for s, v in values.items()}

@@ -36,8 +36,10 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
         return {}
     values, cost = dict(names), np.inf
     for _ in range(ROUNDS):
-        moved = [values, *({**values, key: value + _step(value)} for key, value in values.items())]
-        found = offsets([quiet.starting_at(one) for one in moved], head) / spread
+        start = {key: np.full(len(values) + 1, value) for key, value in values.items()}
+        for k, (key, value) in enumerate(values.items(), start=1):
+            start[key][k] = value + _step(value)
+        found = offsets(quiet, head, start=start) / spread
         seen = np.isfinite(found).all(axis=0)
         residual = found[0][seen]
         if not (new := float(residual @ residual)) < cost:
@@ -50,7 +52,7 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
         change = np.linalg.lstsq(J[:, felt], -residual, rcond=1e-6)[0]
         keys = list(values)
         values = {**values, **{keys[k]: values[keys[k]] + float(c) for k, c in zip(felt, change, strict=True)}}
-    last = offsets([quiet.starting_at(values)], head)[0] / spread
+    last = offsets(quiet, head, start={key: [value] for key, value in values.items()})[0] / spread
     seen = np.isfinite(last)
     return values if seen.any() and float(np.sum(last[seen] ** 2)) < cost else best
 
