@@ -13,7 +13,7 @@ import blocks
 from stickslip.commands.blocks import BLOCKS
 
 ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("logs", "blocks", "engine", "diagram", "plant", "study", "detect", "cases", "stickslip", "benchmarks")
+ROOMS = ("logs", "blocks", "engine", "diagram", "plant", "study", "detect", "gap", "cases", "stickslip", "benchmarks")
 FILES = [p for room in ROOMS for p in sorted((ROOT / room).rglob("*.py"))]
 WORDS = {
     "action",

@@ -1,0 +1,55 @@
+"""Dead time: what enters the process arrives later by ``theta`` [s].
+
+A process that has a dead time of its own gets that much more; in front of any other with one input stands a delay.
+Not for a block that several signals enter: which of them is late is another question.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.dead_time import DeadTime as Delay
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Effect, Parameter, not_below
+
+
+class DeadTime(Effect):
+    """More dead time at a process.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> late = DeadTime().insert(self_regulating_loop(), "process", theta=2.0)
+    >>> late["process"].params["theta"]
+    2.0
+    """
+
+    name = "dead_time"
+    role = Role.PROCESS
+    parameters = (Parameter("theta", "s", 0.0, 0.01, 3.0, "log", "time"),)
+
+    def fits(self, diagram: Diagram, block: Block) -> bool:
+        """Return whether one signal enters the process."""
+        return len(block.ports_in) == 1
+
+    def put(self, diagram: Diagram, place: str) -> Diagram:
+        """Return the diagram with a delay in front of a process without one."""
+        block = diagram[place]
+        if block.dead_time_param:
+            return diagram
+        return diagram.insert(block.input_labels[0], Delay(1.0, name=self.block(place)), readers=place)
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the dead time as a parameter of the process, or of the delay in front of it."""
+        own = diagram[place].dead_time_param
+        key = f"{place}.{own}" if own else f"{self.block(place)}.theta"
+        return {key: diagram[place].dead_time + values["theta"]}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return not_below(values, {"theta": 0.0})
+
+    def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:
+        """Return the diagram with the delay full of the first value of what enters it."""
+        name = place if diagram[place].dead_time_param else self.block(place)
+        signal = diagram[name].input_labels[0]
+        return diagram.with_params({f"{name}.theta_start": first[signal]}) if signal in first else diagram

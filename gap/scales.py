@@ -1,0 +1,61 @@
+"""What sizes are measured by at a place: the span of its instrument, the time scale of its loop.
+
+    span of a signal      the instrument span that a block states, else 1 (signals are fractions)
+    time scale            the integral time T_i of the nearest controller, else the time constant of the nearest
+                          process, else 10 s
+
+They set the bounds between which the size of an effect is searched; no result depends on them otherwise.
+"""
+
+import math
+
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+
+USUAL = 10.0  # [s], where a diagram says nothing
+TIMES = ("tau", "tau_1", "T")  # time constants of processes
+
+
+def scale(diagram: Diagram, place: str, per: str) -> float:
+    """Return what bounds are multiples of at a block: 1 for "", else its "span" or its "time"."""
+    if per == "span":
+        return span(diagram, diagram[place].output_labels[0]) if diagram[place].output_labels else 1.0
+    return time_scale(diagram, place) if per == "time" else 1.0
+
+
+def span(diagram: Diagram, signal: str) -> float:
+    """Return the length of the span of a signal [its unit], 1 if no block states it.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> span(self_regulating_loop(), "OP")
+    1.0
+    """
+    low, high = diagram.signal_spans.get(signal, (0.0, 1.0))
+    return high - low
+
+
+def time_scale(diagram: Diagram, place: str) -> float:
+    """Return the time scale [s] of the loop in which a block is.
+
+    >>> from plant.loops import integrating_loop
+    >>> time_scale(integrating_loop(), "valve")
+    400.0
+    """
+    around = nearest_first(diagram, place)
+    times = [b.params["T_i"] for b in around if b.role is Role.CONTROLLER and "T_i" in b.param_names]
+    times += [b.params[key] for b in around if b.role is Role.PROCESS for key in TIMES if key in b.param_names]
+    return next((t for t in times if 0.0 < t < math.inf), USUAL)
+
+
+def nearest_first(diagram: Diagram, place: str) -> list[Block]:
+    """Return the blocks in the order of how many signals lie between them and a place; those not joined to it last."""
+    left = list(range(len(diagram.blocks)))
+    found = [diagram.block_index(place)]
+    left.remove(found[0])
+    for b in found:
+        mine = {*diagram.blocks[b].input_labels, *diagram.blocks[b].output_labels}
+        near = [c for c in left if mine & {*diagram.blocks[c].input_labels, *diagram.blocks[c].output_labels}]
+        found += near
+        left = [c for c in left if c not in near]
+    return [diagram.blocks[b] for b in [*found, *left]]
