@@ -35,7 +35,7 @@ SMALLEST = 1e-12
 @dataclass(frozen=True, eq=False)
 class Floor:
     """Residuals without a gap.  ``changes`` (signals,) whether the change of an offset is the residual; ``A`` (order,
-    signals, signals); ``L`` (signals, signals); ``skipped`` rows; ``scores`` (runs,) of F without a gap, sorted.
+    signals, signals); ``L`` (signals, signals); ``skipped`` rows; ``scores`` (runs,) of F without a gap, sorted, each over ``rows`` rows.
     """
 
     changes: NDArray[np.bool_]
@@ -43,6 +43,7 @@ class Floor:
     L: Floats
     skipped: int
     scores: Floats
+    rows: int
 
     def innovations(self, found: Floats) -> Floats:
         """Return e of offsets (..., rows, signals): (..., rows - skipped, signals); NaN where a row says nothing."""
@@ -51,6 +52,16 @@ class Floor:
     def score(self, found: Floats) -> Floats:
         """Return F of offsets (..., rows, signals), (...,); infinite where a run failed."""
         return scored(self.innovations(found))
+
+    @property
+    def mean(self) -> float:
+        """Mean of F without a gap, for each row that is scored [nats]."""
+        return float(self.scores.mean()) / self.rows
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation of F without a gap over the square root of the rows [nats]."""
+        return float(self.scores.std(ddof=1)) / self.rows**0.5
 
     @property
     def coloured(self) -> bool:
@@ -122,7 +133,7 @@ def floor_of(found: Floats) -> Floor:
     r = residuals(found, changes)[:, skipped:]
     A, L = _predictor(r)
     scores = np.sort(scored(whitened(r, A, L)))
-    return Floor(changes, A, L, skipped, scores)
+    return Floor(changes, A, L, skipped, scores, r.shape[1])
 
 
 def _drifting(found: Floats) -> NDArray[np.bool_]:

@@ -45,3 +45,13 @@ class Problem:
     def score(self) -> float:
         """F of the model as it is."""
         return float(scored(self.as_it_is))
+
+    @property
+    def rows(self) -> int:
+        """How many rows are scored."""
+        return len(self.as_it_is)
+
+    @property
+    def known(self) -> float:
+        """How many rows are scored, a row with missing signals by the share that is there."""
+        return float(np.isfinite(self.as_it_is).mean()) * self.rows

@@ -59,30 +59,44 @@ def tried(
     return [Fit(effect, place, dict(v), float(scored(one)), one) for v, one in zip(possible, e, strict=True)]
 
 
+def slopes(problem: Problem, base: Diagram, fit: Fit) -> tuple[Floats, list[int]]:
+    """Return the slopes of the innovations in the parameters that are felt: (rows x signals, parameters), and which."""
+    effect, place = fit.effect, fit.place
+    names = [p.name for p in effect.parameters]
+    bounds, nominal = effect.bounds(base, place), effect.nominal(base, place)
+    many, changes = [], []
+    for name in names:
+        at, (low, high) = fit.values[name], bounds[name]
+        away = abs(at - nominal[name]) if math.isfinite(nominal[name]) else abs(at)
+        h = PROBE * max(away, 1e-3 * (high - low))
+        for change in (h, -h):
+            if low <= at + change <= high or change < 0.0:
+                many.append({**fit.values, name: at + change})
+                changes.append(change)
+                break
+    moved = tried(problem, base, effect, place, many)
+    if len(moved) < len(names):
+        return np.zeros((fit.e.size, 0)), []
+    J = np.stack([(m.e - fit.e).ravel() / h for m, h in zip(moved, changes, strict=True)], axis=1)
+    felt = np.flatnonzero(np.nan_to_num(np.abs(J)).sum(axis=0) > 0.0).tolist()
+    return J[:, felt], felt
+
+
 def refined(problem: Problem, base: Diagram, fit: Fit, rounds: int = ROUNDS) -> Fit:
     """Return a fit after steps along the slopes of all its parameters, within their bounds."""
     effect, place = fit.effect, fit.place
     names = [p.name for p in effect.parameters]
     low, high = np.array([effect.bounds(base, place)[name] for name in names]).T
-    nominal = effect.nominal(base, place)
     for _ in range(rounds):
         at = np.array([fit.values[name] for name in names])
-        away = np.array([abs(fit.values[n] - nominal[n]) if math.isfinite(nominal[n]) else abs(fit.values[n]) for n in names])
-        probes = PROBE * np.maximum(away, 1e-3 * np.abs(high - low))
-        probes = np.where(at + probes <= high, probes, -probes)
-        many = [{**fit.values, name: float(at[k] + probes[k])} for k, name in enumerate(names)]
-        moved = tried(problem, base, effect, place, many)
-        if len(moved) < len(names):
+        J, felt = slopes(problem, base, fit)
+        if not felt:
             return fit
-        J = np.stack([(m.e - fit.e).ravel() / h for m, h in zip(moved, probes, strict=True)], axis=1)
-        free = np.flatnonzero(np.nan_to_num(np.abs(J)).sum(axis=0) > 0.0)
-        if len(free) == 0:
-            return fit
-        d, promised = step(fit.e.ravel(), J[:, free], (low - at)[free], (high - at)[free])
+        d, promised = step(fit.e.ravel(), J, (np.minimum(low, at) - at)[felt], (np.maximum(high, at) - at)[felt])
         if fit.F - promised < SETTLED:
             return fit
         ahead = np.repeat(at[None], 2, axis=0)
-        ahead[:, free] += np.array([1.0, 0.3])[:, None] * d
+        ahead[:, felt] += np.array([1.0, 0.3])[:, None] * d
         taken = tried(problem, base, effect, place, [dict(zip(names, v, strict=True)) for v in ahead.tolist()])
         best = min([fit, *taken], key=lambda one: one.F)
         gained = fit.F - best.F
