@@ -136,15 +136,21 @@ class GapReport:
         }
 
     def plot(self) -> "Figure":
-        """Draw the diagram with the gap coloured in, and the residuals before and after."""
-        from gap.figures import plot_report
+        """Draw the residuals of each logged signal, of the model as it is and with the causes."""
+        from gap.figures import plot_residuals
 
-        return plot_report(self)
+        return plot_residuals(self)
+
+    def plot_diagram(self) -> "Figure":
+        """Draw the model with the gap coloured in: the redder a block, the more of the gap an effect there explains."""
+        from diagram.figures.drawing import draw
+
+        return draw(self.diagram, self.where.shares if self.where else {})
 
     def _repr_html_(self) -> str:
         from logs.notebook import image, paragraph
 
-        return "".join(paragraph(word) for word in self.words) + image(self.plot())
+        return "".join(paragraph(word) for word in self.words) + image(self.plot_diagram()) + image(self.plot())
 
 
 def _digits(value: float) -> float | None:
