@@ -1,15 +1,15 @@
 """Blocks: one python-control nonlinear I/O system per file, made of pure kernels.
 
 sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise PRBS Chirp
-log on top   Pin (of a signal)
+log on top   Pin (of a signal)   Historian (reads, gives nothing)
 controllers  PI PID SampledPI RelayTuner
 valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
              Positioner (pneumatic, in front of a stem)
              KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
-processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay
+processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay Tank
 sensors      Sensor SampledSensor
 arithmetic   Sum Gain Product Divide Lookup1D Lookup2D
-switching    Saturation DeadZone RateLimiter Relay Switch MinSelect MaxSelect
+switching    Saturation DeadZone Quantiser RateLimiter Relay Switch MinSelect MaxSelect
 filters      LeadLag SampledFilter Biquad ZeroOrderHold ResetIntegrator
 any system   StateSpace TransferFunction   Equations SampledFunction (plain functions)   as_block (of python-control)
 plant        Separator Scrubber ControlValveFlow GasValveFlow CheckValve FlowResistance Plenum Compressor
@@ -39,6 +39,7 @@ from blocks.flow_resistance import FlowResistance
 from blocks.gas_turbine import GasTurbine
 from blocks.gas_valve_flow import GasValveFlow
 from blocks.he_valve import HeValve
+from blocks.historian import Historian
 from blocks.ideal_valve import IdealValve
 from blocks.integrator import Integrator
 from blocks.kano_valve import KanoValve
@@ -56,6 +57,7 @@ from blocks.ports import BlockError, Labels, Port
 from blocks.positioner import Positioner
 from blocks.prbs import PRBS
 from blocks.product import Divide, Product
+from blocks.quantiser import Quantiser
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.rate_limiter import RateLimiter
 from blocks.recorded import Recorded, Staircase
@@ -79,6 +81,7 @@ from blocks.stick_slip import StickSlip
 from blocks.stribeck_stem import StribeckStem
 from blocks.switch import Switch
 from blocks.tabulated_map import TabulatedMap
+from blocks.tank import Tank
 from blocks.transfer_function import TransferFunction
 from blocks.variable_delay import VariableDelay
 from blocks.zero_order_hold import ZeroOrderHold
@@ -112,6 +115,7 @@ __all__ = [
     "GasTurbine",
     "GasValveFlow",
     "HeValve",
+    "Historian",
     "Host",
     "IdealValve",
     "Integrator",
@@ -130,6 +134,7 @@ __all__ = [
     "Port",
     "Positioner",
     "Product",
+    "Quantiser",
     "QuasiStaticStem",
     "Ramp",
     "RateLimiter",
@@ -159,6 +164,7 @@ __all__ = [
     "Sum",
     "Switch",
     "TabulatedMap",
+    "Tank",
     "TransferFunction",
     "Triangle",
     "VariableDelay",

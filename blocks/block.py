@@ -81,6 +81,9 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     ``before_param`` (what they were before the start), ``limit_params`` (low and high end of the output),
     ``plays`` (part in a loop -> port that plays it, where the port has another name; see ``loop_signal``).
 
+    ``tolerances`` (parameter -> share of its value within which the true one lies; see ``with_tolerances``) travel with
+    every copy.
+
     ``timetable`` (rows, 1 + values): times [s], strictly increasing, and the values in force from each time on, of the
     first row also before.  Kernels read the values in force behind the parameters in ``p``; nothing else of the table
     is copied, however many runs read it.  A block with a timetable and a kernel ``step`` takes a sample at each time.
@@ -98,6 +101,7 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     before_param: str | None = None
     limit_params: tuple[str, str] | None = None
     host: "Host | None" = None
+    tolerances: Mapping[str, float] = {}
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
@@ -319,6 +323,29 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         other.check(other.params, self.name)
         if self.sampled:
             other.dt = other.period
+        return other
+
+    def with_tolerances(self, **shares: float) -> Self:
+        """Return a copy that says how well its parameters are known: ``K=0.05`` for within 5 % of the value, either way.
+
+        A share of 0 takes a tolerance away.  Raises ``BlockError`` for an unknown parameter, a share that is not from 0
+        to below 1, or a parameter that is 0 or infinite, of which there is no share.
+
+        >>> from blocks import FirstOrder
+        >>> FirstOrder(K=3.0, tau=10.0).with_tolerances(K=0.05).relabelled("a", ["u"], ["y"]).tolerances
+        {'K': 0.05}
+        """
+        given = {key: number(self.name, f"tolerance of {key}", share) for key, share in shares.items()}
+        for key, share in given.items():
+            value = float(self.p[self.param_index(key)])
+            rule = "a tolerance is a share of the value, from 0 to below 1"
+            require(0.0 <= share < 1.0, self.name, f"tolerance of {key}", share, rule, "give 0.05 for 5 %")
+            known = value != 0.0 and math.isfinite(value)
+            require(
+                known or share == 0.0, self.name, key, value, "it has no share", "give tolerances to other parameters"
+            )
+        other = self._copy()
+        other.tolerances = {key: share for key, share in {**self.tolerances, **given}.items() if share > 0.0}
         return other
 
     def in_mode(self, mode: str) -> Self:

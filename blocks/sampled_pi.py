@@ -8,6 +8,8 @@
             e_k pushes further out, else as "none"
 
 Positional, ideal form; z is updated after the output, that is, the integral is the forward (left) rectangle rule.
+With ``integral="present"`` it takes in the present error before the output is made (backward rectangle rule):
+v_k = K_p e_k + z_k + dt K_p e_k / T_i, the rest as above; makers of control systems do either.
 It approaches the continuous PI with first order as dt -> 0.  Ports and parameters as in pi, and ``dt`` scan time
 [s], ``offset`` first scan [s].  With respect to the loop the hold adds about dt/2 of dead time.
 
@@ -21,34 +23,40 @@ from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.pi import PI, check_tuning, op_span, start_integral, tuned
-from blocks.ports import Labels, Port
+from blocks.ports import BlockError, Labels, Port, nearest, require
 from blocks.role import Role
 from blocks.rules import check_scan
 
-# p = K_p, T_i, low, high, T_t, action, dt, offset; d = z
+INTEGRAL = {"previous": 0.0, "present": 1.0}
+
+# p = K_p, T_i, low, high, T_t, action, dt, offset, present; d = z
 
 
 def _plain_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     e = p[5] * (u[0] - u[1])
-    v = p[0] * e + d[0]
+    gained = p[6] * p[0] * e / p[1]
+    v = p[0] * e + d[0] + p[8] * gained
     y[0] = min(max(v, p[2]), p[3])
     track = p[6] / (p[4] if p[4] > 0.0 else p[1])
-    d[0] += p[6] * p[0] * e / p[1] + min(track, 1.0) * (y[0] - v)
+    d[0] += gained + min(track, 1.0) * (y[0] - v)
 
 
 def _conditional_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     e = p[5] * (u[0] - u[1])
-    v = p[0] * e + d[0]
+    gained = p[6] * p[0] * e / p[1]
+    v = p[0] * e + d[0] + p[8] * gained
     y[0] = min(max(v, p[2]), p[3])
     outwards = (v >= p[3] and e > 0.0) or (v <= p[2] and e < 0.0)
     if not outwards:
-        d[0] += p[6] * p[0] * e / p[1]
+        d[0] += gained
 
 
 class SampledPI(Block):
     """PI controller, ideal positional form, with scan time ``dt`` [s]; otherwise the interface of ``PI``.
 
     ``low``, ``high`` [unit of OP]; ``T_t`` [s]; ``start_error``: SP - PV at the start [unit of PV].
+    ``integral``: "previous" or "present", the error that the integral has taken in when the output is made; the
+    parameter ``present`` [-] is 0 or 1.
     Raises ``BlockError`` as ``PI`` does, and for dt <= 0.
 
     >>> pi = SampledPI(K_p=0.4, T_i=10.0, dt=1.0, start_op=0.5)
@@ -75,6 +83,7 @@ class SampledPI(Block):
         high: float = 1.0,
         action: str = "reverse",
         anti_windup: str = "back_calculation",
+        integral: str = "previous",
         T_t: float = 0.0,
         start_op: float | None = None,
         start_error: float = 0.0,
@@ -84,7 +93,10 @@ class SampledPI(Block):
         units: Mapping[str, str] | None = None,
         spans: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
-        params = tuned(K_p, T_i, low, high, T_t, action, anti_windup, name) | {"dt": dt, "offset": offset}
+        if integral not in INTEGRAL:
+            raise BlockError(f"{name}: integral = {integral!r}; {nearest(str(integral), list(INTEGRAL))}")
+        scan = {"dt": dt, "offset": offset, "present": INTEGRAL[integral]}
+        params = tuned(K_p, T_i, low, high, T_t, action, anti_windup, name) | scan
         self.anti_windup = anti_windup
         self.kernels = Kernels(step=_conditional_step if anti_windup == "conditional" else _plain_step)
         self.check(params, name)
@@ -101,9 +113,13 @@ class SampledPI(Block):
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
-        """Raise ``BlockError`` as ``PI`` does, and unless dt > 0."""
+        """Raise ``BlockError`` as ``PI`` does, and unless dt > 0 and ``present`` is 0 or 1."""
         check_tuning(params, name)
         check_scan(params, name)
+        present = float(params["present"])
+        require(
+            present in (0.0, 1.0), name, "present", present, "it is 0 (previous) or 1 (present)", "give one of them"
+        )
 
     def smooth(self) -> PI:
         """Return the continuous PI controller that this one approaches as dt -> 0."""

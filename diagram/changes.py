@@ -46,6 +46,11 @@ def blocks_starting_at(diagram: "Diagram", values: Mapping[str, float]) -> list[
     return _changed(diagram, values, "starting_at")
 
 
+def blocks_with_tolerances(diagram: "Diagram", shares: Mapping[str, float]) -> list[Block]:
+    """Return the blocks with tolerances of their parameters: see ``Diagram.with_tolerances``."""
+    return _changed(diagram, by_name(diagram.name, "tolerances", shares, {"process.K": 0.05}), "with_tolerances")
+
+
 def _changed(diagram: "Diagram", values: Mapping[str, float], change: str) -> list[Block]:
     grouped: dict[int, dict[str, float]] = {}
     for key, value in values.items():
@@ -106,6 +111,8 @@ def replaced(diagram: "Diagram", name: str, block: Block | ct.InputOutputSystem)
             f"block '{name}' has {len(old.ports_in)} inputs and {len(old.ports_out)} outputs, its replacement "
             f"'{block.name}' {len(block.ports_in)} and {len(block.ports_out)}; they must agree"
         )
+    kept = {key: share for key, share in old.tolerances.items() if key in block.param_names}
+    block = block.with_tolerances(**{**kept, **block.tolerances})
     new = block.relabelled(name, list(old.input_labels), list(old.output_labels))
     past = diagram.past
     if past is not None and new.sampled:

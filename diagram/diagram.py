@@ -159,6 +159,24 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
         return self.with_blocks(changes.blocks_with_params(self, values))
 
+    def with_tolerances(self, shares: Mapping[str, float]) -> Self:
+        """Return the diagram with the tolerances of parameters, ``{"process.K": 0.05}`` for within 5 % of its value.
+
+        They say how well the model is known, change no run, and travel with every copy; ``tolerances`` reads them back.
+        Raises ``BlockError`` for a share that is not from 0 (none) to below 1, or of a parameter that is 0 or infinite.
+        """
+        return self.with_blocks(changes.blocks_with_tolerances(self, shares))
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """Tolerances of parameters by full name, as shares of their values.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> self_regulating_loop().with_tolerances({"process.K": 0.05, "process.tau": 0.1}).cut("PV").tolerances
+        {'process.K': 0.05, 'process.tau': 0.1}
+        """
+        return {f"{block.name}.{key}": share for block in self.blocks for key, share in block.tolerances.items()}
+
     def starting_at(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other start values of states or memories, ``{"process.x": 0.5}``.
 

@@ -42,7 +42,8 @@ class Parameter:
 
     ``neutral`` is NaN where it is what the model has.  ``per`` says of what the bounds are multiples: "" of the unit
     itself, "span" of the span of the measurement at the place, "time" of the time scale of its loop (``gap.scales``).
-    ``spacing``: how a search should go through the range, "linear" or "log" (factors, times).
+    ``spacing``: how a search should go through the range, "linear" or "log" (factors, times).  A ``nuisance`` has to be
+    found for a replay, but is no part of the size of the effect: the phase of a wave, the time of the first scan.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Parameter:
     high: float
     spacing: Literal["linear", "log"] = "linear"
     per: Literal["", "span", "time"] = ""
+    nuisance: bool = False
 
     def grid(self, n: int, factor: float = 1.0) -> Floats:
         """Return ``n`` values over the range, the neutral one left out; ``factor`` what ``per`` stands for.
@@ -114,6 +116,11 @@ class Effect:
         """Return the values at which the effect is not there; for a parameter neutral at NaN the model's own."""
         return {p.name: p.neutral for p in self.parameters}
 
+    def absent(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> bool:
+        """Return whether the effect is not there at these values; nuisances do not count."""
+        nominal = self.nominal(diagram, place)
+        return all(values[p.name] == nominal[p.name] for p in self.parameters if not p.nuisance)
+
     # --- use ----------------------------------------------------------------------------------------------
     def block(self, place: str) -> str:
         """Return the name of the block that the effect puts in at a place: ``valve:stiction``."""
@@ -143,8 +150,7 @@ class Effect:
         Raises ``EffectError`` for a place where the effect cannot be, or for values that it cannot have.
         """
         full = self.checked(diagram, place, values)
-        nominal = self.nominal(diagram, place)
-        if self.of_log or all(full[key] == nominal[key] for key in full):
+        if self.of_log or self.absent(diagram, place, full):
             return diagram
         if any(b.name == self.block(place) or b.name.startswith(f"{self.block(place)}/") for b in diagram.blocks):
             raise EffectError(
@@ -203,6 +209,14 @@ def above(values: Mapping[str, float], *keys: str, remedy: str = "give 1 for non
     for key in keys:
         if not 0.0 < values[key] < math.inf:
             return f"{key} = {values[key]:g}, but it must be finite and above 0; {remedy}"
+    return ""
+
+
+def finite(values: Mapping[str, float], *keys: str) -> str:
+    """Return what is wrong with values that must be finite; "" if nothing is."""
+    for key in keys:
+        if not math.isfinite(values[key]):
+            return f"{key} = {values[key]:g}, but it must be finite; give 0 for none"
     return ""
 
 

@@ -21,12 +21,13 @@ WORDS = {
     "beyond",
     "control",
     "hold",
+    "integral",
     "map",
     "check_valve",
     "params",
     "rule",
 }  # texts, switches and groups: no numbers
-COMMON = {"name", "inputs", "outputs", "units", "spans", "labels", "signal", "unit", "seed", "source", "law"}
+COMMON = {"name", "inputs", "outputs", "units", "spans", "labels", "signal", "signals", "unit", "seed", "source", "law"}
 
 
 def docstrings(source: str) -> Iterator[tuple[str, str]]:

@@ -4,10 +4,45 @@ from collections.abc import Iterable
 
 from blocks.ports import nearest
 from gap.effect import Effect, EffectError
+from gap.effects.compression import Compression
+from gap.effects.controller_filter import ControllerFilter
+from gap.effects.controller_gain import ControllerGain
+from gap.effects.controller_integral_time import ControllerIntegralTime
+from gap.effects.controller_limits import ControllerLimits
 from gap.effects.dead_time import DeadTime
+from gap.effects.deadband import Deadband
+from gap.effects.positioner_lag import PositionerLag
+from gap.effects.process_gain import ProcessGain
+from gap.effects.process_time_constant import ProcessTimeConstant
+from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
+from gap.effects.second_lag import SecondLag
+from gap.effects.sensor_bias import SensorBias
+from gap.effects.sensor_drift import SensorDrift
+from gap.effects.sensor_lag import SensorLag
+from gap.effects.sensor_noise import SensorNoise
+from gap.effects.sensor_saturation import SensorSaturation
+from gap.effects.sensor_span import SensorSpan
+from gap.effects.sine_disturbance import SineDisturbance
+from gap.effects.slug import Slug
+from gap.effects.step_disturbance import StepDisturbance
 from gap.effects.stiction import Stiction
+from gap.effects.tank_overflow import TankOverflow
+from gap.effects.valve_characteristic import ValveCharacteristic
+from gap.effects.valve_gain import ValveGain
+from gap.effects.valve_leak import ValveLeak
+from gap.effects.valve_rate_limit import ValveRateLimit
+from gap.effects.valve_saturation import ValveSaturation
 
-CATALOGUE: tuple[Effect, ...] = (Stiction(), DeadTime())
+CATALOGUE: tuple[Effect, ...] = (
+    Stiction(), Deadband(), ValveLeak(), ValveSaturation(), ValveRateLimit(), PositionerLag(), ValveCharacteristic(),
+    ValveGain(),
+    DeadTime(), ProcessGain(), ProcessTimeConstant(), SecondLag(), TankOverflow(),
+    SensorBias(), SensorDrift(), SensorSpan(), SensorLag(), SensorNoise(), Quantisation(), SensorSaturation(),
+    Compression(),
+    ControllerGain(), ControllerIntegralTime(), ControllerLimits(), ControllerFilter(), ScanTime(),
+    SineDisturbance(), StepDisturbance(), Slug(),
+)  # fmt: skip
 
 
 def effect(name: str, catalogue: Iterable[Effect] = CATALOGUE) -> Effect:

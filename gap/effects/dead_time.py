@@ -11,32 +11,34 @@ from blocks.block import Block
 from blocks.dead_time import DeadTime as Delay
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter, not_below
+from gap.effect import Parameter, not_below
+from gap.inserted import Inserted
 
 
-class DeadTime(Effect):
+class DeadTime(Inserted):
     """More dead time at a process.
 
     >>> from plant.loops import self_regulating_loop
-    >>> late = DeadTime().insert(self_regulating_loop(), "process", theta=2.0)
-    >>> late["process"].params["theta"]
+    >>> DeadTime().insert(self_regulating_loop(), "process", theta=2.0)["process"].params["theta"]
     2.0
     """
 
     name = "dead_time"
     role = Role.PROCESS
     parameters = (Parameter("theta", "s", 0.0, 0.01, 3.0, "log", "time"),)
+    where = "before"
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
         """Return whether one signal enters the process."""
-        return len(block.ports_in) == 1
+        return len(block.input_labels) == 1
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the delay."""
+        return Delay(1.0, name=self.block(place))
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with a delay in front of a process without one."""
-        block = diagram[place]
-        if block.dead_time_param:
-            return diagram
-        return diagram.insert(block.input_labels[0], Delay(1.0, name=self.block(place)), readers=place)
+        return diagram if diagram[place].dead_time_param else super().put(diagram, place)
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the dead time as a parameter of the process, or of the delay in front of it."""
@@ -51,5 +53,5 @@ class DeadTime(Effect):
     def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:
         """Return the diagram with the delay full of the first value of what enters it."""
         name = place if diagram[place].dead_time_param else self.block(place)
-        signal = diagram[name].input_labels[0]
+        signal = str(diagram[name].input_labels[0])
         return diagram.with_params({f"{name}.theta_start": first[signal]}) if signal in first else diagram

@@ -27,7 +27,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     "Signals and boundary conditions": {
         "Constant": TEXTBOOK, "Step": TEXTBOOK, "Ramp": TEXTBOOK, "Sine": SLUGS, "Square": TEXTBOOK,
         "Triangle": TEXTBOOK, "Slug": SLUGS, "Staircase": TEXTBOOK, "Recorded": TEXTBOOK, "Noise": "L'Ecuyer 1999",
-        "PRBS": "Ljung 1999", "Chirp": TEXTBOOK, "Pin": TEXTBOOK,
+        "PRBS": "Ljung 1999", "Chirp": TEXTBOOK, "Pin": TEXTBOOK, "Historian": TEXTBOOK,
     },
     "Controllers": {
         "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
@@ -51,7 +51,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Processes of test loops": {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
-        "VariableDelay": TEXTBOOK,
+        "VariableDelay": TEXTBOOK, "Tank": "Schoukens and Noel 2017",
     },
     "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
     "Arithmetic": {
@@ -62,7 +62,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "StateSpace": TEXTBOOK, "TransferFunction": TEXTBOOK, "Equations": TEXTBOOK, "SampledFunction": TEXTBOOK,
     },
     "Limits and switches": {
-        "Saturation": TEXTBOOK, "DeadZone": "Khalil 2002", "RateLimiter": TEXTBOOK,
+        "Saturation": TEXTBOOK, "DeadZone": "Khalil 2002", "Quantiser": TEXTBOOK, "RateLimiter": TEXTBOOK,
         "Relay": "Astrom and Hagglund 1984", "Switch": TEXTBOOK,
         "MinSelect": SELECTIVE, "MaxSelect": SELECTIVE,
     },
@@ -80,6 +80,7 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "Recorded": {"signal": "out", "t": [0.0, 1.0], "values": [0.0, 1.0]},
     "Noise": {"signal": "out"},
     "Pin": {"t": [0.0, 1.0], "values": [0.0, 1.0]},
+    "Historian": {"signals": ["in"]},
     "HeValve": {"f_s": 0.04, "f_d": 0.02},
     "Sum": {"signal": "out", "weights": {"in_1": 1.0, "in_2": 1.0}},
     "Gain": {"signal": "out", "source": "in"},
@@ -91,7 +92,7 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "DeadZone": {"signal": "out", "source": "in", "low": 0.0},
     **{
         name: {"signal": "out", "source": "in"}
-        for name in ("RateLimiter", "Relay", "LeadLag", "SampledFilter", "ZeroOrderHold")
+        for name in ("Quantiser", "RateLimiter", "Relay", "LeadLag", "SampledFilter", "ZeroOrderHold")
     },
     "Biquad": {"signal": "out", "source": "in", "b": [1.0, 0.0, 0.0], "a": [0.0, 0.0]},
     **{name: {"signal": "out", "sources": ["in_1", "in_2"]} for name in ("Product", "MinSelect", "MaxSelect")},

@@ -1,0 +1,34 @@
+"""Integral time of the controller: ``factor`` times T_i."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Effect, Parameter, above
+
+
+class ControllerIntegralTime(Effect):
+    """A controller tuned to another integral time.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> ControllerIntegralTime().insert(self_regulating_loop(), "controller", factor=1.5)["controller"].params["T_i"]
+    15.0
+    """
+
+    name = "controller_integral_time"
+    role = Role.CONTROLLER
+    parameters = (Parameter("factor", "-", 1.0, 0.2, 5.0, "log"),)
+
+    def fits(self, diagram: Diagram, block: Block) -> bool:
+        """Return whether the controller has an integral time."""
+        return "T_i" in block.param_names
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the integral time."""
+        return {f"{place}.T_i": diagram[place].params["T_i"] * values["factor"]}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return above(values, "factor")

@@ -1,0 +1,43 @@
+"""Deadband: play between what the valve is to do and its stem, by ``width`` [% of OP's span].
+
+It is a stiction without slip jump: S = ``width``, J = 0.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.deadband import Deadband as Play
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Parameter, not_below
+from gap.inserted import Inserted, percent_in
+
+
+class Deadband(Inserted):
+    """A valve with play (``blocks.deadband``).
+
+    >>> from plant.loops import self_regulating_loop
+    >>> Deadband().insert(self_regulating_loop(), "valve", width=5.0)["valve:deadband"].params["width"]
+    0.05
+    """
+
+    name = "deadband"
+    role = Role.VALVE
+    parameters = (Parameter("width", "% OP", 0.0, 0.1, 20.0, "log"),)
+    where = "at"
+    state = "x"
+    hidden = True
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the play."""
+        return Play(0.01, low=-math.inf, high=math.inf, name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the width in units of the stem."""
+        return {f"{self.block(place)}.width": values["width"] * percent_in(diagram, place)}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return not_below(values, {"width": 0.0})

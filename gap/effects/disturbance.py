@@ -1,0 +1,33 @@
+"""What the disturbances at a feed share: a wave that is added to what the feed gives.
+
+A feed is a block of the role disturbance whose signal enters a process, directly or through sums and filters.
+"""
+
+from blocks.arithmetic import Sum
+from blocks.block import Block
+from blocks.role import Role
+from diagram import wire
+from diagram.diagram import Diagram
+from gap.effect import Effect
+from gap.paths import reaches_process
+
+
+class Disturbance(Effect):
+    """A wave that is added at a feed; subclasses return it from ``wave``."""
+
+    role = Role.DISTURBANCE
+
+    def wave(self) -> Block:
+        """Return the source of the signal "wave", with any values that it may have."""
+        raise NotImplementedError
+
+    def fits(self, diagram: Diagram, block: Block) -> bool:
+        """Return whether what the block gives enters a process."""
+        return len(block.output_labels) == 1 and reaches_process(diagram, block)
+
+    def put(self, diagram: Diagram, place: str) -> Diagram:
+        """Return the diagram with the wave added to the signal of the feed."""
+        added = [self.wave(), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
+        return diagram.insert(
+            str(diagram[place].output_labels[0]), wire(added, ["in"], ["out"], name=self.block(place))
+        )

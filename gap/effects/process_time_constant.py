@@ -1,0 +1,40 @@
+"""Time constant of the process: ``factor`` times the model's.
+
+For a process with a time constant ``tau``, or of second order with a natural frequency ``omega`` (which goes down).
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Effect, Parameter, above
+
+
+class ProcessTimeConstant(Effect):
+    """A process faster or slower than the model.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> ProcessTimeConstant().insert(self_regulating_loop(), "process", factor=1.5)["process"].params["tau"]
+    15.0
+    """
+
+    name = "process_time_constant"
+    role = Role.PROCESS
+    parameters = (Parameter("factor", "-", 1.0, 0.2, 5.0, "log"),)
+
+    def fits(self, diagram: Diagram, block: Block) -> bool:
+        """Return whether the process has a time constant."""
+        return "tau" in block.param_names or "omega" in block.param_names
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the time constant, or the natural frequency."""
+        own = diagram[place].params
+        if "tau" in own:
+            return {f"{place}.tau": own["tau"] * values["factor"]}
+        return {f"{place}.omega": own["omega"] / values["factor"]}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return above(values, "factor")

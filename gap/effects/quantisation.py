@@ -1,0 +1,39 @@
+"""Quantisation: the sensor gives multiples of ``step`` [unit of PV], in the loop: the controller sees them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.quantiser import Quantiser
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Parameter, not_below
+from gap.inserted import Inserted
+
+
+class Quantisation(Inserted):
+    """A sensor of few bits.
+
+    >>> from blocks import Sensor
+    >>> from diagram import wire
+    >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
+    >>> Quantisation().insert(sensor, "sensor", step=0.1)["sensor:quantisation"].params["step"]
+    0.1
+    """
+
+    name = "quantisation"
+    role = Role.SENSOR
+    parameters = (Parameter("step", "PV", 0.0, 0.0005, 0.2, "log", "span"),)
+    where = "at"
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the quantiser."""
+        return Quantiser("out", "in", 1.0, name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the step."""
+        return {f"{self.block(place)}.step": values["step"]}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return not_below(values, {"step": 0.0})

@@ -1,0 +1,39 @@
+"""Drift: what the sensor shows grows by ``rate`` [unit of PV per h] from time 0 of the run on."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.role import Role
+from blocks.sensor import Sensor
+from diagram.diagram import Diagram
+from gap.effect import Parameter, finite
+from gap.inserted import Inserted
+
+
+class SensorDrift(Inserted):
+    """A sensor that drifts.
+
+    >>> from blocks import Sensor
+    >>> from diagram import wire
+    >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
+    >>> SensorDrift().insert(sensor, "sensor", rate=3.6)["sensor:sensor_drift"].params["drift"]
+    0.001
+    """
+
+    name = "sensor_drift"
+    role = Role.SENSOR
+    parameters = (Parameter("rate", "PV/h", 0.0, -0.5, 0.5, per="span"),)
+    where = "before"
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the drift."""
+        return Sensor(name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the drift per second."""
+        return {f"{self.block(place)}.drift": values["rate"] / 3600.0}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return finite(values, "rate")

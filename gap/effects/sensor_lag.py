@@ -1,0 +1,40 @@
+"""Lag of the sensor, of time constant ``tau`` [s]: the logged PV is behind it, its noise is not filtered."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.first_order import FirstOrder
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Parameter, not_below
+from gap.inserted import Inserted
+
+
+class SensorLag(Inserted):
+    """A slow sensor.
+
+    >>> from blocks import Sensor
+    >>> from diagram import wire
+    >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
+    >>> SensorLag().insert(sensor, "sensor", tau=2.0)["sensor:sensor_lag"].params["tau"]
+    2.0
+    """
+
+    name = "sensor_lag"
+    role = Role.SENSOR
+    parameters = (Parameter("tau", "s", 0.0, 0.02, 3.0, "log", "time"),)
+    where = "before"
+    state = "PV"
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the lag."""
+        return FirstOrder(1.0, 1.0, name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the time constant of the lag."""
+        return {f"{self.block(place)}.tau": values["tau"]}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return not_below(values, {"tau": 0.0})

@@ -1,0 +1,39 @@
+"""Span error: the sensor shows ``factor`` times what there is."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.arithmetic import Gain
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Parameter, above
+from gap.inserted import Inserted
+
+
+class SensorSpan(Inserted):
+    """A sensor of a wrong span.
+
+    >>> from blocks import Sensor
+    >>> from diagram import wire
+    >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
+    >>> SensorSpan().insert(sensor, "sensor", factor=1.1)["sensor:sensor_span"].params["factor"]
+    1.1
+    """
+
+    name = "sensor_span"
+    role = Role.SENSOR
+    parameters = (Parameter("factor", "-", 1.0, 0.3, 3.0, "log"),)
+    where = "before"
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the gain."""
+        return Gain("out", "in", 1.0, name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the gain."""
+        return {f"{self.block(place)}.factor": values["factor"]}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return above(values, "factor")

@@ -1,0 +1,50 @@
+"""Slugs at the feed: a saw-tooth of ``amplitude`` [unit of the process input] and ``period`` [s].
+
+It rises slowly over 80 % of the period and falls fast over 20 % (``blocks.periodic``); ``amplitude`` is half of its
+height, ``phase`` [share of a period] where in the period it is at time 0, 0 in the middle of the rise.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.periodic import Slug as Wave
+from diagram.diagram import Diagram
+from gap.effect import Parameter, above, not_below
+from gap.effects.disturbance import Disturbance
+
+
+class Slug(Disturbance):
+    """A load that comes in slugs.
+
+    >>> from blocks import Constant, FirstOrder
+    >>> from diagram import wire
+    >>> load = wire([Constant("load", 0.0, name="feed").with_role("disturbance"), FirstOrder(3.0, 10.0, inputs="load")])
+    >>> Slug().insert(load, "feed", amplitude=0.1, period=60.0, phase=0.5).params["feed:slug/wave.start"]
+    -30.0
+    """
+
+    name = "slug"
+    parameters = (
+        Parameter("amplitude", "process input", 0.0, 0.0005, 0.5, "log"),
+        Parameter("period", "s", 600.0, 2.0, 300.0, "log", "time"),
+        Parameter("phase", "-", 0.0, 0.0, 1.0, nuisance=True),
+    )
+
+    def wave(self) -> Block:
+        """Return the saw-tooth."""
+        return Wave("wave", 0.0)
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return amplitude, period and begin of the saw-tooth."""
+        wave = f"{self.block(place)}/wave"
+        found = {f"{wave}.{key}": values[key] for key in ("amplitude", "period")}
+        return found | {f"{wave}.start": -values["phase"] * values["period"]}
+
+    def absent(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> bool:
+        """Return whether the amplitude is zero."""
+        return values["amplitude"] == 0.0
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return not_below(values, {"amplitude": 0.0}) or above(values, "period", remedy="give seconds")

@@ -1,0 +1,37 @@
+"""Leak: ``flow`` [% of full flow] passes whatever the stem does, an offset of the flow."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.arithmetic import Gain
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Parameter, not_below
+from gap.inserted import Inserted, percent_out
+
+
+class ValveLeak(Inserted):
+    """A valve that does not shut.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> ValveLeak().insert(self_regulating_loop(), "valve", flow=2.0)["valve:valve_leak"].params["offset"]
+    0.02
+    """
+
+    name = "valve_leak"
+    role = Role.VALVE
+    parameters = (Parameter("flow", "% of full flow", 0.0, 0.05, 20.0, "log"),)
+    where = "after"
+
+    def made(self, diagram: Diagram, place: str) -> Block:
+        """Return the offset."""
+        return Gain("out", "in", 1.0, name=self.block(place))
+
+    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
+        """Return the offset in units of the flow."""
+        return {f"{self.block(place)}.offset": values["flow"] * percent_out(diagram, place)}
+
+    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
+        """Return what is wrong with the values."""
+        return not_below(values, {"flow": 0.0})

@@ -1,0 +1,67 @@
+"""Paths of signals through a place: where an effect has to be put in.
+
+Behind a block may stand blocks that other effects have put in there, ``valve:stiction`` behind ``valve``; what the place
+gives is what comes out behind the last of them.
+"""
+
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+
+PASSING = (Role.ARITHMETIC, Role.FILTER)  # what a signal goes through on its way from a source to a process
+ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
+
+
+def given(diagram: Diagram, place: str) -> str:
+    """Return the signal that a place gives, behind all effects that are there.
+
+    >>> from blocks import QuasiStaticStem
+    >>> from plant.loops import self_regulating_loop
+    >>> loop = self_regulating_loop()
+    >>> given(loop, "valve"), given(loop.insert("MV", QuasiStaticStem(name="valve:stiction")), "valve")
+    ('MV', 'MV')
+    """
+    signal = str(diagram[place].output_labels[0])
+    behind = next((b for b in diagram.blocks if signal in b.input_labels and b.name.startswith(f"{place}:")), None)
+    while behind is not None and len(behind.output_labels) == 1:
+        signal = str(behind.output_labels[0])
+        behind = next((b for b in diagram.blocks if signal in b.input_labels and b.name.startswith(f"{place}:")), None)
+    return signal
+
+
+def users(diagram: Diagram, signal: str) -> tuple[str, ...]:
+    """Return the blocks that read a signal to do something with it: historians and detectors only look on."""
+    return tuple(b.name for b in diagram.blocks if signal in b.input_labels and b.role not in ONLOOKERS)
+
+
+def measured(diagram: Diagram, sensor: Block) -> str | None:
+    """Return the signal that a sensor measures: of what it reads, the one that comes from no source; None if unclear."""
+    driven = diagram.driven
+    found = [
+        str(signal)
+        for signal in sensor.input_labels
+        if signal not in driven or not diagram.blocks[driven[signal][0]].role.drives
+    ]
+    return found[0] if len(found) == 1 else None
+
+
+def noise_of(diagram: Diagram, sensor: Block) -> str | None:
+    """Return the block that draws a sensor's noise, which has a standard deviation ``sd``: itself, or one it reads."""
+    read = [diagram.blocks[diagram.driven[s][0]] for s in sensor.input_labels if s in diagram.driven]
+    found = [b.name for b in [sensor, *(b for b in read if b.role.drives)] if b.params.get("sd", 0.0) > 0.0]
+    return found[0] if len(found) == 1 else None
+
+
+def reaches_process(diagram: Diagram, block: Block) -> bool:
+    """Return whether what a block gives enters a process, directly or through sums and filters."""
+    waiting, seen = list(block.output_labels), set()
+    while waiting:
+        signal = waiting.pop()
+        seen.add(signal)
+        for reader in diagram.blocks:
+            if signal in reader.input_labels:
+                if reader.role is Role.PROCESS:
+                    return True
+                if reader.role in PASSING:
+                    waiting += [s for s in reader.output_labels if s not in seen]
+    return False
