@@ -16,6 +16,7 @@ COMMANDS = {
     "linearise": "find where a case rests; its poles, loops and relative gains",
     "reproduce": "regenerate the thesis's results, tables 5.4 to 6.2 and their figures, published beside reproduced",
     "study": "sweep parameters in parallel and draw how oscillation spreads from valve to shaft",
+    "gap": "say where a model and a record part, which effect explains it, how far the gap shrinks",
     "blocks": "list all blocks with ports and units, or show the page of one",
 }
 

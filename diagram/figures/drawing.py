@@ -3,7 +3,7 @@
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from diagram.diagram import Diagram
 from diagram.figures.placement import Arrow, Grid, Node, common, grid
 from diagram.figures.routes import Box, Sheet, sheet
 from logs.files.write import replacing
-from logs.style import EDGE, FILL, FRAME, FRAME_EDGE, INK, SOFT, WIRE
+from logs.style import EDGE, FILL, FRAME, FRAME_EDGE, INK, RED, SOFT, WIRE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,11 +48,12 @@ HEAD_LENGTH = 7.0
 HEADING = 26.0
 
 
-def draw(diagram: Diagram) -> "Figure":
+def draw(diagram: Diagram, marks: Mapping[str, float] | None = None) -> "Figure":
     """Return a figure of the diagram, as large as it needs to be at the size of its text.
 
     A box shows the name of its block, the word of its class and up to three main parameters.  Green: sources;
-    blue: controllers; orange: valves; violet: blocks that run in Python.
+    blue: controllers; orange: valves; violet: blocks that run in Python.  ``marks``: block -> 0 to 1, how red and thick
+    its frame is.
 
     >>> from blocks.sources import Step
     >>> from diagram import wire
@@ -63,7 +64,7 @@ def draw(diagram: Diagram) -> "Figure":
     from logs.picture import Picture
 
     plan = grid(diagram)
-    ink = _Ink(diagram, plan)
+    ink = _Ink(diagram, plan, marks or {})
     laid = sheet(plan, ink.size, ink.label_width, ink.entry_width)
     width = max(laid.width, _width(diagram.name, 12.0, "bold")) + 2 * MARGIN
     height = laid.height + 2 * MARGIN + HEADING
@@ -143,8 +144,8 @@ def _width(text: str, size: float, weight: str = "normal") -> float:
 class _Ink:
     """The texts of one drawing, and how to put them on paper."""
 
-    def __init__(self, diagram: Diagram, plan: Grid) -> None:
-        self.diagram, self.plan = diagram, plan
+    def __init__(self, diagram: Diagram, plan: Grid, marks: Mapping[str, float]) -> None:
+        self.diagram, self.plan, self.marks = diagram, plan, marks
         self.lines = {
             v: main_parameters(diagram.blocks[node.block]) for v, node in enumerate(plan.nodes) if node.block >= 0
         }
@@ -243,6 +244,12 @@ class _Ink:
             (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height,
             boxstyle="round,pad=0,rounding_size=4", facecolor=FILL[kind], edgecolor=EDGE[kind], linewidth=1.2, zorder=3,
         ))  # fmt: skip
+        if self.marks.get(block.name, 0.0) > 0.0:
+            ax.add_patch(FancyBboxPatch(
+                (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height, fill=False,
+                boxstyle="round,pad=0,rounding_size=4", edgecolor=RED, alpha=0.35 + 0.65 * self.marks[block.name],
+                linewidth=1.2 + 3.0 * self.marks[block.name], zorder=3.5,
+            ))  # fmt: skip
         lines = self.lines[v]
         y = box.y - (LINE * len(lines) + 21.0) / 2 + 5.5
         text: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 4}

@@ -1,0 +1,84 @@
+"""A diagram as a diagnosis uses it: its nuisances told apart, its set points taken from the log.
+
+Nuisances are blocks that draw random numbers (``sd`` > 0): sensor noise, loads that nobody measures.  For a replay they
+are silenced, for runs without a gap they draw.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from blocks.noise import Seeded
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.record import FEWEST, GapError, Record
+from logs import Log
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One source of random numbers: its block, standard deviation ``sd`` and correlation time [s] (0: white)."""
+
+    block: str
+    sd: float
+    correlation_time: float
+
+    def __str__(self) -> str:
+        colour = f", correlation time {self.correlation_time:g} s" if self.correlation_time else ", white"
+        return f"{self.block} (standard deviation {self.sd:g}{colour})"
+
+
+def nuisances(diagram: Diagram) -> tuple[Nuisance, ...]:
+    """Return the sources of random numbers in a diagram.
+
+    >>> from blocks import Noise
+    >>> from diagram import wire
+    >>> print(*nuisances(wire([Noise("D", sd=0.1, dt=1.0, correlation_time=60.0)])))
+    D (standard deviation 0.1, correlation time 60 s)
+    """
+    found = []
+    for block in diagram.blocks:
+        values = dict(zip(block.param_names, block.p, strict=False))
+        if isinstance(block, Seeded) and values.get("sd", 0.0) > 0.0:
+            found.append(Nuisance(block.name, float(values["sd"]), float(values.get("correlation_time", 0.0))))
+    return tuple(found)
+
+
+def silenced(diagram: Diagram) -> Diagram:
+    """Return the diagram without the random numbers of its nuisances."""
+    quiet = {f"{nuisance.block}.sd": 0.0 for nuisance in nuisances(diagram)}
+    return diagram.with_params(quiet) if quiet else diagram
+
+
+def with_logged_sources(diagram: Diagram, log: Log) -> Diagram:
+    """Return the diagram with the sources that the log knows (set points) replaced by open inputs of their names."""
+    known = [
+        block.name
+        for block in diagram.blocks
+        if block.role is Role.SOURCE and not block.ports_in and set(block.output_labels) <= set(log.names)
+    ]
+    return diagram.without(*known) if known else diagram
+
+
+def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
+    """Return the diagram with its logged sources open, and the record of the signals that both have.
+
+    Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, or rows are too few.
+    """
+    if len(log) < FEWEST:
+        raise GapError(f"the log has {len(log)} rows, which is too few to tell a gap; give at least {FEWEST}")
+    opened = with_logged_sources(diagram, log)
+    missing = [s for s in opened.open_inputs if s not in log]
+    if missing:
+        raise GapError(
+            f"the model's input {missing[0]!r} is not in the log, which has {', '.join(log.names) or 'no signals'}; "
+            "log it, rename a column, or close the input in the model"
+        )
+    usable = [s for s in opened.signals if s in log and log.good(s).sum() >= FEWEST]
+    if not usable:
+        raise GapError(
+            f"the log has none of the signals that the model drives: it has {', '.join(log.names) or 'none'}, the "
+            f"model drives {', '.join(opened.signals[:20])}; rename the columns to these"
+        )
+    bad = [s for s in usable if np.isnan(log[s]).all()]
+    return opened, Record(log, tuple(opened.open_inputs), tuple(s for s in usable if s not in bad))

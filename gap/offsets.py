@@ -1,0 +1,47 @@
+"""Pinned replays side by side: what each pin had to add at each row (``diagram.pins``)."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from diagram.diagram import Diagram
+from diagram.pins import replays
+from gap.record import Record
+from logs import Log
+
+Floats = NDArray[np.float64]
+
+
+def offsets(
+    diagram: Diagram,
+    record: Record,
+    params: Mapping[str, ArrayLike] | None = None,
+    start: Mapping[str, ArrayLike] | None = None,
+    logs: Sequence[Log] | None = None,
+) -> Floats:
+    """Return what the pins add, (runs, rows, pinned signals); NaN where a signal is missing or a run failed.
+
+    ``params``, ``start``: block.name -> one value a run, or one for all.  ``logs``: one a run in place of the record's,
+    with the same signals and rows.
+    """
+    if logs is None and not params and not start:
+        logs = [record.log]
+    many = replays(
+        diagram,
+        record.log if logs is None else list(logs),
+        signals=[*record.played, *record.pinned],
+        keep=[f"{s}:offset" for s in record.pinned],
+        params={key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()},
+        start=start,
+        progress=False,
+    )
+    found = np.stack([many.values[f"{s}:offset"] for s in record.pinned], axis=-1)
+    bad = ~np.stack([record.log.good(s) for s in record.pinned], axis=-1)
+    return np.where(bad[None], np.nan, found)
+
+
+def known_starts(diagram: Diagram, start: Mapping[str, float]) -> dict[str, float]:
+    """Return those of the start values that blocks of the diagram have."""
+    names = {block.name: {*block.state_names, *block.memory_names} for block in diagram.blocks}
+    return {k: v for k, v in start.items() if k.rpartition(".")[2] in names.get(k.rpartition(".")[0], ())}

@@ -1,0 +1,57 @@
+"""One record and one model, and what every candidate explanation of their gap is measured with."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from diagram.diagram import Diagram
+from gap.floor import Floor, scored
+from gap.offsets import known_starts, offsets
+from gap.record import Record
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """``model`` with its nuisances, ``quiet`` without, both starting as the record does; ``record``; ``floor``."""
+
+    model: Diagram
+    quiet: Diagram
+    record: Record
+    floor: Floor
+    start: Mapping[str, float]
+
+    def innovations(
+        self,
+        diagram: Diagram,
+        params: Mapping[str, ArrayLike] | None = None,
+        record: Record | None = None,
+    ) -> Floats:
+        """Return the innovations of a diagram, one run for each entry of the parameters, (runs, rows, signals)."""
+        ready = diagram.starting_at(known_starts(diagram, self.start))
+        return self.floor.innovations(offsets(ready, record or self.record, params))
+
+    @cached_property
+    def as_it_is(self) -> Floats:
+        """Innovations of the model as it is, (rows, signals)."""
+        found: Floats = self.innovations(self.quiet)[0]
+        return found
+
+    @cached_property
+    def score(self) -> float:
+        """F of the model as it is."""
+        return float(scored(self.as_it_is))
+
+    @property
+    def rows(self) -> int:
+        """How many rows are scored."""
+        return len(self.as_it_is)
+
+    @property
+    def known(self) -> float:
+        """How many rows are scored, a row with missing signals by the share that is there."""
+        return float(np.isfinite(self.as_it_is).mean()) * self.rows

@@ -1,0 +1,73 @@
+"""What a log says about itself: which signals of a diagram it has, how they are rounded, and where each is good."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from logs import Log
+
+Floats = NDArray[np.float64]
+LATTICE = 1e-3  # how far, in steps, values may lie off a lattice that they are said to be on
+FEWEST = 20  # rows below which a record says too little
+
+
+class GapError(ValueError):
+    """A model, or a log, that a diagnosis cannot use."""
+
+
+def rounding(values: ArrayLike) -> float:
+    """Return the step [unit of the values] of the lattice on which all values lie; 0 if there is none.
+
+    >>> rounding([0.0, 0.003, 0.0045, 0.3]).__round__(9)
+    0.0015
+    >>> rounding([0.0, 0.1, 3.0**0.5])
+    0.0
+    """
+    known = np.asarray(values, dtype=float)
+    known = np.unique(known[np.isfinite(known)])
+    if len(known) < 2:
+        return 0.0
+    gaps = np.diff(known)
+    noise = 64.0 * np.spacing(np.abs(known).max())
+    step = float(gaps[gaps > noise].min(initial=np.inf))
+    for _ in range(24):  # Euclid: what does not divide becomes the next divisor
+        if not noise < step < np.inf:
+            return 0.0
+        left = np.abs(known - np.round(known / step) * step)
+        off = left > max(noise, LATTICE * step)
+        if not off.any():
+            return float(f"{step:.4g}")  # without the digits that are rounding of the numbers themselves
+        step = float(left[off].min())
+    return 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A log as a diagnosis reads it: the signals that the diagram has too, in the diagram's order.
+
+    ``log``; ``played`` the logged open inputs; ``pinned`` the other logged signals, those that blocks drive.
+    """
+
+    log: Log
+    played: tuple[str, ...]
+    pinned: tuple[str, ...]
+
+    @cached_property
+    def steps(self) -> dict[str, float]:
+        """Rounding of each pinned signal [its unit], 0 for none."""
+        return {s: rounding(self.log[s][self.log.good(s)]) for s in self.pinned}
+
+    @cached_property
+    def first(self) -> dict[str, float]:
+        """First good value of each signal of the diagram that the log has."""
+        return {s: float(self.log[s][self.log.good(s)][0]) for s in (*self.played, *self.pinned)}
+
+    def rounded(self, values: dict[str, Floats]) -> dict[str, Floats]:
+        """Return values of the pinned signals rounded as the log rounds them."""
+        return {s: np.round(v / self.steps[s]) * self.steps[s] if self.steps[s] else v for s, v in values.items()}
+
+    def first_part(self, share: float) -> "Record":
+        """Return the record up to a share of its rows."""
+        return Record(self.log.samples(0, int(round(share * len(self.log)))), self.played, self.pinned)
