@@ -48,7 +48,7 @@ figure { margin: 14px 0 0; overflow-x: auto; }
 figure svg { width: 100%; height: auto; min-width: 640px; background: var(--paper); border-radius: 6px; }
 figcaption { color: var(--soft); font-size: 14.5px; max-width: 80ch; margin: 4px 0 22px; position: sticky; left: 0;
   width: fit-content; }
-h1, h2, td, li, p { overflow-wrap: anywhere; }
+h1, h2, td, li, p { overflow-wrap: anywhere; } td:not(.num) { min-width: 7.5em; }
 /* A shade at the edge tells that a table goes on to the side. */
 .wide, figure { overflow-x: auto; background: linear-gradient(to left, var(--card), var(--card)) left / 24px 100%,
   linear-gradient(to left, var(--card), var(--card)) right / 24px 100%,
@@ -59,7 +59,7 @@ table { border-collapse: collapse; margin: 6px 0 0; font-size: 14.5px; width: 10
 th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th { color: var(--soft); font-weight: 600; }
 .num { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
-figure td:first-child { min-width: 9.5em; }
+figure td:first-child:not(.num) { min-width: 9.5em; }
 tr.missed td { background: var(--missed); }
 tr.missed td.mark { color: var(--bad_ink); font-weight: 650; white-space: nowrap; }
 sup { line-height: 0; } ol.foot { color: var(--soft); font-size: 14px; margin: 8px 0 0; padding-left: 28px; }
@@ -128,7 +128,7 @@ def _article(number: int, section: Section) -> str:
     figures = "".join(f"<figure>{svg}</figure>" for svg in section.figures)
     return (
         f"<article id='s{number}'><header class='row'><h2>{html.escape(section.title)}</h2>"
-        f"<span class='badge {section.kind}'>{html.escape(section.badge)}</span>"
+        + (f"<span class='badge {section.kind}'>{html.escape(section.badge)}</span>" if section.badge else "")
         + (f"<span class='truth'>{html.escape(section.truth)}</span>" if section.truth else "")
         + "</header>"
         + (f"<p class='story'>{html.escape(section.story)}</p>" if section.story else "")
