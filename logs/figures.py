@@ -8,6 +8,7 @@ import numpy as np
 
 from logs.errors import LogError
 from logs.style import COLOURS, CYCLE, tidy
+from logs.thinned import thinned
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -123,7 +124,7 @@ def time_unit(duration: float) -> tuple[float, str]:
 
 def _trend(panel: Axes, log: Log, name: str, colour: str, scale: float, label: str = "", *, step: bool = False) -> None:
     good = log.good(name)
-    x, y = _broken_at_gaps(log, log.t / scale, np.where(good, log[name], np.nan))
+    x, y = thinned(*_broken_at_gaps(log, log.t / scale, np.where(good, log[name], np.nan)))
     panel.plot(
         x,
         y,
@@ -132,7 +133,6 @@ def _trend(panel: Axes, log: Log, name: str, colour: str, scale: float, label: s
         label=label or None,
         drawstyle="steps-post" if step else "default",
         marker="." if len(log) < 2 else "",
-        rasterized=len(log) > _MANY,
     )
     doubtful = ~good & np.isfinite(log[name])
     if doubtful.any():

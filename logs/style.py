@@ -27,10 +27,19 @@ EDGE = {"source": "#4d8f63", "controller": "#3f73b0", "valve": "#c07a22", "pytho
 FRAME, FRAME_EDGE = "#f4f6f9", "#c3ccd6"
 # Pages.
 PAGE = {
-    "ink": INK, "soft": SOFT, "line": "#dfe4ea", "ground": "#f6f8fa", "link": "#1f5fa8", "missed": "#fdf1e4",
+    "ink": INK, "soft": SOFT, "line": "#dfe4ea", "ground": "#f6f8fa", "card": "#ffffff", "link": "#1f5fa8",
+    "missed": "#fdf1e4", "paper": "#ffffff", "hint": "#c3ccd6",
     "bad": "#fdecea", "bad_ink": "#96231c", "bad_line": "#f3c1bc",
     "good": "#e8f5ec", "good_ink": "#1c6b38", "good_line": "#bfe2cb",
     "open": "#fff6e0", "open_ink": "#7a5600", "open_line": "#f0dca8",
+}  # fmt: skip
+# The same at night; pictures keep their white ground.
+NIGHT = {
+    "ink": "#e6ebf1", "soft": "#a3afbb", "line": "#333d48", "ground": "#12171d", "card": "#1a2129", "link": "#8cb8ee",
+    "missed": "#3a2c1a", "paper": "#ffffff", "hint": "#55626f",
+    "bad": "#47201d", "bad_ink": "#ffb4ab", "bad_line": "#6d322d",
+    "good": "#1b3a26", "good_ink": "#9fd8b0", "good_line": "#2e5b3d",
+    "open": "#40320f", "open_ink": "#f2d58a", "open_line": "#665122",
 }  # fmt: skip
 
 

@@ -19,6 +19,8 @@ __all__ = ["plot_scan"]
 
 def plot_scan(result: ScanResult) -> Figure:
     """Bars of the verdicts beside a histogram of the periods [s] on a logarithmic axis."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
     from logs.picture import Picture
 
     figure = Picture(figsize=(9.0, 3.2), layout="constrained")
@@ -39,6 +41,9 @@ def plot_scan(result: ScanResult) -> Figure:
         edges = np.geomspace(0.9 * periods.min(), 1.1 * periods.max(), 25)
         right.hist(periods, bins=edges, color=BLUE)
         right.set_xscale("log")
+        right.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        right.xaxis.set_major_formatter("{x:g}")
+        right.xaxis.set_minor_formatter(NullFormatter())
     right.set_xlabel("period of the oscillation [s]")
     right.set_ylabel("loops")
     for ax in (left, right):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -71,8 +72,8 @@ def scan(
         "map": [repr(tags) for tags in mapped],
         "code": code(),
     }
-    before = _last(folder, fresh)
-    with opened(folder, request, KEPT, fresh) as kept:
+    before = _last(folder)
+    with opened(folder, request, KEPT, fresh or _renewed(folder, request)) as kept:
         kept.note(finished=False)
         _work(found, kept, workers, cluster, tell or (lambda done, total: None))
         tables = kept.rows()
@@ -83,7 +84,19 @@ def scan(
     return ScanResult(table=table, source=found.name, notes=found.notes, changes=changes(before, table))
 
 
-def _last(folder: Path, fresh: bool) -> pl.DataFrame | None:
+def _renewed(folder: Path, request: Mapping[str, Any]) -> bool:
+    """Whether the folder holds a finished scan of the same source from other days: this scan takes its place."""
+    try:
+        found = json.loads((folder / KEPT.manifest).read_text())
+        last = found["request"]
+        return bool(
+            found["finished"] and last["source"] == request["source"] and last != json.loads(json.dumps(request))
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def _last(folder: Path) -> pl.DataFrame | None:
     """The table that an earlier scan left, to be compared with."""
     import polars as pl
 

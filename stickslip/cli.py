@@ -10,6 +10,7 @@ from stickslip import __version__
 COMMANDS = {
     "demo": "five short stories with known truth, and two real loops, as one HTML page",
     "check": "read one loop from a file and say whether its valve sticks",
+    "valve": "deadband, resolution and step response of a valve from a step test",
     "table": "all detection methods side by side on a file, a folder or a case; --cards describes them",
     "scan": "judge every loop of a folder, a historian file or a query, and rank the valves to look at",
     "simulate": "run a named case, save its log, draw it; --numbers shows published beside reproduced",

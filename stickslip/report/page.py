@@ -5,53 +5,69 @@ import io
 import re
 import warnings
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from string import Template
 from typing import TYPE_CHECKING
 
-from logs.style import PAGE
+from logs.style import NIGHT, PAGE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+
+def _variables(colours: Mapping[str, str]) -> str:
+    return " ".join(f"--{name}: {colour};" for name, colour in colours.items())
+
+
 CSS = Template("""
-:root { color-scheme: light; --ink: $ink; --soft: $soft; --line: $line; --bg: $ground; }
+:root { color-scheme: light dark; $day }
+@media (prefers-color-scheme: dark) { :root { $night } }
+@media print { :root { color-scheme: light; $day } }
 * { box-sizing: border-box; }
 body { font: 16px/1.55 system-ui, -apple-system, "Segoe UI", Roboto, Arial, sans-serif; color: var(--ink);
-  background: var(--bg); margin: 0; }
+  background: var(--ground); margin: 0; }
 main { max-width: 1040px; margin: 0 auto; padding: 32px 20px 64px; }
 h1 { font-size: 30px; margin: 0 0 6px; letter-spacing: -0.01em; }
 h2 { font-size: 20px; margin: 0; }
 .lead { color: var(--soft); margin: 0 0 22px; max-width: 72ch; }
-article { background: #fff; border: 1px solid var(--line); border-radius: 10px; padding: 20px 22px; margin: 18px 0; }
+article { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 20px 22px;
+  margin: 18px 0; }
 header.row { display: flex; gap: 12px; align-items: baseline; flex-wrap: wrap; }
 .badge { font-size: 13px; font-weight: 650; padding: 2px 10px; border-radius: 99px; border: 1px solid transparent; }
-.bad { background: $bad; color: $bad_ink; border-color: $bad_line; }
-.good { background: $good; color: $good_ink; border-color: $good_line; }
-.open { background: $open; color: $open_ink; border-color: $open_line; }
+.bad { background: var(--bad); color: var(--bad_ink); border-color: var(--bad_line); }
+.good { background: var(--good); color: var(--good_ink); border-color: var(--good_line); }
+.open { background: var(--open); color: var(--open_ink); border-color: var(--open_line); }
 .truth { color: var(--soft); font-size: 14px; }
 .reason { margin: 10px 0 4px; max-width: 80ch; }
 .story { color: var(--soft); margin: 6px 0; max-width: 80ch; }
 .guide { max-width: 80ch; }
 .label { color: var(--soft); font-size: 14px; font-weight: 600; margin: 12px 0 0; }
 ul.notes { color: var(--soft); font-size: 14px; margin: 2px 0 8px; padding-left: 18px; }
-figure { margin: 14px 0 0; overflow-x: auto; } figure svg { width: 100%; height: auto; min-width: 640px; }
+figure { margin: 14px 0 0; overflow-x: auto; }
+figure svg { width: 100%; height: auto; min-width: 640px; background: var(--paper); border-radius: 6px; }
 figcaption { color: var(--soft); font-size: 14.5px; max-width: 80ch; margin: 4px 0 22px; position: sticky; left: 0;
   width: fit-content; }
-.wide { overflow-x: auto; }
+h1, h2, td, li, p { overflow-wrap: anywhere; } td:not(.num) { min-width: 7.5em; }
+/* A shade at the edge tells that a table goes on to the side. */
+.wide, figure { overflow-x: auto; background: linear-gradient(to left, var(--card), var(--card)) left / 24px 100%,
+  linear-gradient(to left, var(--card), var(--card)) right / 24px 100%,
+  linear-gradient(to left, transparent, var(--hint)) right / 10px 100%,
+  linear-gradient(to right, transparent, var(--hint)) left / 10px 100%;
+  background-repeat: no-repeat; background-attachment: local, local, scroll, scroll; }
 table { border-collapse: collapse; margin: 6px 0 0; font-size: 14.5px; width: 100%; }
 th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th { color: var(--soft); font-weight: 600; }
 .num { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
-figure td:first-child { min-width: 9.5em; }
-tr.missed td { background: $missed; } tr.missed td.mark { color: $bad_ink; font-weight: 650; white-space: nowrap; }
+figure td:first-child:not(.num) { min-width: 9.5em; }
+tr.missed td { background: var(--missed); }
+tr.missed td.mark { color: var(--bad_ink); font-weight: 650; white-space: nowrap; }
 sup { line-height: 0; } ol.foot { color: var(--soft); font-size: 14px; margin: 8px 0 0; padding-left: 28px; }
 ol.foot li { max-width: 80ch; position: sticky; left: 0; }
-a { color: $link; } footer { color: var(--soft); font-size: 13.5px; margin-top: 28px; }
-@media print { body { background: #fff; } article, figure { break-inside: auto; } tr, svg { break-inside: avoid; }
+a { color: var(--link); } footer { color: var(--soft); font-size: 13.5px; margin-top: 28px; }
+@media print { body { background: none; } article, figure { break-inside: auto; } tr, svg { break-inside: avoid; }
   figure, .wide { overflow: visible; } figure svg { min-width: 0; } }
-""").substitute(PAGE)
+""").substitute(day=_variables(PAGE), night=_variables(NIGHT))
 
 
 @dataclass
@@ -112,7 +128,7 @@ def _article(number: int, section: Section) -> str:
     figures = "".join(f"<figure>{svg}</figure>" for svg in section.figures)
     return (
         f"<article id='s{number}'><header class='row'><h2>{html.escape(section.title)}</h2>"
-        f"<span class='badge {section.kind}'>{html.escape(section.badge)}</span>"
+        + (f"<span class='badge {section.kind}'>{html.escape(section.badge)}</span>" if section.badge else "")
         + (f"<span class='truth'>{html.escape(section.truth)}</span>" if section.truth else "")
         + "</header>"
         + (f"<p class='story'>{html.escape(section.story)}</p>" if section.story else "")

@@ -89,6 +89,18 @@ def test_a_killed_scan_goes_on_to_the_same_bytes(forms, tmp_path) -> None:
     assert cut == whole
 
 
+def test_a_scan_of_new_data_in_the_same_place_tells_what_changed(forms, wide, tmp_path) -> None:
+    file = tmp_path / "trend.parquet"
+    wide.write_parquet(file)
+    first = scan(file, tmp_path / "out", workers=1)
+    columns = {f"FIC101.{part}": pl.lit(1.0).alias(f"FIC101.{part}") for part in ("PV", "OP", "SP")}
+    wide.with_columns(**columns).write_parquet(file)  # since then the loop stands still
+    second = scan(file, tmp_path / "out", workers=1)
+    before, now = (dict(zip(r.table["loop"], r.table["verdict"], strict=True))["FIC101"] for r in (first, second))
+    assert [(c.loop, c.before, c.now) for c in second.changes] == ([("FIC101", before, now)] if before != now else [])
+    assert now == "not_applicable"
+
+
 def test_one_bad_loop_stops_no_other(forms, tmp_path, monkeypatch) -> None:
     folder = tmp_path / "plant"
     folder.mkdir()

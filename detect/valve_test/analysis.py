@@ -1,0 +1,277 @@
+"""From the steps of a test to deadband, resolution and step response (ANSI/ISA-75.25.01; it sets no limits).
+
+    deadband     travel of OP after a reversal until the valve moves: between the travel at the last step without an
+                 answer and that at the first step with one
+    resolution   the same behind a move in the same direction: the smallest travel on that the valve answers
+    gain         slope of the line through places that were approached from the same side
+    Td           time from a step to the first move beyond the noise
+    T86          time from a step to 86.5 % of the final change, two time constants of a first-order lag
+    overshoot    largest excursion beyond the final change, share of it
+
+A record without steps and with a logged stem is handed to the method ``stem_play``, which reads the deadband and the
+jump off routine moves.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.methods import stem_play
+from detect.valve_test.steps import Step, noise_of, steps_of
+from logs import LogError, LoopRecord
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["SCHEMA", "Size", "StepResponse", "ValveTest", "analyse"]
+
+SCHEMA = "stickslip.valve-test/1"
+STEPS_MIN = 4
+LARGE = 2.0  # % of OP span: steps from this size on are timed
+T86 = 0.865
+NO_STEM = "No stem is logged: PV is taken as the answer, so the dynamics of the process count as the valve's."
+
+
+@dataclass(frozen=True)
+class Size:
+    """A size with its bracket.
+
+    value, low, high : float
+        [% of OP span]
+    count : int
+        Places in the test that it rests on.
+    """
+
+    value: float
+    low: float
+    high: float
+    count: int
+
+
+@dataclass(frozen=True)
+class StepResponse:
+    """The answer to one large step.
+
+    time : float
+        When OP stepped [s].
+    size : float
+        Step of OP [% of span].
+    dead_time, T86 : float or None
+        [s]; None where the answer did not come within the hold.
+    overshoot : float
+        Share of the final change [-].
+    """
+
+    time: float
+    size: float
+    dead_time: float | None
+    T86: float | None
+    overshoot: float
+
+
+@dataclass(frozen=True, eq=False)
+class ValveTest:
+    """What a step test, or the routine moves of a record, say of a valve.
+
+    name : str
+    answer : {"MV", "PV"}
+        What was taken as the answer of the valve: the stem, or PV where no stem is logged.
+    source : {"steps", "routine moves"}
+    deadband, resolution : Size or None
+        None where the record does not tell.
+    slip_jump : Size or None
+        From routine moves only.
+    gain : float or None
+        Change of the answer per % of OP [its unit / %].
+    responses : tuple of StepResponse
+    steps : tuple of Step
+    notes : tuple of str
+        What was assumed, and what the record does not tell.
+    record : LoopRecord
+    """
+
+    name: str
+    answer: str
+    source: str
+    deadband: Size | None
+    resolution: Size | None
+    slip_jump: Size | None
+    gain: float | None
+    responses: tuple[StepResponse, ...]
+    steps: tuple[Step, ...] = field(repr=False)
+    notes: tuple[str, ...]
+    record: LoopRecord = field(repr=False)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The findings, one sentence each."""
+        said = []
+        for what, size in (("Deadband", self.deadband), ("Resolution", self.resolution), ("Slip jump", self.slip_jump)):
+            if size is not None:
+                places = f"{size.count} place{'s' * (size.count > 1)}"
+                said.append(f"{what} {size.value:.2g} % of OP ({size.low:.2g} to {size.high:.2g}, {places}).")
+        times = [response.T86 for response in self.responses if response.T86 is not None]
+        dead = [response.dead_time for response in self.responses if response.dead_time is not None]
+        if times:
+            said.append(
+                f"Steps of {LARGE:g} % and more: Td {np.median(dead):.3g} s, T86 {np.median(times):.3g} s (median)."
+            )
+            worst = max(response.overshoot for response in self.responses)
+            said.append(f"Largest overshoot {100.0 * worst:.0f} % of the step.")
+        return tuple(said) or ("The record tells neither deadband nor resolution.",)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The findings as plain values, schema "stickslip.valve-test/1"."""
+        sizes = {"deadband": self.deadband, "resolution": self.resolution, "slip_jump": self.slip_jump}
+        return {
+            "schema": SCHEMA,
+            "loop": self.name,
+            "answer": self.answer,
+            "source": self.source,
+            **{name: None if size is None else vars(size) | {"unit": "% OP"} for name, size in sizes.items()},
+            "gain": self.gain,
+            "responses": [vars(response) for response in self.responses],
+            "notes": list(self.notes),
+        }
+
+    def plot(self) -> Figure:
+        """OP and the answer over time, and the answer over OP."""
+        from detect.valve_test.figure import plot_valve_test
+
+        return plot_valve_test(self)
+
+
+def analyse(record: LoopRecord) -> ValveTest:
+    """What a step test says of a valve.
+
+    ``record`` needs OP in % or with a known span, and MV (the stem) or, failing that, PV.  Steps of both directions, of
+    different sizes, each held until the answer rests, tell most.
+
+    Raises LogError if OP's span is unknown, or if there are fewer than ``STEPS_MIN`` steps and no stem.
+
+    >>> t = np.arange(400.0)
+    >>> op = 50.0 + np.repeat([0, 1, 2, 3, 2, 1, 0, 1], 50)
+    >>> stem = 50.0 + np.repeat([0.0, 1.0, 2.0, 3.0, 2.5, 1.5, 0.5, 1.0], 50)  # 0.5 % lost at each reversal
+    >>> test = analyse(LoopRecord.from_arrays(t, pv=stem, op=op, mv=stem, op_span=(0, 100)))
+    >>> test.gain, test.steps[0].moved
+    (1.0, True)
+    """
+    op = record.op_percent
+    if op is None:
+        raise LogError("the span of OP is not known, so its steps have no size; give it (--op-span LOW HIGH)")
+    named = "PV" if record.mv is None else "MV"
+    answer = record.pv if record.mv is None else record.mv
+    good = np.isfinite(op) & np.isfinite(answer)
+    t, op, answer = record.t[good], op[good], answer[good]
+    steps = steps_of(t, op, answer)
+    if len(steps) < STEPS_MIN:
+        return _from_routine(record, len(steps))
+    notes = (
+        []
+        if named == "MV"
+        else ["No stem is logged: PV is taken as the answer, so its own dynamics count as the valve's."]
+    )
+    brackets = _brackets(steps)
+    sizes = {kind: _size(found) for kind, found in brackets.items()}
+    for kind, size in sizes.items():
+        if size is None:
+            notes.append(f"The steps do not tell the {kind}: {_wanted(kind, steps)}.")
+    noise = noise_of(t, answer)
+    timed = tuple(_response(t, answer, step, noise) for step in steps if step.moved and abs(step.size) >= LARGE)
+    return ValveTest(
+        record.name, named, "steps", sizes["deadband"], sizes["resolution"], None, _gain(steps), timed, steps,
+        tuple(notes), record,
+    )  # fmt: skip
+
+
+def _from_routine(record: LoopRecord, count: int) -> ValveTest:
+    if record.mv is None:
+        raise LogError(
+            f"the record has {count} steps of OP and no stem position; step OP at least {STEPS_MIN} times and hold "
+            "each step until PV rests, or log the stem"
+        )
+    verdict = stem_play.detect(record)
+    told = {name: float(verdict.array(name)[0]) for name in _READ if len(verdict.array(name))}
+    note = f"Fewer than {STEPS_MIN} steps: read off the routine moves. {verdict.reason}"
+    deadband = jump = None
+    if len(told) == len(_READ):
+        count = len(verdict.array("S_each"))
+        least, most = told["S_low"] - told["J_high"], told["S_high"] - told["J_low"]
+        deadband = Size(told["deadband"], max(least, 0.0), most, count)
+        jump = Size(told["J"], told["J_low"], told["J_high"], count)
+    return ValveTest(record.name, "MV", "routine moves", deadband, None, jump, None, (), (), (note,), record)
+
+
+Bracket = tuple[float, float]
+_READ = ("deadband", "S_low", "S_high", "J", "J_low", "J_high")  # of the evidence of ``stem_play``
+
+
+def _brackets(steps: tuple[Step, ...]) -> dict[str, list[Bracket]]:
+    """Per kind, the travel of OP without an answer and with one, at each place where the valve rested."""
+    found: dict[str, list[Bracket]] = {"deadband": [], "resolution": []}
+    came, travel, silent = 0.0, 0.0, 0.0  # direction of the last move; travel since; the part without an answer
+    for step in steps:
+        direction = float(np.sign(step.size))
+        if travel * direction < 0.0:  # turned back before the valve answered: begin anew
+            travel = silent = 0.0
+            came = 0.0
+        travel += step.size
+        if not step.moved:
+            silent = travel
+            continue
+        if came != 0.0:
+            kind = "deadband" if direction != came else "resolution"
+            found[kind].append((abs(silent), abs(travel)))
+        came, travel, silent = direction, 0.0, 0.0
+    return found
+
+
+def _size(brackets: list[Bracket]) -> Size | None:
+    """The tightest bracket that all places allow, or the median ones where they contradict each other."""
+    if not brackets:
+        return None
+    low, high = max(b[0] for b in brackets), min(b[1] for b in brackets)
+    if low > high:
+        low, high = (float(np.median([b[k] for b in brackets])) for k in (0, 1))
+    return Size(0.5 * (low + high), low, high, len(brackets))
+
+
+def _wanted(kind: str, steps: tuple[Step, ...]) -> str:
+    if not any(step.moved for step in steps):
+        return "no step was answered; step further"
+    return "step OP on after a move" if kind == "resolution" else "step OP back after a move"
+
+
+def _gain(steps: tuple[Step, ...]) -> float | None:
+    """Answer per % of OP over steps that go on in the direction of the move before, so that no deadband counts."""
+    on = [
+        step.answer / step.size
+        for last, step in itertools.pairwise(steps)
+        if step.moved and last.moved and step.size * last.size > 0.0
+    ]
+    return float(np.median(on)) if on else None
+
+
+def _response(t: npt.NDArray[np.float64], answer: npt.NDArray[np.float64], step: Step, noise: float) -> StepResponse:
+    part = (answer[step.start : step.stop] - step.place_before) / step.answer
+    since = t[step.start : step.stop] - step.time
+    band = max(3.0 * noise / abs(step.answer), 0.01)
+    overshoot = max(float(np.max(part)) - 1.0 - band, 0.0)
+    return StepResponse(step.time, step.size, _first(since, part, band), _first(since, part, T86), overshoot)
+
+
+def _first(since: npt.NDArray[np.float64], part: npt.NDArray[np.float64], level: float) -> float | None:
+    """When the answer first reaches a level, on the line between two samples."""
+    above = np.flatnonzero(part >= level)
+    if len(above) == 0:
+        return None
+    i = int(above[0])
+    if i == 0:
+        return float(since[0])
+    share = (level - part[i - 1]) / (part[i] - part[i - 1])
+    return float(since[i - 1] + share * (since[i] - since[i - 1]))
