@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from detect.judge.advice import advice
 from detect.judge.combine import Combine, WeightedVote
 from detect.method import Method
-from detect.prepare.conditions import Fact
+from detect.prepare.fact import Fact
 from detect.prepare.harris import Harris
 from detect.prepare.prepared import Prepared, prepared
 from detect.verdict import Verdict, Word
@@ -114,7 +114,7 @@ def diagnose(
         reason=" ".join([_reason(word, votes), *trials, next_step]),
         assumptions=_assumptions(record),
         methods=verdicts,
-        conditions=loop.facts,
+        conditions=loop.health,
         record=record,
         performance=loop.performance,
     )

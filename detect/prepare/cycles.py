@@ -155,7 +155,7 @@ def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple
 def preconditions(record: LoopRecord) -> Refusal | None:
     """The first fact of the record that forbids to read its shape, or None."""
     for fact in conditions.examine(record):
-        if fact.present and fact.code != "compressed":
+        if fact.present and fact.forbids and fact.code != "compressed":
             return Refusal(fact.code, fact.text + _REMEDY.get(fact.code, ""))
     return None
 

@@ -22,12 +22,15 @@ import numpy.typing as npt
 
 from detect.oscillation import acf_crossings
 from detect.oscillation.gate import Gate
-from detect.prepare.conditions import Fact, examine
+from detect.prepare.causality import causality
+from detect.prepare.conditions import examine
 from detect.prepare.cycles import Cycles, Refusal, cut
+from detect.prepare.fact import Fact
 from detect.prepare.half_cycles import crossings
 from detect.prepare.harris import Harris, harris
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.smoothing import moving_average, noise_std
+from detect.prepare.stale import without_stale
 from logs import LoopRecord
 
 __all__ = ["CUT", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
@@ -38,6 +41,7 @@ Signal = Literal["OP", "PV", "SP", "E", "MV"]
 CUT = 5.0  # of the oscillation's frequency; higher harmonics carry the shape, noise lies above
 SMOOTHED_FROM = 12.0  # samples a period below which a filter at CUT would cut the wave itself
 HALF_SAMPLES_MIN = 5
+CYCLES_MIN = 5.0  # the most that a method but the surrogates asks for
 STEPS_MAX = 20_000  # a grid finer than this shows no method more
 
 
@@ -88,7 +92,7 @@ class Prepared:
     """
 
     def __init__(self, record: LoopRecord) -> None:
-        self.record = record
+        self.record = without_stale(record)
         self._waves: dict[tuple[str, float], Values] = {}
         self._halves: dict[str, tuple[HalfWave, ...]] = {}
 
@@ -97,6 +101,28 @@ class Prepared:
     def facts(self) -> tuple[Fact, ...]:
         """What was measured of the record before anything was judged."""
         return examine(self.record)
+
+    @cached_property
+    def causality(self) -> Fact:
+        """Whether PV follows OP; at no lag the PV-OP picture shows the controller."""
+        grid = self.whole
+        return causality(grid.op, grid.pv, grid.e, self.period / grid.dt if len(grid) else math.nan)
+
+    @property
+    def health(self) -> tuple[Fact, ...]:
+        """All that is known of the data: the facts, how many cycles there are, and what follows what."""
+        return (*self.facts, self._cycles_fact, self.causality)
+
+    @property
+    def _cycles_fact(self) -> Fact:
+        gate = self.gate
+        few = bool(gate.oscillating and gate.cycles < CYCLES_MIN)
+        text = (
+            f"The record holds {gate.cycles:.1f} cycles ({CYCLES_MIN:g} wanted)." if gate.oscillating else gate.reason
+        )
+        return Fact(
+            "too_few_cycles", few, gate.cycles, CYCLES_MIN, text, "Log ten periods at a fixed set point.", False
+        )
 
     @property
     def present(self) -> tuple[Fact, ...]:
