@@ -112,7 +112,7 @@ def diagnose(
         verdict=word,
         probability=None,
         reason=" ".join([_reason(word, votes), *trials, next_step]),
-        assumptions=_assumptions(record),
+        assumptions=_assumptions(loop),
         methods=verdicts,
         conditions=loop.health,
         record=record,
@@ -176,8 +176,9 @@ def _sentence(v: Verdict) -> str:
     return v.reason if v.reason.endswith(".") else v.reason + "."
 
 
-def _assumptions(record: LoopRecord) -> tuple[str, ...]:
-    found = list(record.notes)
+def _assumptions(loop: Prepared) -> tuple[str, ...]:
+    record = loop.record
+    found = [*record.notes, *(fact.text for fact in loop.health if fact.present and not fact.forbids)]
     if record.sp is None:
         found.append("SP is taken as constant, at the mean of PV.")
     if record.mode is None:

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from detect.oscillation import acf_crossings as oscillation
 from detect.prepare import conditions
-from detect.prepare.gaps import Gap, falls_into, gaps_in
+from detect.prepare.gaps import SINGLE, Gap, falls_into, gaps_in
 from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.smoothing import moving_average, noise_std
@@ -126,10 +126,15 @@ def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
     if len(gate.stretches) > 1:
         periods = [stretch.period for stretch in gate.stretches]
         notes.append(f"the period drifts between {min(periods):.4g} and {max(periods):.4g} s")
-    found, t, e, drifts = _cut_pieces(pieces, gaps_in(record), p)
+    found, t, e, drifts = _cut_pieces(pieces, _long(record), p)
     if drifts:
         notes.append("a drifting baseline was taken off")
     return Cycles(found, gate.period, gate.regularity, dt, (*notes, *pieces.notes), centre, t, e)
+
+
+def _long(record: LoopRecord) -> tuple[Gap, ...]:
+    """The gaps in which a peak is not seen; a single missing sample hides none."""
+    return tuple(gap for gap in gaps_in(record) if gap.length > SINGLE * record.dt)
 
 
 def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple[HalfCycle, ...], Values, Values, bool]:

@@ -26,6 +26,7 @@ from detect.prepare.causality import causality
 from detect.prepare.conditions import examine
 from detect.prepare.cycles import Cycles, Refusal, cut
 from detect.prepare.fact import Fact
+from detect.prepare.gaps import bridgeable, split
 from detect.prepare.half_cycles import crossings
 from detect.prepare.harris import Harris, harris
 from detect.prepare.pieces import Pieces, pieces_of
@@ -184,11 +185,13 @@ class Prepared:
     @cached_property
     def whole(self) -> Grid:
         """The longest piece without a long gap, moves of the set point included."""
-        parts = self.record.segments(min_samples=2)
+        t = self.record.t
+        period = self.period if math.isfinite(self.period) else 0.0
+        parts = [part for part in split(self.record, bridgeable(self.record, period)) if len(part) > 1]
         if not parts:
             return _EMPTY
-        longest = max(parts, key=lambda part: float(part.t[-1] - part.t[0]))
-        return self._grid(float(longest.t[0]), float(longest.t[-1]))
+        longest = max(parts, key=lambda part: float(t[part[-1]] - t[part[0]]))
+        return self._grid(float(t[longest[0]]), float(t[longest[-1]]))
 
     def _grid(self, start: float, end: float) -> Grid:
         """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""
