@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from detect.oscillation import acf_crossings as oscillation
 from detect.prepare import conditions
+from detect.prepare.fact import Fact
 from detect.prepare.gaps import SINGLE, Gap, falls_into, gaps_in
 from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure
 from detect.prepare.pieces import Pieces, pieces_of
@@ -84,8 +85,10 @@ class Cycles:
     e: Values
 
 
-def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
-    """The half cycles of a record, or why there are none to be had.
+def cut(
+    record: LoopRecord, p: Params | None = None, pieces: Pieces | None = None, facts: tuple[Fact, ...] | None = None
+) -> Cycles | Refusal:
+    """The half cycles of a record, or why there are none; ``pieces`` and ``facts`` where they are known already.
 
     >>> t = np.arange(500.0)
     >>> found = cut(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t))
@@ -93,10 +96,10 @@ def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
     (18, 50.3)
     """
     p = p or Params()
-    refusal = preconditions(record)
+    refusal = preconditions(record, facts)
     if refusal is not None:
         return refusal
-    pieces = pieces_of(record, p.gate)
+    pieces = pieces_of(record, p.gate) if pieces is None else pieces
     t, gate = pieces.longest[0], pieces.gate
     if len(t) < 20:
         return Refusal(
@@ -157,9 +160,9 @@ def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple
     return tuple(found), np.concatenate(shown_t), np.concatenate(shown_e), drifting
 
 
-def preconditions(record: LoopRecord) -> Refusal | None:
-    """The first fact of the record that forbids to read its shape, or None."""
-    for fact in conditions.examine(record):
+def preconditions(record: LoopRecord, facts: tuple[Fact, ...] | None = None) -> Refusal | None:
+    """The first fact of the record that forbids to read its shape, or None; ``facts`` where they are known already."""
+    for fact in conditions.examine(record) if facts is None else facts:
         if fact.present and fact.forbids and fact.code != "compressed":
             return Refusal(fact.code, fact.text + _REMEDY.get(fact.code, ""))
     return None

@@ -161,7 +161,7 @@ class Prepared:
     @cached_property
     def cycles(self) -> Cycles | Refusal:
         """The half cycles of the control error, each with its peak and areas, or why there are none."""
-        return cut(self.record)
+        return cut(self.record, None, self.pieces, self.facts)
 
     @cached_property
     def performance(self) -> Harris | None:
