@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from detect.judge.advice import advice
 from detect.judge.combine import Combine, WeightedVote
 from detect.method import Method
-from detect.prepare.conditions import Fact
+from detect.prepare.fact import Fact
 from detect.prepare.harris import Harris
 from detect.prepare.prepared import Prepared, prepared
 from detect.verdict import Verdict
@@ -113,9 +113,9 @@ def diagnose(
         verdict=word,
         probability=None,
         reason=" ".join([_reason(word, votes), *trials, next_step]),
-        assumptions=_assumptions(record),
+        assumptions=_assumptions(loop),
         methods=verdicts,
-        conditions=loop.facts,
+        conditions=loop.health,
         record=record,
         performance=loop.performance,
     )
@@ -169,8 +169,9 @@ def _sentence(v: Verdict) -> str:
     return v.reason if v.reason.endswith(".") else v.reason + "."
 
 
-def _assumptions(record: LoopRecord) -> tuple[str, ...]:
-    found = list(record.notes)
+def _assumptions(loop: Prepared) -> tuple[str, ...]:
+    record = loop.record
+    found = [*record.notes, *(fact.text for fact in loop.health if fact.present and not fact.forbids)]
     if record.sp is None:
         found.append("SP is taken as constant, at the mean of PV.")
     if record.mode is None:

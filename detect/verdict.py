@@ -31,6 +31,11 @@ Code = Literal[
     "compressed",
     "constant_signal",
     "sp_not_constant",
+    "stale_data",
+    "frozen_pv",
+    "pv_unresponsive",
+    "not_in_charge",
+    "not_causal",
 ]
 Values = npt.NDArray[np.float64]
 Evidence = Mapping[str, Values | float]

@@ -33,7 +33,7 @@ def room_of(module: str) -> str | None:
 HEAVY = {"control", "numba", "llvmlite"}
 MAY_IMPORT_HEAVY = {
     "control": {"blocks", "diagram", "benchmarks"},
-    "numba": {"engine", "benchmarks"},
+    "numba": {"engine", "benchmarks", "detect"},  # in detect: prepare/kernels.py, when first called
     "llvmlite": {"engine"},
 }
 PACKAGES = sorted({room.split("/")[0] for room in ROOMS})

@@ -168,7 +168,7 @@ def _refuse(code: Code, reason: str, p: Params) -> Verdict:
 
 def _survey(loop: Prepared, p: Params) -> Cycles | Verdict:
     record = loop.record
-    refusal = cycles.preconditions(record)
+    refusal = cycles.preconditions(record, loop.facts)
     if refusal is not None and refusal.code in ("constant_signal", "manual_mode", "signal_missing"):
         return _refuse(*refusal, p)  # a dead signal comes before the kind of process
     if loop.integrating and len(record) >= 20:  # of fewer samples there is nothing to say about any process

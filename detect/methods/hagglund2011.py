@@ -143,18 +143,15 @@ def measure(t: Values, e: Values, sp: Values, start: float, end: float, block: i
     >>> round(one.iae, 2), round(one.shape_index, 3)
     (95.49, -1.0)
     """
+    from detect.prepare.half_cycle_kernels import half_wave
+
+    shape = np.empty(len(_PHASE))
+    iae, v_sine, v_square, peak, step, span = half_wave(
+        *(np.ascontiguousarray(x) for x in (t, e, sp)), start, end, _PHASE, shape
+    )
     T = end - start
-    x = np.abs(e)
-    at, of = np.concatenate([[start], t, [end]]), np.concatenate([[0.0], x, [0.0]])
-    step = np.diff(at)
-    iae = float(np.sum(0.5 * (of[1:] + of[:-1]) * step))
-    a_sine, a_square = 0.5 * math.pi * iae / T, iae / T
-    fault = "long" if len(t) > block else "sp" if np.ptp(sp) > 0.0 else "gap" if step.max() > 0.25 * T else ""
-    return HalfWave(
-        start, T, iae, float(np.mean((x - a_sine * np.sin(np.pi * (t - start) / T)) ** 2)),
-        float(np.mean((x - a_square) ** 2)), float(x.max()), len(t),
-        np.interp(start + T * _PHASE, at, of) / max(a_square, 1e-300), fault,
-    )  # fmt: skip
+    fault = "long" if len(t) > block else "sp" if span > 0.0 else "gap" if step > 0.25 * T else ""
+    return HalfWave(start, T, iae, v_sine, v_square, peak, len(t), shape / max(iae / T, 1e-300), fault)
 
 
 # ---- batch -------------------------------------------------------------------------------------------------

@@ -29,10 +29,10 @@ In a steady cycle an earlier slip and a longer lag look alike, and S comes out l
 as 4.7 to 5.9 % in the tests); the interval knows nothing of that.
 
 Measured on 900 simulated loops whose seeds served nothing else (PI; lags, dead time or an integrator; S 2 to 15 %, J
-from 0.3 S; half with a walking load): of 200 sticky valves 59 of 100 under set-point moves and 28 of 100 at a constant set
-point were found (many of these come to rest and show nothing), none cleared, S 6 % low in the median; called sticky 2
-of 100 under an outside square wave, both levels, and none of 600 healthy, tight, outside sine and stochastic, deadband
-and drift.  Its limits were set on 360 others.
+from 0.3 S; half with a walking load): of the sticky valves 59 of 100 under set-point moves and 28 of 100 at a constant
+set point were found (many of these come to rest and show nothing), none cleared, S 6 % low in the median; called sticky
+2 of 100 under an outside square wave, both levels, and none of 600 healthy, tight, outside sine and stochastic,
+deadband and drift.  Its limits were set on 360 others.
 
 Cost: 50 ms for 7,200 samples on one slow core.  Long records are averaged in blocks to ``points`` samples, but for 8
 between two turns, and the search compares 300 to 600 samples; the models are judged by all of them.
@@ -147,10 +147,10 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     amount = loop.op_percent(found.S) if word == "stiction" else None
     evidence: dict[str, Values | float] = {
         "t": grid.t[-len(found.x) * k :: k], "u": u[-len(found.x) :], "x": found.x, "y": found.y,
-        "linear": found.linear, "played": found.played,
-        "S": found.S, "J": found.J, "gain": found.gain, "jump_gain": found.jump_gain,
-        "clock": found.clock, "told": found.told, "told_without": found.told_without, "wins": found.wins, "spread": found.spread, "lag": found.lag * k * grid.dt,
-        "sizes": found.sizes, "loss": found.loss, "S_each": found.S_each, "travel": found.travel,
+        "linear": found.linear, "played": found.played, "S": found.S, "J": found.J, "gain": found.gain,
+        "jump_gain": found.jump_gain, "clock": found.clock, "told": found.told, "told_without": found.told_without,
+        "wins": found.wins, "spread": found.spread, "lag": found.lag * k * grid.dt, "sizes": found.sizes,
+        "loss": found.loss, "S_each": found.S_each, "travel": found.travel,
     }  # fmt: skip
     for name, value in (("S_low", found.low), ("S_high", found.high)):
         evidence[name] = loop.op_percent(value) or value

@@ -201,10 +201,10 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
     n, dt = len(y), float(t[1] - t[0])
     amplitude = float(np.sqrt(2) * np.std(y))
     y = y - np.mean(y)
-    spectrum = np.fft.rfft(y, 2 * n)
+    spectrum = np.fft.rfft(y, 1 << (2 * n - 1).bit_length())  # padded beyond 2 n, to a length that is quick
     acf = np.fft.irfft(np.abs(spectrum) ** 2)[:n]
     acf /= acf[0]
-    crossings = significant_crossings(acf, p.band)[: p.crossings]
+    crossings = significant_crossings(acf, p.band, p.crossings)
     intervals = np.diff(crossings) * dt
     if len(intervals) < p.intervals_min:
         period = _cut_short(intervals, n * dt, p)
@@ -251,8 +251,11 @@ def _too_short(period: float, duration: float, amplitude: float, p: Params) -> G
     return Gate(False, period, 0.0, amplitude, cycles, reason)
 
 
-def significant_crossings(acf: Values, band: float) -> Values:
-    """Zero crossings [lags] up to the last swing that leaves the noise band of the module's docstring."""
+def significant_crossings(acf: Values, band: float, most: int | None = None) -> Values:
+    """Zero crossings [lags] up to the last swing that leaves the noise band of the module's docstring.
+
+    Those after the first ``most`` are not looked at.
+    """
     n = len(acf)
     k = np.flatnonzero((acf[:-1] > 0) != (acf[1:] > 0))
     if len(k) == 0:
@@ -261,7 +264,7 @@ def significant_crossings(acf: Values, band: float) -> Values:
     bounds = np.concatenate([k, [n - 1]])
     variance = (1 + 2 * np.sum(acf[1 : k[0] + 1] ** 2)) / n
     kept = 0
-    for i in range(len(k)):
+    for i in range(len(k) if most is None else min(most, len(k))):
         lobe = np.abs(acf[bounds[i] + 1 : bounds[i + 1] + 1])
         peak = int(np.argmax(lobe)) if len(lobe) else 0
         lag = bounds[i] + 1 + peak

@@ -6,32 +6,22 @@ quotes both, so that a refusal can say "OP sits at a limit in 23 % of the sample
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
+from detect.prepare.fact import Fact
+from detect.prepare.in_charge import asleep, copied, untracked
+from detect.prepare.response import frozen, unresponsive
+from detect.prepare.stale import stale
 from detect.verdict import Code
 from logs import LoopRecord
+from logs.modes import CASCADE
 
 __all__ = ["Fact", "compressed", "constant", "examine", "manual", "missing", "quantised", "saturated", "set_point"]
 
 Values = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Fact:
-    """One measured property: ``present`` when it is beyond its limit; ``text`` is a sentence with the numbers.
-
-    code : reason code that a method gives when it refuses because of this fact
-    value, limit : on the fact's own scale, stated in its text
-    """
-
-    code: Code
-    present: bool
-    value: float
-    limit: float
-    text: str
+UNSATURATED = "Log a stretch with OP away from its limits."
+SLAVE = 0.5  # of the samples at which SP moves at all: a master does that, no operator
 
 
 def examine(record: LoopRecord) -> tuple[Fact, ...]:
@@ -48,10 +38,16 @@ def examine(record: LoopRecord) -> tuple[Fact, ...]:
         beyond_reason(record),
         constant(record, "PV"),
         constant(record, "OP"),
+        asleep(record),
+        frozen(record),
+        copied(record),
+        unresponsive(record),
+        stale(record),
         saturated(record),
         set_point(record),
         quantised(record),
         compressed(record),
+        untracked(record),
     )
 
 
@@ -113,7 +109,7 @@ def saturated(record: LoopRecord, limit: float = 0.10) -> Fact:
         op = _good(record, op)
         share = float(np.mean((op <= 0.5) | (op >= 99.5))) if len(op) else 0.0
         text = f"OP sits at an end of its span in {share:.0%} of the samples ({limit:.0%} allowed)."
-        return Fact("op_saturated", share > limit, share, limit, text)
+        return Fact("op_saturated", share > limit, share, limit, text, UNSATURATED)
     x = _good(record, record.op)
     if len(x) == 0:
         return Fact("op_saturated", False, 0.0, limit, "OP has no good sample.")
@@ -124,7 +120,7 @@ def saturated(record: LoopRecord, limit: float = 0.10) -> Fact:
         f"The span of OP is not known; OP stands at its own extreme in {share:.0%} of the samples "
         f"({clipped:.0%} taken as a limit reached)."
     )
-    return Fact("op_saturated", bool(share > clipped and np.ptp(x) > 0), share, clipped, text)
+    return Fact("op_saturated", bool(share > clipped and np.ptp(x) > 0), share, clipped, text, UNSATURATED)
 
 
 def set_point(record: LoopRecord, limit: float = 0.05) -> Fact:
@@ -141,7 +137,12 @@ def set_point(record: LoopRecord, limit: float = 0.05) -> Fact:
     moves = len(set_point_moves(sp, e))
     share = moves / (len(sp) - 1)
     text = f"SP moves at {moves} of {len(sp)} samples, by {float(np.ptp(sp)):.4g} in all."
-    return Fact("sp_not_constant", share > limit, share, limit, text)
+    remedy = "Log a stretch with a fixed set point."
+    cascade = record.mode is not None and float(np.mean(record.mode[record.good] == CASCADE)) > 0.5
+    if share > limit and (cascade or float(np.mean(np.diff(sp) != 0.0)) > SLAVE):
+        text = f"{text.removesuffix('.')}: the slave of a cascade, whose master makes the wave."
+        remedy = "Judge the master too, or log the slave with a local set point that stands."
+    return Fact("sp_not_constant", share > limit, share, limit, text, remedy)
 
 
 def set_point_moves(sp: Values, e: Values) -> npt.NDArray[np.int64]:
@@ -176,7 +177,9 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
     if gridded < 0.9:
         return Fact("quantised", False, levels, limit, "PV is not on a grid.")
     text = f"PV moves in steps of {step:.4g}, {levels:.0f} levels in its swing ({limit:.0f} needed)."
-    return Fact("quantised", levels < limit, levels, limit, text)
+    return Fact(
+        "quantised", levels < limit, levels, limit, text, "Log PV with all the digits that the transmitter has."
+    )
 
 
 def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:
@@ -192,7 +195,7 @@ def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:
     drawn = np.abs(x[1:-1] - between) < 1e-6 * np.ptp(x)
     share = float(np.mean(drawn))
     text = f"{share:.0%} of the PV samples lie on straight lines between others ({limit:.0%} allowed)."
-    return Fact("compressed", share > limit, share, limit, text)
+    return Fact("compressed", share > limit, share, limit, text, "Log raw values: exception and compression off.")
 
 
 def _good(record: LoopRecord, x: Values) -> Values:

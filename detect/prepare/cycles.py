@@ -20,7 +20,8 @@ import numpy.typing as npt
 
 from detect.oscillation import acf_crossings as oscillation
 from detect.prepare import conditions
-from detect.prepare.gaps import Gap, falls_into, gaps_in
+from detect.prepare.fact import Fact
+from detect.prepare.gaps import SINGLE, Gap, falls_into, gaps_in
 from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.smoothing import moving_average, noise_std
@@ -84,8 +85,10 @@ class Cycles:
     e: Values
 
 
-def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
-    """The half cycles of a record, or why there are none to be had.
+def cut(
+    record: LoopRecord, p: Params | None = None, pieces: Pieces | None = None, facts: tuple[Fact, ...] | None = None
+) -> Cycles | Refusal:
+    """The half cycles of a record, or why there are none; ``pieces`` and ``facts`` where they are known already.
 
     >>> t = np.arange(500.0)
     >>> found = cut(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t))
@@ -93,10 +96,10 @@ def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
     (18, 50.3)
     """
     p = p or Params()
-    refusal = preconditions(record)
+    refusal = preconditions(record, facts)
     if refusal is not None:
         return refusal
-    pieces = pieces_of(record, p.gate)
+    pieces = pieces_of(record, p.gate) if pieces is None else pieces
     t, gate = pieces.longest[0], pieces.gate
     if len(t) < 20:
         return Refusal(
@@ -126,10 +129,15 @@ def cut(record: LoopRecord, p: Params | None = None) -> Cycles | Refusal:
     if len(gate.stretches) > 1:
         periods = [stretch.period for stretch in gate.stretches]
         notes.append(f"the period drifts between {min(periods):.4g} and {max(periods):.4g} s")
-    found, t, e, drifts = _cut_pieces(pieces, gaps_in(record), p)
+    found, t, e, drifts = _cut_pieces(pieces, _long(record), p)
     if drifts:
         notes.append("a drifting baseline was taken off")
     return Cycles(found, gate.period, gate.regularity, dt, (*notes, *pieces.notes), centre, t, e)
+
+
+def _long(record: LoopRecord) -> tuple[Gap, ...]:
+    """The gaps in which a peak is not seen; a single missing sample hides none."""
+    return tuple(gap for gap in gaps_in(record) if gap.length > SINGLE * record.dt)
 
 
 def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple[HalfCycle, ...], Values, Values, bool]:
@@ -152,10 +160,10 @@ def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple
     return tuple(found), np.concatenate(shown_t), np.concatenate(shown_e), drifting
 
 
-def preconditions(record: LoopRecord) -> Refusal | None:
-    """The first fact of the record that forbids to read its shape, or None."""
-    for fact in conditions.examine(record):
-        if fact.present and fact.code != "compressed":
+def preconditions(record: LoopRecord, facts: tuple[Fact, ...] | None = None) -> Refusal | None:
+    """The first fact of the record that forbids to read its shape, or None; ``facts`` where they are known already."""
+    for fact in conditions.examine(record) if facts is None else facts:
+        if fact.present and fact.forbids and fact.code != "compressed":
             return Refusal(fact.code, fact.text + _REMEDY.get(fact.code, ""))
     return None
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from logs import LoopRecord
 
-__all__ = ["Gap", "bridgeable", "describe", "falls_into", "gaps_in", "split"]
+__all__ = ["SINGLE", "Gap", "bridgeable", "describe", "falls_into", "gaps_in", "split"]
 
 BRIDGED_SHARE = 0.1  # of a period
 STEPS = 5.0  # median steps between two good samples, beyond which samples are missing; as ``LoopRecord.segments``

@@ -1,7 +1,7 @@
-"""The recursions of ``stick`` and ``valve_models`` and the sums of ``lags``, compiled; loaded when first called.
+"""The recursions of ``stick`` and ``valve_models`` and the sums of ``lags`` and ``linear_models``, compiled.
 
-Each runs one candidate after another over the whole OP, so that what it needs stays in the registers.  Compiled once
-per machine and kept beside the sources, as the engine's kernels are.
+Loaded when first called.  Each runs one candidate after another over the whole OP, so that what it needs stays in the
+registers.  Compiled once per machine and kept beside the sources, as the engine's kernels are.
 """
 
 from typing import Any
@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-__all__ = ["he_stems", "kano_stems", "polygons", "sticks"]
+__all__ = ["best_delays", "he_stems", "kano_stems", "lagged", "polygons", "sticks"]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def sticks(u: Any, S: Any, J: Any, start: Any, eps: float, out: Any) -> None:
     """Stems out (m, n) of OP u (n,) for S, J, start (m,); see ``stick.stick``."""
     for i in range(len(S)):
@@ -33,7 +33,7 @@ def sticks(u: Any, S: Any, J: Any, start: Any, eps: float, out: Any) -> None:
             out[i, k] = here
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def kano_stems(u: Any, S: Any, J: Any, way: float, least: float, out: Any) -> None:
     """Stems out (m, n) of Kano's valve; see ``valve_models.kano``."""
     for i in range(len(S)):
@@ -56,7 +56,7 @@ def kano_stems(u: Any, S: Any, J: Any, way: float, least: float, out: Any) -> No
             out[i, k] = here
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def he_stems(u: Any, S: Any, J: Any, way: float, out: Any) -> None:
     """Stems out (m, n) of He's valve; see ``valve_models.he``."""
     for i in range(len(S)):
@@ -73,7 +73,7 @@ def he_stems(u: Any, S: Any, J: Any, way: float, out: Any) -> None:
             out[i, k] = here
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def polygons(x: Any, knots: Any, integrating: bool, rows: Any, out: Any) -> None:
     """What each corner of the response makes of inputs x (m, n) at the samples ``rows`` (r,): out (m, p, r)."""
     m, n = x.shape
@@ -106,3 +106,79 @@ def polygons(x: Any, knots: Any, integrating: bool, rows: Any, out: Any) -> None
                 slopes[j] = (area[at - knots[j]] - area[at - knots[j + 1]]) / (knots[j + 1] - knots[j])
             for j in range(len(knots) - 2):
                 out[i, j, r] = slopes[j] - slopes[j + 1]
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def lagged(x: Any, tau_1: float, tau_2: float, width: int, out: Any) -> None:
+    """Inputs x (m, n) less their mean, behind two lags [samples], less their moving average over ``width`` samples.
+
+    A lag of 0 is none, one without end an integrator; a width of 0 takes nothing off.  Beyond its ends a signal stands.
+    """
+    m, n = x.shape
+    half = width // 2
+    row, total = np.empty(n), np.empty(n + 1)
+    a_1, b_1 = 0.0, 1.0
+    if tau_1 > 0.0:
+        a_1 = np.exp(-1.0 / tau_1)
+        b_1 = 1.0 if np.isinf(tau_1) else -np.expm1(-1.0 / tau_1)
+    a_2, b_2 = 0.0, 1.0
+    if tau_2 > 0.0:
+        a_2, b_2 = np.exp(-1.0 / tau_2), -np.expm1(-1.0 / tau_2)
+    for i in range(m):
+        mean = 0.0
+        for k in range(n):
+            mean += x[i, k]
+        mean /= n
+        first, second, before = 0.0, 0.0, 0.0
+        for k in range(n):
+            now = x[i, k] - mean
+            if tau_1 > 0.0:
+                first = a_1 * first + b_1 * before  # one sample late, because the input is held
+                before = now
+            else:
+                first = now
+            second = a_2 * second + b_2 * first
+            row[k] = second
+        if width == 0:
+            out[i] = row
+            continue
+        total[0] = 0.0
+        for k in range(n):
+            total[k + 1] = total[k] + row[k]
+        for k in range(n):
+            low, high = k - half, k + half + 1
+            inside = total[min(high, n)] - total[max(low, 0)]
+            inside += max(-low, 0) * row[0] + max(high - n, 0) * row[n - 1]
+            out[i, k] = row[k] - inside / width
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def best_delays(x: Any, y: Any, start: int, end: int, delays: int, sign: float, found: Any) -> None:
+    """Delay, gain and mean square left of the best of so many delays of x (m, n) for y (n,): found (m, 3).
+
+    Least squares with an offset over the samples from ``start`` to ``end``; a gain against ``sign`` counts as none.
+    """
+    n = end - start
+    mean, square = 0.0, 0.0
+    for k in range(start, end):
+        mean += y[k]
+    mean /= n
+    for k in range(start, end):
+        square += (y[k] - mean) ** 2
+    for i in range(len(x)):
+        found[i, 2] = np.inf
+        for delay in range(delays):
+            sum_x, sum_xx, sum_xy = 0.0, 0.0, 0.0
+            for k in range(start - delay, end - delay):
+                value = x[i, k]
+                sum_x += value
+                sum_xx += value * value
+                sum_xy += value * (y[k + delay] - mean)
+            power = (sum_x / n) ** 2
+            spread = sum_xx / n - power
+            gain = sum_xy / n / max(spread, 1e-300) if spread > 1e-12 * (spread + power) else 0.0
+            if gain * sign < 0.0:
+                gain = 0.0
+            cost = (square - gain * sum_xy) / n
+            if cost < found[i, 2]:
+                found[i, 0], found[i, 1], found[i, 2] = delay, gain, cost

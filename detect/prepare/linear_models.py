@@ -107,25 +107,22 @@ def fit(x: Values, y: Values, period: float, model: Linear, tried: Bank) -> Fit:
     best = np.full(len(x), np.inf)
     quality = np.zeros(len(x))
     found = [Process(math.nan, math.nan, 0, 0.0)] * len(x)
-    target = _freed(y[None], period, model)[0]
+    target = _through(y[None], 0.0, 0.0, period, model)[0]
+    tss = float(np.var(target[start:end]))
     for pair in tried.pairs:
-        through = _freed(_lagged(x, *pair), period, model)
+        through = _through(x, *pair, period, model)
         for zero in NOISE_ZEROS if "armax" in model else (None,):
             white = _whitened(np.vstack([through, target]), pair[0], zero)
-            for delay in range(tried.delay_max + 1):
-                gain, cost = _gains(white[:-1, start - delay : end - delay], white[-1, start:end], tried.sign)
-                better = np.flatnonzero(cost < best)
-                if not len(better):
-                    continue
-                best[better] = cost[better]
-                if zero is None:
-                    rss, tss = cost[better], np.var(target[start:end])
-                else:
-                    rest = target[start:end] - gain[better, None] * through[better, start - delay : end - delay]
-                    rss, tss = np.var(rest, axis=1), np.var(target[start:end])
-                quality[better] = 100.0 * (1.0 - np.sqrt(np.maximum(rss, 0.0) / tss))
-                for i in better.tolist():
-                    found[i] = Process(*pair, delay, float(gain[i]))
+            delay, gain, cost = _best_delays(white[:-1], white[-1], start, end, tried)
+            better = np.flatnonzero(cost < best)
+            best[better] = cost[better]
+            for i in better.tolist():
+                late = int(delay[i])
+                rest = cost[i]
+                if zero is not None:
+                    rest = np.var(target[start:end] - gain[i] * through[i, start - late : end - late])
+                quality[i] = 100.0 * (1.0 - math.sqrt(max(float(rest), 0.0) / tss))
+                found[i] = Process(*pair, late, float(gain[i]))
     top = int(np.argmax(quality))
     return Fit(quality, found, target[start:end], _simulated(x[top], found[top], period, model)[start:end])
 
@@ -133,7 +130,7 @@ def fit(x: Values, y: Values, period: float, model: Linear, tried: Bank) -> Fit:
 def _simulated(x: Values, process: Process, period: float, model: Linear) -> Values:
     if math.isnan(process.tau_1):
         return np.zeros(len(x))
-    through = _freed(_lagged(x[None], process.tau_1, process.tau_2), period, model)[0]
+    through = _through(x[None], process.tau_1, process.tau_2, period, model)[0]
     late = np.concatenate([np.full(process.delay, through[0]), through[: len(through) - process.delay]])
     start, end = _settled(len(x), period, model)
     return np.asarray(process.gain * (late - np.mean(late[start:end])))
@@ -148,38 +145,29 @@ def _slow(model: Linear) -> bool:
     return model in ("eoe", "earmax")
 
 
-def _gains(x: Values, y: Values, sign: float) -> tuple[Values, Values]:
-    """Gain of least squares with an offset, and the mean square left, each (m,)."""
-    n = x.shape[1]
-    mean = np.mean(x, axis=1)
-    spread = np.einsum("ij,ij->i", x, x) / n - mean**2
-    joint = x @ (y - np.mean(y)) / n
-    gain = np.where(spread > 1e-12 * (spread + mean**2), joint / np.maximum(spread, 1e-300), 0.0)
-    gain = np.where(gain * sign < 0.0, 0.0, gain)
-    return gain, np.var(y) - gain * joint
+def _best_delays(x: Values, y: Values, start: int, end: int, tried: Bank) -> tuple[Values, Values, Values]:
+    """The best delay [samples] of each input, its gain by least squares with an offset, the mean square left, (m,)."""
+    from detect.prepare.kernels import best_delays
+
+    found = np.empty((len(x), 3))
+    best_delays(x, y, start, end, tried.delay_max + 1, tried.sign, found)
+    delay, gain, cost = found.T
+    return delay, gain, cost
 
 
-def _lagged(x: Values, tau_1: float, tau_2: float) -> Values:
-    """The inputs behind two lags [samples], one sample late because they are held; inf is an integrator."""
-    from scipy.signal import lfilter
+def _through(x: Values, tau_1: float, tau_2: float, period: float, model: Linear) -> Values:
+    """The inputs behind two lags [samples], one sample late because they are held, freed; inf is an integrator."""
+    from detect.prepare.kernels import lagged
 
-    x = x - np.mean(x, axis=1, keepdims=True)
-    for tau, late in ((tau_1, 1), (tau_2, 0)):
-        if tau <= 0.0:
-            continue
-        a = math.exp(-1.0 / tau)
-        x = lfilter([0.0] * late + [-math.expm1(-1.0 / tau) or 1.0], [1.0, -a], x, axis=1)
-    return x
+    out = np.empty(x.shape)
+    lagged(np.ascontiguousarray(x, dtype=float), tau_1, tau_2, _width(x.shape[1], period, model), out)
+    return out
 
 
-def _freed(x: Values, period: float, model: Linear) -> Values:
-    """The signals (m, n) less their centred moving average over two periods, where the model is an extended one."""
+def _width(n: int, period: float, model: Linear) -> int:
+    """Samples of the moving average that an extended model takes off n; 0 for the others."""
     width = 2 * round(period) + 1
-    if not _slow(model) or x.shape[1] <= width:
-        return x
-    half = width // 2
-    total = np.cumsum(np.pad(x, ((0, 0), (half + 1, half)), mode="edge"), axis=1)
-    return np.asarray(x - (total[:, width:] - total[:, :-width]) / width)
+    return width if _slow(model) and n > width else 0
 
 
 def _whitened(x: Values, tau: float, zero: float | None) -> Values:

@@ -67,8 +67,9 @@ def pieces_of(record: LoopRecord, p: oscillation.Params) -> Pieces:
         gate = oscillation.find_in(*_longest(pieces), p)
         if gate.oscillating and gate.period is not None:
             period = gate.period
-            pieces = _cut(record, bridgeable(record, period))
-            gate = oscillation.find_in(*_longest(pieces), p)
+            again = _cut(record, bridgeable(record, period))
+            if [len(t) for t, _ in again] != [len(t) for t, _ in pieces]:
+                pieces, gate = again, oscillation.find_in(*_longest(again), p)
             break
     return Pieces(pieces, gate, _notes(record, bridgeable(record, period), len(pieces)))
 

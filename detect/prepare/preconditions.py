@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 
 from detect.card import Card
-from detect.prepare.conditions import Fact
+from detect.prepare.fact import Fact
 from detect.prepare.prepared import Prepared
 from detect.verdict import Code, Verdict
 
 __all__ = ["refused"]
 
-ALWAYS: tuple[Code, ...] = ("manual_mode", "signal_missing", "constant_signal")
+ALWAYS: tuple[Code, ...] = (
+    "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge", "pv_unresponsive", "stale_data",
+)  # fmt: skip
 BY_NEED: dict[str, Code] = {
     "constant_sp": "sp_not_constant",
     "unsaturated": "op_saturated",
@@ -70,4 +72,4 @@ def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdi
 
 
 def _first(loop: Prepared, forbidden: set[Code]) -> Fact | None:
-    return next((fact for fact in loop.present if fact.code in forbidden), None)
+    return next((fact for fact in loop.present if fact.forbids and fact.code in forbidden), None)

@@ -22,12 +22,16 @@ import numpy.typing as npt
 
 from detect.oscillation import acf_crossings
 from detect.oscillation.gate import Gate
-from detect.prepare.conditions import Fact, examine
+from detect.prepare.causality import causality
+from detect.prepare.conditions import examine
 from detect.prepare.cycles import Cycles, Refusal, cut
+from detect.prepare.fact import Fact
+from detect.prepare.gaps import bridgeable, split
 from detect.prepare.half_cycles import crossings
 from detect.prepare.harris import Harris, harris
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.smoothing import moving_average, noise_std
+from detect.prepare.stale import without_stale
 from logs import LoopRecord
 
 __all__ = ["CUT", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
@@ -38,6 +42,7 @@ Signal = Literal["OP", "PV", "SP", "E", "MV"]
 CUT = 5.0  # of the oscillation's frequency; higher harmonics carry the shape, noise lies above
 SMOOTHED_FROM = 12.0  # samples a period below which a filter at CUT would cut the wave itself
 HALF_SAMPLES_MIN = 5
+CYCLES_MIN = 5.0  # the most that a method but the surrogates asks for
 STEPS_MAX = 20_000  # a grid finer than this shows no method more
 
 
@@ -88,7 +93,7 @@ class Prepared:
     """
 
     def __init__(self, record: LoopRecord) -> None:
-        self.record = record
+        self.record = without_stale(record)
         self._waves: dict[tuple[str, float], Values] = {}
         self._halves: dict[str, tuple[HalfWave, ...]] = {}
 
@@ -97,6 +102,28 @@ class Prepared:
     def facts(self) -> tuple[Fact, ...]:
         """What was measured of the record before anything was judged."""
         return examine(self.record)
+
+    @cached_property
+    def causality(self) -> Fact:
+        """Whether PV follows OP; at no lag the PV-OP picture shows the controller."""
+        grid = self.whole
+        return causality(grid.op, grid.pv, grid.e, self.period / grid.dt if len(grid) else math.nan)
+
+    @property
+    def health(self) -> tuple[Fact, ...]:
+        """All that is known of the data: the facts, how many cycles there are, and what follows what."""
+        return (*self.facts, self._cycles_fact, self.causality)
+
+    @property
+    def _cycles_fact(self) -> Fact:
+        gate = self.gate
+        few = bool(gate.oscillating and gate.cycles < CYCLES_MIN)
+        text = (
+            f"The record holds {gate.cycles:.1f} cycles ({CYCLES_MIN:g} wanted)." if gate.oscillating else gate.reason
+        )
+        return Fact(
+            "too_few_cycles", few, gate.cycles, CYCLES_MIN, text, "Log ten periods at a fixed set point.", False
+        )
 
     @property
     def present(self) -> tuple[Fact, ...]:
@@ -134,7 +161,7 @@ class Prepared:
     @cached_property
     def cycles(self) -> Cycles | Refusal:
         """The half cycles of the control error, each with its peak and areas, or why there are none."""
-        return cut(self.record)
+        return cut(self.record, None, self.pieces, self.facts)
 
     @cached_property
     def performance(self) -> Harris | None:
@@ -158,11 +185,13 @@ class Prepared:
     @cached_property
     def whole(self) -> Grid:
         """The longest piece without a long gap, moves of the set point included."""
-        parts = self.record.segments(min_samples=2)
+        t = self.record.t
+        period = self.period if math.isfinite(self.period) else 0.0
+        parts = [part for part in split(self.record, bridgeable(self.record, period)) if len(part) > 1]
         if not parts:
             return _EMPTY
-        longest = max(parts, key=lambda part: float(part.t[-1] - part.t[0]))
-        return self._grid(float(longest.t[0]), float(longest.t[-1]))
+        longest = max(parts, key=lambda part: float(t[part[-1]] - t[part[0]]))
+        return self._grid(float(t[longest[0]]), float(t[longest[-1]]))
 
     def _grid(self, start: float, end: float) -> Grid:
         """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""

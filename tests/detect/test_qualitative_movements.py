@@ -59,7 +59,7 @@ def test_outside_sine_behind_op(loop):
 
 
 def test_unit_sign_action_and_sampling_do_not_matter(sticky, bare):
-    base = sticky(S=6.0, J=4.0, noise=0.02, tau=1.0, T_i=8.0, K_p=0.3)
+    base = sticky(S=6.0, J=4.0, noise=0.02, tau=1.0, T_i=8.0, K_p=0.3, walk=0.05)
     first = detect(bare(base))
     for change in ({"gain": -3.0, "offset": 40.0}, {"op_gain": -1.0}, {"op_gain": 0.16}):
         v = detect(bare(base, **change))
@@ -75,3 +75,10 @@ def test_refusals_and_picture(sticky):
     figure = detect(sticky(noise=0.1)).plot()
     figure.canvas.draw()
     assert len(figure.axes) == 2
+
+
+def test_outside_waves_are_no_movements_of_a_valve(forced, outside_square):
+    """A sine a quarter of a period apart has rho_3 = 0.33, above the published limit; its linear twins have it too."""
+    for seed in range(6):
+        for record in (forced(seed=seed, walk=0.0), outside_square(seed)):
+            assert detect(record).verdict != "stiction"

@@ -53,7 +53,7 @@ def test_noise_passes_the_published_limit_but_not_ours():
     v = detect(record)
     assert v.index > 0.0  # "Omega > 0" would call it
     assert v.verdict == "inconclusive"
-    assert detect(record, Params(omega=0.0, excess=0.5)).verdict == "stiction"
+    assert detect(record, Params(omega=0.0, excess=0.5, beyond=0.0)).verdict == "stiction"
 
 
 def test_load_ramp_proves_nothing():

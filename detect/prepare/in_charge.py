@@ -1,0 +1,85 @@
+"""Is the controller in charge: does it move OP by itself, and does PV come to the set point?
+
+    copied     |corr(OP, PV)| at the same instant: OP that copies PV is tracking, or the tags are mixed up
+    asleep     share of samples in long stands of OP, bit for bit, while PV moves and is off SP: manual without a mode
+    untracked  |mean e| / sd(e): a controller with integral action brings it to zero
+
+The limits are ours.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.prepare.fact import Fact
+from logs import LoopRecord
+
+__all__ = ["asleep", "copied", "untracked"]
+
+Values = npt.NDArray[np.float64]
+STAND = 30  # samples, from which on a stand of OP is long
+
+
+def copied(record: LoopRecord, limit: float = 0.9999) -> Fact:
+    """Correlation of OP and PV at the same instant [-]; above ``limit`` OP is a copy of PV."""
+    pv, op = record.pv[record.good], record.op[record.good]
+    size = float(np.std(pv) * np.std(op)) if len(pv) >= 50 else 0.0
+    alike = abs(float(np.mean((pv - np.mean(pv)) * (op - np.mean(op))))) / size if size > 0.0 else 0.0
+    text = (
+        f"OP and PV are the same but for scale and offset (correlation {alike:.5f}, {limit:g} allowed): OP "
+        "tracks PV, the controller is not in charge, or a tag is given twice."
+        if alike > limit
+        else f"OP is no copy of PV (correlation {alike:.3f})."
+    )
+    return Fact("not_in_charge", alike > limit, alike, limit, text, "Log the controller's output in automatic.")
+
+
+def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
+    """Share of samples at which OP stands for 30 samples or more while PV moves and keeps off SP by its swing [-]."""
+    remedy = "Log the controller's mode, and a stretch in automatic."
+    if record.mode is not None or record.e is None:
+        return Fact(
+            "manual_mode", False, 0.0, limit, "OP is not searched for stands: SP is unknown, or the mode known."
+        )
+    good = record.good
+    op, pv, e = record.op[good], record.pv[good], record.e[good]
+    moves = np.flatnonzero(np.diff(op)) + 1
+    edges = np.concatenate([[0], moves, [len(op)]])
+    lengths = np.diff(edges)
+    asleep = 0
+    for start, length in zip(edges[:-1][lengths >= STAND].tolist(), lengths[lengths >= STAND].tolist(), strict=True):
+        off, swing = float(np.mean(e[start : start + length])), float(np.std(pv[start : start + length]))
+        asleep += length if swing > 0.0 and abs(off) > swing else 0
+    share = asleep / max(len(op), 1)
+    text = (
+        f"OP stands while PV moves off SP in {share:.0%} of the samples ({limit:.0%} allowed), in stands of {STAND} "
+        "samples and more: the controller is in manual, or held."
+        if share > limit
+        else f"OP stands while PV is off SP in {share:.0%} of the samples."
+    )
+    return Fact("manual_mode", share > limit, share, limit, text, remedy)
+
+
+def untracked(record: LoopRecord, limit: float = 3.0) -> Fact:
+    """Mean of e over its standard deviation [-]; told, not forbidden: a P controller has an offset by nature."""
+    e = record.e
+    if e is None or not record.good.any():
+        return Fact(
+            "not_in_charge", False, 0.0, limit, "SP is not logged, so that tracking is not seen.", forbids=False
+        )
+    e = e[record.good]
+    spread = float(np.std(e))
+    off = abs(float(np.mean(e)))
+    ratio = off / spread if spread > 0.0 else (math.inf if off > 0.0 else 0.0)
+    text = (
+        f"PV keeps {off:.4g} off SP, {ratio:.1f} standard deviations of e ({limit:g} allowed): the set point is not "
+        "tracked (no integral action, a limit, or the set point of another loop)."
+        if ratio > limit
+        else f"PV is {off:.4g} off SP on average."
+    )
+    return Fact(
+        "not_in_charge", ratio > limit, ratio, limit, text, "Log the set point that the controller uses.", False
+    )
