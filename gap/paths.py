@@ -52,6 +52,26 @@ def noise_of(diagram: Diagram, sensor: Block) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
+def made_of(diagram: Diagram, signal: str) -> list[str]:
+    """Return a signal and those that it is made of, nearest first, back to a controller; sources are left out.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> made_of(self_regulating_loop(), "MV")
+    ['MV', 'OP']
+    """
+    found = [signal]
+    for one in found:
+        if one in diagram.driven:
+            driver = diagram.blocks[diagram.driven[one][0]]
+            if driver.role is not Role.CONTROLLER:
+                found += [str(s) for s in driver.input_labels if s not in found and not _of_source(diagram, str(s))]
+    return found
+
+
+def _of_source(diagram: Diagram, signal: str) -> bool:
+    return signal in diagram.driven and diagram.blocks[diagram.driven[signal][0]].role.drives
+
+
 def reaches_process(diagram: Diagram, block: Block) -> bool:
     """Return whether what a block gives enters a process, directly or through sums and filters."""
     waiting, seen = list(block.output_labels), set()

@@ -35,10 +35,10 @@ FINE_ONES = {"stiction", "deadband", "valve_rate_limit", "quantisation", "dead_t
 class Record:
     """What a log holds, and what is true of it.
 
-    ``signals``: time [s], SP, PV, OP and MV, (rows,) each.  ``effects``: name -> parameters in units of the contract,
-    of stiction as the MV-OP figure shows them.  ``outside``: the effect that no catalogue has, "" for none.  ``clean``:
-    the same loop without the effects, same noise and load: what there is between the two is the gap.
-    ``numbers`` and ``base``: the numbers of ``physics`` with the effects and without.  ``set_point``: SP at every second.
+    ``signals``: time [s], SP, PV, OP and MV, (rows,) each.  ``effects``: name -> parameters, of stiction as its
+    MV-OP figure shows them.  ``outside``: the effect that no catalogue has, "" for none.  ``clean``: the same loop
+    without the effects, same noise and load: what there is between the two is the gap.
+    ``numbers`` and ``base``: the numbers of ``physics`` with the effects and without.  ``set_point``: SP a second.
     """
 
     setting: str

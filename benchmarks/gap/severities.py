@@ -96,8 +96,8 @@ FACTORS = {
 ONE_WAY = ("valve_characteristic", "sensor_noise")
 SIZE = {
     "deadband": "width", "valve_leak": "flow", "valve_rate_limit": "rate", "positioner_lag": "tau",
-    "dead_time": "theta", "second_lag": "tau", "sensor_bias": "offset", "sensor_drift": "rate", "sensor_lag": "tau", "quantisation": "step",
-    "compression": "deviation", "controller_filter": "tau", "scan_time": "period",
+    "dead_time": "theta", "second_lag": "tau", "sensor_bias": "offset", "sensor_drift": "rate", "sensor_lag": "tau",
+    "quantisation": "step", "compression": "deviation", "controller_filter": "tau", "scan_time": "period",
 }  # fmt: skip
 
 # effect -> what it makes of the numbers of the loop; friction, noise and compression are done where records are made

@@ -77,19 +77,17 @@ def test_the_site_s_loop_too():
 
 
 EXACT = {  # how far apart the programs may be, where steps of 0.01 s see a kink late
-    "valve_rate_limit": 4e-4, "deadband": 1e-4, "quantisation": 2e-2, "dead_time": 5e-5, "valve_saturation": 5e-5,
+    "valve_rate_limit": 1e-3, "deadband": 1e-4, "dead_time": 5e-5, "valve_saturation": 5e-5,
     "controller_limits": 2e-4,
 }  # fmt: skip
-BY_LAW = {"stiction", "sensor_noise", "compression"}
+BY_HAND = {"stiction", "sensor_noise", "compression", "quantisation"}
 
 
-@pytest.mark.parametrize("name", [n for n in severities.IDEAL if n not in BY_LAW])
+@pytest.mark.parametrize("name", [n for n in severities.IDEAL if n not in BY_HAND])
 def test_the_catalogue_s_effect_is_the_generator_s(name):
     made = record("ideal", [name], "gross", seed=5, hours=HOURS, noise=False)
     apart, gap = worst(made, name), worst(made)
-    assert apart < EXACT.get(name, 5e-6), (apart, gap)
-    assert gap > 30.0 * apart or name == "quantisation"
-    assert gap > 1e-3
+    assert gap > 1e-3 and apart < EXACT.get(name, 5e-6) < 0.1 * gap
 
 
 @pytest.mark.parametrize("law", friction.LAWS)
@@ -100,17 +98,27 @@ def test_the_figure_shows_S_and_J(law, S, J):
     assert seen == pytest.approx((S, J), rel=0.12)  # analytic for a slow stem: (F_s +- F_c)/k
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_stiction_of_the_catalogue_follows_another_law_of_friction(seed):
-    made = record("ideal", ["stiction"], "gross", seed=seed, hours=0.5)
-    values = made.effects["stiction"]
-    bench = wire([Recorded("OP", made.signals["time"], made.signals["OP"], hold="linear"), ideal_flow()["valve"]])
-    one = effect("stiction")
-    sticky = one.started(one.insert(bench, "valve", **values), "valve", {"MV": float(made.signals["MV"][0])})
+@pytest.mark.parametrize(("seed", "law"), [(0, friction.LUGRE), (1, friction.KARNOPP), (2, friction.KARNOPP)])
+def test_stiction_of_the_catalogue_is_near_other_laws_of_friction(seed, law):
+    made = record("ideal", ["stiction"], "gross", seed=seed, hours=0.5, noise=False)
+    assert made.numbers["friction"] == law
+    op = Recorded("OP", made.signals["time"], made.signals["OP"])
+    bench, one = wire([op, ideal_flow()["valve"]]), effect("stiction")
+    sticky = one.insert(bench, "valve", **made.effects["stiction"])
+    sticky = one.started(sticky, "valve", {"MV": float(made.signals["MV"][0])})
     log = simulate(sticky, 1800.0, times=made.signals["time"]).log
-    missed = np.sqrt(np.mean((log["MV"] - made.signals["MV"])[100:] ** 2))
-    free = np.sqrt(np.mean((made.signals["OP"] - made.signals["MV"])[100:] ** 2))
-    assert missed < 0.35 * free
+    missed = np.abs(log["MV"] - made.signals["MV"])[100:]
+    free = np.abs(made.signals["OP"] - made.signals["MV"])[100:]
+    # where it slips a second apart from the other law it is wrong until the next slip; bristles slip again and again
+    assert np.median(missed) < (0.03 if law == friction.KARNOPP else 0.4) * np.median(free)
+    assert np.sqrt(np.mean(missed**2)) < 0.7 * np.sqrt(np.mean(free**2))
+
+
+def test_a_converter_s_edges_are_crossed_at_the_same_time_but_for_chatter():
+    made = record("ideal", ["quantisation"], "gross", seed=5, hours=HOURS, noise=False)
+    missed = np.abs(again(made, "quantisation")["PV"] - made.signals["PV"])
+    assert np.median(missed) < 2e-6 and np.mean(missed > 1e-3) < 0.4  # it chatters along an edge
+    assert np.mean(np.abs(again(made)["PV"] - made.signals["PV"]) > 1e-3) > 0.9
 
 
 def test_compression_and_noise_act_as_the_catalogue_says():
@@ -121,7 +129,8 @@ def test_compression_and_noise_act_as_the_catalogue_says():
     assert np.abs(same["PV"] - kept.signals["PV"]).max() < 2e-3  # a door may close a sample earlier after the rounding
     assert np.mean(np.abs(same["PV"] - kept.signals["PV"]) < 2e-6) > 0.9
     loud = record("ideal", ["sensor_noise"], "typical", seed=5, hours=HOURS)
-    ratio = np.std(np.diff(loud.signals["PV"])) / np.std(np.diff(loud.clean["PV"]))
+    steps = [np.median(np.abs(np.diff(one["PV"]))) for one in (loud.signals, loud.clean)]  # hardly of the set point
+    ratio = steps[0] / steps[1]
     assert ratio == pytest.approx(loud.effects["sensor_noise"]["factor"], rel=0.1)
     assert plain.gap == 0.0 < kept.gap
 
