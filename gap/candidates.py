@@ -12,51 +12,60 @@ import numpy as np
 from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
 from gap.effect import Effect
+from gap.effects.sensor_noise import SensorNoise
 from gap.hidden import fitted_hidden
 from gap.loads import fitted_load, is_load
+from gap.noise import fitted_noise
 from gap.problem import Problem
-from gap.search import Fit, fitted, refined
+from gap.search import Candidate, Fit, fitted, refined
 
 PRICE = 12.0
 FOLLOWED = 6  # candidates that are fitted to the end
 NEAR = 0.25  # share of the gap by which a candidate may lag behind the best after a few sizes, to be followed
 
 
-def candidates(base: Diagram, catalogue: Iterable[Effect]) -> list[tuple[Effect, str]]:
+def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> list[Candidate]:
     """Return every effect of a catalogue with every place in a diagram where it may be, without those of the log."""
-    return [(effect, place) for effect in catalogue if not effect.of_log for place in effect.places(base)]
+    return [
+        Candidate(problem, base, effect, place)
+        for effect in catalogue
+        if not effect.of_log
+        for place in effect.places(base)
+    ]
 
 
-def ranked(
-    problem: Problem, base: Diagram, legal: Sequence[tuple[Effect, str]], progress: Progress = None, e0: float = np.inf
-) -> list[Fit]:
-    """Return the best fit of every candidate that could be replayed, the best explanation first."""
+def ranked(legal: Sequence[Candidate], limit: float, progress: Progress = None) -> list[Fit]:
+    """Return the best fit of every candidate that could be replayed, the best explanation first.
+
+    ``limit``: the score of the model as it is.
+    """
     found: list[Fit] = []
     with reporting(progress, len(legal), "effects") as tell:
-        for done, (effect, place) in enumerate(legal):
-            way = _way(effect)
-            fit = way(problem, base, effect, place)
+        for done, candidate in enumerate(legal):
+            fit = way(candidate)(candidate)
             if fit is not None and np.isfinite(fit.F):
-                found.append(replace(fit, price=price(problem, base, fit)))
+                found.append(replace(fit, price=price(fit)))
             tell(done + 1, len(legal))
     found.sort(key=lambda fit: fit.total)
-    if not found:
-        return []
-    margin = NEAR * max(min(e0, max(fit.F for fit in found)) - found[0].F, 0.0) + 100.0
+    margin = NEAR * max(limit - found[0].F, 0.0) + 100.0 if found else 0.0
+    best = found[0].total if found else 0.0
     for k, fit in enumerate(found):
-        if k >= FOLLOWED or fit.total > found[0].total + margin:
-            break
-        if not fit.effect.hidden:
-            found[k] = replace(refined(problem, base, fit), price=fit.price)
+        if k < FOLLOWED and fit.total <= best + margin and (not fit.effect.hidden or fit.candidate.problem.free):
+            found[k] = refined(fit)
     return sorted(found, key=lambda fit: fit.total)
 
 
-def price(problem: Problem, base: Diagram, fit: Fit) -> float:
-    """Return what the parameters of a fit cost [nats]."""
-    return PRICE * (len(fit.effect.parameters) - 1)
+def price(fit: Fit) -> float:
+    """Return what the parameters of a fit cost [nats]; those that stay as they were cost nothing."""
+    moved = [name for name in fit.candidate.own if fit.values[name] != fit.candidate.nominal[name]]
+    return PRICE * max(len(moved) - 1, 0)
 
 
-def _way(effect: Effect) -> Callable[[Problem, Diagram, Effect, str], Fit | None]:
-    if effect.hidden:
+def way(candidate: Candidate) -> Callable[[Candidate], Fit | None]:
+    """Return how a candidate is fitted first."""
+    effect = candidate.effect
+    if effect is not None and effect.hidden:
         return fitted_hidden
-    return fitted_load if is_load(effect) else fitted
+    if isinstance(effect, SensorNoise):
+        return fitted_noise
+    return fitted_load if effect is not None and is_load(effect) else fitted

@@ -154,7 +154,9 @@ def _predictor(r: Floats) -> tuple[Floats, Floats]:
     if rows <= 3 * ORDER:
         return none
     scaled = np.nan_to_num(r) / plain
-    past = np.concatenate([scaled[:, ORDER - j : rows - j] for j in range(1, ORDER + 1)], axis=-1).reshape(-1, m * ORDER)
+    past = np.concatenate([scaled[:, ORDER - j : rows - j] for j in range(1, ORDER + 1)], axis=-1).reshape(
+        -1, m * ORDER
+    )
     now = scaled[:, ORDER:].reshape(-1, m)
     G = past.T @ past
     C = np.linalg.solve(G + 1e-9 * np.trace(G) / len(G) * np.eye(len(G)), past.T @ now)

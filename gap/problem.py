@@ -25,6 +25,15 @@ class Problem:
     floor: Floor
     start: Mapping[str, float]
 
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """Parameters of the model that are known within a tolerance only, with (low, high)."""
+        found = {}
+        for key, share in self.quiet.tolerances.items():
+            value = float(self.quiet.params[key])
+            found[key] = (value - share * abs(value), value + share * abs(value))
+        return found
+
     def innovations(
         self,
         diagram: Diagram,
