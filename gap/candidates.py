@@ -12,6 +12,7 @@ import numpy as np
 from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
 from gap.effect import Effect
+from gap.effects.quantisation import Quantisation
 from gap.effects.sensor_noise import SensorNoise
 from gap.hidden import fitted_hidden
 from gap.loads import fitted_load, is_load
@@ -29,30 +30,53 @@ def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> 
     return [
         Candidate(problem, base, effect, place)
         for effect in catalogue
-        if not effect.of_log
+        if not effect.of_log and not isinstance(effect, Quantisation)
         for place in effect.places(base)
     ]
 
 
-def ranked(legal: Sequence[Candidate], limit: float, progress: Progress = None) -> list[Fit]:
+def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
     """Return the best fit of every candidate that could be replayed, the best explanation first.
 
-    ``limit``: the score of the model as it is.
+    Effects with a hidden mode, which cost most, come last, and only while nothing else explains the record.
     """
+    if not legal:
+        return []
+    problem = legal[0].problem
     found: list[Fit] = []
+    ordered = sorted(legal, key=lambda one: bool(one.effect and one.effect.hidden))
     with reporting(progress, len(legal), "effects") as tell:
-        for done, candidate in enumerate(legal):
-            fit = way(candidate)(candidate)
-            if fit is not None and np.isfinite(fit.F):
-                found.append(replace(fit, price=price(fit)))
+        for done, candidate in enumerate(ordered):
+            hidden = bool(candidate.effect and candidate.effect.hidden)
+            if hidden and not followed(found):
+                found = _finished(found)
+            if not (hidden and found and found[0].F <= problem.limit):
+                fit = way(candidate)(candidate)
+                if fit is not None and np.isfinite(fit.F):
+                    found.append(replace(fit, price=price(fit)))
             tell(done + 1, len(legal))
-    found.sort(key=lambda fit: fit.total)
-    margin = NEAR * max(limit - found[0].F, 0.0) + 100.0 if found else 0.0
-    best = found[0].total if found else 0.0
-    for k, fit in enumerate(found):
-        if k < FOLLOWED and fit.total <= best + margin and (not fit.effect.hidden or fit.candidate.problem.free):
-            found[k] = refined(fit)
-    return sorted(found, key=lambda fit: fit.total)
+    return _finished(found)
+
+
+def followed(found: Sequence[Fit]) -> bool:
+    """Return whether the best of the fits have been refined already."""
+    return any(fit.followed for fit in found)
+
+
+def _finished(found: Sequence[Fit]) -> list[Fit]:
+    """Return the fits in order, the best of them fitted to the end."""
+    ordered = sorted(found, key=lambda fit: fit.total)
+    if not ordered:
+        return []
+    problem = ordered[0].candidate.problem
+    margin = NEAR * max(problem.score - ordered[0].F, 0.0) + 100.0
+    done = []
+    for k, fit in enumerate(ordered):
+        near = k < FOLLOWED and fit.total <= ordered[0].total + margin
+        if near and not fit.followed and (not fit.effect.hidden or problem.free):
+            fit = replace(refined(fit), followed=True)
+        done.append(fit)
+    return sorted(done, key=lambda fit: fit.total)
 
 
 def price(fit: Fit) -> float:

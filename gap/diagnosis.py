@@ -28,7 +28,6 @@ from gap.start import start_values
 from logs import Log
 
 RUNS = 40  # of the model without a gap
-SIGMAS = 4.5  # by which F may exceed its mean without a gap
 GAINED = 12.0  # nats that an effect must gain, at least
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
 TIE = 6.0  # nats between explanations that the record does not tell apart
@@ -55,7 +54,7 @@ def diagnose(
     if not isinstance(log, Log):
         raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. logs.read_log('run.csv')")
     problem = prepared(diagram, log, seed)
-    fits = ranked(candidates(problem, problem.quiet, catalogue), problem.score, progress)
+    fits = ranked(candidates(problem, problem.quiet, catalogue), progress)
     return _told(problem, fits)
 
 
@@ -72,8 +71,7 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
 
 def _told(problem: Problem, fits: Sequence[Fit]) -> GapReport:
     floor, F0 = problem.floor, problem.score
-    level, spread = floor.mean * problem.known, floor.sd * np.sqrt(problem.known)
-    limit = level + SIGMAS * spread
+    level, limit = problem.level, problem.limit
     needed = GAINED + (0.0 if floor.coloured else INEXACT * problem.rows)
     best = fits[0] if fits else None
     gained = F0 - best.total if best else 0.0
@@ -82,7 +80,7 @@ def _told(problem: Problem, fits: Sequence[Fit]) -> GapReport:
     if limit >= F0 and gained <= needed:
         words = (
             f"No gap of relevance: the log is as the model with its nuisances would write it "
-            f"(score {F0:.0f}, without a gap {level:.0f} with a spread of {spread:.0f}).",
+            f"(score {F0:.0f}, without a gap {level:.0f} on average and {limit:.0f} at most).",
         )
         e = problem.as_it_is
         shown = {s: np.stack([e[:, k], e[:, k]]) for k, s in enumerate(problem.record.pinned)}

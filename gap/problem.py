@@ -13,6 +13,7 @@ from gap.offsets import known_starts, offsets
 from gap.record import Record
 
 Floats = NDArray[np.float64]
+SIGMAS = 4.5  # by which F may exceed its mean without a gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,3 +65,13 @@ class Problem:
     def known(self) -> float:
         """How many rows are scored, a row with missing signals by the share that is there."""
         return float(np.isfinite(self.as_it_is).mean()) * self.rows
+
+    @property
+    def level(self) -> float:
+        """Mean of F without a gap."""
+        return self.floor.mean * self.known
+
+    @property
+    def limit(self) -> float:
+        """F that records without a gap do not exceed."""
+        return self.level + SIGMAS * self.floor.sd * self.known**0.5

@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from gap.problem import Problem
 from gap.robust import step
 
 Floats = NDArray[np.float64]
-NODES = 7  # sizes of a parameter that are replayed first
+NODES = 6  # sizes of a parameter that are replayed first
 BETWEEN = 8  # sizes looked at between two that were replayed
 ROUNDS = 6  # steps along the slopes
 SETTLED = 0.2  # nats that a step must promise to be taken
@@ -103,7 +104,8 @@ class Candidate:
 class Fit:
     """A candidate with the values that suit the record best.
 
-    ``F`` its score; ``e`` (rows, signals) the innovations that are left; ``price`` nats for its parameters.
+    ``F`` its score; ``e`` (rows, signals) the innovations that are left; ``price`` nats for its parameters;
+    ``followed`` whether it has been fitted to the end.
     """
 
     candidate: Candidate
@@ -111,6 +113,7 @@ class Fit:
     F: float
     e: Floats = field(repr=False)
     price: float = 0.0
+    followed: bool = False
 
     @property
     def total(self) -> float:
@@ -205,7 +208,7 @@ def between(fits: Sequence[Fit], name: str) -> tuple[float, float]:
     """Return (value, F) where interpolated innovations of fits that differ in one parameter score best."""
     ordered = sorted(fits, key=lambda fit: fit.values[name])
     best = min((fit.F, fit.values[name]) for fit in ordered)
-    for one, other in zip(ordered, ordered[1:], strict=False):
+    for one, other in pairwise(ordered):
         a, b = one.values[name], other.values[name]
         if min(one.F, other.F) > 3.0 * best[0] or not math.isfinite(b - a):
             continue
