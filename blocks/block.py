@@ -326,7 +326,7 @@ class Block(Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
         return other
 
     def with_tolerances(self, **shares: float) -> Self:
-        """Return a copy that says how well its parameters are known: ``K=0.05`` for within 5 % of the value, either way.
+        """Return a copy that says how well its parameters are known: ``K=0.05`` for within 5 % of the value.
 
         A share of 0 takes a tolerance away.  Raises ``BlockError`` for an unknown parameter, a share that is not from 0
         to below 1, or a parameter that is 0 or infinite, of which there is no share.

@@ -5,8 +5,10 @@
 in   in  any signal, named second          out  out  the nearest multiple of ``step``, named first
 step  [unit of the signal], > 0
 
-The instants at which y moves on to the next multiple are located.  Half way between two multiples the higher one is
-taken.  Valid for any signal; a noisy one crosses an edge at every turn.  Source: textbook.
+The instants at which y moves on to the next multiple are located.  Having crossed an edge, y goes back over the same
+edge only when u has gone back by 1 % of a step more: a controller that sees y would else be drawn over an edge and back
+without end.  Half way between two multiples the higher one is taken.
+Valid for any signal; a noisy one crosses an edge at every turn.  Source: textbook.
 See also: sensor (SampledSensor: quantisation at scan times), saturation, lookup_1d.
 """
 
@@ -22,6 +24,7 @@ from blocks.one_to_one import OneToOne
 from blocks.role import Role
 from blocks.rules import positive
 
+BACK = 0.01  # of a step: how far back over an edge before it counts
 MOST = 2.0**52  # steps: beyond, every number is a whole number of them
 
 
@@ -32,13 +35,18 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
     above = u[0] - p[0] * d[0]
     band = BAND * (p[0] + abs(u[0]))
-    g[0] = above - 0.5 * p[0] - band
-    g[1] = -above - 0.5 * p[0] - band
+    g[0] = above - 0.5 * p[0] - (BACK * p[0] if d[1] < 0.0 else band)
+    g[1] = -above - 0.5 * p[0] - (BACK * p[0] if d[1] > 0.0 else band)
 
 
 def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
     nearest = math.floor(u[0] / p[0] + 0.5) if abs(u[0]) < MOST * p[0] else d[0]
-    d[0] = max(nearest, d[0] + 1.0) if k[0] == 0.0 else min(nearest, d[0] - 1.0)
+    if k[0] == 0.0:
+        d[0] = max(nearest, d[0] + 1.0)
+        d[1] = 1.0
+    else:
+        d[0] = min(nearest, d[0] - 1.0)
+        d[1] = -1.0
 
 
 class Quantiser(OneToOne):
@@ -56,7 +64,7 @@ class Quantiser(OneToOne):
     same_unit = True
 
     def __init__(self, signal: str, source: str, step: float, *, unit: str = "", name: str = "") -> None:
-        super().__init__(signal, source, {"step": step}, memory={"multiple": 0.0}, unit=unit, name=name)
+        super().__init__(signal, source, {"step": step}, memory={"multiple": 0.0, "came": 0.0}, unit=unit, name=name)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
@@ -64,5 +72,5 @@ class Quantiser(OneToOne):
         positive(params, name, "step", remedy="give the resolution; without one leave the quantiser out")
 
     def seen_memory(self, x: Floats, u: Floats) -> Floats:
-        """Return the multiple, shape (1,), that is nearest to the present input."""
-        return np.array([math.floor(u[0] / self._p_now[0] + 0.5)])
+        """Return the multiple that is nearest to the present input, shape (2,): nothing was crossed before."""
+        return np.array([math.floor(u[0] / self._p_now[0] + 0.5), 0.0])

@@ -9,6 +9,8 @@
 'plant_1_high_two_jumps'
 >>> names()[12:16]
 ('cascade_flow', 'split_range', 'own_map', 'plant_own_map')
+>>> names()[16:]
+('ideal_flow', 'site_flow', 'cascaded_tanks')
 >>> find("sine").duration
 600.0
 """
@@ -24,9 +26,9 @@ class CaseError(ValueError):
 
 
 def _all() -> dict[str, Case]:
-    from cases import ideal, production, topologies
+    from cases import ideal, models, production, topologies
 
-    return {**ideal.CASES_BY_NAME, **production.CASES_BY_NAME, **topologies.CASES_BY_NAME}
+    return {**ideal.CASES_BY_NAME, **production.CASES_BY_NAME, **topologies.CASES_BY_NAME, **models.CASES_BY_NAME}
 
 
 def names() -> tuple[str, ...]:

@@ -12,11 +12,11 @@ from blocks.block import Block
 from diagram.diagram import Diagram
 from gap.effect import Effect, known_first
 from gap.paths import given, measured, users
-from gap.scales import span
+from gap.scales import ends, span
 
 
 class Inserted(Effect):
-    """An effect that is one block, which ``made`` returns; ``where`` it lies, and the ``state`` it starts settled in."""
+    """An effect that is one block, which ``made`` returns; ``where`` it lies, the ``state`` it starts settled in."""
 
     where: ClassVar[Literal["at", "after", "before"]] = "at"
     state: ClassVar[str] = ""
@@ -65,4 +65,4 @@ def percent_in(diagram: Diagram, place: str) -> float:
 def percent_out(diagram: Diagram, place: str) -> float:
     """Return one percent of what a valve gives, its travel: of its span, or of OP's if it states none [its unit]."""
     stem = given(diagram, place)
-    return span(diagram, stem) / 100.0 if stem in diagram.signal_spans else percent_in(diagram, place)
+    return span(diagram, stem) / 100.0 if ends(diagram, stem) else percent_in(diagram, place)

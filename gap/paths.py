@@ -1,7 +1,7 @@
 """Paths of signals through a place: where an effect has to be put in.
 
-Behind a block may stand blocks that other effects have put in there, ``valve:stiction`` behind ``valve``; what the place
-gives is what comes out behind the last of them.
+Behind a block may stand blocks that other effects have put in (``valve:stiction``); what the place gives
+is what comes out behind the last of them.
 """
 
 from blocks.block import Block
@@ -35,7 +35,7 @@ def users(diagram: Diagram, signal: str) -> tuple[str, ...]:
 
 
 def measured(diagram: Diagram, sensor: Block) -> str | None:
-    """Return the signal that a sensor measures: of what it reads, the one that comes from no source; None if unclear."""
+    """Return the signal that a sensor measures: of what it reads, the one from no source; None if unclear."""
     driven = diagram.driven
     found = [
         str(signal)

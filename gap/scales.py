@@ -25,14 +25,27 @@ def scale(diagram: Diagram, place: str, per: str) -> float:
 
 
 def span(diagram: Diagram, signal: str) -> float:
-    """Return the length of the span of a signal [its unit], 1 if no block states it.
+    """Return the length of the span of a signal [its unit], 1 if no block that drives or reads it states one.
 
     >>> from plant.loops import self_regulating_loop
     >>> span(self_regulating_loop(), "OP")
     1.0
     """
-    low, high = diagram.signal_spans.get(signal, (0.0, 1.0))
+    low, high = ends(diagram, signal) or (0.0, 1.0)
     return high - low
+
+
+def ends(diagram: Diagram, signal: str) -> tuple[float, float] | None:
+    """Return low and high end of the span of a signal [its unit], None if no block states one."""
+    if signal in diagram.signal_spans:
+        return diagram.signal_spans[signal]
+    read = [
+        block.spans[port.name]
+        for block in diagram.blocks
+        for port, label in zip(block.ports_in, block.input_labels, strict=True)
+        if label == signal and port.name in block.spans
+    ]
+    return read[0] if read else None
 
 
 def time_scale(diagram: Diagram, place: str) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter, not_below
+from gap.effect import Effect, EffectError, Parameter, not_below
 from logs import Log
 from logs.dirt import swinging_door
 
@@ -29,7 +29,13 @@ class Compression(Effect):
         self.signals = signals or ("PV",)
 
     def log_with(self, log: Log, place: str, values: Mapping[str, float]) -> Log:
-        """Return the log with its signals as the historian gives them back."""
+        """Return the log with its signals as the historian gives them back.
+
+        Raises ``EffectError`` for a negative deviation.
+        """
+        wrong = not_below(values, {"deviation": 0.0})
+        if wrong:
+            raise EffectError(f"compression: {wrong}")
         found = [signal for signal in self.signals if signal in log]
         return swinging_door(log, values["deviation"], found) if values["deviation"] > 0.0 else log
 

@@ -13,8 +13,8 @@ class ControllerGain(Effect):
     """A controller tuned to another gain.
 
     >>> from plant.loops import self_regulating_loop
-    >>> ControllerGain().insert(self_regulating_loop(), "controller", factor=1.5)["controller"].params["K_p"].__round__(9)
-    0.6
+    >>> ControllerGain().insert(self_regulating_loop(), "controller", factor=2.0)["controller"].params["K_p"]
+    0.8
     """
 
     name = "controller_gain"

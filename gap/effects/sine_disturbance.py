@@ -4,7 +4,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
+import numpy as np
+from numpy.typing import ArrayLike
+
+from blocks.block import Block, Floats
 from blocks.periodic import Sine
 from diagram.diagram import Diagram
 from gap.effect import Parameter, above, not_below
@@ -27,6 +30,10 @@ class SineDisturbance(Disturbance):
         Parameter("period", "s", 60.0, 0.5, 300.0, "log", "time"),
         Parameter("phase", "-", 0.0, 0.0, 1.0, nuisance=True),
     )
+
+    def plan(self, phase: ArrayLike) -> Floats:
+        """Return the wave of amplitude 1 at phases [share of a period], any shape."""
+        return np.sin(2.0 * np.pi * np.asarray(phase, dtype=float))
 
     def wave(self) -> Block:
         """Return the sine."""

@@ -7,11 +7,16 @@ height, ``phase`` [share of a period] where in the period it is at time 0, 0 in 
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
+import numpy as np
+from numpy.typing import ArrayLike
+
+from blocks.block import Block, Floats
 from blocks.periodic import Slug as Wave
 from diagram.diagram import Diagram
 from gap.effect import Parameter, above, not_below
 from gap.effects.disturbance import Disturbance
+
+RISE = 0.8  # share of the period
 
 
 class Slug(Disturbance):
@@ -30,6 +35,11 @@ class Slug(Disturbance):
         Parameter("period", "s", 600.0, 2.0, 300.0, "log", "time"),
         Parameter("phase", "-", 0.0, 0.0, 1.0, nuisance=True),
     )
+
+    def plan(self, phase: ArrayLike) -> Floats:
+        """Return the wave of amplitude 1 at phases [share of a period], any shape."""
+        risen = (np.asarray(phase, dtype=float) + 0.5 * RISE) % 1.0  # since it was lowest
+        return np.where(risen < RISE, 2.0 * risen / RISE - 1.0, 1.0 - 2.0 * (risen - RISE) / (1.0 - RISE))
 
     def wave(self) -> Block:
         """Return the saw-tooth."""

@@ -167,3 +167,21 @@ def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
         make()
     for word in words:
         assert word in str(error.value)
+
+
+def test_the_integral_may_take_in_the_present_error_first():
+    e = [0.1, 0.3, -0.2, 0.0]
+    held = (np.arange(4.0), np.array(e))
+    from blocks import Recorded
+    from diagram import simulate, wire
+
+    for integral, before in (("previous", 1), ("present", 0)):
+        pi = SampledPI(0.4, 10.0, dt=1.0, low=-9.0, high=9.0, integral=integral)
+        sources = [Recorded("SP", *held, hold="previous"), Recorded("PV", [0.0], [0.0], hold="previous")]
+        log = simulate(wire([*sources, pi]), 3.0, every=1.0).log
+        taken = np.concatenate([np.zeros(before), np.cumsum(e)])[:4]
+        np.testing.assert_allclose(log["OP"], 0.4 * np.array(e) + 0.04 * taken, atol=1e-12)  # analytic
+    with pytest.raises(BlockError, match="integral = 'next'"):
+        SampledPI(0.4, 10.0, dt=1.0, integral="next")
+    with pytest.raises(BlockError, match=r"present = 0\.5, but it is 0"):
+        SampledPI(0.4, 10.0, dt=1.0).with_params(present=0.5)
