@@ -13,11 +13,14 @@ from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
 from gap.effect import Effect
 from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
 from gap.hidden import fitted_hidden
+from gap.limits import fitted_limits
 from gap.loads import fitted_load, is_load
 from gap.noise import fitted_noise
 from gap.problem import Problem
+from gap.scans import fitted_scan
 from gap.search import Candidate, Fit, fitted, refined
 
 PRICE = 12.0
@@ -31,7 +34,7 @@ def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> 
         Candidate(problem, base, effect, place)
         for effect in catalogue
         if not effect.of_log and not isinstance(effect, Quantisation)
-        for place in effect.places(base)
+        for place in effect.places(problem.model if isinstance(effect, SensorNoise) else base)
     ]
 
 
@@ -92,4 +95,8 @@ def way(candidate: Candidate) -> Callable[[Candidate], Fit | None]:
         return fitted_hidden
     if isinstance(effect, SensorNoise):
         return fitted_noise
+    if isinstance(effect, ScanTime):
+        return fitted_scan
+    if candidate.own == ("low", "high"):
+        return fitted_limits
     return fitted_load if effect is not None and is_load(effect) else fitted

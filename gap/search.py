@@ -44,7 +44,7 @@ class Candidate:
     @cached_property
     def changed(self) -> Diagram:
         """The diagram with the blocks of the effect."""
-        if self.effect is None:
+        if self.effect is None or self.noisy:
             return self.base
         return self.effect.started(self.effect.put(self.base, self.place), self.place, self.problem.record.first)
 
@@ -73,14 +73,14 @@ class Candidate:
     def tried(self, many: Sequence[Mapping[str, float]]) -> "list[Fit]":
         """Return a fit for each set of values that the effect can have; what is not given is nominal."""
         full = [{**self.nominal, **values} for values in many]
-        if self.effect:
+        if self.effect and not self.noisy:
             effect, place = self.effect, self.place
             full = [v for v in full if not effect.rules(self.base, place, {name: v[name] for name in self.own})]
         if not full:
             return []
         columns = {name: np.array([values[name] for values in full]) for name in self.nominal}
         params = {name: columns[name] for name in self.problem.free}
-        if self.effect:
+        if self.effect and not self.noisy:
             params |= self.effect.settings(self.base, self.place, **{name: columns[name] for name in self.own})
         params = {key: np.broadcast_to(v, len(full)) for key, v in params.items()}
         e = self.problem.innovations(self.changed, params)
