@@ -22,6 +22,7 @@ from gap.noise import fitted_noise
 from gap.problem import Problem
 from gap.scans import fitted_scan
 from gap.search import Candidate, Fit, fitted, refined
+from gap.texture import fitted_lattice
 
 PRICE = 12.0
 FOLLOWED = 6  # candidates that are fitted to the end
@@ -33,7 +34,7 @@ def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> 
     return [
         Candidate(problem, base, effect, place)
         for effect in catalogue
-        if not effect.of_log and not isinstance(effect, Quantisation)
+        if not effect.of_log
         for place in effect.places(problem.model if isinstance(effect, SensorNoise) else base)
     ]
 
@@ -95,6 +96,8 @@ def way(candidate: Candidate) -> Callable[[Candidate], Fit | None]:
         return fitted_hidden
     if isinstance(effect, SensorNoise):
         return fitted_noise
+    if isinstance(effect, Quantisation):
+        return fitted_lattice
     if isinstance(effect, ScanTime):
         return fitted_scan
     if candidate.own == ("low", "high"):

@@ -25,6 +25,7 @@ from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Where, listed
 from gap.search import Fit, best_of, refined
 from gap.sizes import SEEN, shares, shrinkage, sizes
 from gap.start import start_values
+from gap.texture import with_lattices
 from logs import Log
 
 RUNS = 40  # of the model without a gap
@@ -66,7 +67,7 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     model, quiet = model.starting_at(start), quiet.starting_at(start)
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
-    return Problem(model, quiet, record, floor, start)
+    return with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
 
 
 def _told(problem: Problem, fits: Sequence[Fit]) -> GapReport:
