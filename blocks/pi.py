@@ -98,9 +98,10 @@ def _conditional_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
 
 
 _PLAIN = Kernels(out=limited_output, der=tracking_rate, zc=output_events, jump=limit_transition, n_events=2)
-_CONDITIONAL = Kernels(
-    out=limited_output, der=_conditional_der, zc=_conditional_zc, jump=_conditional_jump, n_events=2, rates=True
-)
+_CONDITIONAL = Kernels(  # a ride along a limit ends with a jump of OP where PV jumps
+    out=limited_output, der=_conditional_der, zc=_conditional_zc, jump=_conditional_jump, n_events=2, rates=True,
+    jumps=True,
+)  # fmt: skip
 
 
 def tuned(

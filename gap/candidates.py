@@ -12,51 +12,94 @@ import numpy as np
 from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
 from gap.effect import Effect
+from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
+from gap.effects.sensor_noise import SensorNoise
 from gap.hidden import fitted_hidden
+from gap.limits import fitted_limits
 from gap.loads import fitted_load, is_load
+from gap.noise import fitted_noise
 from gap.problem import Problem
-from gap.search import Fit, fitted, refined
+from gap.scans import fitted_scan
+from gap.search import Candidate, Fit, fitted, refined
+from gap.texture import fitted_lattice
 
 PRICE = 12.0
 FOLLOWED = 6  # candidates that are fitted to the end
 NEAR = 0.25  # share of the gap by which a candidate may lag behind the best after a few sizes, to be followed
 
 
-def candidates(base: Diagram, catalogue: Iterable[Effect]) -> list[tuple[Effect, str]]:
+def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> list[Candidate]:
     """Return every effect of a catalogue with every place in a diagram where it may be, without those of the log."""
-    return [(effect, place) for effect in catalogue if not effect.of_log for place in effect.places(base)]
+    return [
+        Candidate(problem, base, effect, place)
+        for effect in catalogue
+        if not effect.of_log
+        for place in effect.places(problem.model if isinstance(effect, SensorNoise) else base)
+    ]
 
 
-def ranked(
-    problem: Problem, base: Diagram, legal: Sequence[tuple[Effect, str]], progress: Progress = None, e0: float = np.inf
-) -> list[Fit]:
-    """Return the best fit of every candidate that could be replayed, the best explanation first."""
-    found: list[Fit] = []
-    with reporting(progress, len(legal), "effects") as tell:
-        for done, (effect, place) in enumerate(legal):
-            way = _way(effect)
-            fit = way(problem, base, effect, place)
-            if fit is not None and np.isfinite(fit.F):
-                found.append(replace(fit, price=price(problem, base, fit)))
-            tell(done + 1, len(legal))
-    found.sort(key=lambda fit: fit.total)
-    if not found:
+def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
+    """Return the best fit of every candidate that could be replayed, the best explanation first.
+
+    Effects with a hidden mode, which cost most, come last, and only while nothing else explains the record.
+    """
+    if not legal:
         return []
-    margin = NEAR * max(min(e0, max(fit.F for fit in found)) - found[0].F, 0.0) + 100.0
-    for k, fit in enumerate(found):
-        if k >= FOLLOWED or fit.total > found[0].total + margin:
-            break
-        if not fit.effect.hidden:
-            found[k] = replace(refined(problem, base, fit), price=fit.price)
-    return sorted(found, key=lambda fit: fit.total)
+    problem = legal[0].problem
+    found: list[Fit] = []
+    ordered = sorted(legal, key=lambda one: bool(one.effect and one.effect.hidden))
+    with reporting(progress, len(legal), "effects") as tell:
+        for done, candidate in enumerate(ordered):
+            hidden = bool(candidate.effect and candidate.effect.hidden)
+            if hidden and not followed(found):
+                found = _finished(found)
+            if not (hidden and found and found[0].F <= problem.limit):
+                fit = way(candidate)(candidate)
+                if fit is not None and np.isfinite(fit.F):
+                    found.append(replace(fit, price=price(fit)))
+            tell(done + 1, len(legal))
+    return _finished(found)
 
 
-def price(problem: Problem, base: Diagram, fit: Fit) -> float:
-    """Return what the parameters of a fit cost [nats]."""
-    return PRICE * (len(fit.effect.parameters) - 1)
+def followed(found: Sequence[Fit]) -> bool:
+    """Return whether the best of the fits have been refined already."""
+    return any(fit.followed for fit in found)
 
 
-def _way(effect: Effect) -> Callable[[Problem, Diagram, Effect, str], Fit | None]:
-    if effect.hidden:
+def _finished(found: Sequence[Fit]) -> list[Fit]:
+    """Return the fits in order, the best of them fitted to the end."""
+    ordered = sorted(found, key=lambda fit: fit.total)
+    if not ordered:
+        return []
+    problem = ordered[0].candidate.problem
+    margin = NEAR * max(problem.score - ordered[0].F, 0.0) + 100.0
+    done = []
+    for k, fit in enumerate(ordered):
+        near = k < FOLLOWED and fit.total <= ordered[0].total + margin
+        if near and not fit.followed and (not fit.effect.hidden or problem.free):
+            fit = replace(refined(fit), followed=True)
+        done.append(fit)
+    return sorted(done, key=lambda fit: fit.total)
+
+
+def price(fit: Fit) -> float:
+    """Return what the parameters of a fit cost [nats]; those that stay as they were cost nothing."""
+    moved = [name for name in fit.candidate.own if fit.values[name] != fit.candidate.nominal[name]]
+    return PRICE * max(len(moved) - 1, 0)
+
+
+def way(candidate: Candidate) -> Callable[[Candidate], Fit | None]:
+    """Return how a candidate is fitted first."""
+    effect = candidate.effect
+    if effect is not None and effect.hidden:
         return fitted_hidden
-    return fitted_load if is_load(effect) else fitted
+    if isinstance(effect, SensorNoise):
+        return fitted_noise
+    if isinstance(effect, Quantisation):
+        return fitted_lattice
+    if isinstance(effect, ScanTime):
+        return fitted_scan
+    if candidate.own == ("low", "high"):
+        return fitted_limits
+    return fitted_load if effect is not None and is_load(effect) else fitted

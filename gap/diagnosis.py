@@ -7,6 +7,7 @@
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,18 +17,18 @@ from diagram.progress import Progress
 from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
-from gap.floor import Floor, losses, measured
+from gap.floor import Floor, measured
 from gap.model import nuisances, read, silenced
 from gap.problem import Problem
-from gap.record import GapError, Record
+from gap.record import GapError
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Where, listed
-from gap.search import Fit, refined
+from gap.search import Fit, best_of, refined
 from gap.sizes import SEEN, shares, shrinkage, sizes
 from gap.start import start_values
+from gap.texture import with_lattices
 from logs import Log
 
 RUNS = 40  # of the model without a gap
-SIGMAS = 4.5  # by which F may exceed its mean without a gap
 GAINED = 12.0  # nats that an effect must gain, at least
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
 TIE = 6.0  # nats between explanations that the record does not tell apart
@@ -54,8 +55,7 @@ def diagnose(
     if not isinstance(log, Log):
         raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. logs.read_log('run.csv')")
     problem = prepared(diagram, log, seed)
-    legal = candidates(problem.quiet, catalogue)
-    fits = ranked(problem, problem.quiet, legal, progress, problem.score)
+    fits = ranked(candidates(problem, problem.quiet, catalogue), progress)
     return _told(problem, fits)
 
 
@@ -67,28 +67,29 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     model, quiet = model.starting_at(start), quiet.starting_at(start)
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
-    return Problem(model, quiet, record, floor, start)
+    return with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
 
 
 def _told(problem: Problem, fits: Sequence[Fit]) -> GapReport:
     floor, F0 = problem.floor, problem.score
-    level, spread = floor.mean * problem.known, floor.sd * np.sqrt(problem.known)
-    limit = level + SIGMAS * spread
+    level, limit = problem.level, problem.limit
     needed = GAINED + (0.0 if floor.coloured else INEXACT * problem.rows)
     best = fits[0] if fits else None
     gained = F0 - best.total if best else 0.0
     t = problem.record.log.t[floor.skipped :]
     notes = _notes(problem)
-    if F0 <= limit and gained <= needed:
+    if limit >= F0 and gained <= needed:
         words = (
             f"No gap of relevance: the log is as the model with its nuisances would write it "
-            f"(score {F0:.0f}, without a gap {level:.0f} with a spread of {spread:.0f}).",
+            f"(score {F0:.0f}, without a gap {level:.0f} on average and {limit:.0f} at most).",
         )
         e = problem.as_it_is
         shown = {s: np.stack([e[:, k], e[:, k]]) for k, s in enumerate(problem.record.pinned)}
         return GapReport(False, None, (), (), None, words, notes, t, shown, problem.quiet)
     share = (F0 - best.F) / max(F0 - level, 1e-9) if best else 0.0
-    good = best is not None and (best.F <= limit + needed or share >= (EXPLAINED_HIDDEN if best.effect.hidden else EXPLAINED))
+    good = best is not None and (
+        limit + needed >= best.F or share >= (EXPLAINED_HIDDEN if best.effect.hidden else EXPLAINED)
+    )
     named = tied(fits) if good else []
     explained = shares(fits, F0, level)
     ranking = _ranking(fits, named)
@@ -103,14 +104,18 @@ def _told(problem: Problem, fits: Sequence[Fit]) -> GapReport:
         ]
         e = np.stack([problem.as_it_is, best.e if best else problem.as_it_is])
         shown = {s: e[:, :, k] for k, s in enumerate(problem.record.pinned)}
-        return GapReport(True, where, (cause,), ranking, None, tuple(w for w in words if w), notes, t, shown, problem.quiet)
+        return GapReport(
+            True, where, (cause,), ranking, None, tuple(w for w in words if w), notes, t, shown, problem.quiet
+        )
     places = tuple(dict.fromkeys(fit.place for fit in named))
     others = tuple(dict.fromkeys(fit.effect.name for fit in named if fit.effect.name != best.effect.name))
-    found = sizes(problem, problem.quiet, best)
+    found = sizes(best)
     cause = Cause(best.effect.name, best.place, 0.9, others, found)
     where = Where(best.place, 0.9, places, {k: v for k, v in explained.items() if k in places})
-    shrunk = held_out(problem, problem.quiet, best)
-    told = ", ".join(f"{name} {size.value:.4g} {size.unit} ({size.low:.4g} to {size.high:.4g})" for name, size in found.items())
+    shrunk = held_out(best)
+    told = ", ".join(
+        f"{name} {size.value:.4g} {size.unit} ({size.low:.4g} to {size.high:.4g})" for name, size in found.items()
+    )
     words = [
         f"There is a gap. Place: {listed(places)}. Cause: {best.effect.name} at {best.place}, {told}.",
         f"From these signals it cannot be told apart from {listed(others)}." if others else "",
@@ -119,7 +124,9 @@ def _told(problem: Problem, fits: Sequence[Fit]) -> GapReport:
     ]
     e = np.stack([problem.as_it_is, best.e])
     shown = {s: e[:, :, k] for k, s in enumerate(problem.record.pinned)}
-    return GapReport(True, where, (cause,), ranking, shrunk, tuple(w for w in words if w), notes, t, shown, problem.quiet)
+    return GapReport(
+        True, where, (cause,), ranking, shrunk, tuple(w for w in words if w), notes, t, shown, problem.quiet
+    )
 
 
 def tied(fits: Sequence[Fit]) -> list[Fit]:
@@ -128,17 +135,14 @@ def tied(fits: Sequence[Fit]) -> list[Fit]:
     return [fit for fit in fits if fit.total <= best.total + TIE and fit.price == best.price]
 
 
-def held_out(problem: Problem, base: Diagram, fit: Fit) -> Shrinkage:
+def held_out(fit: Fit) -> Shrinkage:
     """Return how far the gap shrinks behind the part of the record on which the effect is fitted again."""
-    from dataclasses import replace
-
-    from gap.search import tried
-
+    candidate, problem = fit.candidate, fit.candidate.problem
     head = replace(problem, record=problem.record.first_part(SEEN))
-    again = tried(head, base, fit.effect, fit.place, [fit.values])[0]
-    if not fit.effect.hidden:
-        again = refined(head, base, again, rounds=3)
-    after = tried(problem, base, fit.effect, fit.place, [again.values])[0].e
+    again = best_of(replace(candidate, problem=head).tried([fit.values]))
+    if again is not None and not fit.effect.hidden:
+        again = refined(again, rounds=3)
+    after = candidate.tried([again.values if again else fit.values])[0].e
     first = len(head.record.log) - problem.floor.skipped
     return shrinkage(problem.as_it_is, after, problem.floor.mean / len(problem.record.pinned), first)
 

@@ -2,7 +2,7 @@
 
     r_k   residuals of row k: the offsets themselves where they keep their level, else their changes
     e_k = L^-1 (r_k - sum_j A_j r_(k-j))            innovations: white, of unit variance, without a gap
-    F   = sum over rows and signals of (nu + 1)/2 ln(1 + e^2/nu)                        (Student's t, nu = 4)
+    F   = sum over rows and signals of (nu + 1)/2 ln(1 + (e/c)^2/nu)                    (Student's t, nu = 4)
 
 Runs of the model with its own nuisances, with the record's set points, rows and rounding, give A_j and L, and how large
 F is without a gap.  The logarithm counts how many residuals are at the floor: a slip that is missed costs little.
@@ -24,6 +24,7 @@ from logs import Log
 
 Floats = NDArray[np.float64]
 NU = 4.0
+UNIT = 0.8310  # of the loss: with it a normal innovation of standard deviation 1 has the loss least at its own size
 SKIPPED = 0.02  # share of the record at its beginning that is not scored: what the start leaves has died away
 FEWEST_SKIPPED = 20
 ORDER = 24  # rows that a prediction of the residuals may look back
@@ -87,7 +88,7 @@ def whitened(r: Floats, A: Floats, L: Floats) -> Floats:
 
 def losses(e: Floats) -> Floats:
     """Return the loss of every innovation, 0 where it is unknown."""
-    return np.nan_to_num(0.5 * (NU + 1.0) * np.log1p(e * e / NU), nan=0.0, posinf=1e9)
+    return np.nan_to_num(0.5 * (NU + 1.0) * np.log1p((e / UNIT) ** 2 / NU), nan=0.0, posinf=1e9)
 
 
 def scored(e: Floats) -> Floats:
@@ -154,7 +155,9 @@ def _predictor(r: Floats) -> tuple[Floats, Floats]:
     if rows <= 3 * ORDER:
         return none
     scaled = np.nan_to_num(r) / plain
-    past = np.concatenate([scaled[:, ORDER - j : rows - j] for j in range(1, ORDER + 1)], axis=-1).reshape(-1, m * ORDER)
+    past = np.concatenate([scaled[:, ORDER - j : rows - j] for j in range(1, ORDER + 1)], axis=-1).reshape(
+        -1, m * ORDER
+    )
     now = scaled[:, ORDER:].reshape(-1, m)
     G = past.T @ past
     C = np.linalg.solve(G + 1e-9 * np.trace(G) / len(G) * np.eye(len(G)), past.T @ now)

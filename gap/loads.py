@@ -7,17 +7,16 @@ few Fourier transforms.  The best few are then replayed and refined.
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.arithmetic import Sum
 from blocks.recorded import Recorded
-from diagram.diagram import Diagram
+from diagram import wire
 from gap.effect import Effect
 from gap.floor import NU
-from gap.problem import Problem
-from gap.search import Fit, refined, tried
+from gap.search import Candidate, Fit, best_of, refined
 
 Floats = NDArray[np.float64]
 PULSE = 1e-3  # size of the load that shows the response, in spans of its signal
@@ -25,27 +24,30 @@ LONGEST = 1.0 / 3.0  # period, as a share of the record: a longer one imitates a
 SHORTEST = 6.0  # period, in rows
 TRIED = 4  # shapes that are replayed
 HARMONICS = 8
+PHASES = 32  # begins of a period that are looked at
 FINER = 4  # frequencies for each one that the record resolves
 
 
 def is_load(effect: Effect) -> bool:
     """Return whether an effect is a size times a plan of a time or a period."""
-    return [p.name for p in effect.parameters][1:] in (["time"], ["period"]) and effect.parameters[0].neutral == 0.0
+    return [p.name for p in effect.parameters][:2] in (["amplitude", "time"], ["amplitude", "period"])
 
 
-def fitted_load(problem: Problem, base: Diagram, effect: Effect, place: str) -> Fit | None:
+def fitted_load(candidate: Candidate) -> Fit | None:
     """Return the best fit of a planned load; None if no run succeeded."""
-    response = _response(problem, base, place)
+    response = _response(candidate)
     if response is None:
         return None
-    e = _trimmed(problem.innovations(base)[0])
-    names = [p.name for p in effect.parameters]
-    guesses = (_steps if names[1] == "time" else _periods)(problem, effect, base, place, e, response)
-    low, high = effect.bounds(base, place)[names[0]]
-    many = [{names[0]: float(np.clip(size, low, high)), names[1]: float(shape)} for size, shape in guesses]
-    fits = [fit for fit in tried(problem, base, effect, place, many) if math.isfinite(fit.F)]
-    fits.sort(key=lambda fit: fit.F)
-    return min((refined(problem, base, fit) for fit in fits[:2]), key=lambda fit: fit.F, default=None)
+    e = _trimmed(candidate.absent.e)
+    guesses = (_steps if "time" in candidate.own else _periods)(candidate, e, response)
+    (low, high), span = candidate.bounds["amplitude"], candidate.bounds
+    many = [
+        {k: float(np.clip(v, *span[k])) for k, v in guess.items()}
+        for guess in guesses
+        if min(abs(low), abs(high)) * 0.2 <= abs(guess["amplitude"]) or low < 0.0
+    ]
+    fits = sorted(candidate.tried(many), key=lambda fit: fit.F)
+    return best_of([refined(fit, 3) for fit in fits[:2] if math.isfinite(fit.F)])
 
 
 def _trimmed(e: Floats) -> Floats:
@@ -54,71 +56,80 @@ def _trimmed(e: Floats) -> Floats:
     return np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU))
 
 
-def _response(problem: Problem, base: Diagram, place: str) -> Floats | None:
+def _response(candidate: Candidate) -> Floats | None:
     """Return the innovations' response to a load of 1 in one interval, (rows from then on, signals)."""
+    problem, base, place = candidate.problem, candidate.base, candidate.place
     t = problem.record.log.t
     at = problem.floor.skipped + (len(t) - problem.floor.skipped) // 4
-    signal = base[place].output_labels[0]
+    signal = str(base[place].output_labels[0])
     low, high = base.signal_spans.get(signal, (0.0, 1.0))
     size = PULSE * (high - low)
-    idle = base.replace(place, Recorded(signal, t, np.zeros(len(t)), hold="previous", name=place))
     push = np.zeros(len(t))
     push[at] = size
-    kicked = base.replace(place, Recorded(signal, t, push, hold="previous", name=place))
-    found = (problem.innovations(kicked)[0] - problem.innovations(idle)[0]) / size
+    wave = [Recorded("wave", t, push, hold="previous"), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
+    kicked = base.insert(signal, wire(wave, ["in"], ["out"], name=f"{place}:pulse"))
+    found = (problem.innovations(kicked)[0] - candidate.absent.e) / size
     h = np.nan_to_num(found[at - problem.floor.skipped :])
     return h if np.abs(h).max(initial=0.0) > 0.0 else None
 
 
-def _steps(
-    problem: Problem, effect: Effect, base: Diagram, place: str, e: Floats, h: Floats
-) -> Sequence[tuple[float, float]]:
-    """Return (size, time) of the best steps."""
-    n = len(e)
+def _steps(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float]]:
+    """Return amplitude and time of the best steps."""
+    n, problem = len(e), candidate.problem
     H = np.zeros((n, h.shape[1]))
     H[: len(h)] = np.cumsum(h, axis=0)[:n]
     H[len(h) :] = H[len(h) - 1]
     size = 2 * n
-    hit = np.fft.irfft(
-        (np.fft.rfft(e, size, axis=0) * np.conj(np.fft.rfft(H, size, axis=0))).sum(axis=1), size
-    )[:n]
+    product = np.fft.rfft(e, size, axis=0) * np.conj(np.fft.rfft(H, size, axis=0))
+    hit = -np.fft.irfft(product.sum(axis=1), size)[:n]
     power = np.cumsum((H**2).sum(axis=1))[::-1]  # of a step at row k: what of H lies inside the record
     gain = hit**2 / np.maximum(power, 1e-300)
     gain[power < 0.001 * power[0]] = 0.0
-    best = _peaks(gain, n // 50 + 1)
     t = problem.record.log.t[problem.floor.skipped :]
-    return [(hit[k] / power[k], t[k]) for k in best]
+    found = [{"amplitude": hit[k] / power[k], "time": float(t[k])} for k in _peaks(gain, n // 50 + 1)]
+    early = problem.record.log.t[0]
+    return [*found, {"amplitude": hit[0] / power[0], "time": float(early)}]
 
 
-def _periods(
-    problem: Problem, effect: Effect, base: Diagram, place: str, e: Floats, h: Floats
-) -> Sequence[tuple[float, float]]:
-    """Return (size, period) of the best periodic loads whose plan begins with the record."""
-    log = problem.record.log
+def _periods(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float]]:
+    """Return amplitude, period and phase of the best periodic loads."""
+    log, skipped = candidate.problem.record.log, candidate.problem.floor.skipped
     n, dt = len(e), log.dt
     size = FINER * (1 << (n - 1).bit_length())
     E, H = np.fft.rfft(e, size, axis=0), np.fft.rfft(h[: n // 2], size, axis=0)
-    hit, power = (np.conj(H) * E).sum(axis=1), (np.abs(H) ** 2).sum(axis=1)
-    late = log.t[problem.floor.skipped] - 0.5 * dt  # rows count from here; a held sample stands half an interval later
-    plan = _harmonics(effect)
+    hit, power = -(np.conj(H) * E).sum(axis=1), (np.abs(H) ** 2).sum(axis=1)
     longest, shortest = LONGEST * n * dt, SHORTEST * dt
     k = np.arange(max(1, math.ceil(size * dt / longest)), min(int(size * dt / shortest), len(hit) - 1))
-    total, norm = np.zeros(len(k)), np.full(len(k), 1e-300)
-    for j, b in enumerate(plan, start=1):
+    turns = np.arange(PHASES) / PHASES
+    total, norm = np.zeros((len(k), PHASES)), np.full(len(k), 1e-300)
+    for j, b in enumerate(_harmonics(candidate), start=1):
         inside = j * k < len(hit)
         at = np.where(inside, j * k, 0)
-        turn = np.exp(-2j * math.pi * at / (size * dt) * late)
-        total += np.where(inside, np.real(2.0 * np.conj(b * np.conj(turn)) * hit[at]), 0.0)
+        seen = np.where(inside, hit[at], 0.0)
+        total += np.real(2.0 * np.conj(b) * seen[:, None] * np.exp(-2j * math.pi * j * turns[None]))
         norm += np.where(inside, 2.0 * n * np.abs(b) ** 2 * power[at], 0.0)
-    gain = total**2 / norm
-    best = _peaks(gain, 2 * FINER)
-    return [(total[i] / norm[i], size * dt / k[i]) for i in best]
+    best = np.argmax(total, axis=1)
+    rows = np.arange(len(k))
+    gain = np.maximum(total[rows, best], 0.0) ** 2 / norm
+    found = []
+    for i in _peaks(gain, 2 * FINER):
+        period = size * dt / k[i]
+        # Rows count from where scoring begins; a sample that is held stands half an interval later.
+        phase = (turns[best[i]] - (float(log.t[skipped]) + 0.5 * dt) / period) % 1.0
+        found.append({"amplitude": total[i, best[i]] / norm[i], "period": period, "phase": phase})
+    return found
 
 
-def _harmonics(effect: Effect) -> list[complex]:
-    """Return the Fourier coefficients of one period of an effect's plan of amplitude 1."""
-    phase = (np.arange(512) + 0.5) / 512
-    shape = effect.plan(phase)
+def _harmonics(candidate: Candidate) -> list[complex]:
+    """Return the Fourier coefficients of one period of the plan of amplitude 1, phase 0."""
+    effect, place = candidate.effect, candidate.place
+    if effect is None:
+        return []
+    values = {"amplitude": 1.0, "period": 1.0, "phase": 0.0}
+    changed = effect.put(candidate.base, place).with_params(effect.settings(candidate.base, place, **values))
+    wave = changed[f"{effect.block(place)}/wave"]
+    phase = (np.arange(256) + 0.5) / 256
+    shape = np.array([float(wave.output(t, [], [])[0]) for t in phase])
     return [complex(np.mean(shape * np.exp(-2j * math.pi * j * phase))) for j in range(1, HARMONICS + 1)]
 
 

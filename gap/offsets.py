@@ -37,6 +37,7 @@ def offsets(
         progress=False,
     )
     found = np.stack([many.values[f"{s}:offset"] for s in record.pinned], axis=-1)
+    found[~many.ok] = np.nan
     bad = ~np.stack([record.log.good(s) for s in record.pinned], axis=-1)
     return np.where(bad[None], np.nan, found)
 

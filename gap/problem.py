@@ -13,6 +13,7 @@ from gap.offsets import known_starts, offsets
 from gap.record import Record
 
 Floats = NDArray[np.float64]
+SIGMAS = 4.5  # by which F may exceed its mean without a gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +25,15 @@ class Problem:
     record: Record
     floor: Floor
     start: Mapping[str, float]
+
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """Parameters of the model that are known within a tolerance only, with (low, high)."""
+        found = {}
+        for key, share in self.quiet.tolerances.items():
+            value = float(self.quiet.params[key])
+            found[key] = (value - share * abs(value), value + share * abs(value))
+        return found
 
     def innovations(
         self,
@@ -55,3 +65,13 @@ class Problem:
     def known(self) -> float:
         """How many rows are scored, a row with missing signals by the share that is there."""
         return float(np.isfinite(self.as_it_is).mean()) * self.rows
+
+    @property
+    def level(self) -> float:
+        """Mean of F without a gap."""
+        return self.floor.mean * self.known
+
+    @property
+    def limit(self) -> float:
+        """F that records without a gap do not exceed."""
+        return self.level + SIGMAS * self.floor.sd * self.known**0.5

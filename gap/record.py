@@ -1,6 +1,6 @@
 """What a log says about itself: which signals of a diagram it has, how they are rounded, and where each is good."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -47,17 +47,23 @@ def rounding(values: ArrayLike) -> float:
 class Record:
     """A log as a diagnosis reads it: the signals that the diagram has too, in the diagram's order.
 
-    ``log``; ``played`` the logged open inputs; ``pinned`` the other logged signals, those that blocks drive.
+    ``log``; ``played`` the logged open inputs; ``pinned`` the other logged signals, those that blocks drive;
+    ``lattices`` those whose lattice is the sensor's own, not the log's rounding.
     """
 
     log: Log
     played: tuple[str, ...]
     pinned: tuple[str, ...]
+    lattices: tuple[str, ...] = ()
 
     @cached_property
     def steps(self) -> dict[str, float]:
         """Rounding of each pinned signal [its unit], 0 for none."""
-        return {s: rounding(self.log[s][self.log.good(s)]) for s in self.pinned}
+        return {s: 0.0 if s in self.lattices else self.lattice(s) for s in self.pinned}
+
+    def lattice(self, signal: str) -> float:
+        """Return the step on whose multiples the values of a signal lie, 0 for none."""
+        return rounding(self.log[signal][self.log.good(signal)])
 
     @cached_property
     def first(self) -> dict[str, float]:
@@ -70,4 +76,4 @@ class Record:
 
     def first_part(self, share: float) -> "Record":
         """Return the record up to a share of its rows."""
-        return Record(self.log.samples(0, int(round(share * len(self.log)))), self.played, self.pinned)
+        return replace(self, log=self.log.samples(0, round(share * len(self.log))))

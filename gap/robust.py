@@ -9,7 +9,7 @@ loss is flat almost everywhere and has a narrow trough, which a wide scale finds
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.floor import NU, losses
+from gap.floor import NU, UNIT, losses
 
 Floats = NDArray[np.float64]
 SHRINK = 0.4  # of the scale from round to round
@@ -33,7 +33,7 @@ def step(e: Floats, J: Floats, low: Floats, high: Floats) -> tuple[Floats, float
     s = max(1.0, float(np.median(np.abs(e))) * 3.0)
     for _ in range(ROUNDS):
         left = e + scaled @ d
-        w = 1.0 / (1.0 + (left / s) ** 2 / NU)
+        w = 1.0 / (1.0 + (left / (UNIT * s)) ** 2 / NU)
         G = scaled.T @ (scaled * w[:, None])
         change = np.linalg.lstsq(G, -scaled.T @ (w * left), rcond=1e-10)[0]
         d = np.clip(d + change, low * size, high * size)

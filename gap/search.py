@@ -1,24 +1,28 @@
 """Fit an effect to a record: a few sizes over its whole range first, then steps along the slopes of the innovations.
 
 Innovations are smooth functions of an effect's size where their score is not: between neighbouring sizes they are
-interpolated, so that the narrow trough of the score is found from few replays.
+interpolated, so that the narrow trough of the score is found from few replays.  Parameters of the model that are known
+within a tolerance only are free in every fit, within it.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from diagram.diagram import Diagram
 from gap.effect import Effect
-from gap.floor import scored
+from gap.effects.sensor_noise import SensorNoise
+from gap.floor import losses, scored
 from gap.problem import Problem
 from gap.robust import step
 
 Floats = NDArray[np.float64]
-NODES = 7  # sizes of a parameter that are replayed first
+NODES = 6  # sizes of a parameter that are replayed first
 BETWEEN = 8  # sizes looked at between two that were replayed
 ROUNDS = 6  # steps along the slopes
 SETTLED = 0.2  # nats that a step must promise to be taken
@@ -26,123 +30,232 @@ PROBE = 1e-3  # of the distance from neutral, or of the range: change of a param
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
-    """An effect at a place with the values that suit the record best.
+class Candidate:
+    """An effect at a place of a diagram, or none: what is free in a fit, and how values become a replay.
 
-    ``F`` its score; ``e`` (rows, signals) the innovations that are left; ``price`` nats for its parameters.
+    ``base`` the silent diagram without the effect; ``free`` the model's own parameters with (low, high).
     """
 
-    effect: Effect
-    place: str
+    problem: Problem
+    base: Diagram
+    effect: Effect | None = None
+    place: str = ""
+
+    @cached_property
+    def changed(self) -> Diagram:
+        """The diagram with the blocks of the effect."""
+        if self.effect is None or self.noisy:
+            return self.base
+        return self.effect.started(self.effect.put(self.base, self.place), self.place, self.problem.record.first)
+
+    @cached_property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Parameter -> (low, high): those of the effect, then those of the model that are not exactly known."""
+        own = dict(self.effect.bounds(self.base, self.place)) if self.effect else {}
+        return own | dict(self.problem.free)
+
+    @cached_property
+    def nominal(self) -> dict[str, float]:
+        """Parameter -> its value without the effect."""
+        own = self.effect.nominal(self.base, self.place) if self.effect else {}
+        return own | {key: float(self.problem.quiet.params[key]) for key in self.problem.free}
+
+    @cached_property
+    def sizes(self) -> tuple[str, ...]:
+        """Parameters that are the size of the effect."""
+        return tuple(p.name for p in self.effect.parameters if not p.nuisance) if self.effect else ()
+
+    @cached_property
+    def own(self) -> tuple[str, ...]:
+        """Parameters of the effect, its nuisances too."""
+        return tuple(p.name for p in self.effect.parameters) if self.effect else ()
+
+    def tried(self, many: Sequence[Mapping[str, float]]) -> "list[Fit]":
+        """Return a fit for each set of values that the effect can have; what is not given is nominal."""
+        full = [{**self.nominal, **values} for values in many]
+        if self.effect and not self.noisy:
+            effect, place = self.effect, self.place
+            full = [v for v in full if not effect.rules(self.base, place, {name: v[name] for name in self.own})]
+        if not full:
+            return []
+        columns = {name: np.array([values[name] for values in full]) for name in self.nominal}
+        params = {name: columns[name] for name in self.problem.free}
+        if self.effect and not self.noisy:
+            params |= self.effect.settings(self.base, self.place, **{name: columns[name] for name in self.own})
+        params = {key: np.broadcast_to(v, len(full)) for key, v in params.items()}
+        e = self.problem.innovations(self.changed, params)
+        if self.noisy:  # a replay has no noise; another size of it is another unit of the innovations
+            return [narrowed(Fit(self, values, 0.0, one)) for values, one in zip(full, e, strict=True)]
+        return [Fit(self, values, float(scored(one)), one) for values, one in zip(full, e, strict=True)]
+
+    @cached_property
+    def noisy(self) -> bool:
+        """Whether the effect is another size of a sensor's noise."""
+        return isinstance(self.effect, SensorNoise)
+
+    @cached_property
+    def absent(self) -> "Fit":
+        """The fit without the effect, the model's own parameters nominal."""
+        e = self.problem.innovations(self.base)[0]
+        return Fit(self, self.nominal, float(scored(e)), e)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A candidate with the values that suit the record best.
+
+    ``F`` its score; ``e`` (rows, signals) the innovations that are left; ``price`` nats for its parameters;
+    ``followed`` whether it has been fitted to the end.
+    """
+
+    candidate: Candidate
     values: Mapping[str, float]
     F: float
-    e: Floats
+    e: Floats = field(repr=False)
     price: float = 0.0
+    followed: bool = False
 
     @property
     def total(self) -> float:
         """Score and price, what candidates are compared by [nats]."""
         return self.F + self.price
 
+    @property
+    def effect(self) -> Effect:
+        """The effect.
 
-def tried(
-    problem: Problem, base: Diagram, effect: Effect, place: str, many: Sequence[Mapping[str, float]]
-) -> list[Fit]:
-    """Return the effect replayed in a diagram with each set of values that it can have."""
-    possible = [values for values in many if not effect.rules(base, place, values)]
-    if not possible:
-        return []
-    columns = {p.name: np.array([values[p.name] for values in possible]) for p in effect.parameters}
-    changed = effect.started(effect.put(base, place), place, problem.record.first)
-    settings = effect.settings(base, place, **columns)
-    e = problem.innovations(changed, {key: np.broadcast_to(v, len(possible)) for key, v in settings.items()})
-    return [Fit(effect, place, dict(v), float(scored(one)), one) for v, one in zip(possible, e, strict=True)]
+        Raises ``ValueError`` for the fit of a model without one.
+        """
+        if self.candidate.effect is None:
+            raise ValueError("this fit has no effect; it is of the model's own parameters")
+        return self.candidate.effect
+
+    @property
+    def place(self) -> str:
+        """The block at which the effect is."""
+        return self.candidate.place
 
 
-def slopes(problem: Problem, base: Diagram, fit: Fit) -> tuple[Floats, list[int]]:
+def narrowed(fit: Fit) -> Fit:
+    """Return a fit with the innovations of its sensor's signal in units of a noise ``factor`` times as large.
+
+    F = sum rho(e / factor) + n ln(factor)
+    """
+    candidate, e = fit.candidate, fit.e.copy()
+    pinned = candidate.problem.record.pinned
+    columns = [pinned.index(str(s)) for s in candidate.base[candidate.place].output_labels if s in pinned]
+    e[:, columns] /= fit.values["factor"]
+    n = np.isfinite(e[:, columns]).sum()
+    return replace(fit, e=e, F=float(scored(e)) + float(n * np.log(fit.values["factor"])))
+
+
+def best_of(fits: Sequence[Fit]) -> Fit | None:
+    """Return the fit of the lowest score, None if no run succeeded."""
+    return min((fit for fit in fits if math.isfinite(fit.F)), key=lambda fit: fit.F, default=None)
+
+
+def slopes(fit: Fit, names: Sequence[str] | None = None) -> tuple[Floats, list[str]]:
     """Return the slopes of the innovations in the parameters that are felt: (rows x signals, parameters), and which."""
-    effect, place = fit.effect, fit.place
-    names = [p.name for p in effect.parameters]
-    bounds, nominal = effect.bounds(base, place), effect.nominal(base, place)
-    many, changes = [], []
-    for name in names:
-        at, (low, high) = fit.values[name], bounds[name]
-        away = abs(at - nominal[name]) if math.isfinite(nominal[name]) else abs(at)
-        h = PROBE * max(away, 1e-3 * (high - low))
-        for change in (h, -h):
-            if low <= at + change <= high or change < 0.0:
-                many.append({**fit.values, name: at + change})
-                changes.append(change)
-                break
-    moved = tried(problem, base, effect, place, many)
-    if len(moved) < len(names):
+    candidate = fit.candidate
+    many, changes, asked = [], [], []
+    for name in candidate.bounds if names is None else names:
+        at, (low, high), nominal = fit.values[name], candidate.bounds[name], candidate.nominal[name]
+        if not math.isfinite(at):
+            continue
+        away = abs(at - nominal) if math.isfinite(nominal) else abs(at)
+        span = high - low if math.isfinite(high - low) else max(abs(at), 1.0)
+        h = PROBE * max(away, 1e-3 * span, span if name in candidate.problem.free else 0.0)
+        change = h if at + h <= high else -h
+        many.append({**fit.values, name: at + change})
+        changes.append(change)
+        asked.append(name)
+    moved = candidate.tried(many)
+    if len(moved) < len(many):
+        kept = [k for k, values in enumerate(many) if candidate.tried([values])]
+        asked, changes = [asked[k] for k in kept], [changes[k] for k in kept]
+    if not moved:
         return np.zeros((fit.e.size, 0)), []
     J = np.stack([(m.e - fit.e).ravel() / h for m, h in zip(moved, changes, strict=True)], axis=1)
-    felt = np.flatnonzero(np.nan_to_num(np.abs(J)).sum(axis=0) > 0.0).tolist()
-    return J[:, felt], felt
+    felt = [k for k in range(len(asked)) if float(np.nan_to_num(np.abs(J[:, k])).max(initial=0.0)) > 0.0]
+    return J[:, felt], [asked[k] for k in felt]
 
 
-def refined(problem: Problem, base: Diagram, fit: Fit, rounds: int = ROUNDS) -> Fit:
-    """Return a fit after steps along the slopes of all its parameters, within their bounds."""
-    effect, place = fit.effect, fit.place
-    names = [p.name for p in effect.parameters]
-    low, high = np.array([effect.bounds(base, place)[name] for name in names]).T
+def refined(fit: Fit, rounds: int = ROUNDS, names: Sequence[str] | None = None) -> Fit:
+    """Return a fit after steps along the slopes of its parameters (all, or those named), within their bounds."""
+    candidate = fit.candidate
+    if candidate.noisy:
+        return fit
     for _ in range(rounds):
-        at = np.array([fit.values[name] for name in names])
-        J, felt = slopes(problem, base, fit)
+        J, felt = slopes(fit, names)
         if not felt:
             return fit
-        d, promised = step(fit.e.ravel(), J, (np.minimum(low, at) - at)[felt], (np.maximum(high, at) - at)[felt])
+        at = np.array([fit.values[name] for name in felt])
+        low, high = np.array([candidate.bounds[name] for name in felt]).T
+        d, promised = step(fit.e.ravel(), J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0))
         if fit.F - promised < SETTLED:
             return fit
-        ahead = np.repeat(at[None], 2, axis=0)
-        ahead[:, felt] += np.array([1.0, 0.3])[:, None] * d
-        taken = tried(problem, base, effect, place, [dict(zip(names, v, strict=True)) for v in ahead.tolist()])
-        best = min([fit, *taken], key=lambda one: one.F)
-        gained = fit.F - best.F
-        fit = best
+        ahead = [{**fit.values, **dict(zip(felt, (at + share * d).tolist(), strict=True))} for share in (1.0, 0.3)]
+        best = best_of(candidate.tried(ahead))
+        if best is None or best.F >= fit.F:
+            return fit
+        gained, fit = fit.F - best.F, replace(best, price=fit.price)
         if gained < SETTLED:
             return fit
     return fit
 
 
-def between(nodes: Sequence[float], fits: Sequence[Fit]) -> tuple[float, float]:
-    """Return (value, F) where interpolated innovations of neighbouring sizes score best."""
-    best = min(((fit.F, node) for node, fit in zip(nodes, fits, strict=True)), default=(math.inf, 0.0))
-    for k in range(len(nodes) - 1):
-        a, b = fits[k].e, fits[k + 1].e
+def between(fits: Sequence[Fit], name: str) -> tuple[float, float]:
+    """Return (value, F) where interpolated innovations of fits that differ in one parameter score best."""
+    ordered = sorted(fits, key=lambda fit: fit.values[name])
+    best = min((fit.F, fit.values[name]) for fit in ordered)
+    for one, other in pairwise(ordered):
+        a, b = one.values[name], other.values[name]
+        if min(one.F, other.F) > 3.0 * best[0] or not math.isfinite(b - a):
+            continue
         for share in np.linspace(0.0, 1.0, BETWEEN + 2)[1:-1]:
-            F = float(scored(a + share * (b - a)))
-            if F < best[0]:
-                best = F, nodes[k] + share * (nodes[k + 1] - nodes[k])
+            F = float(losses(one.e + share * (other.e - one.e)).sum())
+            if best[0] > F:
+                best = F, a + share * (b - a)
     return best[1], best[0]
 
 
-def with_price(fit: Fit, price: float) -> Fit:
-    """Return a fit with what its parameters cost [nats]."""
-    return replace(fit, price=price)
+def fitted(candidate: Candidate, nodes: int = NODES) -> Fit | None:
+    """Return the fit of an effect over the whole range of each size, one after the other; None if no run succeeded.
 
-
-def fitted(problem: Problem, base: Diagram, effect: Effect, place: str, nodes: int = NODES) -> Fit | None:
-    """Return the best fit of an effect whose parameters each have a neutral value; None if no run succeeded.
-
-    One parameter after the other over its whole range, the others as found so far; then all together.
+    Signed ranges that are linear are gone through in both directions from neutral, near it in smaller steps.
     """
-    values = effect.nominal(base, place)
+    effect = candidate.effect
+    if effect is None:
+        return candidate.absent
+    values = dict(candidate.nominal)
     best: Fit | None = None
-    for name, sizes in effect.grid(base, place, nodes).items():
-        here = sorted(_both_sides(sizes.tolist(), values[name]))
-        fits = tried(problem, base, effect, place, [{**values, name: size} for size in here])
-        fits = [fit for fit in fits if math.isfinite(fit.F)]
-        size, F = between([fit.values[name] for fit in fits], fits)
+    for p in effect.parameters:
+        if p.nuisance:
+            continue
+        low, high = candidate.bounds[p.name]
+        nominal = candidate.nominal[p.name]
+        grid = _grid(p.spacing, low, high, nominal, nodes)
+        fits = [fit for fit in candidate.tried([{**values, p.name: size} for size in grid]) if math.isfinite(fit.F)]
+        if best is not None:
+            fits.append(best)
+        elif math.isfinite(nominal):
+            fits.append(candidate.absent)
         if not fits:
             continue
-        best = min([*fits, *([best] if best else [])], key=lambda fit: fit.F)
-        if F < best.F - SETTLED:
-            best = min([best, *tried(problem, base, effect, place, [{**values, name: size}])], key=lambda fit: fit.F)
-        values = dict(best.values)
+        size, F = between(fits, p.name)
+        best = best_of(fits)
+        if best is not None and F < best.F - SETTLED:
+            best = best_of([best, *candidate.tried([{**values, p.name: size}])])
+        if best is not None:
+            values = dict(best.values)
     return best
 
 
-def _both_sides(sizes: Sequence[float], neutral: float) -> set[float]:
-    return {*sizes, *([neutral] if math.isfinite(neutral) else [])}
+def _grid(spacing: str, low: float, high: float, nominal: float, nodes: int) -> list[float]:
+    """Return sizes to try first: evenly in their logarithm, or to both sides of neutral in a geometric series."""
+    if spacing == "log":
+        return [float(v) for v in np.geomspace(low, high, nodes) if v != nominal]
+    if math.isfinite(nominal) and low < nominal < high:
+        share = np.geomspace(0.01, 1.0, (nodes + 1) // 2)
+        return [*(nominal + share * (high - nominal)).tolist(), *(nominal + share * (low - nominal)).tolist()]
+    return [float(v) for v in np.linspace(low, high, nodes) if v != nominal]

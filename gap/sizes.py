@@ -1,13 +1,11 @@
-"""How sure the sizes of a fitted effect are, and how far the gap shrinks with them on rows that the fit has not seen."""
+"""How sure the sizes of an effect are, and how far the gap shrinks with them on rows that the fit has not seen."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from diagram.diagram import Diagram
 from gap.floor import NU, losses
-from gap.problem import Problem
 from gap.report import Shrinkage, Size
 from gap.search import Fit, slopes
 
@@ -18,17 +16,19 @@ SEEN = 0.625  # share of the rows on which effects are fitted again to be judged
 BLOCKS = 12  # stretches of the rest whose scatter gives the interval
 
 
-def sizes(problem: Problem, base: Diagram, fit: Fit) -> dict[str, Size]:
+def sizes(fit: Fit) -> dict[str, Size]:
     """Return the parameters of a fit with intervals of 90 %, from the slopes of the innovations."""
-    J, felt = slopes(problem, base, fit)
+    J, felt = slopes(fit)
     flat = np.nan_to_num(J)
     weights = 1.0 / (1.0 + np.nan_to_num(fit.e.ravel()) ** 2 / NU)
     G = flat.T @ (flat * weights[:, None])
     sd = dict(zip(felt, np.sqrt(np.maximum(np.diag(np.linalg.pinv(G)), 0.0) * LOST).tolist(), strict=True))
     found = {}
-    for k, (p, (low, high)) in enumerate(zip(fit.effect.parameters, fit.effect.bounds(base, fit.place).values())):
-        value = float(fit.values[p.name])
-        wide = SURE * sd.get(k, np.inf)  # what the record does not feel may be anything
+    for p in fit.effect.parameters:
+        value, (low, high) = float(fit.values[p.name]), fit.candidate.bounds[p.name]
+        if p.nuisance or not np.isfinite(value):
+            continue
+        wide = SURE * sd.get(p.name, np.inf)  # what the record does not feel may be anything
         found[p.name] = Size(value, max(value - wide, min(low, value)), min(value + wide, max(high, value)), p.unit)
     return found
 

@@ -1,0 +1,105 @@
+"""What the digits of a log tell before any physics: values on a lattice, values on straight lines.
+
+lattice        values are multiples of a step.  The historian's rounding leaves OP, which saw finer values of PV, at odds
+               with the logged PV; a sensor that gives multiples itself leaves it in accord.
+straight       three values on a line that are not equal: a historian that compresses draws lines between those it kept.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.effect import Effect
+from gap.floor import measured, without_gap
+from gap.offsets import offsets
+from gap.problem import Problem
+from gap.record import Record
+from gap.search import Candidate, Fit
+from logs import Log
+
+Floats = NDArray[np.float64]
+IN_ACCORD = 0.3  # of the usual size: innovations this small were not made by the historian's rounding
+USUAL = 0.6745  # median of |e| without a gap
+STRAIGHT = 0.05  # share of straight triples that no noise makes
+DEVIATIONS = 13  # sizes of a compression that are tried
+RUNS = 6  # of a compressed model, whose scores tell what is usual
+
+
+def straight(values: Floats, step: float) -> float:
+    """Return the share of three neighbours that lie on a line without being equal, within the rounding ``step``.
+
+    >>> straight(np.array([0.0, 1.0, 2.0, 3.0, 1.0]), 0.0).__round__(3)
+    0.667
+    """
+    bend, rise = np.abs(np.diff(values, 2)), np.abs(np.diff(values))
+    near = 1.01 * step + 1e-9 * float(np.nanmax(np.abs(values), initial=0.0))
+    lined = (bend <= near) & (rise[1:] > 2.0 * near) & np.isfinite(bend)
+    return float(lined.mean()) if len(bend) else 0.0
+
+
+def in_loop(problem: Problem) -> tuple[str, ...]:
+    """Return the signals whose lattice is the sensor's own: the others are in better accord than rounding allows."""
+    e = np.abs(problem.as_it_is)
+    pinned, steps = problem.record.pinned, problem.record.steps
+    coarse = [s for s in pinned if steps[s] and any(steps[s] > 3.0 * steps[o] for o in pinned if o != s)]
+    small = [s for k, s in enumerate(pinned) if float(np.nanmedian(e[:, k])) < IN_ACCORD * USUAL]
+    return tuple(s for s in coarse if any(o != s for o in small))
+
+
+def with_lattices(problem: Problem, runs: int, seed: int) -> Problem:
+    """Return the problem with the floor of a log that does not round the signals whose sensor does."""
+    found = in_loop(problem)
+    if not found:
+        return problem
+    record = replace(problem.record, lattices=found)
+    floor, _ = measured(problem.model, problem.quiet, record, runs, seed)
+    return replace(problem, record=record, floor=floor)
+
+
+def fitted_lattice(candidate: Candidate) -> Fit | None:
+    """Return a sensor that gives multiples of the step that its signal shows; None where it shows none."""
+    record = candidate.problem.record
+    own = [str(s) for s in candidate.base[candidate.place].output_labels if str(s) in record.lattices]
+    if not own:
+        return None
+    fits = candidate.tried([{"step": record.lattice(own[0])}])
+    return fits[0] if fits else None
+
+
+def fitted_compression(problem: Problem, effect: Effect, place: str) -> tuple[Fit, bool] | None:
+    """Return a compression that makes as many straight triples as the log has, and whether it explains the score.
+
+    None where the log has no more of them than noise makes.
+    """
+    record = problem.record
+    signal = next((s for s in record.pinned if straight(record.log[s], record.steps[s]) > STRAIGHT), None)
+    if signal is None:
+        return None
+    wanted = straight(record.log[signal], record.steps[signal])
+    plain = without_gap(problem.model, record, RUNS, 1)
+    deviation = _matching(plain[0], effect, place, signal, record, wanted)
+    logs = [effect.on_log(log, place, deviation=deviation) for log in plain]
+    usual = problem.floor.score(offsets(problem.quiet, record, logs=logs))
+    candidate = Candidate(problem, problem.quiet, effect, place)
+    F = float(usual.mean())
+    spread = max(float(usual.std(ddof=1)), problem.floor.sd * problem.rows**0.5)
+    explained = abs(problem.score - F) < 6.0 * spread + 0.1 * abs(problem.score - problem.level)
+    e = problem.as_it_is / max(1.0, float(np.nanstd(problem.as_it_is)))
+    return Fit(candidate, {"deviation": deviation}, problem.level, e), explained
+
+
+def _matching(log: Log, effect: Effect, place: str, signal: str, record: Record, wanted: float) -> float:
+    """Return the deviation whose log has the share of straight triples."""
+    low, high = effect.parameters[0].low, effect.parameters[0].high
+    for _ in range(3):
+        sizes = np.geomspace(low, high, DEVIATIONS)
+        shares = []
+        for size in sizes:
+            made = effect.on_log(log, place, deviation=float(size))
+            values = record.rounded({signal: made[signal]})[signal]
+            shares.append(straight(values, record.steps[signal]))
+        k = int(np.clip(np.searchsorted(shares, wanted), 1, len(sizes) - 1))
+        low, high = float(sizes[k - 1]), float(sizes[k])
+    return float(np.sqrt(low * high))
+
