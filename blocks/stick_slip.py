@@ -53,47 +53,43 @@ def slack(k: float, M: float, F_v: float) -> float:
     return min(0.5 * k * M / F_v, 0.5 * F_v) if F_v > 0.0 else 0.0
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = x[0]
+def _out(x: float) -> float:
+    return x
 
 
-def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    if d[0] == STUCK:
-        dx[0] = 0.0
-        dx[1] = 0.0
-    else:
-        coulomb = 0.0 if d[0] == IDEAL else p[3] * d[0]
-        dx[0] = x[1]
-        dx[1] = (p[0] * (u[0] - x[0]) - coulomb - p[2] * x[1]) / p[1]
+def _der(x: float, v: float, mode: float, OP: float, k: float, M: float, F_v: float, F_c: float) -> tuple[float, float]:
+    if mode == STUCK:
+        return 0.0, 0.0
+    coulomb = 0.0 if mode == IDEAL else F_c * mode
+    return v, (k * (OP - x) - coulomb - F_v * v) / M
 
 
-def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    spring = p[0] * (u[0] - x[0])
-    g[0] = -1.0
-    g[1] = -1.0
-    if d[0] == STUCK:  # away from a stop only
-        breakaway = max(p[4], p[3] + max(TIE * p[3], NOISE * p[0]))
-        if spring > 0.0:
-            g[0] = spring - breakaway if x[0] < p[6] else -1.0
-        else:
-            g[0] = -spring - breakaway if x[0] > p[5] else -1.0
-    elif d[0] != IDEAL:
-        forward = d[0] * x[1]
-        braking = d[0] * spring < p[3] + (p[2] - slack(p[0], p[1], p[2])) * forward  # not one that follows a slow OP
-        g[0] = (p[7] if braking else 0.0) - forward
-        g[1] = x[0] - p[6] if d[0] == UP else p[5] - x[0]
+def _zc(
+    x: float, v: float, mode: float, OP: float,
+    k: float, M: float, F_v: float, F_c: float, F_s: float, low: float, high: float, v_stop: float,
+) -> tuple[float, float]:  # fmt: skip
+    spring = k * (OP - x)
+    if mode == IDEAL:
+        return -1.0, -1.0
+    if mode == STUCK:  # away from a stop only
+        breakaway = max(F_s, F_c + max(TIE * F_c, NOISE * k))
+        free = x < high if spring > 0.0 else x > low
+        return (abs(spring) - breakaway if free else -1.0), -1.0
+    forward = mode * v
+    braking = mode * spring < F_c + (F_v - slack(k, M, F_v)) * forward  # not one that follows a slow OP
+    return (v_stop if braking else 0.0) - forward, (x - high if mode == UP else low - x)
 
 
-def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    if d[0] == STUCK:
-        d[0] = UP if u[0] > x[0] else DOWN
-    else:
-        if k[0] == 1.0:
-            x[0] = p[6] if d[0] == UP else p[5]
-        elif d[0] * p[0] * (u[0] - x[0]) > p[3]:  # it would creep on, to where spring and Coulomb friction balance
-            x[0] = min(max(u[0] - d[0] * p[3] / p[0], p[5]), p[6])
-        d[0] = STUCK
-    x[1] = 0.0
+def _jump(
+    event: float, x: float, mode: float, OP: float, k: float, F_c: float, low: float, high: float
+) -> tuple[float, float, float]:
+    if mode == STUCK:
+        return (UP if x < OP else DOWN), x, 0.0
+    if event == 1.0:
+        x = high if mode == UP else low
+    elif mode * k * (OP - x) > F_c:  # it would creep on, to where spring and Coulomb friction balance
+        x = min(max(OP - mode * F_c / k, low), high)
+    return STUCK, x, 0.0
 
 
 class StickSlip(Block):
@@ -117,7 +113,7 @@ class StickSlip(Block):
     role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2)
     modes = QuasiStaticStem.modes
     limit_params = ("low", "high")
 
