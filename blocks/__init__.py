@@ -7,7 +7,7 @@ valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadb
              Positioner (pneumatic, in front of a stem)
              KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
 processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay
-sensors      Sensor SampledSensor
+sensors      Sensor SampledSensor   Historian (what the archive keeps)
 arithmetic   Sum Gain Product Divide Lookup1D Lookup2D
 switching    Saturation DeadZone RateLimiter Relay Switch MinSelect MaxSelect
 filters      LeadLag SampledFilter Biquad ZeroOrderHold ResetIntegrator
@@ -39,6 +39,7 @@ from blocks.flow_resistance import FlowResistance
 from blocks.gas_turbine import GasTurbine
 from blocks.gas_valve_flow import GasValveFlow
 from blocks.he_valve import HeValve
+from blocks.historian import Historian
 from blocks.ideal_valve import IdealValve
 from blocks.integrator import Integrator
 from blocks.kano_valve import KanoValve
@@ -112,6 +113,7 @@ __all__ = [
     "GasTurbine",
     "GasValveFlow",
     "HeValve",
+    "Historian",
     "Host",
     "IdealValve",
     "Integrator",

@@ -53,7 +53,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
         "VariableDelay": TEXTBOOK,
     },
-    "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
+    "Sensors and archives": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK, "Historian": TEXTBOOK},
     "Arithmetic": {
         "Sum": TEXTBOOK, "Gain": TEXTBOOK, "Product": TEXTBOOK, "Divide": TEXTBOOK, "Lookup1D": TEXTBOOK,
         "Lookup2D": TEXTBOOK,

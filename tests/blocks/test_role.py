@@ -35,13 +35,20 @@ def test_every_block_of_the_catalogue_declares_a_role(name: str) -> None:
     assert own and isinstance(own[0], Role), f"{name} declares no role"
 
 
+def test_every_role_has_a_block() -> None:
+    blocks_of_detectors = [getattr(detect.blocks, name) for name in detect.blocks.__all__]
+    known = [*(getattr(blocks, name) for group in BLOCKS.values() for name in group), *blocks_of_detectors]
+    assert {made.role for made in known} == set(Role)
+
+
 @pytest.mark.parametrize(
     ("name", "role"),
     [
         ("Constant", "source"), ("Sine", "source"), ("Slug", "disturbance"), ("Noise", "disturbance"),
         ("PI", "controller"), ("SampledPI", "controller"), ("AntiSurge", "controller"), ("StickSlip", "valve"),
         ("KanoValve", "valve"), ("Deadband", "valve"), ("ControlValveFlow", "process"), ("FirstOrder", "process"),
-        ("SampledSensor", "sensor"), ("Sum", "arithmetic"), ("DetectorBlock", "detector"), ("PrefilterBlock", "filter"),
+        ("SampledSensor", "sensor"),
+        ("Historian", "historian"), ("Sum", "arithmetic"), ("DetectorBlock", "detector"), ("PrefilterBlock", "filter"),
     ],
 )  # fmt: skip
 def test_roles_are_what_an_engineer_expects(name: str, role: str) -> None:
