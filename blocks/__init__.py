@@ -1,13 +1,13 @@
 """Blocks: one python-control nonlinear I/O system per file, made of pure kernels.
 
 sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise PRBS Chirp
-log on top   Pin (of a signal)
+log on top   Pin (of a signal)   Historian (reads, gives nothing)
 controllers  PI PID SampledPI RelayTuner
 valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
              Positioner (pneumatic, in front of a stem)
              KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
 processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay
-sensors      Sensor SampledSensor   Historian (what the archive keeps)
+sensors      Sensor SampledSensor
 arithmetic   Sum Gain Product Divide Lookup1D Lookup2D
 switching    Saturation DeadZone RateLimiter Relay Switch MinSelect MaxSelect
 filters      LeadLag SampledFilter Biquad ZeroOrderHold ResetIntegrator

@@ -17,6 +17,7 @@ Valid for any dt > 0; stability of the loop is the user's affair.  See also: pi.
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from blocks.block import Block, Kernels
 from blocks.pi import PI, check_tuning, op_span, start_integral, tuned
@@ -24,25 +25,24 @@ from blocks.ports import Labels, Port
 from blocks.role import Role
 from blocks.rules import check_scan
 
-
-def _plain_step(
-    z: float, SP: float, PV: float,
-    K_p: float, T_i: float, low: float, high: float, T_t: float, action: float, dt: float,
-) -> tuple[float, float]:  # fmt: skip
-    e = action * (SP - PV)
-    v = K_p * e + z
-    OP = min(max(v, low), high)
-    track = dt / (T_t if T_t > 0.0 else T_i)
-    return z + (dt * K_p * e / T_i + min(track, 1.0) * (OP - v)), OP
+# p = K_p, T_i, low, high, T_t, action, dt, offset; d = z
 
 
-def _conditional_step(
-    z: float, SP: float, PV: float, K_p: float, T_i: float, low: float, high: float, action: float, dt: float
-) -> tuple[float, float]:
-    e = action * (SP - PV)
-    v = K_p * e + z
-    outwards = (v >= high and e > 0.0) or (v <= low and e < 0.0)
-    return (z if outwards else z + dt * K_p * e / T_i), min(max(v, low), high)
+def _plain_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    e = p[5] * (u[0] - u[1])
+    v = p[0] * e + d[0]
+    y[0] = min(max(v, p[2]), p[3])
+    track = p[6] / (p[4] if p[4] > 0.0 else p[1])
+    d[0] += p[6] * p[0] * e / p[1] + min(track, 1.0) * (y[0] - v)
+
+
+def _conditional_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    e = p[5] * (u[0] - u[1])
+    v = p[0] * e + d[0]
+    y[0] = min(max(v, p[2]), p[3])
+    outwards = (v >= p[3] and e > 0.0) or (v <= p[2] and e < 0.0)
+    if not outwards:
+        d[0] += p[6] * p[0] * e / p[1]
 
 
 class SampledPI(Block):

@@ -12,7 +12,8 @@ in   PV  process variable            out  PV_m  measured process variable (same 
 tau  lag [s]   factor  span factor [-]   bias [unit of PV]   drift [unit of PV / s]   low, high, sd, step [unit of PV]
 
 Source: the usual textbook elements.  Valid for sensors slower than their own dynamics of higher order; not for
-detection limits with hysteresis.  See also: noise, arithmetic, historian (what the log alone shows).
+detection limits with hysteresis.  The compression of a historian is not a sensor effect: it acts on the log only.
+See also: noise, arithmetic.
 """
 
 import math
@@ -24,8 +25,9 @@ from blocks.limits import FREE, MODES, limit_events, limit_transition
 from blocks.noise import Seed, Seeded, check_noise, coloured
 from blocks.ports import Labels, Port, require
 from blocks.role import Role
-from blocks.rounding import rounded
 from blocks.rules import check_limits, check_scan, finite
+
+RESOLUTION = 2.0**52  # values of more steps than this are whole numbers of steps anyway
 
 # p = tau, factor, bias, drift, low, high
 
@@ -60,7 +62,9 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     follow = 1.0 - math.exp(-p[6] / p[0]) if p[0] > 0.0 else 1.0
     d[7] += follow * (_target(t, u, p) - d[7])
-    value = rounded(d[7] + p[8] * coloured(d, 0, p[6], p[9]), p[10])
+    value = d[7] + p[8] * coloured(d, 0, p[6], p[9])
+    if p[10] > 0.0 and abs(value) < RESOLUTION * p[10]:
+        value = p[10] * math.floor(value / p[10] + 0.5)
     y[0] = min(max(value, p[4]), p[5])
 
 

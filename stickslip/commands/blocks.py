@@ -27,7 +27,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     "Signals and boundary conditions": {
         "Constant": TEXTBOOK, "Step": TEXTBOOK, "Ramp": TEXTBOOK, "Sine": SLUGS, "Square": TEXTBOOK,
         "Triangle": TEXTBOOK, "Slug": SLUGS, "Staircase": TEXTBOOK, "Recorded": TEXTBOOK, "Noise": "L'Ecuyer 1999",
-        "PRBS": "Ljung 1999", "Chirp": TEXTBOOK, "Pin": TEXTBOOK,
+        "PRBS": "Ljung 1999", "Chirp": TEXTBOOK, "Pin": TEXTBOOK, "Historian": TEXTBOOK,
     },
     "Controllers": {
         "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
@@ -53,7 +53,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
         "VariableDelay": TEXTBOOK,
     },
-    "Sensors and archives": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK, "Historian": TEXTBOOK},
+    "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
     "Arithmetic": {
         "Sum": TEXTBOOK, "Gain": TEXTBOOK, "Product": TEXTBOOK, "Divide": TEXTBOOK, "Lookup1D": TEXTBOOK,
         "Lookup2D": TEXTBOOK,
@@ -80,6 +80,7 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "Recorded": {"signal": "out", "t": [0.0, 1.0], "values": [0.0, 1.0]},
     "Noise": {"signal": "out"},
     "Pin": {"t": [0.0, 1.0], "values": [0.0, 1.0]},
+    "Historian": {"signals": ["in"]},
     "HeValve": {"f_s": 0.04, "f_d": 0.02},
     "Sum": {"signal": "out", "weights": {"in_1": 1.0, "in_2": 1.0}},
     "Gain": {"signal": "out", "source": "in"},
