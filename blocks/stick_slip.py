@@ -33,15 +33,14 @@ See also: quasi_static_stem (the same without mass), stribeck_stem, lugre_stem (
 kano_valve and its siblings (sampled two-band models).
 """
 
-import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, number, require
-from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem, check_stops, started_between
-from blocks.role import Role
-from blocks.rules import not_negative, positive
+from blocks.block import Kernels
+from blocks.ports import number, require
+from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem
+from blocks.rules import not_negative
+from blocks.stem_with_mass import StemWithMass
 
 TIE = 1e-6  # with F_s = F_c a stem comes to rest exactly at breakaway, where rounding would start it again and again;
 NOISE = 1e-9  # so it breaks away only with this share more, and with a spring force of this share of travel if F_s is 0
@@ -92,7 +91,7 @@ def _jump(
     return STUCK, x, 0.0
 
 
-class StickSlip(Block):
+class StickSlip(StemWithMass):
     """A valve stem with stiction; defaults are the thesis's high stiction (table A.1: 0, 1 and 2 % jump).
 
     ``StickSlip.none()``, ``.normal()`` and ``.high()`` have F_s = 1250, 1750 and 2250 N; ``none`` still has the
@@ -110,12 +109,8 @@ class StickSlip(Block):
     [0.0, 0.0262]
     """
 
-    role = Role.VALVE
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2)
     modes = QuasiStaticStem.modes
-    limit_params = ("low", "high")
 
     def __init__(
         self,
@@ -132,13 +127,8 @@ class StickSlip(Block):
         name: str = "valve",
         **labels: Any,
     ) -> None:
-        started_between(low, high, start, name)
         super().__init__(
-            name=name,
-            params={"k": k, "M": M, "F_v": F_v, "F_c": F_c, "F_s": F_s, "low": low, "high": high, "v_stop": v_stop},
-            states={"x": start, "v": 0.0},
-            memory={"mode": STUCK},
-            **labels,
+            F_s, F_c, {"v_stop": v_stop}, k=k, M=M, F_v=F_v, low=low, high=high, start=start, name=name, **labels
         )
 
     @classmethod
@@ -173,10 +163,8 @@ class StickSlip(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless k, M > 0, F_v, v_stop >= 0, F_s >= F_c >= 0 and low < high."""
-        positive(params, name, "k", "M", remedy="give a positive one")
-        not_negative(params, name, "F_v", "v_stop")
-        check_friction(params, name)
-        check_stops(params, name)
+        StemWithMass.check(params, name)
+        not_negative(params, name, "v_stop")
 
     # --- what the MV-OP figure shows ------------------------------------------------------------------------
     def _value(self, key: str) -> float:
@@ -211,11 +199,3 @@ class StickSlip(Block):
             units=self.units,
             spans=self.spans,
         )
-
-
-def check_friction(params: Mapping[str, float], name: str) -> None:
-    """Raise ``BlockError`` unless F_s >= F_c >= 0, both finite."""
-    not_negative(params, name, "F_c")
-    F_s, F_c = float(params["F_s"]), float(params["F_c"])
-    rule = f"static friction is at least the Coulomb friction, F_s >= F_c = {F_c}"
-    require(F_c <= F_s < math.inf, name, "F_s", F_s, rule, "raise F_s or lower F_c")

@@ -8,7 +8,20 @@ import pytest
 
 import blocks
 import detect.blocks
-from blocks import PI, AntiSurge, BlockError, Equations, Flare, SampledFunction, Sine, StateSpace, Step, StickSlip
+from blocks import (
+    PI,
+    AntiSurge,
+    BlockError,
+    Equations,
+    Flare,
+    LuGreStem,
+    SampledFunction,
+    Sine,
+    StateSpace,
+    Step,
+    StickSlip,
+    StribeckStem,
+)
 from blocks.block import Block
 from blocks.declared import PARTS
 from blocks.role import Role
@@ -99,6 +112,7 @@ def test_a_port_plays_the_part_it_is_named_after_or_the_one_the_block_says() -> 
 
 def test_limits_are_those_of_the_output() -> None:
     assert PI(1.0, 10.0, low=0.1, high=0.9).limits == (0.1, 0.9)
+    assert StribeckStem(low=-0.1).limits == LuGreStem(low=-0.1).limits == (-0.1, 1.0)
     assert Step("SP").limits == (-float("inf"), float("inf"))
     assert StickSlip().can_stick and not PI(1.0, 10.0).can_stick and not Flare().can_stick
 
