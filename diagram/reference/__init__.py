@@ -1,4 +1,4 @@
-"""A second opinion on every run: other people's solvers, and no code shared with the engine."""
+"""The same diagrams solved by scipy or CVODE: slow, and without code shared with the engine, which it serves to check."""
 
 from diagram.reference.integration import simulate_reference
 
