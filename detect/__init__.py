@@ -1,4 +1,4 @@
-"""Stiction detectors: functions that take a LoopRecord and return a Verdict; most can also take a loop sample by sample.
+"""Stiction detectors: functions from a LoopRecord to a Verdict; most can also take a loop sample by sample.
 
 One loop in five lines:
 

@@ -1,4 +1,4 @@
-"""The same diagrams solved by scipy or CVODE: slow, and without code shared with the engine, which it serves to check."""
+"""The same diagrams solved by scipy or CVODE, to check the engine: slow, and without code shared with it."""
 
 from diagram.reference.integration import simulate_reference
 
