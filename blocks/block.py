@@ -6,6 +6,7 @@ compiled.  Nothing is kept inside a block, so a call never changes it; what chan
 """
 
 import copy
+import keyword
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any, Self
@@ -17,6 +18,7 @@ from blocks.arguments import by_name, checked, text
 from blocks.control_view import ControlView
 from blocks.declared import FREE_MODE, PARTS
 from blocks.kernels import Floats, Host, Kernel, Kernels
+from blocks.named_kernels import Names, in_arrays
 from blocks.ports import BlockError, Labels, check_names, labelled, nearest, number, require, shortened
 from blocks.role import Role
 
@@ -85,6 +87,7 @@ class Block(ControlView):
         self.x0: Floats = np.array(list(states.values()), dtype=float)
         self.d0: Floats = np.array(list(memory.values()), dtype=float)
         self._p_now = self.p
+        self._make_kernels(name)
         super().__init__(
             self._update,
             self._output,
@@ -95,6 +98,35 @@ class Block(ControlView):
             name=name,
         )
         self._fix_params(dict(zip(self.param_names, named.tolist(), strict=True)))
+
+    def _make_kernels(self, name: str) -> None:
+        """Let kernels that are written with names read the arrays in which the names have their places."""
+        inputs = tuple(port.name + "_" * keyword.iskeyword(port.name) for port in self.ports_in)  # "in" is "in_"
+        outputs = tuple(port.name for port in self.ports_out)
+        names = Names(self.state_names, self.memory_names, inputs, self.param_names, outputs)
+        start = np.concatenate([self.x0, self.d0, self.p[: len(self.param_names)]]).tolist()
+        keys = (*self.state_names, *self.memory_names, *self.param_names)
+        made = in_arrays(self.kernels, name, names, dict(zip(keys, start, strict=True)))
+        if made is not self.kernels:
+            self._written, self.kernels = self.kernels, made
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out kernels that were made from functions of names: they are made again from them."""
+        state = self.__dict__.copy()
+        if "_written" in state:
+            state["kernels"] = state.pop("_written")
+            if state["kernels"] is type(self).kernels:
+                del state["kernels"]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._make_kernels(self.name)
+
+    def __copy__(self) -> Self:
+        other = type(self).__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        return other
 
     def _span(self, name: str, key: str, span: Any) -> tuple[float, float]:
         """Return low and high end of an instrument's span, refusing what is none."""

@@ -22,20 +22,18 @@ from blocks.ports import Port, require
 from blocks.role import Role
 from blocks.rules import not_negative
 
-# p = K, p_crack, p_lam
+
+def _out(p_up: float, p_down: float, K: float, p_crack: float, p_lam: float) -> float:
+    return K * root(max(p_up - p_down - p_crack, 0.0), p_lam)
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = p[0] * root(max(u[0] - u[1] - p[1], 0.0), p[2])
+def _zc(mode: float, p_up: float, p_down: float, p_crack: float) -> float:
+    beyond = p_up - p_down - p_crack
+    return (-beyond if mode == OPEN else beyond) - BAND * (abs(p_up) + abs(p_down))
 
 
-def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    beyond = u[0] - u[1] - p[1]
-    g[0] = (-beyond if d[0] == 0.0 else beyond) - BAND * (abs(u[0]) + abs(u[1]))
-
-
-def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    d[0] = 1.0 - d[0]
+def _jump(mode: float) -> float:
+    return SHUT if mode == OPEN else OPEN
 
 
 class CheckValve(Block):

@@ -20,12 +20,8 @@ from blocks.dead_time import Delayed, check_dead_time
 from blocks.ports import Port, require
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = x[0]
-
-
-def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    dx[0] = (p[0] * u[0] - x[0]) / p[1]
+def _der(PV: float, MV: float, K: float, tau: float) -> float:
+    return (K * MV - PV) / tau
 
 
 class FirstOrder(Delayed):
@@ -42,7 +38,7 @@ class FirstOrder(Delayed):
 
     ports_in = (Port("MV"),)
     ports_out = (Port("PV"),)
-    kernels = Kernels(out=_out, der=_der, feeds=False)
+    kernels = Kernels(der=_der)
 
     def __init__(
         self,

@@ -20,8 +20,8 @@ from blocks.ports import Port, require
 from blocks.role import Role
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = p[0] * root(u[0] - u[1], p[1])
+def _out(p_up: float, p_down: float, K: float, p_lam: float) -> float:
+    return K * root(p_up - p_down, p_lam)
 
 
 class FlowResistance(Block):

@@ -23,12 +23,8 @@ from blocks.ports import Port, require
 from blocks.rules import finite
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = x[0]
-
-
-def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    dx[0] = p[0] / p[1] * (u[0] - p[2])
+def _der(MV: float, K: float, T: float, u_0: float) -> float:
+    return K / T * (MV - u_0)
 
 
 class Integrator(Delayed):
@@ -44,7 +40,7 @@ class Integrator(Delayed):
 
     ports_in = (Port("MV"),)
     ports_out = (Port("PV"),)
-    kernels = Kernels(out=_out, der=_der, feeds=False)
+    kernels = Kernels(der=_der)
 
     def __init__(
         self,

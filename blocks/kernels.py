@@ -5,7 +5,7 @@
     step       one sample: changes d, writes y     next_time  next discontinuity of a source, largest step
 
 Each has the shape ``(t, x, d, u, p, out)``: time [s], states, modes and memories, inputs, parameters, and what it
-writes.
+writes; or it is written with names, ``der(L, F, A, k)``, and returns its values (see ``named_kernels``).
 """
 
 from collections.abc import Callable, Sequence
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
+Function = Callable[..., Any]  # of names, or a kernel
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,12 @@ class Kernels:
     without mass does when it slips.
     """
 
-    out: Kernel | None = None
-    der: Kernel | None = None
-    zc: Kernel | None = None
-    jump: Kernel | None = None
-    step: Kernel | None = None
-    next_time: Kernel | None = None
+    out: Function | None = None
+    der: Function | None = None
+    zc: Function | None = None
+    jump: Function | None = None
+    step: Function | None = None
+    next_time: Function | None = None
     n_events: int = 0
     feeds: bool = True
     rates: bool = False

@@ -15,7 +15,6 @@ See also: first_order (a process, with dead time), sampled_filter.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 from blocks.block import Kernels
 from blocks.one_to_one import OneToOne
@@ -23,12 +22,12 @@ from blocks.role import Role
 from blocks.rules import finite, positive
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = p[0] * (x[0] + p[1] / p[2] * (u[0] - x[0]))
+def _out(x: float, in_: float, K: float, T_lead: float, T_lag: float) -> float:
+    return K * (x + T_lead / T_lag * (in_ - x))
 
 
-def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    dx[0] = (u[0] - x[0]) / p[2]
+def _der(x: float, in_: float, T_lag: float) -> float:
+    return (in_ - x) / T_lag
 
 
 class LeadLag(OneToOne):

@@ -32,62 +32,55 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
+from blocks.block import Kernels
 from blocks.limits import FREE, HIGH, LOW, MODES
-from blocks.ports import Port
-from blocks.quasi_static_stem import check_stops, started_between
-from blocks.role import Role
 from blocks.rules import not_negative, positive
-from blocks.stick_slip import check_friction
-
-# p = k, M, F_v, F_c, F_s, low, high, v_s, sigma_0, sigma_1;   x = x, v, z
+from blocks.stem_with_mass import StemWithMass
 
 
-def _bristle_rate(v: float, z: float, p: Any) -> float:
+def _bristle_rate(v: float, z: float, F_c: float, F_s: float, v_s: float, sigma_0: float) -> float:
     """Return dz/dt [travel/s]."""
-    g = p[3] + (p[4] - p[3]) * math.exp(-((v / p[7]) ** 2))
-    rate: float = v - p[8] * abs(v) * z / g
-    return rate
+    g = F_c + (F_s - F_c) * math.exp(-((v / v_s) ** 2))
+    return v - sigma_0 * abs(v) * z / g
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = x[0]
+def _out(x: float) -> float:
+    return x
 
 
-def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    if d[0] != FREE:
-        dx[0] = 0.0
-        dx[1] = 0.0
-        dx[2] = 0.0
-    else:
-        dx[0] = x[1]
-        dx[2] = _bristle_rate(x[1], x[2], p)
-        dx[1] = (p[0] * (u[0] - x[0]) - p[8] * x[2] - p[9] * dx[2] - p[2] * x[1]) / p[1]
+def _der(
+    x: float, v: float, z: float, mode: float, OP: float,
+    k: float, M: float, F_v: float, F_c: float, F_s: float, v_s: float, sigma_0: float, sigma_1: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    if mode != FREE:
+        return 0.0, 0.0, 0.0
+    rate = _bristle_rate(v, z, F_c, F_s, v_s, sigma_0)
+    return v, (k * (OP - x) - sigma_0 * z - sigma_1 * rate - F_v * v) / M, rate
 
 
-def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    if d[0] == FREE:
-        g[0] = x[0] - p[6]
-        g[1] = p[5] - x[0]
-    else:  # leaves the stop when the spring pulls the bristles back
-        g[0] = -d[0] * (p[0] * (u[0] - x[0]) - p[8] * x[2])
-        g[1] = -1.0
+def _zc(
+    x: float, z: float, mode: float, OP: float, k: float, low: float, high: float, sigma_0: float
+) -> tuple[float, float]:
+    if mode == FREE:
+        return x - high, low - x
+    return -mode * (k * (OP - x) - sigma_0 * z), -1.0  # leaves the stop when the spring pulls the bristles back
 
 
-def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    if d[0] != FREE:
-        d[0] = FREE
-    else:
-        d[0] = HIGH if k[0] == 0.0 else LOW
-        x[0] = p[6] if d[0] == HIGH else p[5]
-        x[1] = 0.0
+def _jump(
+    event: float, x: float, v: float, z: float, mode: float, low: float, high: float
+) -> tuple[float, float, float, float]:
+    if mode != FREE:
+        return FREE, x, v, z
+    at_high = event == 0.0
+    return (HIGH if at_high else LOW), (high if at_high else low), 0.0, z
 
 
-class LuGreStem(Block):
+class LuGreStem(StemWithMass):
     """A valve stem with LuGre friction; spring, mass and forces default to the thesis's high stiction.
 
     ``sigma_0`` [N per travel] and ``sigma_1`` [N s per travel] are stiffness and damping of the bristles, ``v_s``
-    [travel/s] the Stribeck speed.  Raises ``BlockError`` for parameters no valve can have.
+    [travel/s] the Stribeck speed; F_s, F_c [N] and ``stem`` (k, M, F_v, low, high, start, name and labels) are as in
+    ``StickSlip``.  Raises ``BlockError`` for parameters no valve can have.
 
     >>> from diagram import drive
     >>> valve = LuGreStem()
@@ -98,11 +91,9 @@ class LuGreStem(Block):
     [0.0, 0.00014]
     """
 
-    role = Role.VALVE
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2)
     modes = MODES
+    at_rest = FREE
 
     def __init__(
         self,
@@ -112,32 +103,18 @@ class LuGreStem(Block):
         sigma_0: float = 1e7,
         sigma_1: float = 700.0,
         v_s: float = 1e-3,
-        k: float = 52500.0,
-        M: float = 1.36,
-        F_v: float = 612.0,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
         name: str = "valve",
-        **labels: Any,
+        **stem: Any,
     ) -> None:
-        started_between(low, high, start, name)
-        forces = {"k": k, "M": M, "F_v": F_v, "F_c": F_c, "F_s": F_s}
-        super().__init__(
-            name=name,
-            params=forces | {"low": low, "high": high, "v_s": v_s, "sigma_0": sigma_0, "sigma_1": sigma_1},
-            states={"x": start, "v": 0.0, "z": 0.0},
-            memory={"mode": FREE},
-            **labels,
-        )
+        own = {"v_s": v_s, "sigma_0": sigma_0, "sigma_1": sigma_1}
+        super().__init__(F_s, F_c, own, {"z": 0.0}, name=name, **stem)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless k, M, F_c, v_s, sigma_0 > 0, F_v, sigma_1 >= 0, F_s >= F_c and low < high."""
-        positive(params, name, "k", "M", "F_c", "v_s", "sigma_0", remedy="give a positive one")
-        not_negative(params, name, "F_v", "sigma_1")
-        check_friction(params, name)
-        check_stops(params, name)
+        StemWithMass.check(params, name)
+        positive(params, name, "F_c", "v_s", "sigma_0", remedy="give a positive one")
+        not_negative(params, name, "sigma_1")
 
     @property
     def passive(self) -> bool:

@@ -28,7 +28,7 @@ import control as ct
 import numpy as np
 
 from blocks.block import Block, Kernel, Kernels
-from blocks.equations import generated
+from blocks.kernel_source import generated
 from blocks.ports import BlockError, Port, require
 from blocks.role import Role
 

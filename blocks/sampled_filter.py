@@ -13,7 +13,6 @@ See also: biquad, zero_order_hold, lead_lag (continuous), sensor, the Kalman pre
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 from blocks.arithmetic import Gain
 from blocks.block import Block, Kernels
@@ -23,9 +22,9 @@ from blocks.role import Role
 from blocks.rules import check_scan, not_negative
 
 
-def _lag_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    d[0] += (1.0 - math.exp(-p[1] / p[0]) if p[0] > 0.0 else 1.0) * (u[0] - d[0])
-    y[0] = d[0]
+def _lag_step(y: float, in_: float, tau: float, dt: float) -> tuple[float, float]:
+    y += (1.0 - math.exp(-dt / tau) if tau > 0.0 else 1.0) * (in_ - y)
+    return y, y
 
 
 class SampledFilter(OneToOne):

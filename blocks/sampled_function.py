@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from blocks.block import Block, Floats, Kernels
-from blocks.equations import arguments, names, where, with_defaults
+from blocks.kernel_source import arguments, names, where, with_defaults
 from blocks.ports import BlockError, Labels, Port, nearest
 from blocks.role import Role
 from blocks.rules import check_scan

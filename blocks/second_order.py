@@ -21,13 +21,8 @@ from blocks.dead_time import Delayed, check_dead_time
 from blocks.ports import Port, number, require
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = x[0]
-
-
-def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    dx[0] = x[1]
-    dx[1] = p[1] * (p[1] * (p[0] * u[0] - x[0]) - 2.0 * p[2] * x[1])
+def _der(PV: float, rate: float, MV: float, K: float, omega: float, zeta: float) -> tuple[float, float]:
+    return rate, omega * (omega * (K * MV - PV) - 2.0 * zeta * rate)
 
 
 class SecondOrder(Delayed):
@@ -44,7 +39,7 @@ class SecondOrder(Delayed):
 
     ports_in = (Port("MV"),)
     ports_out = (Port("PV"),)
-    kernels = Kernels(out=_out, der=_der, feeds=False)
+    kernels = Kernels(der=_der)
 
     def __init__(
         self,

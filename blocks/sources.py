@@ -20,27 +20,26 @@ from blocks.role import Role
 from blocks.rules import finite
 
 
-def _constant_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = p[0]
+def _constant_out(value: float) -> float:
+    return value
 
 
-def _step_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = p[1] if t >= p[2] else p[0]
+def _step_out(t: float, before: float, after: float, at: float) -> float:
+    return after if t >= at else before
 
 
-def _step_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
-    out[0] = p[2] if t < p[2] else math.inf
+def _step_next(t: float, at: float) -> float:
+    return at if t < at else math.inf
 
 
-def _ramp_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = p[0] + p[1] * (min(max(t, p[2]), p[3]) - p[2])
+def _ramp_out(t: float, before: float, slope: float, start: float, end: float) -> float:
+    return before + slope * (min(max(t, start), end) - start)
 
 
-def _ramp_next(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
-    if t < p[2]:
-        out[0] = p[2]
-    else:
-        out[0] = p[3] if t < p[3] else math.inf
+def _ramp_next(t: float, start: float, end: float) -> float:
+    if t < start:
+        return start
+    return end if t < end else math.inf
 
 
 class Source(Block):
@@ -63,7 +62,7 @@ class Constant(Source):
     0.5
     """
 
-    kernels = Kernels(out=_constant_out, feeds=False)
+    kernels = Kernels(out=_constant_out)
 
     def __init__(self, signal: str, value: float, *, unit: str = "", name: str = "") -> None:
         super().__init__(signal, {"value": value}, unit=unit, name=name)
@@ -81,7 +80,7 @@ class Step(Source):
     0.5
     """
 
-    kernels = Kernels(out=_step_out, next_time=_step_next, feeds=False, timed=True)
+    kernels = Kernels(out=_step_out, next_time=_step_next)
 
     def __init__(
         self, signal: str, after: float = 1.0, before: float = 0.0, at: float = 0.0, unit: str = "", name: str = ""
@@ -104,7 +103,7 @@ class Ramp(Source):
     [0.37, 0.31, 0.25, 0.25]
     """
 
-    kernels = Kernels(out=_ramp_out, next_time=_ramp_next, feeds=False, timed=True)
+    kernels = Kernels(out=_ramp_out, next_time=_ramp_next)
 
     def __init__(
         self,

@@ -33,15 +33,14 @@ See also: quasi_static_stem (the same without mass), stribeck_stem, lugre_stem (
 kano_valve and its siblings (sampled two-band models).
 """
 
-import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, number, require
-from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem, check_stops, started_between
-from blocks.role import Role
-from blocks.rules import not_negative, positive
+from blocks.block import Kernels
+from blocks.ports import number, require
+from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem
+from blocks.rules import not_negative
+from blocks.stem_with_mass import StemWithMass
 
 TIE = 1e-6  # with F_s = F_c a stem comes to rest exactly at breakaway, where rounding would start it again and again;
 NOISE = 1e-9  # so it breaks away only with this share more, and with a spring force of this share of travel if F_s is 0
@@ -53,50 +52,46 @@ def slack(k: float, M: float, F_v: float) -> float:
     return min(0.5 * k * M / F_v, 0.5 * F_v) if F_v > 0.0 else 0.0
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = x[0]
+def _out(x: float) -> float:
+    return x
 
 
-def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    if d[0] == STUCK:
-        dx[0] = 0.0
-        dx[1] = 0.0
-    else:
-        coulomb = 0.0 if d[0] == IDEAL else p[3] * d[0]
-        dx[0] = x[1]
-        dx[1] = (p[0] * (u[0] - x[0]) - coulomb - p[2] * x[1]) / p[1]
+def _der(x: float, v: float, mode: float, OP: float, k: float, M: float, F_v: float, F_c: float) -> tuple[float, float]:
+    if mode == STUCK:
+        return 0.0, 0.0
+    coulomb = 0.0 if mode == IDEAL else F_c * mode
+    return v, (k * (OP - x) - coulomb - F_v * v) / M
 
 
-def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    spring = p[0] * (u[0] - x[0])
-    g[0] = -1.0
-    g[1] = -1.0
-    if d[0] == STUCK:  # away from a stop only
-        breakaway = max(p[4], p[3] + max(TIE * p[3], NOISE * p[0]))
-        if spring > 0.0:
-            g[0] = spring - breakaway if x[0] < p[6] else -1.0
-        else:
-            g[0] = -spring - breakaway if x[0] > p[5] else -1.0
-    elif d[0] != IDEAL:
-        forward = d[0] * x[1]
-        braking = d[0] * spring < p[3] + (p[2] - slack(p[0], p[1], p[2])) * forward  # not one that follows a slow OP
-        g[0] = (p[7] if braking else 0.0) - forward
-        g[1] = x[0] - p[6] if d[0] == UP else p[5] - x[0]
+def _zc(
+    x: float, v: float, mode: float, OP: float,
+    k: float, M: float, F_v: float, F_c: float, F_s: float, low: float, high: float, v_stop: float,
+) -> tuple[float, float]:  # fmt: skip
+    spring = k * (OP - x)
+    if mode == IDEAL:
+        return -1.0, -1.0
+    if mode == STUCK:  # away from a stop only
+        breakaway = max(F_s, F_c + max(TIE * F_c, NOISE * k))
+        free = x < high if spring > 0.0 else x > low
+        return (abs(spring) - breakaway if free else -1.0), -1.0
+    forward = mode * v
+    braking = mode * spring < F_c + (F_v - slack(k, M, F_v)) * forward  # not one that follows a slow OP
+    return (v_stop if braking else 0.0) - forward, (x - high if mode == UP else low - x)
 
 
-def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    if d[0] == STUCK:
-        d[0] = UP if u[0] > x[0] else DOWN
-    else:
-        if k[0] == 1.0:
-            x[0] = p[6] if d[0] == UP else p[5]
-        elif d[0] * p[0] * (u[0] - x[0]) > p[3]:  # it would creep on, to where spring and Coulomb friction balance
-            x[0] = min(max(u[0] - d[0] * p[3] / p[0], p[5]), p[6])
-        d[0] = STUCK
-    x[1] = 0.0
+def _jump(
+    event: float, x: float, mode: float, OP: float, k: float, F_c: float, low: float, high: float
+) -> tuple[float, float, float]:
+    if mode == STUCK:
+        return (UP if x < OP else DOWN), x, 0.0
+    if event == 1.0:
+        x = high if mode == UP else low
+    elif mode * k * (OP - x) > F_c:  # it would creep on, to where spring and Coulomb friction balance
+        x = min(max(OP - mode * F_c / k, low), high)
+    return STUCK, x, 0.0
 
 
-class StickSlip(Block):
+class StickSlip(StemWithMass):
     """A valve stem with stiction; defaults are the thesis's high stiction (table A.1: 0, 1 and 2 % jump).
 
     ``StickSlip.none()``, ``.normal()`` and ``.high()`` have F_s = 1250, 1750 and 2250 N; ``none`` still has the
@@ -114,12 +109,8 @@ class StickSlip(Block):
     [0.0, 0.0262]
     """
 
-    role = Role.VALVE
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2)
     modes = QuasiStaticStem.modes
-    limit_params = ("low", "high")
 
     def __init__(
         self,
@@ -136,13 +127,8 @@ class StickSlip(Block):
         name: str = "valve",
         **labels: Any,
     ) -> None:
-        started_between(low, high, start, name)
         super().__init__(
-            name=name,
-            params={"k": k, "M": M, "F_v": F_v, "F_c": F_c, "F_s": F_s, "low": low, "high": high, "v_stop": v_stop},
-            states={"x": start, "v": 0.0},
-            memory={"mode": STUCK},
-            **labels,
+            F_s, F_c, {"v_stop": v_stop}, k=k, M=M, F_v=F_v, low=low, high=high, start=start, name=name, **labels
         )
 
     @classmethod
@@ -177,10 +163,8 @@ class StickSlip(Block):
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless k, M > 0, F_v, v_stop >= 0, F_s >= F_c >= 0 and low < high."""
-        positive(params, name, "k", "M", remedy="give a positive one")
-        not_negative(params, name, "F_v", "v_stop")
-        check_friction(params, name)
-        check_stops(params, name)
+        StemWithMass.check(params, name)
+        not_negative(params, name, "v_stop")
 
     # --- what the MV-OP figure shows ------------------------------------------------------------------------
     def _value(self, key: str) -> float:
@@ -215,11 +199,3 @@ class StickSlip(Block):
             units=self.units,
             spans=self.spans,
         )
-
-
-def check_friction(params: Mapping[str, float], name: str) -> None:
-    """Raise ``BlockError`` unless F_s >= F_c >= 0, both finite."""
-    not_negative(params, name, "F_c")
-    F_s, F_c = float(params["F_s"]), float(params["F_c"])
-    rule = f"static friction is at least the Coulomb friction, F_s >= F_c = {F_c}"
-    require(F_c <= F_s < math.inf, name, "F_s", F_s, rule, "raise F_s or lower F_c")

@@ -28,14 +28,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, check_stops, started_between
-from blocks.role import Role
-from blocks.rules import not_negative, positive
-from blocks.stick_slip import TIE, StickSlip, check_friction
-
-# p = k, M, F_v, F_c, F_s, low, high, v_s, delta
+from blocks.block import Kernels
+from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP
+from blocks.rules import positive
+from blocks.stem_with_mass import StemWithMass
+from blocks.stick_slip import TIE, StickSlip
 
 
 def stribeck(speed: float, F_c: float, F_s: float, v_s: float, delta: float) -> float:
@@ -45,47 +42,45 @@ def stribeck(speed: float, F_c: float, F_s: float, v_s: float, delta: float) -> 
     return F_c + (F_s - F_c) * math.exp(-((speed / v_s) ** delta))
 
 
-def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = x[0]
+def _out(x: float) -> float:
+    return x
 
 
-def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
-    if d[0] == STUCK:
-        dx[0] = 0.0
-        dx[1] = 0.0
-    else:
-        dry = 0.0 if d[0] == IDEAL else d[0] * stribeck(d[0] * x[1], p[3], p[4], p[7], p[8])
-        dx[0] = x[1]
-        dx[1] = (p[0] * (u[0] - x[0]) - dry - p[2] * x[1]) / p[1]
+def _der(
+    x: float, v: float, mode: float, OP: float,
+    k: float, M: float, F_v: float, F_c: float, F_s: float, v_s: float, delta: float,
+) -> tuple[float, float]:  # fmt: skip
+    if mode == STUCK:
+        return 0.0, 0.0
+    dry = 0.0 if mode == IDEAL else mode * stribeck(mode * v, F_c, F_s, v_s, delta)
+    return v, (k * (OP - x) - dry - F_v * v) / M
 
 
-def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
-    g[0] = -1.0
-    g[1] = -1.0
-    if d[0] == STUCK:  # away from a stop only
-        spring = p[0] * (u[0] - x[0])
-        free = x[0] < p[6] if spring > 0.0 else x[0] > p[5]
-        g[0] = abs(spring) - p[4] * (1.0 + TIE) if free else -1.0
-    elif d[0] != IDEAL:
-        g[0] = -d[0] * x[1]
-        g[1] = x[0] - p[6] if d[0] == UP else p[5] - x[0]
+def _zc(
+    x: float, v: float, mode: float, OP: float, k: float, F_s: float, low: float, high: float
+) -> tuple[float, float]:
+    if mode == IDEAL:
+        return -1.0, -1.0
+    if mode == STUCK:  # away from a stop only
+        spring = k * (OP - x)
+        free = x < high if spring > 0.0 else x > low
+        return (abs(spring) - F_s * (1.0 + TIE) if free else -1.0), -1.0
+    return -mode * v, (x - high if mode == UP else low - x)
 
 
-def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
-    if d[0] == STUCK:
-        d[0] = UP if u[0] > x[0] else DOWN
-    else:
-        if k[0] == 1.0:
-            x[0] = p[6] if d[0] == UP else p[5]
-        d[0] = STUCK  # where it stands: at rest friction is F_s, so it does not creep on
-    x[1] = 0.0
+def _jump(event: float, x: float, mode: float, OP: float, low: float, high: float) -> tuple[float, float, float]:
+    if mode == STUCK:
+        return (UP if x < OP else DOWN), x, 0.0
+    if event == 1.0:
+        x = high if mode == UP else low
+    return STUCK, x, 0.0  # where it stands: at rest friction is F_s, so it does not creep on
 
 
-class StribeckStem(Block):
+class StribeckStem(StemWithMass):
     """A valve stem with Stribeck friction; spring, mass and forces default to the thesis's high stiction.
 
-    ``v_s`` [travel/s] is the Stribeck speed, ``delta`` the shape.  Raises ``BlockError`` for parameters no valve can
-    have.
+    ``v_s`` [travel/s] is the Stribeck speed, ``delta`` the shape; F_s, F_c [N] and ``stem`` (k, M, F_v, low, high,
+    start, name and labels) are as in ``StickSlip``.  Raises ``BlockError`` for parameters no valve can have.
 
     >>> from diagram import drive
     >>> valve = StribeckStem(v_s=0.01)
@@ -95,10 +90,7 @@ class StribeckStem(Block):
     [0.0, 0.026]
     """
 
-    role = Role.VALVE
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2)
     modes = StickSlip.modes
 
     def __init__(
@@ -108,35 +100,19 @@ class StribeckStem(Block):
         *,
         v_s: float = 1e-3,
         delta: float = 2.0,
-        k: float = 52500.0,
-        M: float = 1.36,
-        F_v: float = 612.0,
-        low: float = 0.0,
-        high: float = 1.0,
-        start: float = 0.0,
         name: str = "valve",
-        **labels: Any,
+        **stem: Any,
     ) -> None:
-        started_between(low, high, start, name)
-        forces = {"k": k, "M": M, "F_v": F_v, "F_c": F_c, "F_s": F_s}
-        super().__init__(
-            name=name,
-            params=forces | {"low": low, "high": high, "v_s": v_s, "delta": delta},
-            states={"x": start, "v": 0.0},
-            memory={"mode": STUCK},
-            **labels,
-        )
+        super().__init__(F_s, F_c, {"v_s": v_s, "delta": delta}, name=name, **stem)
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless k, M, v_s, delta > 0, F_v >= 0, F_s >= F_c >= 0 and low < high."""
-        positive(params, name, "k", "M", "v_s", "delta", remedy="give a positive one")
-        not_negative(params, name, "F_v")
-        check_friction(params, name)
-        check_stops(params, name)
+        StemWithMass.check(params, name)
+        positive(params, name, "v_s", "delta", remedy="give a positive one")
 
     def friction(self, speed: float) -> float:
         """Return the friction F(v) [N] of a stem that slides at ``speed`` [travel/s]; at 0 that of a start upwards."""
-        p = self.p
-        dry = stribeck(abs(speed), p[3], p[4], p[7], p[8])
-        return float((dry if speed >= 0.0 else -dry) + p[2] * speed)
+        F_c, F_s, v_s, delta = (self.params[key] for key in ("F_c", "F_s", "v_s", "delta"))
+        dry = stribeck(abs(speed), F_c, F_s, v_s, delta)
+        return (dry if speed >= 0.0 else -dry) + self.params["F_v"] * speed

@@ -4,8 +4,7 @@ wire       blocks and diagrams joined by signal names      Diagram    what it re
 simulate   the compiled engine                             drive      one block alone
 ensemble   one diagram over thousands of parameter sets    reference  slow, independent integrators
 linear     operating points, poles, loops, relative gains      held, interpolated   a log as input of a run
-replay     a diagram held to a log at every logged time    residuals  what had to be added there
-linear     operating points, poles, loops, relative gains
+replay     a diagram held to a log at every logged time        residuals            what had to be added there
 """
 
 from diagram.composition import wire

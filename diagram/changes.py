@@ -6,7 +6,7 @@ one, as far as they still fit.  See also: ``cuts``, which changes what reads wha
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import control as ct
 import numpy as np
@@ -16,29 +16,27 @@ from blocks.arguments import by_name, text, texts
 from blocks.block import Block
 from blocks.control_system import as_block
 from blocks.ports import nearest, number
+from diagram.wired import D, Wired
 from diagram.wiring import WiringError
-
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
 
 
 def rebuilt(
-    diagram: "Diagram",
+    diagram: D,
     blocks: Sequence[Block],
     inputs: Sequence[str],
     outputs: Sequence[str] | None,
     name: str | None = None,
-) -> "Diagram":
+) -> D:
     """Return a diagram of these blocks that goes on with the past of the old one; everything is checked afresh."""
     return type(diagram)(blocks, inputs, outputs, diagram.name if name is None else name).with_past(diagram.past)
 
 
-def blocks_with_params(diagram: "Diagram", values: Mapping[str, float]) -> list[Block]:
+def blocks_with_params(diagram: Wired, values: Mapping[str, float]) -> list[Block]:
     """Return the blocks with other parameters: see ``Diagram.with_params``."""
     return _changed(diagram, by_name(diagram.name, "params", values, {"valve.F_s": 1750.0}), "with_params")
 
 
-def blocks_starting_at(diagram: "Diagram", values: Mapping[str, float]) -> list[Block]:
+def blocks_starting_at(diagram: Wired, values: Mapping[str, float]) -> list[Block]:
     """Return the blocks with other start values: see ``Diagram.starting_at``."""
     for key, value in by_name(diagram.name, "start", values, {"process.PV": 0.5}).items():
         if not math.isfinite(number("start", key, value)):
@@ -46,12 +44,12 @@ def blocks_starting_at(diagram: "Diagram", values: Mapping[str, float]) -> list[
     return _changed(diagram, values, "starting_at")
 
 
-def blocks_with_tolerances(diagram: "Diagram", shares: Mapping[str, float]) -> list[Block]:
+def blocks_with_tolerances(diagram: Wired, shares: Mapping[str, float]) -> list[Block]:
     """Return the blocks with tolerances of their parameters: see ``Diagram.with_tolerances``."""
     return _changed(diagram, by_name(diagram.name, "tolerances", shares, {"process.K": 0.05}), "with_tolerances")
 
 
-def _changed(diagram: "Diagram", values: Mapping[str, float], change: str) -> list[Block]:
+def _changed(diagram: Wired, values: Mapping[str, float], change: str) -> list[Block]:
     grouped: dict[int, dict[str, float]] = {}
     for key, value in values.items():
         name, _, what = key.rpartition(".")
@@ -64,7 +62,7 @@ def _changed(diagram: "Diagram", values: Mapping[str, float], change: str) -> li
     return blocks
 
 
-def blocks_in_mode(diagram: "Diagram", modes: str | Mapping[str, str]) -> list[Block]:
+def blocks_in_mode(diagram: Wired, modes: str | Mapping[str, str]) -> list[Block]:
     """Return the blocks in a mode: see ``Diagram.in_mode``."""
     if isinstance(modes, str):
         having = {block.name: modes for block in diagram.blocks if modes in block.modes}
@@ -79,7 +77,7 @@ def blocks_in_mode(diagram: "Diagram", modes: str | Mapping[str, str]) -> list[B
     return changed
 
 
-def start_values(diagram: "Diagram", x: ArrayLike) -> dict[str, float]:
+def start_values(diagram: Wired, x: ArrayLike) -> dict[str, float]:
     """Return a state vector of python-control as start values by name: see ``Diagram.at_state``."""
     given = [number("at_state", "x", value) for value in np.ravel(x).tolist()]
     if len(given) != diagram.nstates:
@@ -96,7 +94,7 @@ def start_values(diagram: "Diagram", x: ArrayLike) -> dict[str, float]:
     }
 
 
-def replaced(diagram: "Diagram", name: str, block: Block | ct.InputOutputSystem) -> "Diagram":
+def replaced(diagram: D, name: str, block: Block | ct.InputOutputSystem) -> D:
     """Return the diagram with one block replaced: see ``Diagram.replace``."""
     if isinstance(block, type(diagram)) or not isinstance(block, ct.InputOutputSystem):
         raise WiringError(
@@ -122,7 +120,7 @@ def replaced(diagram: "Diagram", name: str, block: Block | ct.InputOutputSystem)
     return rebuilt(diagram, blocks, diagram.open_inputs, diagram.declared_outputs).with_past(past)
 
 
-def part(diagram: "Diagram", names: Iterable[str], name: str) -> "Diagram":
+def part(diagram: D, names: Iterable[str], name: str) -> D:
     """Return the named blocks as a diagram of their own: see ``Diagram.part``."""
     kept = [diagram[n] for n in texts(diagram.name, "names", names if isinstance(names, str) else listed(names))]
     driven = {s for block in kept for s in block.output_labels}
@@ -131,7 +129,7 @@ def part(diagram: "Diagram", names: Iterable[str], name: str) -> "Diagram":
     return rebuilt(diagram, kept, list(inputs), outputs or None, name)
 
 
-def without(diagram: "Diagram", names: Iterable[str]) -> "Diagram":
+def without(diagram: D, names: Iterable[str]) -> D:
     """Return the diagram without some blocks: see ``Diagram.without``."""
     gone = {signal for n in names for signal in diagram[n].input_labels}
     kept = [block for block in diagram.blocks if block.name not in names]
@@ -139,7 +137,7 @@ def without(diagram: "Diagram", names: Iterable[str]) -> "Diagram":
     return part(diagram, [b.name for b in kept if b.ports_in or not idle.issuperset(b.output_labels)], diagram.name)
 
 
-def named(diagram: "Diagram", name: str, inputs: Mapping[str, str]) -> "Diagram":
+def named(diagram: D, name: str, inputs: Mapping[str, str]) -> D:
     """Return the diagram under another name, its open inputs relabelled: see ``Diagram.named``."""
     for key, signal in inputs.items():
         text(diagram.name, key, signal)
@@ -154,7 +152,7 @@ def named(diagram: "Diagram", name: str, inputs: Mapping[str, str]) -> "Diagram"
     return rebuilt(diagram, blocks, opened, diagram.declared_outputs, name)
 
 
-def nested_blocks(diagram: "Diagram") -> list[Block]:
+def nested_blocks(diagram: Wired) -> list[Block]:
     """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
     prefix = f"{diagram.name}/"
     return [

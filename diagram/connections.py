@@ -4,16 +4,13 @@ The maps are full matrices of as many rows and columns as there are ports, for w
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from blocks.ports import nearest
 from diagram.wiring import WiringError
-
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
 
 
 class ConnectionMap:
@@ -22,18 +19,18 @@ class ConnectionMap:
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
 
-    def __get__(self, diagram: "Diagram | None", owner: type) -> Any:
+    def __get__(self, diagram: Any, owner: type) -> Any:
         if diagram is None:
             return self
         if self.name not in diagram.__dict__:
             diagram.__dict__ |= connection_maps(diagram)
         return diagram.__dict__[self.name]
 
-    def __set__(self, diagram: "Diagram", value: NDArray[np.float64]) -> None:
+    def __set__(self, diagram: Any, value: NDArray[np.float64]) -> None:
         diagram.__dict__[self.name] = value
 
 
-def connection_maps(diagram: "Diagram") -> dict[str, NDArray[np.float64]]:
+def connection_maps(diagram: Any) -> dict[str, NDArray[np.float64]]:
     """Return ``connect_map``, ``input_map`` and ``output_map`` as python-control defines them."""
     columns = {signal: diagram.output_offset[b] + j for signal, (b, j) in diagram.driven.items()}
     read = [signal for block in diagram.blocks for signal in block.input_labels]
@@ -50,7 +47,7 @@ def connection_maps(diagram: "Diagram") -> dict[str, NDArray[np.float64]]:
     return {"connect_map": connect, "input_map": entry, "output_map": exits}
 
 
-def own_params(diagram: "Diagram", given: Mapping[str, float]) -> dict[str, float]:
+def own_params(diagram: Any, given: Mapping[str, float]) -> dict[str, float]:
     """Return the diagram's own of the parameters that python-control hands over.
 
     In an interconnection there are those of other systems among them; alone, an unknown one is refused.

@@ -8,7 +8,6 @@ See also: ``segments``, which takes a diagram apart between logged signals.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import control as ct
 
@@ -16,15 +15,13 @@ from blocks.arguments import text, texts
 from blocks.block import Block
 from blocks.control_system import as_block
 from blocks.ports import nearest
-from diagram.changes import listed, rebuilt
+from diagram.changes import listed, nested_blocks, rebuilt
 from diagram.past import together
+from diagram.wired import D, Wired
 from diagram.wiring import WiringError
 
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
 
-
-def cut(diagram: "Diagram", signals: str | Iterable[str]) -> "Diagram":
+def cut(diagram: D, signals: str | Iterable[str]) -> D:
     """Return the diagram with signals cut open: see ``Diagram.cut``."""
     wanted = texts(diagram.name, "signals", signals if isinstance(signals, str) else listed(signals))
     read = {signal for block in diagram.blocks for signal in block.input_labels}
@@ -43,16 +40,16 @@ def cut(diagram: "Diagram", signals: str | Iterable[str]) -> "Diagram":
 
 
 def inserted(
-    diagram: "Diagram",
+    diagram: D,
     signal: str,
-    block: "Block | Diagram | ct.InputOutputSystem",
+    block: Block | Wired | ct.InputOutputSystem,
     readers: str | Iterable[str] | None,
     inputs: Sequence[str],
-) -> "Diagram":
+) -> D:
     """Return the diagram with a block in a signal's path: see ``Diagram.insert``."""
     check_known(diagram, signal)
     if isinstance(block, type(diagram)):
-        new, past = block.leaves(), block.past and block.past.inside(block.name)
+        new, past = nested_blocks(block), block.past and block.past.inside(block.name)
         way_in = _way("input", signal, block, block.open_inputs)
         way_out = f"{block.name}/{_way('output', signal, block, block.chosen_outputs)}"
     else:
@@ -75,7 +72,7 @@ def inserted(
     return changed.with_past(together(p for p in (kept, past) if p is not None))
 
 
-def rewired(diagram: "Diagram", name: str, port: str, signal: str, inputs: Sequence[str]) -> "Diagram":
+def rewired(diagram: D, name: str, port: str, signal: str, inputs: Sequence[str]) -> D:
     """Return the diagram with an input of a block reading another signal: see ``Diagram.rewire``."""
     b, block = diagram.block_index(name), diagram[name]
     ports = [p.name for p in block.ports_in]
@@ -93,19 +90,19 @@ def rewired(diagram: "Diagram", name: str, port: str, signal: str, inputs: Seque
     return rebuilt(diagram, blocks, opened, diagram.declared_outputs)
 
 
-def check_known(diagram: "Diagram", signal: str) -> None:
+def check_known(diagram: Wired, signal: str) -> None:
     """Raise ``WiringError`` with the nearest name unless the diagram has such a signal or open input."""
     known = [*diagram.signals, *diagram.open_inputs]
     if text(diagram.name, "signal", signal) not in known:
         raise WiringError(f"the diagram has no signal '{signal}'; {nearest(signal, known)}")
 
 
-def _parted(diagram: "Diagram", signal: str) -> str:
+def _parted(diagram: Wired, signal: str) -> str:
     """Return the name of what drives a signal, once it is parted from the readers."""
     return _free(diagram, signal, diagram.blocks[diagram.driven[signal][0]].name)
 
 
-def _free(diagram: "Diagram", signal: str, block: str) -> str:
+def _free(diagram: Wired, signal: str, block: str) -> str:
     """Return ``PV:sensor``, in a nested diagram ``loop/PV:sensor``; refuse a name that is taken."""
     folder = signal.rpartition("/")[0]
     name = f"{signal}:{block.removeprefix(f'{folder}/')}"
@@ -117,7 +114,7 @@ def _free(diagram: "Diagram", signal: str, block: str) -> str:
     return name
 
 
-def _way(side: str, signal: str, block: "Block | Diagram", labels: Sequence[str]) -> str:
+def _way(side: str, signal: str, block: Block | Wired, labels: Sequence[str]) -> str:
     """Return the input or output of a block that lies in the path of a signal: the only one, or the one of its name."""
     if len(labels) == 1:
         return labels[0]
@@ -129,7 +126,7 @@ def _way(side: str, signal: str, block: "Block | Diagram", labels: Sequence[str]
     )
 
 
-def _readers(diagram: "Diagram", signal: str, names: str | Iterable[str] | None) -> tuple[str, ...]:
+def _readers(diagram: Wired, signal: str, names: str | Iterable[str] | None) -> tuple[str, ...]:
     """Return the named readers of a signal, all for None; refuse a block that does not read it."""
     reading = tuple(block.name for block in diagram.blocks if signal in block.input_labels)
     if names is None:
@@ -153,7 +150,7 @@ def _relabelled(block: Block, reads: Mapping[str, str], drives: Mapping[str, str
     return block.relabelled(block.name, inputs, outputs)
 
 
-def _with_units(block: Block, diagram: "Diagram", signals: Iterable[str]) -> Block:
+def _with_units(block: Block, diagram: Wired, signals: Iterable[str]) -> Block:
     """Return the block stating the units of some signals itself, because soon nobody else on its side may."""
     ports = [*zip(block.ports_in, block.input_labels, strict=True)]
     ports += zip(block.ports_out, block.output_labels, strict=True)

@@ -4,25 +4,16 @@ It can be taken apart (``blocks``, ``part``, ``cut``, ``segments``), changed (``
 ``rewire``, ``starting_at``, ``in_mode``) and nested; a change returns a new diagram and leaves the old one as it is.
 """
 
-import copy
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Self
 
 import control as ct
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from blocks.arguments import text, texts
 from blocks.block import Block
-from blocks.control_view import NO_APPEND
-from blocks.dry_run import dry_run
-from blocks.parameters import Parametrised
-from blocks.ports import nearest, shortened
 from diagram import changes, cuts
-from diagram.connections import ConnectionMap, own_params
-from diagram.loops import loops_of
-from diagram.past import Past
-from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
+from diagram.cells import MANY
+from diagram.wired import Wired
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,7 +23,7 @@ if TYPE_CHECKING:
     from logs import Log
 
 
-class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
+class Diagram(Wired):
     """Blocks joined by signal names; build one with ``wire``.
 
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
@@ -42,83 +33,15 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
     """
 
-    connect_map = ConnectionMap()
-    input_map = ConnectionMap()
-    output_map = ConnectionMap()
-
-    def _owner(self) -> str:
-        return ""
-
-    def __init__(
-        self, blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequence[str] | None = None,
-        name: str = "diagram",
-    ) -> None:  # fmt: skip
-        self.blocks = tuple(blocks)
-        text("diagram", "name", name)
-        self.open_inputs = texts(name, "inputs", inputs)
-        outputs = None if outputs is None else texts(name, "outputs", outputs)
-        for block in self.blocks:
-            dry_run(block)
-        self.driven = drivers(self.blocks, self.open_inputs)
-        self.declared_outputs = None if outputs is None else tuple(outputs)
-        self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
-        check_readers(self.blocks, self.driven, self.open_inputs, self.declared_outputs or ())
-        units = check_units(self.blocks)
-        self.signal_units = {signal: units[signal] for signal in self.driven}
-        self.input_units = {signal: units[signal] for signal in self.open_inputs}
-        self.signal_spans = spans(self.blocks)
-        self.loops = loops_of(self.blocks, self.signal_units)
-        self.order = tuple(flow_order(self.blocks, self.driven))
-        self.signals = tuple(self.driven)
-        self._plan: Plan | None = None
-        self._cells: Plan | None = None
-        self._past: Past | None = None
-        seen = [block.smooth() for block in self.blocks]
-        states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
-        super().__init__(
-            seen, inputs=list(self.open_inputs), outputs=list(self.chosen_outputs), states=states, name=name, dt=0,
-        )  # fmt: skip
-        self._fix_params(_all_params(seen))
-        self.updfcn, self.outfcn = self._update, self._output
-        for wired in ("connect_map", "input_map", "output_map"):
-            del self.__dict__[wired]  # without connections python-control has filled them with zeros
-
-    def __repr__(self) -> str:
-        kinds = ", ".join(f"{type(block).__name__} '{block.name}'" for block in self.blocks)
-        open_ = f"; open inputs {', '.join(self.open_inputs)}" if self.open_inputs else ""
-        signals = shortened(f"signals {', '.join(self.signals)}")
-        return shortened(f"<Diagram '{self.name}' of {len(self.blocks)} blocks{open_}: {kinds}; {signals}>")
+    _plan: "Plan | None" = None
+    _cells: "Plan | None" = None
 
     def _repr_html_(self) -> str:
         from logs.notebook import image
 
         return image(self.plot())
 
-    def append(self, other: object) -> None:
-        """Say what to use in place of ``ct.append``, which stacks linear systems only.
-
-        Raises ``TypeError``, always.
-        """
-        raise TypeError(f"'{self.name}': {NO_APPEND}")
-
     # --- look ---------------------------------------------------------------------------------------------
-    def __getitem__(self, name: str) -> Block:
-        """Return a block by name."""
-        return self.blocks[self.block_index(name)]
-
-    def block_index(self, name: str) -> int:
-        """Return the position of a block; raise ``WiringError`` with the nearest name if there is none."""
-        for b, block in enumerate(self.blocks):
-            if block.name == name:
-                return b
-        known = [block.name for block in self.blocks]
-        raise WiringError(f"the diagram has no block '{name}'; {nearest(name, known)}")
-
-    @property
-    def x0(self) -> NDArray[np.float64]:
-        """Start state as python-control counts states, shape (nstates,)."""
-        return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
-
     def plan(self, records: int = 0) -> "Plan":
         """Return how the diagram is laid out for the engine, made once and shared by all that differ only in values.
 
@@ -133,15 +56,12 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """Return the plan with the diagram cut into cells that take steps of their own, where that pays."""
         from diagram.flatten import DELAY_RECORDS, plan_in_cells
 
+        if len(self.blocks) < MANY:
+            return self.plan(records)
         self._cells = plan_in_cells(self, max(records, DELAY_RECORDS), self._cells)
         if not self._cells.links:
             self._plan = self._cells
         return self._cells
-
-    @property
-    def past(self) -> Past | None:
-        """What a run that ended here left under way (dead times, samples taken); None if the diagram starts afresh."""
-        return self._past
 
     def plot(self) -> "Figure":
         """Draw the diagram: one box per block, one arrow per signal."""
@@ -150,15 +70,6 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         return draw(self)
 
     # --- change -------------------------------------------------------------------------------------------
-    def with_past(self, past: Past | None) -> Self:
-        """Return the diagram going on from a run with this past (``run.final.past``), or starting afresh with None.
-
-        Changed copies keep what still fits: what is in the dead times of blocks of the same name, samples taken.
-        """
-        other = self._copy()
-        other._past = past
-        return other
-
     def with_params(self, values: Mapping[str, float]) -> Self:
         """Return the diagram with other parameter values, given as ``{"valve.F_s": 1750.0}``."""
         return self.with_blocks(changes.blocks_with_params(self, values))
@@ -218,7 +129,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
         Raises ``WiringError`` if log and diagram share no signal, or for a signal that one of them has not.
         """
-        from diagram.pins import pinned
+        from diagram.pinning import pinned
 
         return pinned(self, log, signals)
 
@@ -248,7 +159,7 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """
         return cuts.cut(self, signals)
 
-    def segments(self, logged: str | Iterable[str]) -> "tuple[Segment, ...]":
+    def segments(self, logged: str | Iterable[str]) -> "tuple[Segment[Self], ...]":
         """Return the maximal pieces between logged signals: what each reads and drives, and the piece alone.
 
         Every block is in one segment.  Raises ``WiringError`` for a signal that is unknown.
@@ -310,45 +221,11 @@ class Diagram(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """Return the blocks as they appear inside another diagram: names and signals behind ``name/``."""
         return changes.nested_blocks(self)
 
-    def with_blocks(self, blocks: Sequence[Block]) -> Self:
-        """Return a copy with blocks that differ only in values; wiring and plan are shared.
-
-        A dead time that becomes or ceases to be zero changes the signal flow: then everything is checked afresh.
-        """
-        seen = [block.smooth() for block in blocks]
-        same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
-        if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
-            other = type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
-            other._past = self._past
-            return other
-        other = self._copy()
-        other.blocks = tuple(blocks)
-        other.syslist = seen
-        other._fix_params(_all_params(seen))
-        return other
-
     def _copy(self) -> Self:
-        other = copy.copy(self)
+        other = super()._copy()
         other._plan, other._cells = self._plan, self._cells
-        other.updfcn, other.outfcn = other._update, other._output
         return other
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave the plans behind: they hold addresses of compiled code, which are worth nothing in another process."""
         return self.__dict__ | {"_plan": None, "_cells": None}
-
-    def _update_params(self, params: Mapping[str, float] | None) -> None:
-        """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""
-        super()._update_params(own_params(self, params or {}))
-
-    def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
-        self._update_params(params)
-        return self._rhs(t, x, u)
-
-    def _output(self, t: float, x: Any, u: Any, params: Any) -> Any:
-        self._update_params(params)
-        return self._out(t, x, u)
-
-
-def _all_params(blocks: Iterable[Block]) -> dict[str, float]:
-    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}

@@ -6,19 +6,16 @@ common set point does not tie loops together.  Dead times become ring buffers in
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from blocks.block import Block
-from diagram.cells import MANY, cut, driver_of, smooth_outputs, watched
+from diagram.cells import cut, driver_of, smooth_outputs, watched
+from diagram.wired import Wired
 from engine.cells import Link
 from engine.flat import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED, FlatBlock, Floats
 from engine.snapshot import Snapshot
 from engine.table import Component, build
-
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
 
 DELAY_RECORDS = 2048
 Ends = tuple[Snapshot, ...]  # the components of a diagram at the end of a run
@@ -61,7 +58,7 @@ class Plan:
                     run.params(f, 2)[:] = _delay_params(blocks[b])
 
 
-def plan(diagram: "Diagram", records: int = DELAY_RECORDS, known: Plan | None = None) -> Plan:
+def plan(diagram: Wired, records: int = DELAY_RECORDS, known: Plan | None = None) -> Plan:
     """Return the plan of a diagram: ``known`` if that still serves, else a new one.
 
     ``Diagram.plan`` keeps it, so that diagrams that differ only in values share one.
@@ -69,25 +66,23 @@ def plan(diagram: "Diagram", records: int = DELAY_RECORDS, known: Plan | None = 
     return known if known is not None and _fits(known, diagram, records) else _make(diagram, records, in_cells=False)
 
 
-def plan_in_cells(diagram: "Diagram", records: int = DELAY_RECORDS, known: Plan | None = None) -> Plan:
-    """Return the plan of a diagram cut into cells where that pays (it has links then), or else its ``plan``.
+def plan_in_cells(diagram: Wired, records: int = DELAY_RECORDS, known: Plan | None = None) -> Plan:
+    """Return the plan of a diagram cut into cells where that pays; it has links then.
 
     ``Diagram.plan_in_cells`` keeps it.
     """
-    if len(diagram.blocks) < MANY:
-        return diagram.plan(records)
     return known if known is not None and _fits(known, diagram, records) else _make(diagram, records, in_cells=True)
 
 
-def _shape(diagram: "Diagram") -> tuple[bool, ...]:
+def _shape(diagram: Wired) -> tuple[bool, ...]:
     return tuple(block.dead_time > 0.0 for block in diagram.blocks)
 
 
-def _fits(known: Plan, diagram: "Diagram", records: int) -> bool:
+def _fits(known: Plan, diagram: Wired, records: int) -> bool:
     return known.shape == _shape(diagram) and known.records >= records
 
 
-def _make(diagram: "Diagram", records: int, in_cells: bool) -> Plan:
+def _make(diagram: Wired, records: int, in_cells: bool) -> Plan:
     blocks, shape = diagram.blocks, _shape(diagram)
     index = {signal: i for i, signal in enumerate(diagram.signals)}
     flat: list[FlatBlock] = []

@@ -2,13 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from diagram.wired import Wired
 from engine.call import in_python
 from engine.callback import Callback
-
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
 
 Counts = Mapping[Callback, tuple[int, float]]
 
@@ -28,7 +25,7 @@ class InPython:
         )
 
 
-def users(diagram: "Diagram") -> dict[Callback, tuple[str, ...]]:
+def users(diagram: Wired) -> dict[Callback, tuple[str, ...]]:
     """Return the functions that run in Python, with the blocks that use them."""
     found: dict[Callback, tuple[str, ...]] = {}
     for block in diagram.blocks:
@@ -39,12 +36,12 @@ def users(diagram: "Diagram") -> dict[Callback, tuple[str, ...]]:
     return found
 
 
-def counts(diagram: "Diagram") -> Counts:
+def counts(diagram: Wired) -> Counts:
     """Return the calls and seconds so far of the functions that run in Python."""
     return {callback: (callback.calls, callback.seconds) for callback in users(diagram)}
 
 
-def spent(diagram: "Diagram", before: Counts) -> tuple[InPython, ...]:
+def spent(diagram: Wired, before: Counts) -> tuple[InPython, ...]:
     """Return what was spent in Python since ``before``, one entry a function."""
     entries = []
     for callback, blocks in users(diagram).items():

@@ -12,8 +12,8 @@ from blocks.ports import nearest
 from blocks.recorded import Recorded
 from blocks.sources import Constant
 from diagram.changes import rebuilt
-from diagram.diagram import Diagram
 from diagram.playback import Playback, held, is_table
+from diagram.wired import D, Wired
 from diagram.wiring import WiringError
 from logs import Log
 
@@ -44,12 +44,12 @@ def source(signal: str, given: Any, name: str = "", unit: str = "") -> Block:
     )
 
 
-def source_name(diagram: Diagram, signal: str) -> str:
+def source_name(diagram: Wired, signal: str) -> str:
     """Return the name of the block that drives an open input: that of the signal, unless a block has it."""
     return f"{signal}:given" if any(block.name == signal for block in diagram.blocks) else signal
 
 
-def by_signal(diagram: Diagram, inputs: Inputs) -> Mapping[str, Any]:
+def by_signal(diagram: Wired, inputs: Inputs) -> Mapping[str, Any]:
     """Return what drives each input by name; of a log or table as a whole, every column that is an open input.
 
     Raises ``WiringError`` if no column is one, ``BlockError`` for what has no names.
@@ -73,7 +73,7 @@ def by_signal(diagram: Diagram, inputs: Inputs) -> Mapping[str, Any]:
     return found
 
 
-def close(diagram: Diagram, inputs: Inputs) -> Diagram:
+def close(diagram: D, inputs: Inputs) -> D:
     """Return the diagram with the named inputs driven, or with all that a log has.
 
     Raises ``WiringError`` for an input that is not open, or as ``source`` does.

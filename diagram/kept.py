@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import texts
 from blocks.ports import nearest, number
-from diagram.diagram import Diagram
+from diagram.wired import Wired
 from engine import snapshot
 from engine.table import Component
 
@@ -77,7 +77,7 @@ def check_memory(variants: int, signals: int, rows: int) -> None:
         )
 
 
-def wanted_signals(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str, ...]:
+def wanted_signals(diagram: Wired, signals: Sequence[str] | None) -> tuple[str, ...]:
     """Return the signals to log, all if none are named; raise ``ValueError`` for one that the diagram has not."""
     if signals is None:
         return diagram.signals
@@ -88,7 +88,7 @@ def wanted_signals(diagram: Diagram, signals: Sequence[str] | None) -> tuple[str
     return tuple(dict.fromkeys(signals))
 
 
-def logging_only(component: Component, diagram: Diagram, wanted: Sequence[str]) -> Component:
+def logging_only(component: Component, diagram: Wired, wanted: Sequence[str]) -> Component:
     """Return a copy of a component that logs the wanted signals only; its columns say which."""
     names = set(wanted)
     kept = [k for k, column in enumerate(component.columns) if diagram.signals[column] in names]

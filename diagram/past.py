@@ -3,21 +3,18 @@
 It goes by the names of blocks, not by their places: whatever is changed in a diagram, what still fits goes on.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from blocks.block import Block
 from diagram.wiring import WiringError
 from engine.flat import Floats
 from engine.snapshot import Snapshot
 
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
-    from diagram.flatten import Ends, Plan
-
 Place = tuple[str, int]  # block, number of the input
+Flats = Mapping[int, tuple[int, ...]]  # block -> the flat dead times in front of it
 
 
 @dataclass(frozen=True)
@@ -40,18 +37,18 @@ class Past:
     sampled: frozenset[str]
 
     @staticmethod
-    def of(diagram: "Diagram", laid: "Plan", ends: "Ends") -> "Past":
-        """Collect what the components leave behind."""
-        place = _places(diagram, laid)
+    def of(blocks: Sequence[Block], flats: Flats, ends: Iterable[Snapshot]) -> "Past":
+        """Collect what the components leave behind; ``flats``: the flat dead times in front of each block."""
+        place, ends = _places(blocks, flats), tuple(ends)
         delays = {place[f]: UnderWay(theta, records) for end in ends for f, theta, records in end.delays()}
-        sampled = frozenset(block.name for block in diagram.blocks if block.takes_samples)
+        sampled = frozenset(block.name for block in blocks if block.takes_samples)
         return Past(min(end.t for end in ends), delays, sampled)
 
-    def put_back(self, diagram: "Diagram", laid: "Plan", run: Snapshot) -> None:
+    def put_back(self, blocks: Sequence[Block], flats: Flats, run: Snapshot) -> None:
         """Fill the dead times of a component that is about to start, and let new blocks take their first sample."""
-        inside = {f: place for f, place in _places(diagram, laid).items() if f in run.component.params}
+        inside = {f: place for f, place in _places(blocks, flats).items() if f in run.component.params}
         run.fill_delays({f: self.delays[place].records for f, place in inside.items()})
-        run.sample_first({b for b, block in enumerate(diagram.blocks) if block.name not in self.sampled})
+        run.sample_first({b for b, block in enumerate(blocks) if block.name not in self.sampled})
 
     @property
     def records(self) -> int:
@@ -90,17 +87,16 @@ def together(pasts: Iterable[Past]) -> Past | None:
     return Past(ends[0], delays, frozenset().union(*(past.sampled for past in given)))
 
 
-def resumed(diagram: "Diagram", t0: float) -> Past | None:
-    """Return the past with which a run of ``diagram`` from ``t0`` [s] goes on, None if it starts afresh.
+def resumed(past: Past | None, blocks: Sequence[Block], t0: float) -> Past | None:
+    """Return the past with which a run of a diagram's blocks from ``t0`` [s] goes on, None if it starts afresh.
 
     Raises ``ValueError`` if something under way would be lost without a word: a run that starts at another time than
     the one before ended, or a dead time that is new, or longer than the one before.
     """
-    past = diagram.past
     if past is None:
         return None
-    dead = {block.name: block for block in diagram.blocks if block.dead_time > 0.0}
-    sampled = [block.name for block in diagram.blocks if block.takes_samples and block.name in past.sampled]
+    dead = {block.name: block for block in blocks if block.dead_time > 0.0}
+    sampled = [block.name for block in blocks if block.takes_samples and block.name in past.sampled]
     afresh = "start afresh with diagram.with_past(None)"
     if abs(t0 - past.t) > 4.0 * float(np.spacing(max(1.0, abs(t0)))):
         if kept := [*(name for name in dead if (name, 0) in past.delays), *sampled]:
@@ -119,6 +115,6 @@ def resumed(diagram: "Diagram", t0: float) -> Past | None:
     return past
 
 
-def _places(diagram: "Diagram", laid: "Plan") -> dict[int, Place]:
+def _places(blocks: Sequence[Block], flats: Flats) -> dict[int, Place]:
     """Return which input of which block each flat dead time delays."""
-    return {f: (diagram.blocks[b].name, j) for b, flats in laid.delays.items() for j, f in enumerate(flats)}
+    return {f: (blocks[b].name, j) for b, of_block in flats.items() for j, f in enumerate(of_block)}

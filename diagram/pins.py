@@ -17,62 +17,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from blocks.arguments import texts
 from blocks.block import Block
-from blocks.pin import Pin
-from blocks.ports import nearest
-from blocks.recorded import Recorded
-from diagram.changes import rebuilt
 from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble
 from diagram.ensembles.running import Summary, ensemble
-from diagram.inputs import close, source_name
+from diagram.pinning import logged, pin_blocks, pinned
 from diagram.progress import Progress
 from diagram.simulation import Run, simulate
-from diagram.wiring import WiringError
 from logs import Log
 
 Floats = NDArray[np.float64]
-
-
-def pinned(diagram: Diagram, log: Log, signals: Sequence[str] | None = None) -> Diagram:
-    """Return the diagram with a pin behind the driver of every logged signal; see ``Diagram.pinned``."""
-    if not isinstance(log, Log):
-        raise WiringError(f"the diagram is to be pinned to {log!r:.60}; give a Log, e.g. Log(t=..., signals={{...}})")
-    names = _logged(diagram, log, signals)
-    played, pins = _blocks(diagram, log, names)
-    if played:
-        diagram = close(diagram, played)
-    model = {pin.output_labels[0]: pin.input_labels[0] for pin in pins}
-    blocks = [
-        block.relabelled(block.name, list(block.input_labels), [model.get(s, s) for s in block.output_labels])
-        for block in diagram.blocks
-    ]
-    return rebuilt(diagram, [*blocks, *pins], diagram.open_inputs, diagram.declared_outputs)
-
-
-def _blocks(diagram: Diagram, log: Log, names: Sequence[str]) -> tuple[dict[str, Recorded], list[Pin]]:
-    """Return the sources that play the logged open inputs, and the pins of the other signals."""
-    played = {
-        s: Recorded(s, *_samples(log, s), hold="previous", name=source_name(diagram, s))
-        for s in names
-        if s in diagram.open_inputs
-    }
-    pins = []
-    for s in names:
-        if s not in played:
-            folder, _, _ = s.rpartition("/")
-            driver = diagram.blocks[diagram.driven[s][0]].name.removeprefix(f"{folder}/")
-            pin = Pin(
-                *_samples(log, s),
-                name=f"{s} pin",
-                inputs=[f"{s}:{driver}"],
-                outputs=[s, f"{s}:offset"],
-                units=dict.fromkeys(("r", "s", "offset"), diagram.signal_units[s]),
-                spans={"s": diagram.signal_spans[s]} if s in diagram.signal_spans else None,
-            )
-            pins.append(pin)
-    return played, pins
 
 
 def residuals(run: Run) -> dict[str, Floats]:
@@ -158,12 +112,12 @@ def replays(
             f"the logs have {sorted({len(log) for log in each})} rows, but runs side by side have equally many; "
             "give windows of one length, log.samples(first, stop)"
         )
-    names = _logged(diagram, each[0], signals)
+    names = logged(diagram, each[0], signals)
     held = pinned(diagram, each[0], names)
     own: dict[str, list[Block]] = {}
     if not isinstance(logs, Log):
         for log in each:
-            played, pins = _blocks(diagram, log, _logged(diagram, log, names))
+            played, pins = pin_blocks(diagram, log, logged(diagram, log, names))
             for block in (*played.values(), *pins):
                 own.setdefault(block.name, []).append(block)
     return ensemble(
@@ -182,29 +136,6 @@ def replays(
         workers=workers,
         progress=progress,
     )
-
-
-def _logged(diagram: Diagram, log: Log, signals: Sequence[str] | None) -> list[str]:
-    known = [*diagram.open_inputs, *diagram.signals]
-    if signals is None:
-        names = [s for s in known if s in log and log.good(s).any()]
-        if not names:
-            raise WiringError(
-                f"the log has none of the diagram's signals: it has {', '.join(log.names) or 'none'}; "
-                f"rename them with log.renamed({{...}}) to some of {', '.join(known[:20])}"
-            )
-        return names
-    for s in texts(diagram.name, "signals", signals):
-        if s not in known:
-            raise WiringError(f"the diagram has no signal '{s}' to pin; {nearest(s, known)}")
-        if not log.good(s).any():
-            raise WiringError(f"the log has no good sample of '{s}', so it cannot be pinned; leave it out of signals=")
-    return list(dict.fromkeys(signals))
-
-
-def _samples(log: Log, signal: str) -> tuple[Floats, Floats]:
-    good = log.good(signal)
-    return log.t[good], log[signal][good]
 
 
 def _rounding(t: Any) -> Any:

@@ -14,7 +14,7 @@ from blocks.block import Block
 from blocks.recorded import Recorded
 from diagram.wiring import WiringError
 from logs import Log
-from logs.as_frames import from_table
+from logs.from_table import from_table
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Played(Recorded):
 def held(table: Any, signal: str = "") -> Playback:
     """Return a log or table as input of a run, each value held until the next sample: outputs of a DCS, set points.
 
-    ``signal`` names the column where it has another name than the input.  A table is what ``logs.as_frames.from_table``
+    ``signal`` names the column where it has another name than the input.  A table is what ``logs.from_table``
     takes: a frame of pandas or polars, or a mapping of arrays, with a ``time`` [s].
 
     Raises ``LogError`` for what is no table, or has no such column.

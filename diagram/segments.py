@@ -6,18 +6,16 @@ What happens between two blocks of a segment no log of these signals can tell.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Generic
 
 from blocks.arguments import texts
 from diagram.changes import listed, part, rebuilt
 from diagram.cuts import check_known, cut
-
-if TYPE_CHECKING:
-    from diagram.diagram import Diagram
+from diagram.wired import D, Wired
 
 
 @dataclass(frozen=True, repr=False)
-class Segment:
+class Segment(Generic[D]):
     """A maximal piece between logged signals.
 
     ``blocks`` the names of its blocks; ``reads`` the logged signals and open inputs that come from outside;
@@ -29,14 +27,14 @@ class Segment:
     blocks: tuple[str, ...]
     reads: tuple[str, ...]
     drives: tuple[str, ...]
-    diagram: "Diagram"
+    diagram: D
 
     def __repr__(self) -> str:
         reads, drives = (", ".join(names) or "nothing" for names in (self.reads, self.drives))
         return f"<Segment {', '.join(self.blocks)}: reads {reads}, drives {drives}>"
 
 
-def segments(diagram: "Diagram", logged: str | Iterable[str]) -> tuple[Segment, ...]:
+def segments(diagram: D, logged: str | Iterable[str]) -> tuple[Segment[D], ...]:
     """Return the segments between logged signals, in the order of the blocks: see ``Diagram.segments``."""
     known = texts(diagram.name, "logged", logged if isinstance(logged, str) else listed(logged))
     for signal in known:
@@ -44,7 +42,7 @@ def segments(diagram: "Diagram", logged: str | Iterable[str]) -> tuple[Segment, 
     return tuple(_segment(diagram, blocks, known, k) for k, blocks in enumerate(_joined(diagram, known), start=1))
 
 
-def _joined(diagram: "Diagram", logged: Iterable[str]) -> list[tuple[str, ...]]:
+def _joined(diagram: Wired, logged: Iterable[str]) -> list[tuple[str, ...]]:
     """Return the names of blocks that signals other than the logged ones join, in the order of the diagram."""
     neighbours: dict[int, set[int]] = {b: set() for b in range(len(diagram.blocks))}
     for b, block in enumerate(diagram.blocks):
@@ -67,7 +65,7 @@ def _joined(diagram: "Diagram", logged: Iterable[str]) -> list[tuple[str, ...]]:
     return groups
 
 
-def _segment(diagram: "Diagram", blocks: tuple[str, ...], logged: tuple[str, ...], k: int) -> Segment:
+def _segment(diagram: D, blocks: tuple[str, ...], logged: tuple[str, ...], k: int) -> Segment[D]:
     piece = part(diagram, blocks, f"segment_{k}")
     drives = [signal for signal in diagram.signals if signal in piece.driven and signal in logged]
     read = {signal for block in piece.blocks for signal in block.input_labels}

@@ -153,7 +153,7 @@ def simulate(
         raise ValueError(f"on_progress = {on_progress!r}, but it is called with the time reached; give a function of t")
     t0, t_end = float(t0), float(t0) + float(duration)  # the engine is compiled for these and no other numbers
     check_logged(ready.blocks, t0, t_end)
-    past = resumed(ready, t0)
+    past = resumed(ready.past, ready.blocks, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     before = counts(ready)
     in_cells = True
@@ -238,7 +238,7 @@ def _run(
         start = Snapshot(component, I, W)
         laid.fill(start, diagram.blocks)
         if past is not None:
-            past.put_back(diagram, laid, start)
+            past.put_back(diagram.blocks, laid.delays, start)
         starts.append((I, W))
     if laid.links:
         return run_windows(laid.components, laid.links, starts, grid, t_end, on_progress)
@@ -341,4 +341,4 @@ def _final(diagram: Diagram, ends: Ends) -> Diagram:
             if b < len(blocks) and blocks[b].sampled:
                 held = end.outputs(first[blocks[b].output_labels[0]], len(blocks[b].y0))
                 blocks[b] = blocks[b].holding(held)
-    return diagram.with_blocks(blocks).with_past(Past.of(diagram, diagram.plan_in_cells(), ends))
+    return diagram.with_blocks(blocks).with_past(Past.of(diagram.blocks, diagram.plan_in_cells().delays, ends))

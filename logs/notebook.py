@@ -12,13 +12,13 @@ import numpy as np
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from logs.log import Log
+    from logs.signals import Signals
 
 ROWS = 5  # at the beginning and at the end
 COLUMNS = 12
 
 
-def table(log: Log) -> str:
+def table(log: Signals) -> str:
     """Return the first and last rows of a log as an HTML table; what is left out is said below it."""
     shown = log.names[:COLUMNS]
     heads = ["time [s]", *(f"{name} [{log.units[name]}]" if name in log.units else name for name in shown)]
@@ -32,7 +32,7 @@ def table(log: Log) -> str:
     return f"<table>{''.join(lines)}</table><p>{n} samples over {log.duration:g} s{more}</p>"
 
 
-def _row(log: Log, names: tuple[str, ...], i: int) -> list[np.float64]:
+def _row(log: Signals, names: tuple[str, ...], i: int) -> list[np.float64]:
     return [log.t[i], *(log[name][i] for name in names)]
 
 

@@ -1,4 +1,4 @@
-"""Studies: a diagram over many parameters and starts, measured, kept, resumed, drawn.
+"""Studies: simulate a diagram with many parameters and starts, measure every run, keep the table, draw it.
 
 study                 runs one                    uniform, loguniform, normal   laws of random axes
 Subject               what it can rebuild         production_subject            the production plant as one

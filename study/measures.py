@@ -77,13 +77,27 @@ def limits(
     {'OP_VPCS1': (0.0, 1.0), 'tau_d': (0.0, inf)}
     """
     found = {}
+    for signal, (least, most) in limiting(diagram, signals).items():
+        ends = zip((least, most), diagram.blocks[diagram.driven[signal][0]].limits, strict=True)
+        low, high = ((params or {}).get(key, value) for key, value in ends)
+        if math.isfinite(low) or math.isfinite(high):
+            found[signal] = (low, high)
+    return found
+
+
+def limiting(diagram: Diagram, signals: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """Return the parameters, as ``block.parameter``, that limit the signals which a controller or valve gives as OP.
+
+    >>> from plant import production_plant
+    >>> limiting(production_plant(), ["OP_VPCS1", "p_1"])
+    {'OP_VPCS1': ('VPCS1_PC.low', 'VPCS1_PC.high')}
+    """
+    found = {}
     for signal in signals:
         block = diagram.blocks[diagram.driven[signal][0]]
         if block.role in (Role.CONTROLLER, Role.VALVE) and signal == block.loop_signal("OP") and block.limit_params:
-            own = dict(zip(block.limit_params, block.limits, strict=True))
-            low, high = ((params or {}).get(f"{block.name}.{name}", value) for name, value in own.items())
-            if math.isfinite(low) or math.isfinite(high):
-                found[signal] = (low, high)
+            low, high = (f"{block.name}.{name}" for name in block.limit_params)
+            found[signal] = (low, high)
     return found
 
 

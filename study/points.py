@@ -18,6 +18,7 @@ from diagram.ensembles.variants import Reseedable
 from plant.rest import InfeasibleFeed
 from study.axes import Axis, StudyError, Value
 from study.design import Design
+from study.measures import limiting
 from study.subject import Subject, start_kicks
 
 Floats = NDArray[np.float64]
@@ -43,13 +44,14 @@ class Prepared:
 
 @dataclass(frozen=True)
 class Batch:
-    """Runs of one ensemble, with their columns."""
+    """Runs of one ensemble, with their columns, and the values of the limits of measured signals that they share."""
 
     reference: Diagram
     runs: tuple[int, ...]
     params: Mapping[str, Floats]
     start: Mapping[str, Floats]
     seeds: NDArray[np.int64] | None
+    limits: tuple[tuple[str, float], ...]
 
 
 class Points:
@@ -61,6 +63,7 @@ class Points:
     def __init__(self, subject: Subject, design: Design, kicks: int | None, size: float, seed: int) -> None:
         self.subject, self.design, self.kicks, self.size, self.seed = subject, design, kicks, size, seed
         self.references: dict[object, Diagram] = {}
+        self.limiting: dict[int, frozenset[str]] = {}
         self.built = lru_cache(BUILT)(self._build)
 
     def split(self, runs: Sequence[int]) -> tuple[list[Batch], dict[int, Refusal]]:
@@ -79,8 +82,7 @@ class Points:
                 ready[run] = self._kick(prepared, run % self.design.kicks) if self.kicks else prepared
         together: dict[object, list[int]] = {}
         for run, one in ready.items():
-            bounds = tuple(pair for pair in one.params.items() if pair[0].endswith((".low", ".high")))
-            together.setdefault((id(one.reference), bounds), []).append(run)  # one batch, one set of limits
+            together.setdefault((id(one.reference), self._limits(one)), []).append(run)  # one batch, one set of limits
         return [self._batch(group, ready) for group in together.values()], refused
 
     def at(self, point: int) -> Prepared | Refusal:
@@ -123,6 +125,14 @@ class Points:
             {**prepared.start, **dict(zip(self.subject.kicked, moved, strict=True))},
         )
 
+    def _limits(self, one: Prepared) -> tuple[tuple[str, float], ...]:
+        """Return the parameters of a run that limit signals, so far as they differ from the reference's."""
+        key = id(one.reference)
+        if key not in self.limiting:
+            pairs = limiting(one.reference, one.reference.signals).values()
+            self.limiting[key] = frozenset(name for pair in pairs for name in pair)
+        return tuple((name, value) for name, value in one.params.items() if name in self.limiting[key])
+
     def _batch(self, runs: Sequence[int], ready: Mapping[int, Prepared]) -> Batch:
         reference = ready[runs[0]].reference
         params = _columns([ready[run].params for run in runs], lambda key: _param_of(reference, key))
@@ -131,7 +141,7 @@ class Points:
         seeds = (
             np.array([self.seed + run % self.design.kicks for run in runs]) if noisy or not (params or start) else None
         )
-        return Batch(reference, tuple(runs), params, start, seeds)
+        return Batch(reference, tuple(runs), params, start, seeds, self._limits(ready[runs[0]]))
 
 
 def resolve(axes: Iterable[Axis], subject: Subject, design_of_one: Diagram | None) -> list[Axis]:

@@ -194,10 +194,9 @@ class _Work:
         return lambda done, _: self.tell(known + done, len(self.points.design))
 
     def _simulated(self, batch: Batch, tell: Callable[[int, int], None]) -> dict[int, list[Any]]:
-        fixed = {key: float(column[0]) for key, column in batch.params.items() if key.endswith((".low", ".high"))}
-        key = (id(batch.reference), tuple(fixed.items()))
+        key = (id(batch.reference), batch.limits)
         if self.own is None and key not in self.measures:
-            self.measures[key] = Measures(batch.reference, self.schema.signals, self.since, fixed)
+            self.measures[key] = Measures(batch.reference, self.schema.signals, self.since, dict(batch.limits))
         result = ensemble(
             batch.reference, signals=self.schema.signals, params=batch.params or None, start=batch.start or None,
             seeds=batch.seeds, workers=self.workers, progress=tell, keep_logs=self.own is None,

@@ -1,1 +1,1 @@
-"""The same ideal loop by other means: hand-written C, python-control, PathSim."""
+"""The same loops and the same plant solved by other software: hand-written C, python-control, PathSim, LSODA, CVODE."""

@@ -1,4 +1,4 @@
-"""Loops whose answer is known without any simulator: the oracle the engine is measured against."""
+"""Loops that can be solved exactly, without a simulator: what the engine is checked against."""
 
 from cases.exact.closed_form import (
     closed_form_R,

@@ -1,6 +1,6 @@
 """Loops wired differently: a cascade, a split range, a compressor of the user's own map.
 
-Each page is an example to copy: a builder that reads like the diagram, and numbers that theory foretells.
+Each file is an example to copy: a function that builds the diagram, and the numbers that theory predicts for it.
 """
 
 from cases.topologies import cascade_flow, own_map, split_range

@@ -1,1 +1,1 @@
-"""From the verdicts of many methods to one answer: how they are combined, and what to do next."""
+"""One answer from the verdicts of many methods: how they are combined, and what to do next."""

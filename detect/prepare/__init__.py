@@ -1,1 +1,1 @@
-"""What methods share: facts about a record, filters, half cycles."""
+"""What several methods need of a record: its condition, filtered signals, cycles and half cycles."""

@@ -146,7 +146,8 @@ def _pasts(variants: Variants) -> list[Past | None]:
     """
     if variants.diagram.past is None:
         return [None] * len(variants)
-    return [resumed(variants.diagram_of(i), float(variants.t0[i])) for i in range(len(variants))]
+    each = (variants.diagram_of(i) for i in range(len(variants)))
+    return [resumed(one.past, one.blocks, float(t0)) for one, t0 in zip(each, variants.t0, strict=True)]
 
 
 class _Runs:
@@ -226,7 +227,7 @@ class _Runs:
             begun.put(part.offsets, self.variants.table[i, part.columns])
             self.variants.point_to_tables(begun, i)
             if past is not None:
-                past.put_back(self.variants.diagram, layout.laid, begun)
+                past.put_back(self.variants.diagram.blocks, layout.laid.delays, begun)
             outcomes.append(
                 run(part.component, layout.laid.flat, I, W, self.times(i), t0 + self.duration, self._listen)
             )

@@ -1,7 +1,6 @@
 """Draw a diagram as a control engineer would: boxes left to right, feedback below, every arrow with its signal."""
 
 import math
-import os
 import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -9,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from blocks.block import Block
 from blocks.role import Role
-from diagram.diagram import Diagram
 from diagram.figures.placement import Arrow, Grid, Node, common, grid
 from diagram.figures.routes import Box, Sheet, sheet
-from logs.files.write import replacing
+from diagram.wired import Wired
 from logs.style import EDGE, FILL, FRAME, FRAME_EDGE, INK, RED, SOFT, WIRE
 
 if TYPE_CHECKING:
@@ -48,7 +46,7 @@ HEAD_LENGTH = 7.0
 HEADING = 26.0
 
 
-def draw(diagram: Diagram, marks: Mapping[str, float] | None = None) -> "Figure":
+def draw(diagram: Wired, marks: Mapping[str, float] | None = None) -> "Figure":
     """Return a figure of the diagram, as large as it needs to be at the size of its text.
 
     A box shows the name of its block, the word of its class and up to three main parameters.  Green: sources;
@@ -76,15 +74,6 @@ def draw(diagram: Diagram, marks: Mapping[str, float] | None = None) -> "Figure"
     ax.text(0.0, -HEADING, diagram.name, size=12.0, weight="bold", color=INK, va="center", parse_math=False)
     ink.paint(ax, laid)
     return figure
-
-
-def to_svg(diagram: Diagram, path: str | os.PathLike[str]) -> None:
-    """Write the drawing as SVG; the file appears whole or not at all.
-
-    Raises ``OSError`` if the file cannot be written.
-    """
-    with replacing(path) as part:
-        draw(diagram).savefig(part, format="svg", metadata={"Date": None})
 
 
 def symbol(name: str) -> str:
@@ -144,7 +133,7 @@ def _width(text: str, size: float, weight: str = "normal") -> float:
 class _Ink:
     """The texts of one drawing, and how to put them on paper."""
 
-    def __init__(self, diagram: Diagram, plan: Grid, marks: Mapping[str, float]) -> None:
+    def __init__(self, diagram: Wired, plan: Grid, marks: Mapping[str, float]) -> None:
         self.diagram, self.plan, self.marks = diagram, plan, marks
         self.lines = {
             v: main_parameters(diagram.blocks[node.block]) for v, node in enumerate(plan.nodes) if node.block >= 0

@@ -9,8 +9,8 @@ from blocks.block import Block
 from blocks.declared import PARTS
 from blocks.ports import nearest
 from blocks.role import Role
-from diagram.diagram import Diagram
 from diagram.simulation import Run
+from diagram.wired import Wired
 from logs import Log
 
 PANELS = 8  # most panels when nobody says which signals to show
@@ -84,7 +84,7 @@ def _squashing(log: Log, panel: Sequence[str]) -> list[str]:
     return [s for s in away if s != nearest_one and away[s] > FAR * (high - low)]
 
 
-def main_signals(diagram: Diagram) -> set[str]:
+def main_signals(diagram: Wired) -> set[str]:
     """Return the signals an operator looks at: SP, PV and OP of controllers, and what valves give.
 
     >>> from blocks.sources import Step
@@ -105,7 +105,7 @@ def _controls(block: Block) -> bool:
     return acts and block.loop_signal("SP") is not None and block.loop_signal("PV") is not None
 
 
-def _together(diagram: Diagram, log: Log, chosen: Sequence[str]) -> list[list[str]]:
+def _together(diagram: Wired, log: Log, chosen: Sequence[str]) -> list[list[str]]:
     """Return which signals share a panel: SP with PV, OP with MV, then what has one unit and a similar range."""
     panel = {signal: [signal] for signal in chosen}
 
@@ -142,7 +142,7 @@ def _alike(log: Log, a: str, b: str) -> bool:
     return whole <= ALIKE * max(min(sizes), 1e-12)
 
 
-def parts_played(diagram: Diagram, shown: Sequence[str]) -> list[str]:
+def parts_played(diagram: Wired, shown: Sequence[str]) -> list[str]:
     """Return the part each signal plays in its panel: SP, PV, OP, MV for controllers and valves, else its name."""
     played: dict[str, list[str]] = {signal: [] for signal in shown}
     wired = [(part, block.loop_signal(part), block) for block in diagram.blocks for part in PARTS]

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from diagram.diagram import Diagram
+from diagram.wired import Wired
 
 Group = tuple[str, ...]
 PASSES = 20
@@ -75,7 +75,7 @@ def common(a: Group, b: Group) -> Group:
     return a[:depth]
 
 
-def grid(diagram: Diagram) -> Grid:
+def grid(diagram: Wired) -> Grid:
     """Place the blocks of a diagram, and ovals for open inputs, declared outputs and signals nobody reads."""
     nodes, arrows = _graph(diagram)
     order = _order(len(nodes), arrows)
@@ -84,7 +84,7 @@ def grid(diagram: Diagram) -> Grid:
     return Grid(tuple(nodes), tuple(arrows), tuple(column), tuple(row))
 
 
-def _graph(diagram: Diagram) -> tuple[list[Node], list[Arrow]]:
+def _graph(diagram: Wired) -> tuple[list[Node], list[Arrow]]:
     blocks = diagram.blocks
     nodes = [Node("block", block.name.rpartition("/")[2], b, tuple(block.name.split("/")[:-1]))
              for b, block in enumerate(blocks)]  # fmt: skip

@@ -1,4 +1,4 @@
-"""A second opinion on every run: other people's solvers, and no code shared with the engine."""
+"""The same diagrams solved by scipy or CVODE, to check the engine: slow, and without code shared with it."""
 
 from diagram.reference.integration import simulate_reference
 

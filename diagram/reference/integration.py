@@ -102,7 +102,7 @@ def simulate_reference(
     grid = log_times(duration, every, times, t0, len(ready.signals))
     duration, t0 = float(duration), float(t0)
     check_logged(ready.blocks, t0, t0 + duration)
-    past = resumed(ready, t0)
+    past = resumed(ready.past, ready.blocks, t0)
     if past is not None and (past.delays or past.sampled):
         raise ValueError("the reference goes on from no run; start afresh with diagram.with_past(None), or simulate")
     world = Interpreter(ready, t0)

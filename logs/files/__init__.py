@@ -1,1 +1,1 @@
-"""Files of records: what historians and control systems write, read; what is read and simulated, written."""
+"""Read the files that historians and control systems export, and write logs to files."""

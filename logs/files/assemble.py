@@ -12,6 +12,7 @@ import numpy.typing as npt
 from logs.errors import ReadError
 from logs.files.carried import carried_over
 from logs.files.clean import decimal_mark, modes, numbers
+from logs.files.form import Form
 from logs.files.heading import Heading
 from logs.files.longform import LongColumns, find_long_form, pivot
 from logs.files.names import role_of
@@ -45,16 +46,10 @@ class Layout:
     long: LongColumns | None
 
 
-def layout_of(
-    table: Table,
-    heading: Heading | None = None,
-    time: str | None = None,
-    decimal: str | None = None,
-    time_format: str | None = None,
-    interval: float | None = None,
-    time_unit: str | None = None,
-) -> Layout:
+def layout_of(table: Table, heading: Heading | None = None, form: Form | None = None) -> Layout:
     """Find the time and the candidates for signals. Raises ReadError if there is no time or no signal."""
+    form = form or {}
+    decimal = form.get("decimal")
     if decimal is not None and decimal not in (".", ","):
         raise ReadError(f"decimal = {decimal!r} is neither '.' nor ','; give one of them")
     if table.frame.height == 0:
@@ -64,9 +59,9 @@ def layout_of(
     if decimal is None and mark == ",":
         notes.append("Numbers are read with decimal commas.")
     own = heading is not None
-    if own and interval is None:
-        time = "time"
-    table, times, used, aside, found = find_times(table, time, mark, time_format, interval, time_unit)
+    if own and form.get("interval") is None:
+        form = {**form, "time": "time"}
+    table, times, used, aside, found = find_times(table, form, mark)
     if own:  # whatever its name, every other column is a signal
         aside = {name: why for name, why in aside.items() if name == "time"}
     notes += [*found, *times.notes]

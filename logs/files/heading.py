@@ -9,8 +9,8 @@ from datetime import datetime
 from typing import Any
 
 from logs.errors import LogError
-from logs.log import Log
 from logs.loop_signals import LoopSignals
+from logs.signals import Signals
 
 __all__ = ["FIRST_LINE", "Heading", "heading_of", "parse_heading"]
 
@@ -51,7 +51,7 @@ class Heading:
         return lines
 
 
-def heading_of(log: Log) -> Heading:
+def heading_of(log: Signals) -> Heading:
     """The heading of ``log``, with a free column name for each quality mask."""
     quality: dict[str, str] = {}
     for name in log.quality:

@@ -8,15 +8,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from logs.errors import LogError, ReadError
 from logs.files.assemble import assemble, layout_of
 from logs.files.columns import loop_names
+from logs.files.form import Form, checked
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
-from logs.files.packed import is_workbook, unpacked
 from logs.files.loops import Origin, check_span, loop_of, with_loops
+from logs.files.packed import is_workbook, unpacked
 from logs.files.source import decoded, file_bytes, is_parquet
 from logs.files.table import Table, names_and_units, parse_table
 from logs.files.workbook import workbook_text
@@ -37,12 +38,7 @@ def read_log(
     source: Source,
     *,
     columns: Mapping[str, str] | None = None,
-    time: str | None = None,
-    decimal: str | None = None,
-    separator: str | None = None,
-    time_format: str | None = None,
-    interval: float | None = None,
-    time_unit: str | None = None,
+    **form: Unpack[Form],
 ) -> Log:
     """Read a CSV, text or Parquet file, or a data frame, as a log.
 
@@ -70,9 +66,10 @@ def read_log(
     >>> log.names, log.units["FIC211.PV"], log.good("FIC211.PV").tolist()
     (('FIC211.PV', 'FIC211.OP'), 'm3/h', [True, False])
     """
+    form = checked(form)
     with _named(source):
-        table, heading = _opened(source, separator)
-        layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
+        table, heading = _opened(source, form.get("separator"))
+        layout = layout_of(table, heading, form)
         log = _origin(source, heading).on(assemble(layout, columns))
         return log if columns else with_loops(log, layout)
 
@@ -89,12 +86,7 @@ def read_loop(
     name: str | None = None,
     process: Process | None = None,
     op_span: tuple[float, float] | None = None,
-    time: str | None = None,
-    decimal: str | None = None,
-    separator: str | None = None,
-    time_format: str | None = None,
-    interval: float | None = None,
-    time_unit: str | None = None,
+    **form: Unpack[Form],
 ) -> LoopRecord:
     """Read one control loop from a CSV, text or Parquet file, or from a data frame.
 
@@ -117,11 +109,12 @@ def read_loop(
     >>> record.name, record.measurement, record.process, record.op_percent
     ('LIC7', 'level', 'integrating', array([55.5, 55. , 54.5]))
     """
+    form = checked(form)
     with _named(source):
         if op_span is not None:
             check_span(op_span)
-        table, heading = _opened(source, separator)
-        layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
+        table, heading = _opened(source, form.get("separator"))
+        layout = layout_of(table, heading, form)
         given = {"sp": sp, "pv": pv, "op": op, "mv": mv, "mode": mode}
         return loop_of(layout, _origin(source, heading), given, loop, name, process, op_span)
 
@@ -131,12 +124,7 @@ def read_loops(
     *,
     loops: Sequence[str] | None = None,
     process: Process | None = None,
-    time: str | None = None,
-    decimal: str | None = None,
-    separator: str | None = None,
-    time_format: str | None = None,
-    interval: float | None = None,
-    time_unit: str | None = None,
+    **form: Unpack[Form],
 ) -> tuple[LoopRecord, ...]:
     """Read every control loop of a CSV, text or Parquet file, or of a data frame, in one read.
 
@@ -156,9 +144,10 @@ def read_loops(
     >>> [(record.name, record.process) for record in read_loops(file)]
     [('FIC1', 'self_regulating'), ('LIC2', 'integrating')]
     """
+    form = checked(form)
     with _named(source):
-        table, heading = _opened(source, separator)
-        layout = layout_of(table, heading, time, decimal, time_format, interval, time_unit)
+        table, heading = _opened(source, form.get("separator"))
+        layout = layout_of(table, heading, form)
         origin = _origin(source, heading)
         noted = heading.loops if heading is not None else {}
         found = (tuple(noted) or loop_names(layout.names)) if loops is None else tuple(loops)

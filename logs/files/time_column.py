@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logs.errors import ReadError
+from logs.files.form import Form
 from logs.files.stamps import Times, parse_times
 from logs.files.table import Table
 from logs.files.time_names import is_clock_name, is_date_name, is_time_name, unit_in_name
@@ -24,20 +25,15 @@ _STAMP = re.compile(r"\d{1,4}[-/.](\d{1,2}|[^\W\d_]{3,9})[-/.]\d{1,4}|\d{1,2}:\d
 _FEW = 0.02  # share of rows without a time that a record can do without
 
 
-def find_times(
-    table: Table,
-    time: str | None,
-    decimal: str,
-    time_format: str | None,
-    interval: float | None,
-    time_unit: str | None,
-) -> tuple[Table, Times, set[str], dict[str, str], list[str]]:
+def find_times(table: Table, form: Form, decimal: str) -> tuple[Table, Times, set[str], dict[str, str], list[str]]:
     """Rows with a time, their times, the columns these are read from, other times with why not, and notes.
 
-    A few rows without a time are left out: the record has a gap there, as for any missing row.
+    ``decimal`` is the decimal mark, told or found. A few rows without a time are left out: the record has a gap there,
+    as for any missing row.
 
     Raises ReadError if no column is plainly the time, or the one that is cannot be read.
     """
+    time, interval = form.get("time"), form.get("interval")
     frame = table.frame
     names = list(frame.columns)
     dates = [name for name in names if is_date_name(name) and _is_date(frame[name])]
@@ -77,7 +73,7 @@ def find_times(
     stated = table.units.get(next(iter(used)), "") or (unit_in_name(next(iter(used))) if len(used) == 1 else "")
     table, column, found = _with_time(table, column)
     notes += found
-    times = parse_times(column, table.lines, stated, decimal, time_format, time_unit)
+    times = parse_times(column, table.lines, stated, decimal, form.get("time_format"), form.get("time_unit"))
     taken = " and ".join(repr(name) for name in names if name in used)
     # Numbers under such a name may be a signal: T a temperature, hours those of a pump.
     stamps = (name for name in by_name if name not in used and _is_moment(frame[name]))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from logs.files.heading import Heading, heading_of
-from logs.log import Log
+from logs.signals import Signals
 
 if TYPE_CHECKING:
     import polars as pl
@@ -21,7 +21,7 @@ __all__ = ["replacing", "write_csv", "write_parquet"]
 TIME_COLUMN = "time [s]"
 
 
-def write_csv(log: Log, path: str | os.PathLike[str]) -> None:
+def write_csv(log: Signals, path: str | os.PathLike[str]) -> None:
     """Write ``log`` as UTF-8 CSV: '# ' heading lines, a header row, one row a sample, missing values empty.
 
     Numbers are written with as many digits as it takes to read back the same double. Raises OSError when
@@ -34,7 +34,7 @@ def write_csv(log: Log, path: str | os.PathLike[str]) -> None:
         _frame(log, heading, nan_to_null=True).write_csv(file, quote_style="necessary")
 
 
-def write_parquet(log: Log, path: str | os.PathLike[str]) -> None:
+def write_parquet(log: Signals, path: str | os.PathLike[str]) -> None:
     """Write ``log`` as Parquet with its heading under the key "stickslip" of the footer.
 
     Raises OSError when the target cannot be written; the file there before is then untouched.
@@ -44,7 +44,7 @@ def write_parquet(log: Log, path: str | os.PathLike[str]) -> None:
         _frame(log, heading).write_parquet(part, metadata={"stickslip": "\n".join(heading.lines())})
 
 
-def _frame(log: Log, heading: Heading, *, nan_to_null: bool = False) -> pl.DataFrame:
+def _frame(log: Signals, heading: Heading, *, nan_to_null: bool = False) -> pl.DataFrame:
     import polars as pl
 
     columns = {TIME_COLUMN: pl.Series(TIME_COLUMN, log.t)}

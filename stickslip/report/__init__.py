@@ -1,1 +1,1 @@
-"""Pages of HTML that open offline."""
+"""HTML pages that need no network."""

@@ -1,21 +1,27 @@
-"""The historian reads and changes nothing."""
+"""The archive of a loop: it reads, gives nothing, and the loop does not notice."""
 
 import numpy as np
 import pytest
 
 from blocks import BlockError, Historian
+from blocks.dry_run import dry_run
 from diagram import simulate, wire
 from plant.loops import self_regulating_loop
 
 
-def test_it_only_looks_on():
-    loop = self_regulating_loop()
-    kept = wire([*loop.blocks, Historian(["SP", "PV", "OP"])])
-    one, other = simulate(loop, 100.0, every=1.0), simulate(kept, 100.0, every=1.0)
-    assert other.ok and one.log.names == other.log.names
-    np.testing.assert_array_equal(one.log["PV"], other.log["PV"])
-
-
-def test_one_of_nothing_is_refused():
+def test_it_reads_and_gives_nothing():
+    historian = Historian(["SP", "PV", "OP"])
+    dry_run(historian)
+    assert (historian.role, historian.name) == ("historian", "historian")
+    assert (historian.input_labels, historian.output_labels) == (["SP", "PV", "OP"], [])
     with pytest.raises(BlockError, match="keeps at least one"):
         Historian([])
+
+
+def test_the_loop_does_not_notice():
+    loop = self_regulating_loop()
+    plain = simulate(loop, 300.0, every=1.0)
+    logged = simulate(wire([*loop.blocks, Historian(["SP", "PV", "OP"])]), 300.0, every=1.0)
+    assert logged.log.names == plain.log.names
+    for name in plain.log.names:
+        assert np.array_equal(logged.log[name], plain.log[name])  # bit for bit: nothing is added

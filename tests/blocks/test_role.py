@@ -8,7 +8,20 @@ import pytest
 
 import blocks
 import detect.blocks
-from blocks import PI, AntiSurge, BlockError, Equations, Flare, SampledFunction, Sine, StateSpace, Step, StickSlip
+from blocks import (
+    PI,
+    AntiSurge,
+    BlockError,
+    Equations,
+    Flare,
+    LuGreStem,
+    SampledFunction,
+    Sine,
+    StateSpace,
+    Step,
+    StickSlip,
+    StribeckStem,
+)
 from blocks.block import Block
 from blocks.declared import PARTS
 from blocks.role import Role
@@ -35,13 +48,20 @@ def test_every_block_of_the_catalogue_declares_a_role(name: str) -> None:
     assert own and isinstance(own[0], Role), f"{name} declares no role"
 
 
+def test_every_role_has_a_block() -> None:
+    blocks_of_detectors = [getattr(detect.blocks, name) for name in detect.blocks.__all__]
+    known = [*(getattr(blocks, name) for group in BLOCKS.values() for name in group), *blocks_of_detectors]
+    assert {made.role for made in known} == set(Role)
+
+
 @pytest.mark.parametrize(
     ("name", "role"),
     [
         ("Constant", "source"), ("Sine", "source"), ("Slug", "disturbance"), ("Noise", "disturbance"),
         ("PI", "controller"), ("SampledPI", "controller"), ("AntiSurge", "controller"), ("StickSlip", "valve"),
         ("KanoValve", "valve"), ("Deadband", "valve"), ("ControlValveFlow", "process"), ("FirstOrder", "process"),
-        ("SampledSensor", "sensor"), ("Sum", "arithmetic"), ("DetectorBlock", "detector"), ("PrefilterBlock", "filter"),
+        ("SampledSensor", "sensor"),
+        ("Historian", "historian"), ("Sum", "arithmetic"), ("DetectorBlock", "detector"), ("PrefilterBlock", "filter"),
     ],
 )  # fmt: skip
 def test_roles_are_what_an_engineer_expects(name: str, role: str) -> None:
@@ -92,6 +112,7 @@ def test_a_port_plays_the_part_it_is_named_after_or_the_one_the_block_says() -> 
 
 def test_limits_are_those_of_the_output() -> None:
     assert PI(1.0, 10.0, low=0.1, high=0.9).limits == (0.1, 0.9)
+    assert StribeckStem(low=-0.1).limits == LuGreStem(low=-0.1).limits == (-0.1, 1.0)
     assert Step("SP").limits == (-float("inf"), float("inf"))
     assert StickSlip().can_stick and not PI(1.0, 10.0).can_stick and not Flare().can_stick
 

@@ -1,7 +1,6 @@
 """Drawings: how they look is judged by eye; here, that nothing overlaps and everything is told."""
 
 import itertools
-import xml.etree.ElementTree as ElementTree
 
 import pytest
 from hypothesis import given, settings
@@ -11,7 +10,7 @@ from blocks import PI, FirstOrder, Gain, Integrator, Step, StickSlip
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from diagram import wire
-from diagram.figures.drawing import _Ink, branches, draw, main_parameters, strokes, to_svg
+from diagram.figures.drawing import _Ink, branches, draw, main_parameters, strokes
 from diagram.figures.placement import grid
 from diagram.figures.routes import sheet
 from plant.loops import self_regulating_loop
@@ -226,15 +225,6 @@ def test_parameters_that_are_zero_or_infinite_are_left_out():
     assert main_parameters(FirstOrder(K=3.0, tau=10.0)) == ["$K$ = 3", "$\\tau$ = 10"]
     assert len(main_parameters(FirstOrder(K=3.0, tau=10.0, theta=2.0))) == 3
     assert main_parameters(Step("SP", 0.0)) == ["before = 0", "after = 0"]
-
-
-def test_svg_is_written_whole(tmp_path):
-    path = tmp_path / "loop.svg"
-    to_svg(LOOP, path)
-    assert ElementTree.parse(path).getroot().tag.endswith("svg")
-    assert [p.name for p in tmp_path.iterdir()] == ["loop.svg"]
-    with pytest.raises(OSError):
-        to_svg(LOOP, tmp_path / "nowhere" / "loop.svg")
 
 
 def test_diagrams_plot_themselves():

@@ -28,7 +28,8 @@ def test_nothing_writable_but_a_folder_for_temporary_files(tmp_path):
         "MPLCONFIGDIR": str(tmp_path / "tmp"),
     }  # fmt: skip
     code = (
-        "import plant; from blocks import FirstOrder; from engine.call import address; address(FirstOrder.kernels.out)"
+        "import plant; from blocks import FirstOrder; from engine.call import address;"
+        "address(FirstOrder(1.0, 1.0).kernels.out)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -4,10 +4,12 @@ import gzip
 import io
 import os
 import zipfile
+from datetime import datetime
 
 import pytest
 
-from logs import LogError, LoopRecord, ReadError, read_log, read_loop
+from logs import LogError, LoopRecord, ReadError, read_log, read_loop, read_loops
+from logs.files.form import Form
 
 
 def zipped(*names: str) -> bytes:
@@ -172,3 +174,16 @@ def test_unfit_data_are_read(write, content, samples):
     assert isinstance(loop, LoopRecord)
     assert len(loop) == samples
     assert loop.notes
+
+
+def test_all_readers_are_told_the_same_of_a_file(write):
+    """Each argument reaches all three readers; a misspelt one gets the right one named."""
+    path = write("when;PV;OP\n01.02.2024 00:00;4,5;50\n01.02.2024 00:01;4,6;51\n01.02.2024 00:02;4,7;52\n")
+    told = {"time": "when", "time_format": "%d.%m.%Y %H:%M", "decimal": ",", "separator": ";"}
+    log, loop, (same,) = read_log(path, **told), read_loop(path, **told), read_loops(path, **told)
+    assert log["PV"].tolist() == loop.pv.tolist() == same.pv.tolist() == [4.5, 4.6, 4.7]
+    assert log.start == loop.log.start == same.log.start == datetime(2024, 2, 1)
+    assert {"interval", "time_unit"} | told.keys() == set(Form.__annotations__)
+    for reader in (read_log, read_loop, read_loops):
+        with pytest.raises(TypeError, match="'time_units' is no argument of a reader; did you mean 'time_unit'"):
+            reader(path, time_units="s")

@@ -7,12 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blocks import FirstOrder, Step
+from blocks import FirstOrder, Saturation, Step
+from blocks.block import Block, Kernels
+from blocks.ports import Port
+from blocks.role import Role
 from diagram import simulate, wire
 from logs.oscillation import oscillations
 from plant.loops import integrating_loop
 from study import study
-from study.measures import Measures, OwnMeasures, limits, slips, valves
+from study.axes import axes_of
+from study.design import design
+from study.measures import Measures, OwnMeasures, limiting, limits, slips, valves
+from study.points import Points
 from study.subject import as_subject
 from tests.plant.oscillation import period_and_amplitude
 
@@ -44,6 +50,35 @@ def test_a_clipped_sine_is_saturated_as_long_as_it_is_clipped():
 
 def test_controllers_without_limits_and_measurements_have_no_saturation():
     assert limits(integrating_loop(), ["OP", "PV", "MV"]) == {}
+
+
+class Clipped(Block):
+    """A proportional controller whose limits bear names of their own."""
+
+    role = Role.CONTROLLER
+    ports_in = (Port("SP"), Port("PV"))
+    ports_out = (Port("OP"),)
+    limit_params = ("least", "most")
+    kernels = Kernels(out=lambda SP, PV, K_p, least, most: min(max(K_p * (SP - PV), least), most))
+
+    def __init__(self) -> None:
+        super().__init__(name="controller", params={"K_p": 1.0, "least": 0.0, "most": 1.0})
+
+
+def test_limits_are_those_that_the_controller_declares():
+    """OP rests at min(2 K_p, most) of a step of 2, K = 0: only where most is below that is it saturated (analytic)."""
+    loop = wire([Step("SP", after=2.0), Clipped(), FirstOrder(K=0.0, tau=1.0, inputs="OP")])
+    assert limiting(loop, ["OP", "PV"]) == {"OP": ("controller.least", "controller.most")}
+    found = study(loop, {"controller.most": [0.5, 3.0, 1.5]}, duration=20.0, every=1.0, progress=False)
+    assert found.column("OP.saturated").tolist() == [1.0, 0.0, 1.0]
+
+
+def test_only_limits_of_what_is_measured_part_the_runs():
+    loop = wire([Step("SP", after=2.0), Clipped(), Saturation("MV", "OP"), FirstOrder(K=0.0, tau=1.0)])
+    for name, batches in (("MV.low", 1), ("controller.least", 3)):
+        plan = design(axes_of("vary", {name: [-1.0, -2.0, -3.0]}), None, 0, None)
+        parts, refused = Points(as_subject(loop), plan, None, 0.0, 0).split(range(3))
+        assert (len(parts), refused) == (batches, {})
 
 
 def test_what_stands_still_has_no_period():

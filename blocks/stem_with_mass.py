@@ -1,0 +1,69 @@
+"""What the stems with mass share: spring, moving mass, dry and viscous friction, end stops.
+
+    M dv/dt = k (OP - x) - F_v v - dry friction,   dx/dt = v         low <= x <= high
+
+in   OP  controller output [fraction of span]        out  MV  stem position [fraction of travel]
+k    spring, and actuator force per unit of OP [N per travel]     M    moving mass [kg, one travel = 1 m]
+F_v  viscous friction [N s per travel]               F_c, F_s  Coulomb and static friction [N], F_s >= F_c
+
+They differ in the law of the dry friction.  See also: stick_slip, stribeck_stem, lugre_stem.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks.block import Block
+from blocks.ports import Port, require
+from blocks.quasi_static_stem import STUCK, check_stops, started_between
+from blocks.role import Role
+from blocks.rules import not_negative, positive
+
+
+class StemWithMass(Block):
+    """A valve stem with mass; subclasses give ``kernels``, ``modes`` and parameters and states of their ``own``.
+
+    ``at_rest``: the mode in which it starts.  ``start``: where it rests at the start [fraction of travel].
+    Raises ``BlockError`` for parameters no valve can have.
+    """
+
+    role = Role.VALVE
+    ports_in = (Port("OP"),)
+    ports_out = (Port("MV"),)
+    limit_params = ("low", "high")
+    at_rest = STUCK
+
+    def __init__(
+        self,
+        F_s: float,
+        F_c: float,
+        own: Mapping[str, float],
+        own_states: Mapping[str, float] | None = None,
+        *,
+        k: float = 52500.0,
+        M: float = 1.36,
+        F_v: float = 612.0,
+        low: float = 0.0,
+        high: float = 1.0,
+        start: float = 0.0,
+        name: str = "valve",
+        **labels: Any,
+    ) -> None:
+        started_between(low, high, start, name)
+        super().__init__(
+            name=name,
+            params={"k": k, "M": M, "F_v": F_v, "F_c": F_c, "F_s": F_s, "low": low, "high": high, **own},
+            states={"x": start, "v": 0.0, **(own_states or {})},
+            memory={"mode": self.at_rest},
+            **labels,
+        )
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless k, M > 0, F_v >= 0, F_s >= F_c >= 0 and low < high."""
+        positive(params, name, "k", "M", remedy="give a positive one")
+        not_negative(params, name, "F_v", "F_c")
+        F_s, F_c = float(params["F_s"]), float(params["F_c"])
+        rule = f"static friction is at least the Coulomb friction, F_s >= F_c = {F_c}"
+        require(F_c <= F_s < math.inf, name, "F_s", F_s, rule, "raise F_s or lower F_c")
+        check_stops(params, name)

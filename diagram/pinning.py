@@ -1,0 +1,85 @@
+"""A diagram with pins behind the drivers of its logged signals: see ``pins`` for what that is good for."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.arguments import texts
+from blocks.pin import Pin
+from blocks.ports import nearest
+from blocks.recorded import Recorded
+from diagram.changes import rebuilt
+from diagram.inputs import close, source_name
+from diagram.wired import D, Wired
+from diagram.wiring import WiringError
+from logs import Log
+
+Floats = NDArray[np.float64]
+
+
+def pinned(diagram: D, log: Log, signals: Sequence[str] | None = None) -> D:
+    """Return the diagram with a pin behind the driver of every logged signal; see ``Diagram.pinned``."""
+    if not isinstance(log, Log):
+        raise WiringError(f"the diagram is to be pinned to {log!r:.60}; give a Log, e.g. Log(t=..., signals={{...}})")
+    names = logged(diagram, log, signals)
+    played, pins = pin_blocks(diagram, log, names)
+    if played:
+        diagram = close(diagram, played)
+    model = {pin.output_labels[0]: pin.input_labels[0] for pin in pins}
+    blocks = [
+        block.relabelled(block.name, list(block.input_labels), [model.get(s, s) for s in block.output_labels])
+        for block in diagram.blocks
+    ]
+    return rebuilt(diagram, [*blocks, *pins], diagram.open_inputs, diagram.declared_outputs)
+
+
+def pin_blocks(diagram: Wired, log: Log, names: Sequence[str]) -> tuple[dict[str, Recorded], list[Pin]]:
+    """Return the sources that play the logged open inputs, and the pins of the other signals."""
+    played = {
+        s: Recorded(s, *_samples(log, s), hold="previous", name=source_name(diagram, s))
+        for s in names
+        if s in diagram.open_inputs
+    }
+    pins = []
+    for s in names:
+        if s not in played:
+            folder, _, _ = s.rpartition("/")
+            driver = diagram.blocks[diagram.driven[s][0]].name.removeprefix(f"{folder}/")
+            pin = Pin(
+                *_samples(log, s),
+                name=f"{s} pin",
+                inputs=[f"{s}:{driver}"],
+                outputs=[s, f"{s}:offset"],
+                units=dict.fromkeys(("r", "s", "offset"), diagram.signal_units[s]),
+                spans={"s": diagram.signal_spans[s]} if s in diagram.signal_spans else None,
+            )
+            pins.append(pin)
+    return played, pins
+
+
+def logged(diagram: Wired, log: Log, signals: Sequence[str] | None) -> list[str]:
+    """Return the signals to pin: those named, or all that log and diagram share.
+
+    Raises ``WiringError`` if they share none, or for a named signal that one of them has not.
+    """
+    known = [*diagram.open_inputs, *diagram.signals]
+    if signals is None:
+        names = [s for s in known if s in log and log.good(s).any()]
+        if not names:
+            raise WiringError(
+                f"the log has none of the diagram's signals: it has {', '.join(log.names) or 'none'}; "
+                f"rename them with log.renamed({{...}}) to some of {', '.join(known[:20])}"
+            )
+        return names
+    for s in texts(diagram.name, "signals", signals):
+        if s not in known:
+            raise WiringError(f"the diagram has no signal '{s}' to pin; {nearest(s, known)}")
+        if not log.good(s).any():
+            raise WiringError(f"the log has no good sample of '{s}', so it cannot be pinned; leave it out of signals=")
+    return list(dict.fromkeys(signals))
+
+
+def _samples(log: Log, signal: str) -> tuple[Floats, Floats]:
+    good = log.good(signal)
+    return log.t[good], log[signal][good]

@@ -1,0 +1,150 @@
+"""Wired blocks: what a diagram is before anything is asked of it, and what all that changes or reads it goes by.
+
+``Diagram`` adds what users call; the functions behind that (``changes``, ``cuts``, ``flatten``, ...) know only this.
+"""
+
+import copy
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Self, TypeVar
+
+import control as ct
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.arguments import text, texts
+from blocks.block import Block
+from blocks.control_view import NO_APPEND
+from blocks.dry_run import dry_run
+from blocks.parameters import Parametrised
+from blocks.ports import nearest, shortened
+from diagram.connections import ConnectionMap, own_params
+from diagram.loops import loops_of
+from diagram.past import Past
+from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
+
+D = TypeVar("D", bound="Wired")
+
+
+class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
+    """Blocks joined by signal names, checked; see ``Diagram``, which is the one to use."""
+
+    connect_map = ConnectionMap()
+    input_map = ConnectionMap()
+    output_map = ConnectionMap()
+
+    def _owner(self) -> str:
+        return ""
+
+    def __init__(
+        self, blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequence[str] | None = None,
+        name: str = "diagram",
+    ) -> None:  # fmt: skip
+        self.blocks = tuple(blocks)
+        text("diagram", "name", name)
+        self.open_inputs = texts(name, "inputs", inputs)
+        outputs = None if outputs is None else texts(name, "outputs", outputs)
+        for block in self.blocks:
+            dry_run(block)
+        self.driven = drivers(self.blocks, self.open_inputs)
+        self.declared_outputs = None if outputs is None else tuple(outputs)
+        self.chosen_outputs = tuple(self.driven) if outputs is None else tuple(outputs)
+        check_readers(self.blocks, self.driven, self.open_inputs, self.declared_outputs or ())
+        units = check_units(self.blocks)
+        self.signal_units = {signal: units[signal] for signal in self.driven}
+        self.input_units = {signal: units[signal] for signal in self.open_inputs}
+        self.signal_spans = spans(self.blocks)
+        self.loops = loops_of(self.blocks, self.signal_units)
+        self.order = tuple(flow_order(self.blocks, self.driven))
+        self.signals = tuple(self.driven)
+        self._past: Past | None = None
+        seen = [block.smooth() for block in self.blocks]
+        states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
+        super().__init__(
+            seen, inputs=list(self.open_inputs), outputs=list(self.chosen_outputs), states=states, name=name, dt=0,
+        )  # fmt: skip
+        self._fix_params(_all_params(seen))
+        self.updfcn, self.outfcn = self._update, self._output
+        for wired in ("connect_map", "input_map", "output_map"):
+            del self.__dict__[wired]  # without connections python-control has filled them with zeros
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{type(block).__name__} '{block.name}'" for block in self.blocks)
+        open_ = f"; open inputs {', '.join(self.open_inputs)}" if self.open_inputs else ""
+        signals = shortened(f"signals {', '.join(self.signals)}")
+        return shortened(f"<Diagram '{self.name}' of {len(self.blocks)} blocks{open_}: {kinds}; {signals}>")
+
+    def append(self, other: object) -> None:
+        """Say what to use in place of ``ct.append``, which stacks linear systems only.
+
+        Raises ``TypeError``, always.
+        """
+        raise TypeError(f"'{self.name}': {NO_APPEND}")
+
+    def __getitem__(self, name: str) -> Block:
+        """Return a block by name."""
+        return self.blocks[self.block_index(name)]
+
+    def block_index(self, name: str) -> int:
+        """Return the position of a block; raise ``WiringError`` with the nearest name if there is none."""
+        for b, block in enumerate(self.blocks):
+            if block.name == name:
+                return b
+        known = [block.name for block in self.blocks]
+        raise WiringError(f"the diagram has no block '{name}'; {nearest(name, known)}")
+
+    @property
+    def x0(self) -> NDArray[np.float64]:
+        """Start state as python-control counts states, shape (nstates,)."""
+        return np.concatenate([np.zeros(0), *(block.seen_start() for block in self.syslist)])
+
+    @property
+    def past(self) -> Past | None:
+        """What a run that ended here left under way (dead times, samples taken); None if the diagram starts afresh."""
+        return self._past
+
+    def with_past(self, past: Past | None) -> Self:
+        """Return the diagram going on from a run with this past (``run.final.past``), or starting afresh with None.
+
+        Changed copies keep what still fits: what is in the dead times of blocks of the same name, samples taken.
+        """
+        other = self._copy()
+        other._past = past
+        return other
+
+    def with_blocks(self, blocks: Sequence[Block]) -> Self:
+        """Return a copy with blocks that differ only in values; wiring and plan are shared.
+
+        A dead time that becomes or ceases to be zero changes the signal flow: then everything is checked afresh.
+        """
+        seen = [block.smooth() for block in blocks]
+        same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
+        if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
+            other = type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
+            other._past = self._past
+            return other
+        other = self._copy()
+        other.blocks = tuple(blocks)
+        other.syslist = seen
+        other._fix_params(_all_params(seen))
+        return other
+
+    def _copy(self) -> Self:
+        other = copy.copy(self)
+        other.updfcn, other.outfcn = other._update, other._output
+        return other
+
+    def _update_params(self, params: Mapping[str, float] | None) -> None:
+        """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""
+        super()._update_params(own_params(self, params or {}))
+
+    def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
+        self._update_params(params)
+        return self._rhs(t, x, u)
+
+    def _output(self, t: float, x: Any, u: Any, params: Any) -> Any:
+        self._update_params(params)
+        return self._out(t, x, u)
+
+
+def _all_params(blocks: Iterable[Block]) -> dict[str, float]:
+    return {f"{block.name}.{key}": value for block in blocks for key, value in block.params.items()}
