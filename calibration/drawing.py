@@ -38,7 +38,7 @@ CYCLE = (0.9, 1.9)  # range of OP over S in a loop that cycles by stiction, as s
 TRAVEL = (0.8, 6.0)  # the same where something else moves OP
 
 _VALVES = {
-    "training": (("kano", 0.35), ("chen", 0.2), ("he", 0.2), ("stick_slip", 0.25)),
+    "training": (("kano", 0.35), ("chen", 0.25), ("he", 0.25), ("stick_slip", 0.15)),
     "other_physics": (("stribeck", 0.6), ("lugre", 0.4)),
 }
 _CONTROLLERS = {
@@ -119,7 +119,7 @@ def _loop(r: Random, group: str, setting: Setting) -> dict[str, Any]:
     T_i = (tau1 + theta) * _log(r, 0.4, 2.0)
     T_d = (theta + tau2 + 0.05 * tau1) * r.uniform(0.05, 0.25) if kind.startswith("pid") else 0.0
     T_f = _log(r, 0.02, 0.3) * (theta + tau2 + 0.1 * tau1) if kind == "pi_filtered" else 0.0
-    per_natural = _log(r, 12.0, 30.0)
+    per_natural = _log(r, 10.0, 20.0)
     loop = Loop(process, abs(K), tau1, tau2, theta, kind, T_i, T_d, T_f)
     if process == "integrating":  # integral slow enough for the gain, or the loop swings at low frequency
         gain, _ = ultimate(loop.with_integral(math.inf))

@@ -1,6 +1,6 @@
 """The gain at which a loop rings for ever, and the period at which it does.
 
-    1 + L(i w) = 0 with L = K_p C(i w) P(i w) exp(-theta i w):  arg L = -180 degrees, K_p = 1 / |C P| there
+1 + L(i w) = 0 with L = K_p C(i w) P(i w) exp(-theta i w):  arg L = -180 degrees, K_p = 1 / |C P| there
 """
 
 import math
