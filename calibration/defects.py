@@ -64,10 +64,10 @@ def compressed(t: Floats, values: Floats, door: float) -> Floats:
     return np.interp(t, t[kept], values[kept])
 
 
-def record(spec: LoopSpec, dt: float, sp: Floats, pv: Floats, op: Floats, mv: Floats | None) -> LoopRecord:
-    """Return the record that a historian keeps of a loop; ``dt`` [s] between samples, signals in % of their spans."""
+def record(spec: LoopSpec, sp: Floats, pv: Floats, op: Floats, mv: Floats | None) -> LoopRecord:
+    """Return the record that a historian keeps of a loop; the signals are in % of their spans."""
     random = np.random.default_rng((spec.seed, 2))
-    t: Floats = np.arange(len(pv)) * dt
+    t = np.arange(len(pv), dtype=np.float64) * spec.dt
     pv, op = rounded(pv, spec.step_pv), rounded(op, spec.step_op)
     if spec.door > 0.0:
         pv, op = compressed(t, pv, spec.door), compressed(t, op, spec.door)

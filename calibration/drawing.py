@@ -85,8 +85,9 @@ def one(group: str, stream: Sequence[int], setting: Setting = "training") -> Loo
     r = np.random.default_rng(stream)
     values: dict[str, Any] = {"seed": int(r.integers(2**31)), "setting": setting, "group": group}
     values["cause"] = OTHERS.get(group, "stiction")
-    values |= _loop(r, group, setting)
-    values |= _valve(r, group, setting, values["natural"] / values["per_natural"])
+    law = _pick(r, _VALVES[setting])
+    values |= _loop(r, group, law, setting)
+    values |= _valve(r, group, law, values["natural"] / values["per_natural"])
     values |= _driver(r, group, setting, values)
     values |= _data(r, group)
     return LoopSpec(**values)
@@ -103,7 +104,7 @@ def _pick(r: Random, shares: Sequence[tuple[str, float]]) -> str:
     return shares[int(r.choice(len(shares), p=weights / weights.sum()))][0]
 
 
-def _loop(r: Random, group: str, setting: Setting) -> dict[str, Any]:
+def _loop(r: Random, group: str, law: str, setting: Setting) -> dict[str, Any]:
     """Draw process and controller; the gain is a share of the one at which the loop rings for ever."""
     process = _pick(r, _PROCESSES)
     if process == "integrating" and group == "deadband":
@@ -114,9 +115,11 @@ def _loop(r: Random, group: str, setting: Setting) -> dict[str, Any]:
     K = _log(r, 0.3, 3.0) * (1.0 if r.random() < 0.5 else -1.0)
     K /= tau1 if process == "integrating" else 1.0
     kind = _pick(r, _CONTROLLERS[setting])
+    if law == "stick_slip" and kind == "pid_weighted":
+        kind = "pi"  # two continuous blocks in a row cost five times as much
     tight = group == "tight_tuning"
     share = r.uniform(0.8, 0.97) if tight else _log(r, 0.12, 0.55)
-    T_i = (tau1 + theta) * _log(r, 0.4, 2.0)
+    T_i = (tau1 + theta) * _log(r, 0.4, 2.0) * (4.0 if group == "dead_loop" else 1.0)  # or it winds up
     T_d = (theta + tau2 + 0.05 * tau1) * r.uniform(0.05, 0.25) if kind.startswith("pid") else 0.0
     T_f = _log(r, 0.02, 0.3) * (theta + tau2 + 0.1 * tau1) if kind == "pi_filtered" else 0.0
     per_natural = _log(r, 10.0, 20.0)
@@ -144,12 +147,12 @@ def _loop(r: Random, group: str, setting: Setting) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _valve(r: Random, group: str, setting: Setting, scan: float) -> dict[str, Any]:
-    """Draw the law of friction and its bands, and the lag of stem and actuator [s]."""
+def _valve(r: Random, group: str, law: str, scan: float) -> dict[str, Any]:
+    """Draw the bands of friction and the lag of stem and actuator [s]."""
     S, share = _log(r, 2.0, 15.0), float(r.uniform(0.3, 1.0))
     sticky = group in ("cycling", "excited")
-    bands = {"S": S, "J": S * share} if sticky else {"S": S if group == "deadband" else 0.0, "J": 0.0}
-    return {"valve": _pick(r, _VALVES[setting]), "valve_lag": scan * _log(r, 0.15, 0.6)} | bands
+    bands = {"S": S, "J": S * share} if sticky else {"S": 0.0, "J": 0.0}
+    return {"valve": law, "valve_lag": scan * _log(r, 0.15, 0.6)} | bands
 
 
 def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> dict[str, Any]:
@@ -176,17 +179,17 @@ def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> di
         driver = "none"
     if driver in ("stochastic", "moves"):
         time *= 0.3 if setting == "training" else 0.15
-    virtual = loop["S"] if loop["S"] > 0.0 else _log(r, 2.0, 15.0)
-    free = group in ("excited", "deadband") or r.random() < NOT_CYCLING
-    swing = virtual * _log(r, *(TRAVEL if free else CYCLE))
-    swing = 0.0 if group == "cycling" else min(swing, 85.0)
+    virtual = loop["S"] if loop["J"] > 0.0 else _log(r, 2.0, 15.0)  # so that the range of OP tells no cause
+    free = group == "excited" or (group != "cycling" and r.random() < NOT_CYCLING)
+    swing = 0.0 if group == "cycling" else min(virtual * _log(r, *(TRAVEL if free else CYCLE)), 85.0)
+    S = swing / _log(r, *TRAVEL) if group == "deadband" else loop["S"]
     clip = float(r.uniform(0.2, 0.8)) if group == "saturation" else 0.0
-    half = min(0.6 * max(swing, 5.0 * loop["S"]), 45.0)
+    half = min(0.6 * max(swing, 5.0 * virtual), 45.0)
     op0 = float(r.uniform(half, 100.0 - half))
     if clip > 0.0:
         op0 = clip * swing / 2.0 if r.random() < 0.5 else 100.0 - clip * swing / 2.0
     return {
-        "driver": driver, "driver_on": on, "driver_time": time, "swing": swing, "op0": op0, "clip": clip,
+        "S": S, "driver": driver, "driver_on": on, "driver_time": time, "swing": swing, "op0": op0, "clip": clip,
         "authority": 0.0 if group == "dead_loop" else 1.0,
     }  # fmt: skip
 
@@ -203,7 +206,7 @@ def _data(r: Random, group: str) -> dict[str, Any]:
         "door": _log(r, 0.005, 0.06) if r.random() < 0.3 else 0.0,
         "stale": float(r.uniform(0.05, 0.5)) if r.random() < 0.15 else 0.0, "stale_hold": _log(r, 2.0, 40.0),
         "sp_logged": bool(r.random() > 0.15), "process_known": bool(r.random() < 0.5),
-        "span_known": bool(r.random() < 0.75), "unit_t": _log(r, 0.05, 20.0), "unit_pv": _log(r, 1e-3, 1e3),
+        "span_known": bool(r.random() < 0.75), "dt": _log(r, 0.2, 60.0), "unit_pv": _log(r, 1e-3, 1e3),
         "zero_pv": float(r.uniform(-2.0, 20.0)), "unit_op": _log(r, 0.01, 10.0),
     }  # fmt: skip
     coarse, door = _log(r, 1.2, 6.0), _log(r, 0.08, 0.3)

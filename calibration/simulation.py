@@ -29,7 +29,7 @@ PILOT = 2000  # scans of the pilot run
 SETTLE = 700  # of which are left out
 NATURALS, INTEGRALS = 60.0, 40.0  # natural periods and integral times that it lasts, at least
 WARM = 5.0  # periods before the log begins
-MOST = 40_000  # scans that are logged, about
+MOST = 25_000  # scans that are logged, about
 SHORTEST, RATIO = 1000.0, 1.25  # runs last a number of scans on a grid of this ratio; what is over comes before the log
 COARSEST = 8.0  # scans per natural period, at least
 FOR_EVER = 1e12  # period of a square wave that does not turn [s]
@@ -94,7 +94,7 @@ def simulate(specs: Sequence[LoopSpec], workers: int | None = None, mv: bool = F
     for members in batches.values():
         result = _run([specs[i] for i in members], [plans[i] for i in members], workers)
         for k, i in enumerate(members):
-            found[i] = _told(specs[i], plans[i], {name: rows[k] for name, rows in result.values.items()}, mv)
+            found[i] = _told(specs[i], {name: rows[k] for name, rows in result.values.items()}, mv)
     return [found[i] for i in range(len(specs))]
 
 
@@ -149,7 +149,7 @@ def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) 
         own, length = in_scans(spec, plan.scan), plan.samples * plan.per_sample
         rest = trouble(own, plan.shown, plan.shown.period / plan.scan, length)
         columns.append({**parameters(own, spec.valve, True), **driver(own, plan.drive, length), **rest})
-    times: Floats = np.array([plan.times(rows) for plan in plans])
+    times = np.stack([plan.times(rows) for plan in plans])
     seeds = [spec.seed for spec in specs]
     return _ensemble(structure_of(specs[0]), plans[0].scans, columns, seeds, times, workers)
 
@@ -213,11 +213,10 @@ def trouble(spec: LoopSpec, shown: Measured, time: float, length: int) -> Mappin
     return found
 
 
-def _told(spec: LoopSpec, plan: Plan, values: Mapping[str, Floats], mv: bool) -> tuple[LoopRecord, Truth]:
+def _told(spec: LoopSpec, values: Mapping[str, Floats], mv: bool) -> tuple[LoopRecord, Truth]:
     """Return the record of a loop and what is true of it."""
     n = spec.samples
     op, stem = values["OP"][:n] + spec.op0, values["MV"][:n] + spec.op0
-    dt = plan.scan * plan.per_sample * spec.unit_t
     sticks = spec.S > 0.0
     swing = extent(op)
     truth = Truth(
@@ -229,7 +228,7 @@ def _told(spec: LoopSpec, plan: Plan, values: Mapping[str, Floats], mv: bool) ->
         cycling=even(op),
         travel=swing / spec.S if sticks else math.nan,
         op_range=swing,
-        period=period(op) * dt,
+        period=period(op) * spec.dt,
         defects=names(spec),
     )
-    return record(spec, dt, values["SP"][:n], values["PV_m"][:n], op, stem if mv else None), truth
+    return record(spec, values["SP"][:n], values["PV_m"][:n], op, stem if mv else None), truth
