@@ -49,11 +49,12 @@ _PROCESSES = (("one_lag", 0.35), ("two_lags", 0.4), ("integrating", INTEGRATING)
 _DRIVERS = ("sine", "square", "saw", "triangle", "stochastic", "moves", "moves_SP", "stochastic_SP")
 
 
-def draw(n: int, seed: int, setting: Setting = "training") -> list[LoopSpec]:
+def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0) -> list[LoopSpec]:
     """Return ``n`` loops: half sticky (a fifth of these not cycling), the rest spread evenly over ``OTHERS``.
 
     ``setting`` "other_physics" has another law of friction (Stribeck with mass, LuGre), a pneumatic lag, a PID in
-    series form, longer dead times and other colours of disturbance; no calibration may use it.
+    series form, longer dead times and other colours of disturbance; no calibration may use it.  ``first``: number of
+    the first loop, where a large set is drawn in parts.
 
     Raises ``ValueError`` unless n >= 1, seed >= 0 and the setting is known.
 
@@ -61,13 +62,15 @@ def draw(n: int, seed: int, setting: Setting = "training") -> list[LoopSpec]:
     >>> sum(spec.cause == "stiction" for spec in specs), specs == draw(200, seed=1)
     (100, True)
     """
-    if n < 1 or seed < 0:
-        raise ValueError(f"n = {n}, seed = {seed}; draw at least 1 loop with a seed of 0 or more")
+    if n < 1 or seed < 0 or first < 0:
+        raise ValueError(
+            f"n = {n}, seed = {seed}, first = {first}; draw at least 1 loop, with seed and first of 0 or more"
+        )
     if setting not in get_args(Setting):
         raise ValueError(f"setting = {setting!r}; give one of {', '.join(get_args(Setting))}")
     others = tuple(OTHERS)
     specs = []
-    for i in range(n):
+    for i in range(first, first + n):
         group = "sticky" if i % 2 == 0 else others[(i // 2) % len(others)]
         if group == "sticky":
             group = "excited" if (i // 2) % round(1 / NOT_CYCLING) == 0 else "cycling"

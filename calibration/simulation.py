@@ -30,7 +30,7 @@ SETTLE = 700  # of which are left out
 NATURALS, INTEGRALS = 60.0, 40.0  # natural periods and integral times that it lasts, at least
 WARM = 5.0  # periods before the log begins
 MOST = 25_000  # scans that are logged, about
-SHORTEST, RATIO = 1000.0, 1.25  # runs last a number of scans on a grid of this ratio; what is over comes before the log
+SHORTEST, RATIO = 1000.0, 1.4  # runs last a number of scans on a grid of this ratio; what is over comes before the log
 COARSEST = 8.0  # scans per natural period, at least
 FOR_EVER = 1e12  # period of a square wave that does not turn [s]
 LOUDEST = 0.08  # of the range of OP: the noise that proportional action hands on to OP, at most
@@ -149,7 +149,7 @@ def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) 
         own, length = in_scans(spec, plan.scan), plan.samples * plan.per_sample
         rest = trouble(own, plan.shown, plan.shown.period / plan.scan, length)
         columns.append({**parameters(own, spec.valve, True), **driver(own, plan.drive, length), **rest})
-    times = np.stack([plan.times(rows) for plan in plans])
+    times: Floats = np.stack([plan.times(rows) for plan in plans]).astype(np.float64)
     seeds = [spec.seed for spec in specs]
     return _ensemble(structure_of(specs[0]), plans[0].scans, columns, seeds, times, workers)
 
