@@ -30,6 +30,7 @@ def stems_of(v: View) -> tuple[Values, float]:
         u = v.cut(v.u)
         size, ratio, start = (a.ravel() for a in np.meshgrid(SIZES, JUMPS, STARTS, indexing="ij"))
         travel = float(np.median(np.percentile(u, 98, axis=1) - np.percentile(u, 2, axis=1)))
+        travel = max(travel, 0.25 * v.travel)  # OP may stand still for most of a stretch
         _KEPT[v] = _stick(u, size * travel, ratio * size * travel, start), travel
     return _KEPT[v]
 
