@@ -1,0 +1,11 @@
+"""Simulated loop records whose cause is known, to calibrate and to test the verdict on.
+
+draw      plain numbers that make a loop and its data (``LoopSpec``), reproducible by seed
+simulate  the records of such specs and what is true of them (``Truth``), many at once
+"""
+
+from calibration.drawing import draw
+from calibration.simulation import simulate
+from calibration.spec import CAUSES, LoopSpec, Truth
+
+__all__ = ["CAUSES", "LoopSpec", "Truth", "draw", "simulate"]

@@ -1,0 +1,125 @@
+"""What moves a loop from outside, computed at scan times: a wave, coloured noise, moves and a ramp in one block.
+
+    y_k = slope t_k + A wave(t_k / period + phase) + sd n_k + w_k + m_k
+    n_k   first-order autoregression of unit variance and correlation time T_c
+    w_k = w_(k-1) + walk sqrt(dt) n'_k                   random walk
+    m_k   a level drawn from -move ... move, drawn anew with the chance dt/hold at every scan
+
+    shape   0 sine, 1 square, 2 saw (rises in 80 % of its period), 3 triangle
+
+out  y  [its unit]     A  amplitude [unit of y]     period, T_c, hold, dt  [s]     phase  [periods]
+slope [unit of y / s]   sd, move [unit of y]   walk [unit of y / sqrt(s)]
+
+One block in place of many lets runs with different disturbances share one diagram.  Random numbers: see noise.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from blocks import Block, Kernels, Port
+from blocks.noise import TWO_PI, Seeded, coloured, seeded, uniform
+from blocks.role import Role
+from blocks.rules import finite, not_negative, positive
+from blocks.sources import Constant
+
+SHAPES = ("sine", "square", "saw", "triangle")
+RISE = (0.5, 0.5, 0.8, 0.5)  # share of the period in which the straight lines rise
+
+# p = shape, amplitude, period, phase, slope, sd, correlation_time, walk, move, hold, dt;
+# d = six seeds and the deviate of noise, walk, level, the six seeds again and a deviate for walk and moves
+
+
+def _straight(x: float, rise: float) -> float:
+    """Return the triangle wave [-1 ... 1] at ``x`` periods that rises in the share ``rise`` of each."""
+    x -= math.floor(x)
+    return 2.0 * x / rise - 1.0 if x < rise else 1.0 - 2.0 * (x - rise) / (1.0 - rise)
+
+
+def _wave(shape: float, x: float) -> float:
+    """Return the wave [-1 ... 1] at ``x`` periods."""
+    if shape == 0.0:
+        return math.sin(TWO_PI * x)
+    if shape == 1.0:
+        return 1.0 if x - math.floor(x) < 0.5 else -1.0
+    return _straight(x, 0.8 if shape == 2.0 else 0.5)
+
+
+def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    value = p[4] * t
+    if p[1] != 0.0:
+        value += p[1] * _wave(p[0], t / p[2] + p[3])
+    if p[5] > 0.0:
+        value += p[5] * coloured(d, 0, p[10], p[6])
+    if p[7] > 0.0:
+        d[7] += p[7] * math.sqrt(p[10]) * coloured(d, 9, p[10], 0.0)
+    if p[8] > 0.0 and uniform(d, 9) < p[10] / p[9]:
+        d[8] = p[8] * (2.0 * uniform(d, 9) - 1.0)
+    y[0] = value + d[7] + d[8]
+
+
+class Excitation(Seeded):
+    """What moves a loop from outside; all parts are zero unless given, and a new value comes every ``dt`` [s].
+
+    ``shape`` one of 0 sine, 1 square, 2 saw, 3 triangle; ``amplitude``, ``sd``, ``move`` [unit of the signal];
+    ``period``, ``correlation_time``, ``hold`` [s]; ``phase`` [periods]; ``slope`` [unit/s]; ``walk`` [unit/sqrt(s)].
+    Raises ``BlockError`` for times that are not positive or sizes that are negative.
+
+    >>> from diagram import drive
+    >>> drive(Excitation("d", 1.0, shape=1, amplitude=2.0, period=4.0), 4.0, every=1.0).log["d"].tolist()
+    [2.0, 2.0, -2.0, -2.0, 2.0]
+    """
+
+    role = Role.DISTURBANCE
+    ports_out = (Port("out"),)
+    kernels = Kernels(step=_step, feeds=False, timed=True)
+    period_param = "dt"
+
+    def __init__(
+        self,
+        signal: str,
+        dt: float,
+        *,
+        shape: float = 0.0,
+        amplitude: float = 0.0,
+        period: float = 1.0,
+        phase: float = 0.0,
+        slope: float = 0.0,
+        sd: float = 0.0,
+        correlation_time: float = 0.0,
+        walk: float = 0.0,
+        move: float = 0.0,
+        hold: float = 1.0,
+        seed: int | None = None,
+        name: str = "",
+    ) -> None:
+        params = {"shape": shape, "amplitude": amplitude, "period": period, "phase": phase, "slope": slope, "sd": sd}
+        params |= {"correlation_time": correlation_time, "walk": walk, "move": move, "hold": hold, "dt": dt}
+        super().__init__(
+            name=name or signal,
+            params=params,
+            seed=seed,
+            memory={"walked": 0.0, "level": 0.0, **_second(seed)},
+            outputs=signal,
+        )
+
+    def reseeded(self, seed: Any) -> Any:
+        """Return a copy that draws other, independent random numbers; equal seeds give equal ones."""
+        return self.starting_at(**seeded(seed), **_second(seed))
+
+    @staticmethod
+    def check(params: Mapping[str, float], name: str) -> None:
+        """Raise ``BlockError`` unless all numbers are finite, times positive and sizes not negative."""
+        finite(params, name, "amplitude", "phase", "slope")
+        positive(params, name, "period", "hold", "dt")
+        not_negative(params, name, "shape", "sd", "correlation_time", "walk", "move")
+
+    def smooth(self) -> Block:
+        """Return what python-control sees in a continuous diagram: zero."""
+        return Constant(self.output_labels[0], 0.0, name=self.name)
+
+
+def _second(seed: Any) -> dict[str, float]:
+    """Return the memories of the generator of walk and moves."""
+    given = (0,) if seed is None else (seed,) if isinstance(seed, int) else tuple(seed)
+    return {f"moves {key}": value for key, value in seeded((*given, 1)).items()}
