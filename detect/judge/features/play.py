@@ -85,15 +85,17 @@ LAG_OF = np.array([lag * order for lag, order, _ in BANK] + [4.0] * len(DELAYS))
 DELAY_OF = np.array([delay for _, _, delay in BANK] + list(DELAYS))
 
 
-def responses(x: Lanes, y: Lanes, turn: float) -> tuple[Values, npt.NDArray[np.intp], Values]:
+def responses(
+    x: Lanes, y: Lanes, turn: float, settle: int | None = None
+) -> tuple[Values, npt.NDArray[np.intp], Values]:
     """Least loss of each lane x (m, s, c) for y (s, m), the number of its response, and the total squares of y.
 
-    Shapes (s, c), (s, c), (s,).  The first turn settles and does not count; dead times shift the lanes.
+    Shapes (s, c), (s, c), (s,).  The first ``settle`` points, by default a turn, do not count; dead times shift the lanes.
     """
     from scipy.signal import lfilter
 
     m, s, c = x.shape
-    settle = min(round(turn), m // 4)
+    settle = min(round(turn), m // 4) if settle is None else settle
     load = np.stack([np.ones(m - settle), np.linspace(-1.0, 1.0, m - settle)])  # an offset and a drift tell nothing
     load = (load / np.linalg.norm(load, axis=1, keepdims=True)).astype(np.float32)
     target = y.T[settle:]
