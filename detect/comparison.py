@@ -16,7 +16,8 @@ from detect.diagnosis import ask
 from detect.judge.combine import Combine, WeightedVote
 from detect.method import Method
 from detect.prepare.prepared import Prepared
-from detect.verdict import Verdict, Word
+from detect.verdict import Verdict
+from detect.words import WORDS, Word
 from logs import LogError, LoopRecord, ReadError, read_loops
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ class Judged:
                 self.loop,
                 v.method,
                 "no" if v.experimental else "yes",
-                v.verdict.replace("_", " "),
+                WORDS[v.verdict].spoken,
                 _number(v.index),
                 _number(v.threshold),
                 _number(v.amount_percent_op),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 from detect.judge.advice import advice
 from detect.judge.combine import Combine, WeightedVote
@@ -12,7 +12,8 @@ from detect.method import Method
 from detect.prepare.conditions import Fact
 from detect.prepare.harris import Harris
 from detect.prepare.prepared import Prepared, prepared
-from detect.verdict import Verdict, Word
+from detect.verdict import Verdict
+from detect.words import WORDS, Word
 from logs import LoopRecord
 
 if TYPE_CHECKING:
@@ -103,8 +104,8 @@ def diagnose(
     verdicts = tuple(ask(method, loop) for method in methods)
     votes = [v for v in verdicts if not v.experimental]
     word = (combine or WeightedVote())(votes)
-    if word not in get_args(Word):
-        raise ValueError(f"combine gave {word!r}; it must return one of {', '.join(get_args(Word))}")
+    if word not in WORDS:
+        raise ValueError(f"combine gave {word!r}; it must return one of {', '.join(WORDS)}")
     trials = _on_trial([v for v in verdicts if v.experimental])
     next_step = advice(word, {v.code for v in votes if v.code is not None}, record.mv is not None)
     return Diagnosis(
@@ -142,18 +143,10 @@ def _on_trial(verdicts: Sequence[Verdict]) -> list[str]:
     """One sentence on the methods without a vote: one by name, several by their count."""
     if len(verdicts) <= 1:
         return [f"{_name(v)} (experimental, no vote): {_sentence(v)}" for v in verdicts]
-    words = {"stiction": "say stiction", "no_stiction": "say no stiction", "inconclusive": "cannot tell",
-             "not_applicable": "do not apply"}  # fmt: skip
-    counts = [f"{n} {said}" for word, said in words.items() if (n := sum(v.verdict == word for v in verdicts))]
+    counts = [
+        f"{n} {said.of_several}" for word, said in WORDS.items() if (n := sum(v.verdict == word for v in verdicts))
+    ]
     return [f"Of {len(verdicts)} experimental methods, which have no vote, {', '.join(counts)}."]
-
-
-_HEAD: dict[str, str] = {
-    "stiction": "The valve looks sticky.",
-    "no_stiction": "No sign of stiction in this oscillation.",
-    "inconclusive": "The record does not settle whether the valve sticks.",
-    "not_applicable": "No method can judge this record.",
-}
 
 
 def _reason(word: Word, votes: Sequence[Verdict]) -> str:
@@ -161,7 +154,7 @@ def _reason(word: Word, votes: Sequence[Verdict]) -> str:
     against = [v for v in votes if v.verdict in ("stiction", "no_stiction") and v not in shown]
     return " ".join(
         [
-            _HEAD[word],
+            WORDS[word].sentence,
             *(f"{_name(v)}: {_sentence(v)}" for v in shown),
             *(f"{_name(v)} disagrees and is outweighed: {_sentence(v)}" for v in against),
         ]

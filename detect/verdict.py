@@ -11,16 +11,13 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from detect.words import WORDS, Word
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
 
-__all__ = ["NUMBERS", "SPOKEN", "Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
+__all__ = ["Code", "Draw", "Evidence", "Verdict", "VerdictError", "Word"]
 
-Word = Literal["stiction", "no_stiction", "inconclusive", "not_applicable"]
-SPOKEN: Mapping[Word, str] = {word: word.replace("_", " ") for word in get_args(Word)}  # as people read them
-NUMBERS: Mapping[Word, float] = {  # as a signal carries them
-    "not_applicable": 0.0, "inconclusive": 1.0, "no_stiction": 2.0, "stiction": 3.0,
-}  # fmt: skip
 Code = Literal[
     "no_oscillation",
     "too_few_cycles",
@@ -81,8 +78,8 @@ class Verdict:
     experimental: bool = False
 
     def __post_init__(self) -> None:
-        if self.verdict not in get_args(Word):
-            raise VerdictError(f"verdict = {self.verdict!r}; give one of {', '.join(get_args(Word))}")
+        if self.verdict not in WORDS:
+            raise VerdictError(f"verdict = {self.verdict!r}; give one of {', '.join(WORDS)}")
         if self.code is not None and self.code not in get_args(Code):
             raise VerdictError(f"code = {self.code!r}; give one of {', '.join(get_args(Code))}")
         if (self.verdict == "not_applicable") != (self.code is not None):

@@ -16,6 +16,7 @@ import click
 from stickslip.standard import hidden
 from stickslip.targets import write_whole
 
+COLOUR_OF = {"bad": "red", "good": "green", "open": "yellow"}  # in a terminal, by the kind of what is said
 LONGEST_MESSAGE = 1500  # a header of a million columns must not flood the terminal
 
 json_option = click.option(

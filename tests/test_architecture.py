@@ -5,8 +5,11 @@ import re
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
+from typing import get_args
 
 import pytest
+
+from detect.words import Word
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -180,13 +183,41 @@ def test_the_rule_of_slots_can_fail(line: str) -> None:
 ONE_PLACE = {
     "difflib": "logs/hint.py",  # did you mean ...
     "os.replace(": "logs/files/write.py",  # whole files
-    '"not_applicable": 0.0': "detect/verdict.py",  # verdicts as numbers
 }
 
 
 @pytest.mark.parametrize(("text", "place"), ONE_PLACE.items())
 def test_one_place_for_each_thing(text: str, place: str) -> None:
     assert [str(p.relative_to(ROOT)) for _, p in FILES if text in p.read_text()] == [place]
+
+
+def verdict_words(source: str) -> list[str]:
+    """Return where a file says something of its own for each word of a verdict: a mapping over the words, or a loop.
+
+    A mapping whose keys are other things too (reason codes, the events of a method) is none.
+    """
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Dict):
+            keys = {key.value for key in node.keys if isinstance(key, ast.Constant)}
+            if len(node.keys) > 1 and keys <= set(get_args(Word)) and len(keys) == len(node.keys):
+                found.append(ast.unparse(node))
+        elif isinstance(node, ast.Call):
+            spelled = ast.unparse(node)
+            if spelled.startswith("get_args(Word)") or re.match(r"\S*(verdict|combined|word)\.replace\(", spelled):
+                found.append(spelled)
+    return found
+
+
+def test_the_words_of_a_verdict_are_in_one_file() -> None:
+    found = {str(p.relative_to(ROOT)) for _, p in FILES if verdict_words(p.read_text())}
+    assert found == {"detect/words.py"}
+
+
+@pytest.mark.parametrize("line", ["A = {'stiction': 1, 'no_stiction': 2}", "v.verdict.replace('_', ' ')", 
+                                  "{w: w for w in get_args(Word)}"])  # fmt: skip
+def test_the_rule_of_verdict_words_can_fail(line: str) -> None:
+    assert verdict_words(line) and not verdict_words("A = {'stiction': 1, 'manual_mode': 2}")
 
 
 def test_every_colour_of_the_house_is_in_one_file() -> None:

@@ -22,7 +22,7 @@ from blocks import Block, Kernels, Labels, Port
 from blocks.ports import BlockError, require
 from blocks.role import Role
 from detect.stream import LoopFacts, Sample
-from detect.verdict import NUMBERS
+from detect.words import WORDS
 
 PROCESSES = ("self_regulating", "integrating", "unknown")
 
@@ -67,7 +67,7 @@ class DetectorHost:
         taken, said = state.taken + 1, state.said
         if taken % self.verdict_every == 0:
             verdict = self.method.verdict(self.params, inner)
-            said = (np.nan if verdict.index is None else verdict.index, NUMBERS[verdict.verdict])
+            said = (np.nan if verdict.index is None else verdict.index, WORDS[verdict.verdict].number)
         return DetectorState(inner, taken, said), said
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logs.style import AFTER, GREEN, INK, RED, UNUSED, tidy
+from detect.words import WORDS
+from logs.style import INK, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -14,14 +15,6 @@ if TYPE_CHECKING:
     from detect.comparison import Comparison
 
 __all__ = ["plot_comparison"]
-
-# Each word has a letter besides its colour, for print and for eyes that do not tell the colours apart.
-LOOK = {
-    "stiction": ("S", RED, "white"),
-    "no_stiction": ("N", GREEN, "white"),
-    "inconclusive": ("?", AFTER, INK),
-    "not_applicable": ("-", UNUSED, INK),
-}
 
 
 def plot_comparison(comparison: Comparison) -> Figure:
@@ -35,9 +28,9 @@ def plot_comparison(comparison: Comparison) -> Figure:
     cells, bars = figure.subplots(1, 2, sharey=True, width_ratios=(max(width - 3.0, 1.5), 3.0))
     for k, judged in enumerate(comparison.loops):
         for i, word in enumerate([*(v.verdict for v in judged.verdicts), judged.combined]):
-            letter, colour, ink = LOOK[word]
-            cells.add_patch(_cell(k, i, colour))
-            cells.text(k, i, letter, ha="center", va="center", fontsize=8, color=ink)
+            said = WORDS[word]
+            cells.add_patch(_cell(k, i, said.colour))
+            cells.text(k, i, said.letter, ha="center", va="center", fontsize=8, color=said.ink)
     cells.set_xlim(-0.5, columns - 0.5)
     cells.set_ylim(rows - 0.5, -0.5)
     cells.set_xticks(range(columns), [judged.loop for judged in comparison.loops], rotation=90, fontsize=8)
@@ -45,7 +38,9 @@ def plot_comparison(comparison: Comparison) -> Figure:
     for edge in cells.spines.values():
         edge.set_visible(False)
     cells.tick_params(length=0)
-    figure.suptitle("S stiction   N no stiction   ? inconclusive   - does not apply", x=0.01, ha="left", fontsize=9)
+    figure.suptitle(
+        "   ".join(f"{said.letter} {said.spoken}" for said in WORDS.values()), x=0.01, ha="left", fontsize=9
+    )
     spent = np.median([judged.milliseconds for judged in comparison.loops], axis=0)
     bars.barh(range(len(names)), spent, color=INK, height=0.6)
     bars.set_xlabel("median time a record [ms]", fontsize=8.5)

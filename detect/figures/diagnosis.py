@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detect.figures.verdict import draw_evidence, legend
+from detect.words import WORDS
 from logs.figures import COLOURS, time_unit
 from logs.style import tidy
 
@@ -30,7 +31,7 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     parts: list[SubFigure] = list(np.ravel(figure.subfigures(rows, 1)))  # type: ignore[arg-type]
     trend = parts[0]
     if words:
-        title = f"{answer.loop or 'loop'}: {answer.verdict.replace('_', ' ')}"
+        title = f"{answer.loop or 'loop'}: {WORDS[answer.verdict].spoken}"
         figure.suptitle(title, x=0.01, ha="left", fontsize=12, weight="bold")
     grid = trend.add_gridspec(2, 2, width_ratios=(2.2, 1))
     top = trend.add_subplot(grid[0, 0])

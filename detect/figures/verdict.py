@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.verdict import Verdict
+from detect.words import WORDS
 from logs.style import AFTER, BEFORE, COLOURS, FIT, UNUSED, tidy
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def plot_verdict(v: Verdict) -> Figure:
     figure = Picture(figsize=(10, 4.6), layout="constrained")
     reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)
     standing = " (experimental, no vote)" if v.experimental else ""
-    figure.suptitle(f"{v.method}: {v.verdict.replace('_', ' ')}{standing}{reason}", x=0.01, ha="left", fontsize=9)
+    figure.suptitle(f"{v.method}: {WORDS[v.verdict].spoken}{standing}{reason}", x=0.01, ha="left", fontsize=9)
     draw_evidence(v, figure)
     return figure
 

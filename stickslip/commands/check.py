@@ -5,17 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
+from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis
-
-# verdict -> colour in the terminal, kind of section on the page
-LOOKS = {
-    "stiction": ("red", "bad"), "no_stiction": ("green", "good"),
-    "inconclusive": ("yellow", "open"), "not_applicable": ("yellow", "open"),
-}  # fmt: skip
 
 
 @click.command("check")
@@ -73,9 +67,10 @@ def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -
 
 def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     """Print verdict, reason, assumptions and the methods' numbers, in this order."""
-    from detect.verdict import SPOKEN
+    from detect.words import WORDS
 
-    say(f"{diagnosis.loop}: {SPOKEN[diagnosis.verdict].upper()}", fg=LOOKS[diagnosis.verdict][0], bold=True)
+    word = WORDS[diagnosis.verdict]
+    say(f"{diagnosis.loop}: {word.spoken.upper()}", fg=COLOUR_OF[word.kind], bold=True)
     say.paragraph(diagnosis.reason)
     say()
     say("Read and assumed:")
@@ -84,7 +79,7 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     rows = [
         [
             verdict.method,
-            SPOKEN[verdict.verdict],
+            WORDS[verdict.verdict].spoken,
             "-" if verdict.index is None else f"{verdict.index:.3g}",
             "-" if verdict.threshold is None else f"{verdict.threshold:.3g}",
             "-" if verdict.amount_percent_op is None else f"{verdict.amount_percent_op:.3g}",
@@ -101,11 +96,11 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
 
 
 def _report(diagnosis: "Diagnosis") -> str:
-    from detect.verdict import SPOKEN
+    from detect.words import WORDS
     from stickslip.report.page import Section, figure_to_svg, page
 
-    word = SPOKEN[diagnosis.verdict]
-    section = Section(diagnosis.loop, word.upper(), LOOKS[diagnosis.verdict][1], diagnosis.reason)
+    word = WORDS[diagnosis.verdict]
+    section = Section(diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason)
     section.notes.extend(diagnosis.assumptions)
     section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
-    return page(f"{diagnosis.loop}: {word}", "", [section])
+    return page(f"{diagnosis.loop}: {word.spoken}", "", [section])

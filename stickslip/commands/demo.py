@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip.commands.check import LOOKS
-from stickslip.console import Speaker, json_option, user_errors
+from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.targets import check_folder, check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis
+    from detect.words import Wording
 
 REAL = (
     ("PAP2", "isdb/PAP2.csv", "stiction", "A flow loop of a paper mill (International Stiction Data Base, FC525)."),
@@ -51,10 +51,15 @@ class Judged:
 
     @property
     def said(self) -> str:
-        """The verdict in words."""
-        from detect.verdict import SPOKEN
+        """The verdict as people read it."""
+        return self.wording.spoken
 
-        return SPOKEN[self.diagnosis.verdict]
+    @property
+    def wording(self) -> "Wording":
+        """How the verdict is said and shown."""
+        from detect.words import WORDS
+
+        return WORDS[self.diagnosis.verdict]
 
 
 @click.command("demo")
@@ -121,7 +126,7 @@ def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: s
 
     judged = Judged(title, truth, known, story, lesson, diagnose(read_loop(path)))
     say(f"{title}: ", nl=False)
-    say(judged.said, fg=LOOKS[judged.diagnosis.verdict][0], bold=True)
+    say(judged.said, fg=COLOUR_OF[judged.wording.kind], bold=True)
     return judged
 
 
@@ -132,9 +137,7 @@ def _page(judged: list[Judged]) -> str:
     table = [["loop", "truth or label", "verdict", "score"]]
     for t in judged:
         truth = f"{t.known}: {t.truth} ({t.score})"
-        section = Section(
-            t.title, t.said.upper(), LOOKS[t.diagnosis.verdict][1], t.diagnosis.reason, t.story, truth, t.lesson
-        )
+        section = Section(t.title, t.said.upper(), t.wording.kind, t.diagnosis.reason, t.story, truth, t.lesson)
         section.notes.extend(t.diagnosis.assumptions)
         section.figures.append(figure_to_svg(t.diagnosis.plot(words=False)))
         sections.append(section)

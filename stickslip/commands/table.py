@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
+from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.targets import check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
@@ -101,8 +101,11 @@ def _opened(source: str):  # type: ignore[no-untyped-def]
 
 def _tell(say: Speaker, found: "Comparison") -> None:
     """Print one table a loop, then each reason, then the files without a loop."""
+    from detect.words import WORDS
+
     for judged in found.loops:
-        say(f"{judged.loop}: {judged.combined.replace('_', ' ')}", bold=True)
+        word = WORDS[judged.combined]
+        say(f"{judged.loop}: {word.spoken}", fg=COLOUR_OF[word.kind], bold=True)
         rows = judged.rows()
         shown = [[method + " *" * (votes == "yes"), *more] for _, method, votes, *more, _ in rows]
         say.table(["method", "verdict", "index", "limit", "% OP", "ms"], shown)
@@ -119,13 +122,14 @@ def _tell(say: Speaker, found: "Comparison") -> None:
 
 def _page(source: str, found: "Comparison") -> str:
     from detect.comparison import COLUMNS
+    from detect.words import WORDS
     from stickslip.report.page import Section, figure_to_svg, page, table_to_html
 
     sections = [
         Section(
             judged.loop,
-            judged.combined.replace("_", " ").upper(),
-            judged.combined,
+            WORDS[judged.combined].spoken.upper(),
+            WORDS[judged.combined].kind,
             f"{judged.samples} samples; {judged.preparation:.0f} ms to prepare, {sum(judged.milliseconds):.0f} ms for "
             "all methods.",
             figures=[table_to_html(COLUMNS[1:], [row[1:] for row in judged.rows()])],

@@ -12,7 +12,7 @@ from detect.methods import area_ratio
 from detect.oscillation import acf_crossings as oscillation
 from detect.oscillation import hagglund1995
 from detect.stream import LoopFacts, Sample
-from detect.verdict import NUMBERS
+from detect.words import WORDS
 from diagram import WiringError, simulate, wire
 from logs import LoopRecord
 
@@ -49,7 +49,7 @@ def test_equals_the_streaming_method_on_the_same_samples(log):
         state = area_ratio.update(p, state, t, sample)
         if (k + 1) % EVERY == 0:
             v = area_ratio.verdict(p, state)
-            said = (np.nan if v.index is None else v.index, NUMBERS[v.verdict])
+            said = (np.nan if v.index is None else v.index, WORDS[v.verdict].number)
         index.append(said[0])
         verdict.append(said[1])
     np.testing.assert_array_equal(log["index"], index)
@@ -65,15 +65,15 @@ def test_equals_the_batch_method_when_the_last_verdict_falls(log):
     )  # fmt: skip
     batch = area_ratio.detect(record)
     assert batch.verdict == "stiction"
-    assert log["verdict"][-1] == NUMBERS["stiction"]
+    assert log["verdict"][-1] == WORDS["stiction"].number
     assert log["index"][-1] == pytest.approx(batch.index, rel=1e-12)
 
 
 def test_it_waits_for_cycles_before_it_speaks(log):
-    speaks = np.flatnonzero(log["verdict"] == NUMBERS["stiction"])
-    assert log["verdict"][0] == NUMBERS["not_applicable"] and np.isnan(log["index"][0])
+    speaks = np.flatnonzero(log["verdict"] == WORDS["stiction"].number)
+    assert log["verdict"][0] == WORDS["not_applicable"].number and np.isnan(log["index"][0])
     assert 100 < log.t[speaks[0]] < 600
-    assert np.all(np.isnan(log["index"]) == (log["verdict"] == NUMBERS["not_applicable"]))
+    assert np.all(np.isnan(log["index"]) == (log["verdict"] == WORDS["not_applicable"].number))
 
 
 def test_watching_changes_nothing(log):

@@ -19,6 +19,7 @@ def test_one_file(call, exports, tmp_path):
     rows = list(csv.DictReader(names["csv"].open(newline="")))
     assert [row["method"] for row in rows] == ["area_ratio", "cross_correlation"]
     page = names["html"].read_text()
+    assert "class='badge bad'>STICTION<" in page
     assert "<svg" in page and rows[1]["verdict"] in page and "<script" not in page
     document = json.loads(names["json"].read_text())
     assert document["schema"] == "stickslip.table/1"

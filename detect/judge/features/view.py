@@ -1,0 +1,149 @@
+"""What the features look at: one record in its own units of time, OP and PV.
+
+    thinned    blocks of k samples are averaged, so that 12 to 24 are left from one turn of OP to the next
+    time       counted in turns: the mean time between two turns of OP by more than 0.3 of its range
+    u, y, e    OP, PV, SP - PV, each over its own robust scale; y and e turned so that the process gain is positive
+    stretches  up to three pieces of at most 300 points: the same at all of them is what a valve gives
+
+Nothing that is left has a unit: no amplitude, interval, period or offset of the record can be told from it.
+Samples at which PV and OP both stand still to the bit are stale collection and are left out where they are many.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.prepare.controller import controller_sign
+from detect.prepare.prepared import Prepared
+from detect.prepare.stick import turns
+
+__all__ = ["View", "view_of"]
+
+Values = npt.NDArray[np.float64]
+
+FINE, COARSE = 24.0, 12.0  # points between two turns, wanted and least
+POINTS = 900  # beyond these the thinning goes down to COARSE
+STRETCH = 300  # points of a stretch
+STALE = 0.05  # share of stale samples from which on they are left out
+TURN = 0.3  # of OP's range: a smaller way back is no turn
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """One record as the features see it.
+
+    u, y, e : (n,) [-], thinned; sp : (n,) [robust scales of PV] or None
+    turn : points between two turns [-]; block : samples of the grid in a point [-]
+    travel : range of OP but for 1 % on either side, in units of u [-]
+    noise : standard deviation of the white noise on y before thinning [-]
+    stale : share of the samples at which OP and PV stand still together [-]
+    raw_u, raw_y : (m,) [-] the grid before thinning, on the same scales
+    integrating : whether the process is known to integrate; None where nothing is known
+    op_scale : one unit of u [unit of OP]
+    """
+
+    u: Values
+    y: Values
+    e: Values
+    sp: Values | None
+    turn: float
+    block: int
+    travel: float
+    noise: float
+    stale: float
+    raw_u: Values
+    raw_y: Values
+    integrating: bool | None
+    op_scale: float
+
+    def __len__(self) -> int:
+        return len(self.u)
+
+    @cached_property
+    def stretches(self) -> npt.NDArray[np.intp]:
+        """First points of the stretches, and their common length as the last entry, (s + 1,)."""
+        n = len(self)
+        count = 3 if n >= 150 else 2 if n >= 80 else 1
+        size = min(n // count, STRETCH)
+        gap = (n - count * size) // max(count - 1, 1)
+        return np.array([k * (size + gap) for k in range(count)] + [size], dtype=np.intp)
+
+    def cut(self, x: Values) -> Values:
+        """A signal (n,) in its stretches, (s, m)."""
+        first, size = self.stretches[:-1], int(self.stretches[-1])
+        return np.stack([x[a : a + size] for a in first.tolist()])
+
+
+def view_of(loop: Prepared) -> View | None:
+    """The view on a record; None where fewer than 40 samples are left, or OP or PV does not move.
+
+    >>> from logs import LoopRecord
+    >>> t = np.arange(1000.0)
+    >>> v = view_of(Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 16), op=50 - np.cos(t / 16), sp=0 * t)))
+    >>> v.block, round(v.turn), v.cut(v.u).shape
+    (2, 25, (3, 166))
+    """
+    grid = loop.whole
+    if len(grid) < 40:
+        return None
+    op, pv, e, sp = grid.op, grid.pv, grid.e, grid.sp
+    still = np.concatenate([[False], (np.diff(op) == 0.0) & (np.diff(pv) == 0.0)])
+    stale = float(np.mean(still))
+    if stale > STALE and np.sum(~still) >= 40:
+        op, pv, e, sp = op[~still], pv[~still], e[~still], None if sp is None else sp[~still]
+    u_scale, y_scale = _scale(op), _scale(pv)
+    if not (u_scale > 0.0 and y_scale > 0.0):
+        return None
+    sign = controller_sign(op, e)
+    u = (op - np.median(op)) / u_scale
+    y = sign * (pv - np.median(pv)) / y_scale
+    error = sign * e / y_scale
+    set_point = None if sp is None or np.ptp(sp) == 0.0 else sign * (sp - np.mean(sp)) / y_scale
+    span = float(np.percentile(u, 99) - np.percentile(u, 1)) or float(np.ptp(u))
+    turn = _turn(u, span)
+    n = len(u)
+    k = max(1, int(min(turn / COARSE, max(turn / FINE, n / POINTS))))
+    thin = [_blocks(x, k) for x in (u, y, error)]
+    return View(
+        *thin, None if set_point is None else _blocks(set_point, k), max(turn / k, 2.0), k, span, _noise(y), stale, u, y,
+        loop.integrating, u_scale,
+    )  # fmt: skip
+
+
+def _scale(x: Values) -> float:
+    """The spread of a signal: half of the width that holds nine tenths of it, or the standard deviation."""
+    least = 1e-9 * float(np.max(np.abs(x)))
+    if np.ptp(x) <= least:
+        return 0.0
+    half = 0.5 * float(np.percentile(x, 95) - np.percentile(x, 5))
+    return half if half > least else float(np.std(x))
+
+
+def _turn(u: Values, span: float) -> float:
+    """Samples between two turns of OP, from at most 1500 blocks of it.
+
+    A turn goes back by 0.3 of the range that is usual in an eighth of the record, so that a few moves of the set point
+    do not hide a cycle, and by more than noise and a tenth of the whole range.
+    """
+    k = max(1, len(u) // 1500)
+    x = _blocks(u, k)
+    parts = x[: len(x) // 8 * 8].reshape(8, -1)
+    usual = float(np.median(np.ptp(parts, axis=1)))
+    limit = max(TURN * usual, 6.0 * _noise(x), 0.1 * span)
+    return max(k * len(x) / (len(turns(x, limit)) + 1.0), 2.0)
+
+
+def _blocks(x: Values, k: int) -> Values:
+    m = len(x) // k
+    return np.asarray(x[: m * k].reshape(m, k).mean(axis=1)) if k > 1 else x
+
+
+def _noise(y: Values) -> float:
+    """White noise by the median third difference, which is blind to a smooth wave."""
+    d = np.diff(y, 3)
+    return float(np.median(np.abs(d))) / (0.6745 * math.sqrt(20.0))
