@@ -1,6 +1,6 @@
 """Large sets of simulated loops on disk: chunks of Parquet, one row a loop, made one after the other and resumable.
 
-set.json               what was asked for            chunk_00000.parquet ...  4,000 loops each, in the order of their numbers
+set.json    what was asked for            chunk_00000.parquet ...    4,000 loops each, in the order of their numbers
 
 A chunk appears whole or not at all, and holds the same loops whenever it is made; a second call makes what is missing.
 """

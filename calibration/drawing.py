@@ -39,7 +39,7 @@ TRAVEL = (0.8, 6.0)  # the same where something else moves OP
 
 _VALVES = {
     "training": (("kano", 0.35), ("chen", 0.25), ("he", 0.25), ("stick_slip", 0.15)),
-    "other_physics": (("stribeck", 0.6), ("lugre", 0.4)),
+    "other_physics": (("stribeck", 0.75), ("lugre", 0.25)),
 }
 _CONTROLLERS = {
     "training": (("pi", 0.45), ("pi_filtered", 0.3), ("pid_weighted", 0.25)),

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 from blocks import (
     PID,
+    Biquad,
     ChenValve,
     FirstOrder,
     HeValve,
@@ -73,7 +74,8 @@ def _controller(word: str) -> list[Block]:
         return [smooth, SampledPI(1.0, 10.0, dt=1.0, inputs={"SP": "SP", "PV": "PV_f"}, **limits)]
     if word == "pid_weighted":
         return [PID(1.0, 10.0, 1.0, N=8.0, c=0.0, inputs={"SP": "SP", "PV": "PV_m"}, **limits)]
-    return [PID(1.0, 10.0, 1.0, N=8.0, c=0.0, inputs={"SP": "SP", "PV": "PV_m"}, **limits)]
+    lead = Biquad("PV_f", "PV_m", b=[1.0, 0.0, 0.0], a=[0.0, 0.0], dt=1.0, name="lead")
+    return [lead, SampledPI(1.0, 10.0, dt=1.0, inputs={"SP": "SP", "PV": "PV_f"}, **limits)]
 
 
 @lru_cache(maxsize=128)
@@ -104,11 +106,12 @@ def parameters(spec: LoopSpec, valve: str, limited: bool) -> Mapping[str, float]
     found = {"F.w_MV": spec.authority, "controller.low": low, "controller.high": high}
     found |= {"controller.K_p": spec.K_p, "controller.T_i": spec.T_i, "process.theta": spec.theta}
     found["controller.action"] = 1.0 if spec.K > 0.0 else -1.0
-    if spec.controller.startswith("pid"):
-        series = 1.0 + spec.T_d / spec.T_i if spec.controller == "pid_series" else 1.0
-        found |= {"controller.K_p": spec.K_p * series, "controller.T_i": spec.T_i * series, "controller.b": spec.b}
-        T_d = spec.T_d / series
-        found |= {"controller.T_d": T_d, "controller.N": min(8.0, T_d)}  # a filter no faster than a scan
+    if spec.controller == "pid_weighted":  # a filter no faster than a scan
+        found |= {"controller.b": spec.b, "controller.T_d": spec.T_d, "controller.N": min(8.0, spec.T_d)}
+    if spec.controller == "pid_series":  # PI of (1 + T_d s)/(1 + T_f s) PV, with s = 1 - 1/z
+        T_f = max(spec.T_d / 8.0, 0.5)
+        found |= {"lead.b_0": (1.0 + spec.T_d) / (1.0 + T_f), "lead.b_1": -spec.T_d / (1.0 + T_f)}
+        found["lead.a_1"] = -T_f / (1.0 + T_f)
     if spec.controller == "pi_filtered":
         found["filter.tau"] = spec.T_f
     if spec.process == "integrating":

@@ -71,7 +71,8 @@ class Plan:
         """Return ``rows`` log times [scans]: those of the record, and before them some that fill the row up."""
         others = rows - self.samples
         before = (np.arange(others) + 1.0) * (self.warm / (others + 1.0))
-        return np.concatenate([before, self.warm + np.arange(self.samples) * self.per_sample + 0.5])
+        own = self.warm + np.arange(self.samples, dtype=np.float64) * self.per_sample + 0.5
+        return np.concatenate([before, own])
 
 
 def simulate(specs: Sequence[LoopSpec], workers: int | None = None, mv: bool = False) -> list[tuple[LoopRecord, Truth]]:
@@ -132,7 +133,7 @@ def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
             bare = in_scans(spec if spec.group == "cycling" else replace(spec, S=0.0, J=0.0), scan)
             columns.append({**parameters(bare, "kano", False), **driver(bare, 1.0, PILOT), **QUIET})
             scans.append(scan)
-        grid = np.arange(SETTLE, PILOT - 1) + 0.5
+        grid = np.arange(SETTLE, PILOT - 1, dtype=np.float64) + 0.5
         seeds = [specs[i].seed for i in members]
         result = _ensemble((valve, process, controller), PILOT, columns, seeds, grid, workers)
         for k, i in enumerate(members):
@@ -149,7 +150,7 @@ def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) 
         own, length = in_scans(spec, plan.scan), plan.samples * plan.per_sample
         rest = trouble(own, plan.shown, plan.shown.period / plan.scan, length)
         columns.append({**parameters(own, spec.valve, True), **driver(own, plan.drive, length), **rest})
-    times: Floats = np.stack([plan.times(rows) for plan in plans]).astype(np.float64)
+    times = np.stack([plan.times(rows) for plan in plans])
     seeds = [spec.seed for spec in specs]
     return _ensemble(structure_of(specs[0]), plans[0].scans, columns, seeds, times, workers)
 

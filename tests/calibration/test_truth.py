@@ -26,7 +26,6 @@ def bands(loop: LoopRecord) -> tuple[float, float]:
     slips, MV jumps by J, or more by what OP moves meanwhile.
     """
     assert loop.mv is not None
-    # all samples but the first break-away, which comes from rest
     behind = loop.op - loop.mv
     jump = float(np.abs(np.diff(loop.mv)).max())
     both = float(behind.max() - behind.min())
@@ -37,10 +36,10 @@ def bands(loop: LoopRecord) -> tuple[float, float]:
 def test_S_and_J_are_those_of_the_MV_OP_figure(law: str) -> None:
     setting = "other_physics" if law in ("stribeck", "lugre") else "training"
     drawn = (one("cycling", (5, i), setting) for i in range(400))
-    own = [spec for spec in drawn if spec.valve == law and spec.process != "one_lag"][:9]
-    specs = [clean(spec, J=0.6 * spec.S) for spec in own]
-    seen = [(bands(loop), truth) for loop, truth in simulate(specs, mv=True) if truth.cycling]
-    assert len(seen) >= 3
+    own = [spec for spec in drawn if spec.valve == law and spec.process == "integrating"][:5]  # which always cycle
+    specs = [clean(spec, J=0.6 * spec.S, valve_lag=spec.natural / 300.0) for spec in own]  # it slips within a sample
+    seen = [(bands(loop), truth) for loop, truth in simulate(specs, mv=True) if truth.travel > 1.2]
+    assert len(seen) >= 3  # where OP went far enough for the valve to move both ways
     # analytic (definition of S and J); what OP moves between two samples blurs it
     S = np.array([found[0] / truth.S for found, truth in seen])
     J = np.array([found[1] / truth.J for found, truth in seen])
@@ -49,12 +48,14 @@ def test_S_and_J_are_those_of_the_MV_OP_figure(law: str) -> None:
 
 
 def test_deadband_has_no_jump_and_healthy_valves_no_band() -> None:
-    drawn = [one("deadband", (6, i)) for i in range(14)]
-    deadband = [clean(spec) for spec in drawn if spec.valve != "stick_slip"]  # whose mass takes its time
+    drawn = [one("deadband", (6, i)) for i in range(20)]
+    # a stem with mass takes its time, and a continuous controller moves OP between the samples of a valve
+    deadband = [clean(spec) for spec in drawn if spec.valve != "stick_slip" and spec.controller != "pid_weighted"]
     for loop, truth in simulate(deadband, mv=True):
         assert loop.mv is not None
         assert truth.J == 0.0 and truth.process == "self_regulating"
-        assert np.abs(loop.op - loop.mv).max() <= 0.5 * truth.S + 1e-9  # analytic: OP leads MV by S/2 at most
+        between = float((loop.op - loop.mv).max() - (loop.op - loop.mv).min())
+        assert between <= truth.S + 1e-9  # analytic: the figure is a band of width S
         slack = np.abs(np.diff(loop.mv)).max() - np.abs(np.diff(loop.op)).max()
         assert slack <= 1e-9  # MV never moves more than OP
     for (loop, truth), spec in zip(
@@ -62,7 +63,7 @@ def test_deadband_has_no_jump_and_healthy_valves_no_band() -> None:
     ):
         assert loop.mv is not None
         assert math.isnan(truth.S) and math.isnan(truth.J) and math.isnan(truth.travel)
-        if spec.valve != "stick_slip":
+        if spec.valve != "stick_slip" and spec.controller != "pid_weighted":
             assert loop.mv.tolist() == loop.op.tolist()
 
 
