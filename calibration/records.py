@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from calibration.crossings import extent
 from calibration.drawing import draw
 from calibration.simulation import simulate
 from calibration.spec import Setting, Truth
@@ -88,7 +89,7 @@ def table(told: Sequence[tuple[LoopRecord, Truth]]) -> Table:
         if one is not None:
             x[k] = list(one[0].values())
             # the range of OP is known in % of its span from the simulation, the record may not tell the span
-            unit[k] = one[1] * truth.op_range / np.ptp(told[k][0].op) if np.ptp(told[k][0].op) > 0 else np.nan
+            unit[k] = one[1] * truth.op_range / extent(told[k][0].op)
     truths = {f.name: np.array([getattr(t, f.name) for _, t in told]) for f in fields(Truth) if f.name != "defects"}
     truths["defects"] = np.array([" ".join(t.defects) for _, t in told])
     return Table(np.array(names), x, unit, truths)

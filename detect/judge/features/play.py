@@ -25,6 +25,7 @@ Values = npt.NDArray[np.float64]
 Lanes = npt.NDArray[np.float32]
 
 LAGS = (0.0, 0.08, 0.2, 0.45, 1.0, 2.2)  # time constants [turns]
+HIDDEN = (1, 3, 8)  # fall of the log-likelihood, one look a turn
 DELAYS = (0.0, 0.08, 0.2, 0.4)  # dead times [turns]
 
 
@@ -68,6 +69,11 @@ def play_features(v: View) -> dict[str, float]:
         "linear_lag": float(np.mean(LAG_OF[lag])),
         "linear_delay": float(np.mean(DELAY_OF[lag])),
     }
+    least = min(best, float(linear.sum()))
+    fall = 0.5 * (s * m / v.turn) * np.log(by_size / least)
+    for margin in HIDDEN:  # the sizes that fit about as well as anything: a stick of those would not show
+        alike = np.flatnonzero(fall < margin)
+        found[f"play_hidden_{margin}"] = float(SIZES[alike[-1]]) if len(alike) else 0.0
     lagged = which[:, 1:].reshape(s, len(SIZES), len(JUMPS), len(STARTS))[:, i, j, 0]
     found["play_lag"] = float(np.mean(LAG_OF[lagged]))
     found["play_delay"] = float(np.mean(DELAY_OF[lagged]))

@@ -128,13 +128,13 @@ def _turn(u: Values, span: float) -> float:
     """Samples between two turns of OP, from at most 1500 blocks of it.
 
     A turn goes back by 0.3 of the range that is usual in an eighth of the record, so that a few moves of the set point
-    do not hide a cycle, and by more than noise and a tenth of the whole range.
+    do not hide a cycle, and by more than noise and a tenth of the whole range, but never by more than 0.3 of that.
     """
     k = max(1, len(u) // 1500)
     x = _blocks(u, k)
     parts = x[: len(x) // 8 * 8].reshape(8, -1)
     usual = float(np.median(np.ptp(parts, axis=1)))
-    limit = max(TURN * usual, 6.0 * _noise(x), 0.1 * span)
+    limit = min(max(TURN * usual, 6.0 * _noise(x), 0.1 * span), TURN * span)
     return max(k * len(x) / (len(turns(x, limit)) + 1.0), 2.0)
 
 
