@@ -18,8 +18,8 @@ from calibration.spec import LoopSpec
 Random = np.random.Generator
 
 CYCLE = (1.02, 2.2)  # range of OP over S where the valve makes the cycle
-TRAVEL = (0.7, 10.0)  # and where something else moves OP: wide, because it says which stick would have shown
-EXCITED = 0.5  # share of the sticky loops that something else moves
+TRAVEL = (0.7, 8.0)  # and where something else moves OP: wide, because it says which stick would have shown
+EXCITED = 0.35  # share of the sticky loops that something else moves
 SPREAD = 0.25  # of what is measured roughly, in the logarithm
 TRIES = 60  # draws for one loop that fits what is known of process and set point
 LIMITED = 0.05  # share of samples at a limit from which OP is saturated

@@ -32,6 +32,7 @@ from calibration.posterior import (
 from calibration.records import Table, row, table
 from calibration.simulation import simulate
 from calibration.spec import CAUSES, LoopSpec
+from detect.judge.model import Model
 from logs import LoopRecord
 
 Floats = NDArray[np.float64]
@@ -102,11 +103,14 @@ class AtRecord:
         return f"A stick of more than {size} would have shown in this record with 90 % probability."
 
 
-def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: int | None = None) -> AtRecord:
+def at_record(
+    record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: int | None = None, model: Model | None = None
+) -> AtRecord:
     """Return what ``loops`` simulated loops under the record's conditions say of it; equal seeds give equal answers.
 
-    ``workers`` processes (default all cores).  Raises ``ValueError`` if the record shows too little (fewer than 40
-    good samples, OP or PV that does not move), or too few of the simulated loops do.
+    ``workers`` processes (default all cores); ``model`` of stage (a), whose opinion on the record and on every
+    simulated loop is among what they are compared by.  Raises ``ValueError`` if the record shows too little (fewer
+    than 40 good samples, OP or PV that does not move), or too few of the simulated loops do.
 
     See also: ``calibration.conditions`` for what is taken from the record.
     """
@@ -126,7 +130,8 @@ def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: in
     travel = float(np.median([shown[1] for _, shown in looks]))  # in the unit of the record
     scale = travel if record.op_span is None else travel * 100.0 / (record.op_span[1] - record.op_span[0])
     unit = "OP units" if record.op_span is None else "%"
-    return replace(_read(known, x, scale, unit, seen), seconds=time.perf_counter() - begun)
+    own, mine = _opinions(known.x, known.names.tolist(), model), _opinions(x, known.names.tolist(), model)
+    return replace(_read(known, x, own, mine, scale, unit, seen), seconds=time.perf_counter() - begun)
 
 
 def split(record: LoopRecord) -> list[LoopRecord]:
@@ -155,6 +160,16 @@ def made_of(specs: Sequence[LoopSpec]) -> Table:
     return table(simulate(specs, workers=1))
 
 
+def _opinions(x: Floats, names: Sequence[str], model: Model | None) -> Floats:
+    """Return what stage (a) says of features (n, f): log odds of causes, ln S and ln J; nothing without a model."""
+    if model is None:
+        return np.zeros((len(x), 0))
+    own = x[:, [names.index(name) for name in model.names]]
+    p, others = model.probabilities(own)
+    causes = np.column_stack([_odds(p), np.log(np.maximum(others / np.maximum(1.0 - p, 1e-9)[:, None], 1e-4))])
+    return np.hstack([causes, model.sizes(own, "S"), model.sizes(own, "J")])
+
+
 def _measured(piece: LoopRecord) -> Conditions | None:
     try:
         return conditions(piece)
@@ -167,12 +182,18 @@ def _typical(seen: Sequence[Conditions]) -> Conditions:
     return sorted(seen, key=lambda one: one.points)[len(seen) // 2]
 
 
-def _read(known: Table, x: Floats, scale: float, unit: str, seen: Conditions) -> AtRecord:
-    """Return what the simulated loops say about features ``x`` (pieces, f); ``scale`` [unit] is the travel of OP."""
+def _read(known: Table, x: Floats, own: Floats, mine: Floats, scale: float, unit: str, seen: Conditions) -> AtRecord:
+    """Return what the simulated loops say about features ``x`` (pieces, f); ``scale`` [unit] is the travel of OP.
+
+    ``own`` and ``mine``: what stage (a) says of the loops and of the pieces.
+    """
     cause = np.array([CAUSES.index(word) for word in known.truth["cause"].tolist()], dtype=np.intp)
     sticky = known.sticky
     scaled = Scaled.of(known.x)
-    z, at = scaled(known.x), scaled(x)
+    spread = np.maximum(own.std(axis=0), 1e-9)
+    z = np.hstack([(own - own.mean(axis=0)) / spread, scaled(known.x)])
+    at = np.hstack([(mine - own.mean(axis=0)) / spread, scaled(x)])
+    free = own.shape[1] + 1
     size = np.where(sticky, known.truth["S"].astype(float) / known.unit, np.nan)  # in units of the travel of OP
     share = np.where(sticky, known.truth["J"].astype(float) / known.truth["S"].astype(float), np.nan)
     log_size, fold = np.log(size), folds(len(known))
@@ -180,21 +201,19 @@ def _read(known: Table, x: Floats, scale: float, unit: str, seen: Conditions) ->
     told = np.zeros((len(known), 2))
     for k in range(int(fold.max()) + 1):
         fit, test = fold != k, fold == k
-        chance[test] = probabilities(logistic(z[fit], cause[fit], len(CAUSES)), z[test])
-        own = fit & sticky
-        told[test, 0] = z[test] @ ridge_fit(z[own], log_size[own])
-        told[test, 1] = z[test] @ ridge_fit(z[own], share[own])
-    mine = probabilities(logistic(z, cause, len(CAUSES)), at)
-    mean = np.exp(np.log(np.maximum(mine, 1e-12)).mean(axis=0))
+        chance[test] = probabilities(logistic(z[fit], cause[fit], len(CAUSES), free=free), z[test])
+        rest = fit & sticky
+        told[test, 0] = z[test] @ ridge_fit(z[rest], log_size[rest], free=free)
+        told[test, 1] = z[test] @ ridge_fit(z[rest], share[rest], free=free)
+    pieces = probabilities(logistic(z, cause, len(CAUSES), free=free), at)
+    mean = np.exp(np.log(np.maximum(pieces, 1e-12)).mean(axis=0))
     mean /= mean.sum()
-    here = np.array(
-        [np.median(at @ ridge_fit(z[sticky], log_size[sticky])), np.median(at @ ridge_fit(z[sticky], share[sticky]))]
-    )
+    sizes_of = [ridge_fit(z[sticky], y[sticky], free=free) for y in (log_size, share)]
+    here = np.array([np.median(at @ weights) for weights in sizes_of])
     odds = _odds(chance[:, STICTION])
     p = _platt(odds, sticky, _odds(mean[STICTION : STICTION + 1]))
-    causes = {
-        word: float(v * (1.0 - p) / max(1.0 - mean[STICTION], 1e-12)) for word, v in zip(CAUSES, mean, strict=True)
-    }
+    rest_of = (1.0 - p) / max(1.0 - float(mean[STICTION]), 1e-12)
+    causes: dict[str, float] = {str(word): float(v) * rest_of for word, v in zip(CAUSES, mean, strict=True)}
     causes["stiction"] = p
     weights = nearest(told[sticky], here)
     sizes = scale * np.exp(weighted_quantile(log_size[sticky] - told[sticky, 0], weights, QUANTILES) + here[0])

@@ -73,7 +73,7 @@ def conditions(record: LoopRecord) -> Conditions:
     (25, 10, 'still', False)
     """
     good = record.good
-    op = (record.op if record.op_percent is None else record.op_percent)[good]
+    op: Floats = (record.op if record.op_percent is None else record.op_percent)[good]
     pv = record.pv[good]
     if len(op) < 40:
         raise ValueError(f"{len(op)} good samples of OP and PV; a simulation of the record needs at least 40")
@@ -86,6 +86,7 @@ def conditions(record: LoopRecord) -> Conditions:
     stale = float(still.mean()) if still.mean() > HELD else 0.0
     points = period(op)
     points = min(points, len(op) / 2.0) if points == points else len(op) / 2.0
+    word, move, hold = _set_point(None if record.sp is None else record.sp[good], pv_range, points)
     return Conditions(
         samples=len(op),
         points=points,
@@ -98,7 +99,9 @@ def conditions(record: LoopRecord) -> Conditions:
         compressed=_straight(pv[fresh]) > STRAIGHT,
         stale=stale,
         stale_hold=len(op) * stale / max(_runs(still), 1),
-        **_set_point(None if record.sp is None else record.sp[good], pv_range, points),
+        sp=word,
+        sp_move=move,
+        sp_hold=hold,
         drifting=_drifting(op, points) / op_range,
         limited=float(np.mean((op <= op.min()) | (op >= op.max()))),
         integrating=None if record.process == "unknown" else record.process == "integrating",
@@ -142,11 +145,12 @@ def _drifting(op: Floats, points: float) -> float:
     return float(np.ptp((sums[width:] - sums[:-width]) / width))
 
 
-def _set_point(sp: Floats | None, pv_range: float, points: float) -> dict[str, float | str]:
+def _set_point(sp: Floats | None, pv_range: float, points: float) -> tuple[str, float, float]:
+    """Return how SP moves, by how much [ranges of PV], and how long it stands [periods]."""
     if sp is None:
-        return {"sp": "none", "sp_move": 0.0, "sp_hold": 0.0}
+        return "none", 0.0, 0.0
     moves = int((np.diff(sp) != 0.0).sum())
     if not moves:
-        return {"sp": "still", "sp_move": 0.0, "sp_hold": 0.0}
+        return "still", 0.0, 0.0
     word = "always" if moves > ALWAYS * len(sp) else "moves"
-    return {"sp": word, "sp_move": float(np.ptp(sp)) / pv_range, "sp_hold": len(sp) / moves / points}
+    return word, float(np.ptp(sp)) / pv_range, len(sp) / moves / points

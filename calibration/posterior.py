@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
 
 RIDGE = 30.0  # penalty of the weights, for features of unit variance
+FREE = 0.01  # share of it on the constant and on what is known to be telling
 FOLDS = 4
 NEIGHBOURS = 40.0  # loops that the interval rests on, about
 
@@ -37,40 +38,38 @@ class Scaled:
 
     def __call__(self, x: Floats) -> Floats:
         """Return the scores of features (m, f), and whether each is missing: (m, 2 f + 1)."""
-        z = np.zeros(x.shape)
+        z: Floats = np.zeros(x.shape)
         for k, known in enumerate(self.sorted):
             if len(known) > 1 and known[0] < known[-1]:
                 low, high = np.searchsorted(known, x[:, k], "left"), np.searchsorted(known, x[:, k], "right")
                 z[:, k] = ndtri((0.5 * (low + high) + 0.5) / (len(known) + 1.0))
         missing = ~np.isfinite(x)
         z[missing] = 0.0
-        return np.hstack([np.ones((len(x), 1)), z, missing.astype(float)])
+        return np.hstack([np.ones((len(x), 1)), z, missing.astype(np.float64)])
 
 
-def logistic(z: Floats, cause: Whole, count: int, ridge: float = RIDGE) -> Floats:
-    """Return the weights (count, f) of the module docstring; the first feature is constant and not penalised."""
-    n, f = z.shape
+def logistic(z: Floats, cause: Whole, count: int, ridge: float = RIDGE, free: int = 1) -> Floats:
+    """Return the weights (count, f) of the module docstring; the first ``free`` features are hardly penalised."""
     told = np.eye(count)[cause]
-    held = np.ones(f)
-    held[0] = 0.0
+    held = np.ones(z.shape[1])
+    held[:free] = FREE
 
     def loss(flat: Floats) -> tuple[float, Floats]:
-        w = flat.reshape(count, f)
+        w = flat.reshape(count, -1)
         logs = log_softmax(z @ w.T, axis=1)
         slope = (np.exp(logs) - told).T @ z + ridge * held * w
         return float(-(told * logs).sum() + 0.5 * ridge * (held * w * w).sum()), slope.ravel()
 
-    found = minimize(loss, np.zeros(count * f), jac=True, method="L-BFGS-B", options={"maxiter": 150})
-    weights: Floats = found.x.reshape(count, f)
+    found = minimize(loss, np.zeros(count * z.shape[1]), jac=True, method="L-BFGS-B", options={"maxiter": 150})
+    weights: Floats = found.x.reshape(count, -1)
     return weights
 
 
-def ridge_fit(z: Floats, y: Floats, ridge: float = RIDGE) -> Floats:
-    """Return the weights (f,) of a ridge regression; the first feature is constant and not penalised."""
-    held = np.eye(z.shape[1]) * ridge
-    held[0, 0] = 1e-9
-    weights: Floats = np.linalg.solve(z.T @ z + held, z.T @ y)
-    return weights
+def ridge_fit(z: Floats, y: Floats, ridge: float = RIDGE, free: int = 1) -> Floats:
+    """Return the weights (f,) of a ridge regression; the first ``free`` features are hardly penalised."""
+    held = np.ones(z.shape[1])
+    held[:free] = FREE
+    return np.asarray(np.linalg.solve(z.T @ z + ridge * np.diag(held), z.T @ y), dtype=np.float64)
 
 
 def folds(n: int, count: int = FOLDS) -> Whole:
@@ -86,7 +85,7 @@ def weighted_quantile(values: Floats, weights: Floats, at: Floats) -> Floats:
     """
     order = np.argsort(values)
     share = (np.cumsum(weights[order]) - 0.5 * weights[order]) / weights.sum()
-    return np.interp(at, share, values[order])
+    return np.asarray(np.interp(at, share, values[order]), dtype=np.float64)
 
 
 def nearest(points: Floats, at: Floats, count: float = NEIGHBOURS) -> Floats:
