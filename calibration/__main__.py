@@ -5,6 +5,7 @@ from typing import get_args
 
 import click
 
+from calibration.commands import score, train
 from calibration.spec import Setting
 
 
@@ -29,6 +30,9 @@ def simulate(loops: int, seed: int, out: Path, setting: Setting, workers: int | 
         raise click.UsageError(str(error)) from None
     click.echo(f"{made} loops simulated, {loops - made} were there already: {out}")
 
+
+calibration.add_command(train)
+calibration.add_command(score)
 
 if __name__ == "__main__":
     calibration(prog_name="python -m calibration")

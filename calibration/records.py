@@ -86,10 +86,11 @@ def table(told: Sequence[tuple[LoopRecord, Truth]]) -> Table:
     x = np.full((len(told), len(names)), np.nan)
     unit = np.full(len(told), np.nan)
     for k, (one, (_, truth)) in enumerate(zip(found, told, strict=True)):
-        if one is not None:
+        shown = extent(told[k][0].op)
+        if one is not None and shown > 0.0:
             x[k] = list(one[0].values())
             # the range of OP is known in % of its span from the simulation, the record may not tell the span
-            unit[k] = one[1] * truth.op_range / extent(told[k][0].op)
+            unit[k] = one[1] * truth.op_range / shown
     truths = {f.name: np.array([getattr(t, f.name) for _, t in told]) for f in fields(Truth) if f.name != "defects"}
     truths["defects"] = np.array([" ".join(t.defects) for _, t in told])
     return Table(np.array(names), x, unit, truths)

@@ -119,7 +119,7 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
     limit = (hidden * travel, unit) if hidden < 0.9 else None
     p = said.probability
     causes = dict(said.causes)
-    why_not = _shortcoming(view, said)
+    why_not = _shortcoming(view, said) or _at_end(loop)
     chances = f"Probability of stiction {p:.0%}; {_others(causes)}."
     if why_not:
         return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", _next(causes, S))
@@ -150,6 +150,19 @@ def _shortcoming(view: View, said: Opinion) -> str:
     if said.unlike > UNLIKE:
         return f"{said.unlike:.0%} of the features lie beyond those of every simulated loop, so nothing is concluded."
     return ""
+
+
+def _at_end(loop: Prepared, allowed: float = 0.1) -> str:
+    """Whether PV stands at an end of its span, which the transmitter cannot leave; "" where it does not, or none is told."""
+    record = loop.record
+    span = record.log.spans.get(record.pv_name)
+    if span is None:
+        return ""
+    pv, edge = record.pv[record.good], 0.005 * (span[1] - span[0])
+    share = float(np.mean((pv <= span[0] + edge) | (pv >= span[1] - edge)))
+    if share <= allowed:
+        return ""
+    return f"PV stands at an end of its span in {share:.0%} of the samples ({allowed:.0%} allowed): log it within its range."
 
 
 def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, travel: float) -> str | None:
