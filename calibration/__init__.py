@@ -1,11 +1,13 @@
 """Simulated loop records whose cause is known, to calibrate and to test the verdict on.
 
-draw      plain numbers that make a loop and its data (``LoopSpec``), reproducible by seed
-simulate  the records of such specs and what is true of them (``Truth``), many at once
+draw       plain numbers that make a loop and its data (``LoopSpec``), reproducible by seed
+simulate   the records of such specs and what is true of them (``Truth``), many at once
+at_record  simulates under the conditions of one record, and says what that tells of its valve
 """
 
+from calibration.at_record import AtRecord, at_record
 from calibration.drawing import draw
 from calibration.simulation import simulate
 from calibration.spec import CAUSES, LoopSpec, Truth
 
-__all__ = ["CAUSES", "LoopSpec", "Truth", "draw", "simulate"]
+__all__ = ["CAUSES", "AtRecord", "LoopSpec", "Truth", "at_record", "draw", "simulate"]

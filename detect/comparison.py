@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
 from detect.diagnosis import ask
+from detect.judge.answer import answer
 from detect.judge.combine import Combine, WeightedVote
 from detect.method import Method
 from detect.prepare.prepared import Prepared
@@ -152,15 +153,18 @@ def compare(
     >>> [row[:4] for row in compare(loop, [area_ratio]).rows()]
     [['FIC211', 'area_ratio', 'yes', 'inconclusive']]
     """
+    vote = combine
     if methods is None:
         from detect import METHODS
 
         methods = METHODS
+    elif vote is None:
+        vote = WeightedVote()
     records, skipped = _records(source)
     for module in ("optimize", "signal", "stats"):  # loaded here, or the first method would be charged with it
         import_module(f"scipy.{module}")
 
-    return Comparison(tuple(_judged(record, methods, combine or WeightedVote()) for record in records), skipped)
+    return Comparison(tuple(_judged(record, methods, vote) for record in records), skipped)
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -187,7 +191,7 @@ def harmless(cell: str) -> str:
     return cell
 
 
-def _judged(record: LoopRecord | Prepared, methods: Sequence[Method], combine: Combine) -> Judged:
+def _judged(record: LoopRecord | Prepared, methods: Sequence[Method], combine: Combine | None) -> Judged:
     began = time.perf_counter()
     loop = Prepared(record) if isinstance(record, LoopRecord) else record
     _prepare(loop)
@@ -197,7 +201,10 @@ def _judged(record: LoopRecord | Prepared, methods: Sequence[Method], combine: C
         began = time.perf_counter()
         verdicts.append(ask(method, loop))
         spent.append(1e3 * (time.perf_counter() - began))
-    together = combine([v for v in verdicts if not v.experimental])
+    if combine is None:
+        together = answer(loop).word
+    else:
+        together = combine([v for v in verdicts if not v.experimental])
     name = loop.record.name or "loop"
     return Judged(name, together, tuple(verdicts), tuple(spent), preparation, len(loop.record))
 

@@ -1,13 +1,14 @@
-"""One loop in, one answer out: the verdicts of all methods, put together in plain words."""
+"""One loop in, one answer out: the calibrated judgement, in plain words, with all methods beside it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from detect.judge.advice import advice
+from detect.judge.answer import Amount, Answer, answer
 from detect.judge.combine import Combine, WeightedVote
+from detect.judge.voted import beside, voted
 from detect.method import Method
 from detect.prepare.fact import Fact
 from detect.prepare.harris import Harris
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose"]
 
-SCHEMA = "stickslip.check/1"
+SCHEMA = "stickslip.check/2"
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +32,18 @@ class Diagnosis:
     loop : str
     verdict : as in ``Verdict``
     probability : float or None
-        Probability of stiction [-]; None, because no calibration on known valves stands behind it yet.
+        Probability of stiction [-], calibrated on simulated loops; None where the model was not asked: the record
+        was refused, the stem was logged, or methods voted.
+    causes : mapping of name to float
+        Probability of each cause [-], largest first; "stiction" is one of them.
+    amount : mapping of "S" and "J" to Amount, or None
+        Sizes with their 90 % intervals, where the verdict is stiction.
+    detection_limit : (float, unit) or None
+        S above which a stick would have shown in this record.
     reason : str
-        What was found, in words and numbers, and what would settle an open case.
+        What was found, in words and numbers.
+    action : str
+        What to do, who does it, and the test that confirms it.
     assumptions : tuple of str
         What was taken for granted, one sentence each.
     methods : tuple of Verdict
@@ -47,7 +57,11 @@ class Diagnosis:
     loop: str
     verdict: Word
     probability: float | None
+    causes: Mapping[str, float]
+    amount: Mapping[str, Amount] | None
+    detection_limit: tuple[float, str] | None
     reason: str
+    action: str
     assumptions: tuple[str, ...]
     methods: tuple[Verdict, ...]
     conditions: tuple[Fact, ...] = field(repr=False)
@@ -55,13 +69,18 @@ class Diagnosis:
     performance: Harris | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """The answer as plain values that JSON can hold, schema "stickslip.check/1"."""
+        """The answer as plain values that JSON can hold, schema "stickslip.check/2"."""
+        limit = self.detection_limit
         return {
             "schema": SCHEMA,
             "loop": self.loop,
             "verdict": self.verdict,
             "probability": self.probability,
+            "causes": dict(self.causes),
+            "amount": None if self.amount is None else {name: size.to_dict() for name, size in self.amount.items()},
+            "detection_limit": None if limit is None else {"value": limit[0], "unit": limit[1]},
             "reason": self.reason,
+            "action": self.action,
             "assumptions": list(self.assumptions),
             "methods": [method.to_dict() for method in self.methods],
         }
@@ -82,8 +101,9 @@ def diagnose(
     """Put every method to a record and say what follows.
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
-    default all of ``detect.METHODS``. One whose card says ``experimental`` is shown and has no vote. ``combine`` makes
-    one word of the verdicts that vote; by default ``WeightedVote`` (see ``judge.combine``).
+    default all of ``detect.METHODS``. The verdict is the calibrated one (``judge.answer``), unless ``combine`` or
+    ``methods`` is given: then the methods vote, by ``combine`` or by ``WeightedVote`` (see ``judge.combine``), and one
+    whose card says ``experimental`` is shown without a vote.
 
     Raises TypeError for a method without ``detect``, or whose answer is no Verdict, and ValueError if ``combine`` gives
     no word of a verdict.
@@ -93,32 +113,39 @@ def diagnose(
     >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
     >>> answer = diagnose(loop)
     >>> answer.verdict, answer.to_dict()["schema"]
-    ('inconclusive', 'stickslip.check/1')
+    ('inconclusive', 'stickslip.check/2')
     """
-    if methods is None:
-        from detect import METHODS
+    from detect import METHODS
 
-        methods = METHODS
     loop = prepared(record)
     record = loop.record
-    verdicts = tuple(ask(method, loop) for method in methods)
-    votes = [v for v in verdicts if not v.experimental]
-    word = (combine or WeightedVote())(votes)
-    if word not in WORDS:
-        raise ValueError(f"combine gave {word!r}; it must return one of {', '.join(WORDS)}")
-    trials = _on_trial([v for v in verdicts if v.experimental])
-    next_step = advice(word, {v.code for v in votes if v.code is not None}, record.mv is not None)
+    verdicts = tuple(ask(method, loop) for method in (METHODS if methods is None else methods))
+    if methods is None and combine is None:
+        found = answer(loop)
+        reason = " ".join([WORDS[found.word].sentence, found.reason, beside(verdicts)])
+    else:
+        found = voted(verdicts, combine or WeightedVote(), record.mv is not None)
+        reason = found.reason
     return Diagnosis(
         loop=record.name,
-        verdict=word,
-        probability=None,
-        reason=" ".join([_reason(word, votes), *trials, next_step]),
-        assumptions=_assumptions(loop),
+        verdict=found.word,
+        probability=found.probability,
+        causes=found.causes,
+        amount=_amount(found),
+        detection_limit=found.limit,
+        reason=reason,
+        action=found.action,
+        assumptions=_assumptions(loop, found),
         methods=verdicts,
         conditions=loop.health,
         record=record,
         performance=loop.performance,
     )
+
+
+def _amount(found: Answer) -> dict[str, Amount] | None:
+    sizes = {name: size for name, size in (("S", found.S), ("J", found.J)) if size is not None}
+    return sizes or None
 
 
 def ask(method: Method, loop: Prepared) -> Verdict:
@@ -139,50 +166,25 @@ def ask(method: Method, loop: Prepared) -> Verdict:
     return replace(verdict, draw=draw, experimental=on_trial)
 
 
-def _on_trial(verdicts: Sequence[Verdict]) -> list[str]:
-    """One sentence on the methods without a vote: one by name, several by their count."""
-    if len(verdicts) <= 1:
-        return [f"{_name(v)} (experimental, no vote): {_sentence(v)}" for v in verdicts]
-    counts = [
-        f"{n} {said.of_several}" for word, said in WORDS.items() if (n := sum(v.verdict == word for v in verdicts))
-    ]
-    return [f"Of {len(verdicts)} experimental methods, which have no vote, {', '.join(counts)}."]
-
-
-def _reason(word: Word, votes: Sequence[Verdict]) -> str:
-    shown = [v for v in votes if v.verdict == word or word == "inconclusive"]
-    against = [v for v in votes if v.verdict in ("stiction", "no_stiction") and v not in shown]
-    return " ".join(
-        [
-            WORDS[word].sentence,
-            *(f"{_name(v)}: {_sentence(v)}" for v in shown),
-            *(f"{_name(v)} disagrees and is outweighed: {_sentence(v)}" for v in against),
-        ]
-    )
-
-
-def _name(v: Verdict) -> str:
-    return v.method.replace("_", " ").capitalize()
-
-
-def _sentence(v: Verdict) -> str:
-    return v.reason if v.reason.endswith(".") else v.reason + "."
-
-
-def _assumptions(loop: Prepared) -> tuple[str, ...]:
+def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:
     record = loop.record
-    found = [*record.notes, *(fact.text for fact in loop.health if fact.present and not fact.forbids)]
+    said = [*record.notes, *(fact.text for fact in loop.health if fact.present and not fact.forbids)]
     if record.sp is None:
-        found.append("SP is taken as constant, at the mean of PV.")
+        said.append("SP is taken as constant, at the mean of PV.")
     if record.mode is None:
-        found.append("The controller is taken to be in automatic: no mode is logged.")
+        said.append("The controller is taken to be in automatic: no mode is logged.")
     if record.process == "unknown":
         if record.measurement == "level":
-            found.append("The process is taken as integrating: the tag is a level.")
+            said.append("The process is taken as integrating: the tag is a level.")
         else:
-            found.append("The process is taken as self-regulating: nothing says otherwise.")
+            said.append("Whether the process integrates is not told; the record is judged for either.")
+    if not record.measurement:
+        said.append("What is measured is not told by tag or --measurement; the record is judged for any.")
     if record.op_percent is None:
-        found.append("OP is taken to be within its limits: its span is not known.")
-    found.append("The oscillation is taken to be the loop's own, not an outside disturbance.")
-    found.append("No probability is given: the methods are not yet calibrated on known valves.")
-    return tuple(dict.fromkeys(found))
+        said.append("OP is taken to be within its limits: its span is not known, and sizes are in the unit of OP.")
+    if found.probability is not None:
+        said.append(
+            "The probability is calibrated on simulated loops of which half had a sticky valve; where fewer valves stick, "
+            "it is lower."
+        )
+    return tuple(dict.fromkeys(said))

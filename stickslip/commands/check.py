@@ -10,7 +10,10 @@ from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis
+    from logs import LoopRecord
     from stickslip.report.page import Section
+
+MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 
 
 @click.command("check")
@@ -28,11 +31,16 @@ if TYPE_CHECKING:
 @click.option("--decimal", metavar="CHAR", help="Decimal mark, '.' or ',', if the guess is wrong.")
 @click.option("--loop", help="Which loop, when the file holds several.")
 @click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
+@click.option("--measurement", type=click.Choice(MEASUREMENTS), help="What PV measures; otherwise told from the tag.")
+@click.option("--span", nargs=2, type=float, metavar="LO HI", help="Span of PV in its own unit.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
-def command(files: tuple[Path, ...], html: Path | None, json_file: str | None, **told: Any) -> None:
+def command(
+    files: tuple[Path, ...], html: Path | None, json_file: str | None, measurement: str | None,
+    span: tuple[float, float] | None, **told: Any,
+) -> None:  # fmt: skip
     """Say whether the valve of the loop in FILE sticks, and why; of several loops or files, which to look at first.
 
     FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start.
@@ -64,7 +72,8 @@ def command(files: tuple[Path, ...], html: Path | None, json_file: str | None, *
     from detect import diagnose
     from logs import read_loop
 
-    diagnosis = diagnose(read_loop(file, **{name: value for name, value in told.items() if value is not None}))
+    record = read_loop(file, **{name: value for name, value in told.items() if value is not None})
+    diagnosis = diagnose(_with_told(record, measurement, span, told["process"] is None))
     say = Speaker(json_file)
     _tell(say, diagnosis)
     if html is not None:
@@ -74,13 +83,41 @@ def command(files: tuple[Path, ...], html: Path | None, json_file: str | None, *
     raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
 
 
+def _with_told(
+    record: "LoopRecord", measurement: str | None, span: tuple[float, float] | None, infer: bool
+) -> "LoopRecord":
+    """The record with what the user says of PV; the kind of process follows from it unless it is told, too."""
+    from dataclasses import replace
+
+    from logs.tags import process_of
+
+    if measurement is not None:
+        known = "" if measurement == "other" else measurement
+        process = process_of(known) if infer else record.process
+        record = replace(record, measurement=known, process=process)
+    if span is not None:
+        low, high = span
+        if not low < high:
+            raise ValueError(f"--span {low:g} {high:g}: the first must lie below the second; give the span of PV")
+        record = replace(record, log=replace(record.log, spans={**record.log.spans, record.pv_name: (low, high)}))
+    return record
+
+
 def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     """Print verdict, reason, assumptions and the methods' numbers, in this order."""
+    from detect.judge.actions import CAUSES
     from detect.words import WORDS
 
     word = WORDS[diagnosis.verdict]
     say(f"{diagnosis.loop}: {word.spoken.upper()}", fg=COLOUR_OF[word.kind], bold=True)
     say.paragraph(diagnosis.reason)
+    for name, size in (diagnosis.amount or {}).items():
+        say.paragraph(f"{name} {size}")
+    if diagnosis.action:
+        say.paragraph(f"Next: {diagnosis.action}")
+    if diagnosis.causes:
+        say()
+        say.table(["cause", "probability"], [[CAUSES[c].spoken, f"{p:.1%}"] for c, p in diagnosis.causes.items()])
     say()
     say("Read and assumed:")
     for sentence in diagnosis.assumptions:
@@ -92,25 +129,25 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
             "-" if verdict.index is None else f"{verdict.index:.3g}",
             "-" if verdict.threshold is None else f"{verdict.threshold:.3g}",
             "-" if verdict.amount_percent_op is None else f"{verdict.amount_percent_op:.3g}",
-            "no" if verdict.experimental else "yes",
         ]
-        for verdict in sorted(diagnosis.methods, key=lambda v: v.experimental)
+        for verdict in diagnosis.methods
     ]
-    say.table(["method", "verdict", "index", "threshold", "S [% OP]", "vote"], rows)
-    for verdict in diagnosis.methods:
-        if not verdict.experimental and verdict.reason.rstrip(".") not in diagnosis.reason:
-            say.paragraph(verdict.reason, f"  {verdict.method}: ")
-    if any(verdict.experimental for verdict in diagnosis.methods):
-        say("The methods without a vote are experimental: not yet calibrated on simulation. --json has their reasons.")
+    say.table(["method", "verdict", "index", "threshold", "S [% OP]"], rows)
+    say("The verdict is the calibrated one; the methods stand beside it. --json has the reason of each.")
 
 
 def section_of(diagnosis: "Diagnosis") -> "Section":
     """Return the article on one loop of a page."""
+    from detect.judge.actions import CAUSES
     from detect.words import WORDS
     from stickslip.report.page import Section, figure_to_svg
 
     word = WORDS[diagnosis.verdict]
-    section = Section(diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason)
+    section = Section(diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason, lesson=diagnosis.action)
+    section.notes.extend(f"{name} {size}." for name, size in (diagnosis.amount or {}).items())
+    if diagnosis.causes:
+        chances = ", ".join(f"{CAUSES[cause].spoken} {p:.1%}" for cause, p in diagnosis.causes.items())
+        section.notes.append(f"Probabilities: {chances}.")
     section.notes.extend(diagnosis.assumptions)
     section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
     return section

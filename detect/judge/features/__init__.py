@@ -3,6 +3,7 @@
     view        the record in its own units: OP and PV over their spread, time in turns of OP
     play        a play or stick between OP and PV against the same lag without
     innovations one step ahead: what the stem adds to OP, and the slips
+    folds       the mean cycle of OP and PV, with a play on it
     shapes      half waves of OP, e and the slope of PV
     waves       regularity, harmonics, time shifts
     steps       how OP and PV move and stand
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 import math
 
+from detect.judge.features.folds import fold_features
 from detect.judge.features.innovations import innovation_features
 from detect.judge.features.play import play_features
 from detect.judge.features.setting import setting_features
@@ -26,7 +28,9 @@ from detect.prepare.prepared import Prepared
 
 __all__ = ["View", "features", "features_of", "view_of"]
 
-FAMILIES = (play_features, innovation_features, shape_features, wave_features, step_features, setting_features)
+FAMILIES = (
+    play_features, innovation_features, fold_features, shape_features, wave_features, step_features, setting_features,
+)  # fmt: skip
 
 
 def features(loop: Prepared) -> dict[str, float] | None:
@@ -44,8 +48,8 @@ def features(loop: Prepared) -> dict[str, float] | None:
 
 
 def features_of(view: View) -> dict[str, float]:
-    """All features of a view by name [-]."""
+    """All features of a view by name [-], in the order of their names."""
     found: dict[str, float] = {}
     for family in FAMILIES:
         found |= family(view)
-    return {name: float(value) if math.isfinite(value) else math.nan for name, value in found.items()}
+    return {name: float(value) if math.isfinite(value) else math.nan for name, value in sorted(found.items())}

@@ -25,6 +25,7 @@ Values = npt.NDArray[np.float64]
 Lanes = npt.NDArray[np.float32]
 
 LAGS = (0.0, 0.08, 0.2, 0.45, 1.0, 2.2)  # time constants [turns]
+HIDDEN = (1, 3, 8)  # fall of the log-likelihood, one look a turn
 DELAYS = (0.0, 0.08, 0.2, 0.4)  # dead times [turns]
 
 
@@ -68,6 +69,11 @@ def play_features(v: View) -> dict[str, float]:
         "linear_lag": float(np.mean(LAG_OF[lag])),
         "linear_delay": float(np.mean(DELAY_OF[lag])),
     }
+    least = min(best, float(linear.sum()))
+    fall = 0.5 * (s * m / v.turn) * np.log(by_size / least)
+    for margin in HIDDEN:  # the sizes that fit about as well as anything: a stick of those would not show
+        alike = np.flatnonzero(fall < margin)
+        found[f"play_hidden_{margin}"] = float(SIZES[alike[-1]]) if len(alike) else 0.0
     lagged = which[:, 1:].reshape(s, len(SIZES), len(JUMPS), len(STARTS))[:, i, j, 0]
     found["play_lag"] = float(np.mean(LAG_OF[lagged]))
     found["play_delay"] = float(np.mean(DELAY_OF[lagged]))
@@ -85,15 +91,17 @@ LAG_OF = np.array([lag * order for lag, order, _ in BANK] + [4.0] * len(DELAYS))
 DELAY_OF = np.array([delay for _, _, delay in BANK] + list(DELAYS))
 
 
-def responses(x: Lanes, y: Lanes, turn: float) -> tuple[Values, npt.NDArray[np.intp], Values]:
+def responses(
+    x: Lanes, y: Lanes, turn: float, settle: int | None = None
+) -> tuple[Values, npt.NDArray[np.intp], Values]:
     """Least loss of each lane x (m, s, c) for y (s, m), the number of its response, and the total squares of y.
 
-    Shapes (s, c), (s, c), (s,).  The first turn settles and does not count; dead times shift the lanes.
+    Shapes (s, c), (s, c), (s,).  The first ``settle`` points, by default a turn, do not count; dead times shift the lanes.
     """
     from scipy.signal import lfilter
 
     m, s, c = x.shape
-    settle = min(round(turn), m // 4)
+    settle = min(round(turn), m // 4) if settle is None else settle
     load = np.stack([np.ones(m - settle), np.linspace(-1.0, 1.0, m - settle)])  # an offset and a drift tell nothing
     load = (load / np.linalg.norm(load, axis=1, keepdims=True)).astype(np.float32)
     target = y.T[settle:]

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from detect.judge.features.view import View
 
-__all__ = ["half_waves", "shape_features"]
+__all__ = ["crossings_of", "half_waves", "shape_features"]
 
 Values = npt.NDArray[np.float64]
 PHASES = (np.arange(16) + 0.5) / 16
@@ -55,6 +55,28 @@ def _kernel(turn: float) -> Values:
     return np.concatenate([np.ones(k), [0.0], -np.ones(k)]) / k
 
 
+def crossings_of(x: Values, turn: float) -> tuple[Values, Values]:
+    """Where x less its moving average over four turns crosses zero for good [points], rising first, and what is left."""
+    width = min(2 * round(2.0 * turn) + 1, len(x))
+    pad = width // 2
+    held = np.concatenate([np.full(pad, x[: pad + 1].mean()), x, np.full(pad, x[len(x) - pad - 1 :].mean())])
+    sums = np.concatenate([[0.0], np.cumsum(held)])
+    z = x - (sums[width:] - sums[:-width])[: len(x)] / width
+    z[1:-1] = 0.25 * z[:-2] + 0.5 * z[1:-1] + 0.25 * z[2:]
+    sure = np.flatnonzero(np.abs(z) > 0.25 * float(np.std(z)))
+    way = np.sign(z[sure])
+    change = np.flatnonzero(way[1:] != way[:-1])
+    if not len(change):
+        return np.empty(0), z
+    if way[change[0]] > 0.0:
+        change = change[1:]
+    # the crossing is the last change of sign between the two sure points
+    sign = np.sign(z)
+    flips = np.flatnonzero(sign[1:] != sign[:-1])
+    last = flips[np.searchsorted(flips, sure[change + 1]) - 1]
+    return last + z[last] / (z[last] - z[last + 1]), z
+
+
 def half_waves(x: Values, turn: float) -> tuple[Values, Values, Values]:
     """Half waves at the 16 phases (h, 16), made positive with mean 1, their lengths [points] and areas, (h,).
 
@@ -63,24 +85,7 @@ def half_waves(x: Values, turn: float) -> tuple[Values, Values, Values]:
     >>> wave.shape[1], round(float(np.median(length))), round(float(wave.mean()), 6)
     (16, 25, 1.0)
     """
-    width = min(2 * round(2.0 * turn) + 1, len(x))
-    pad = width // 2
-    held = np.concatenate([np.full(pad, x[: pad + 1].mean()), x, np.full(pad, x[len(x) - pad - 1 :].mean())])
-    slow = np.convolve(held, np.ones(width) / width, mode="valid")[: len(x)]
-    z = x - slow
-    z[1:-1] = 0.25 * z[:-2] + 0.5 * z[1:-1] + 0.25 * z[2:]
-    band = 0.25 * float(np.std(z))
-    sure = np.flatnonzero(np.abs(z) > band)
-    if len(sure) < 2:
-        return np.empty((0, 16)), np.empty(0), np.empty(0)
-    change = np.flatnonzero(np.sign(z[sure[1:]]) != np.sign(z[sure[:-1]]))
-    crossing = []
-    for k in change.tolist():
-        a, b = int(sure[k]), int(sure[k + 1])
-        part = z[a : b + 1]
-        cut = int(np.flatnonzero(np.sign(part[:-1]) != np.sign(part[1:]))[-1])
-        crossing.append(a + cut + part[cut] / (part[cut] - part[cut + 1]))
-    at = np.array(crossing)
+    at, z = crossings_of(x, turn)
     length = np.diff(at)
     keep = length >= 3.0
     first, length = at[:-1][keep], length[keep]
@@ -95,7 +100,7 @@ def half_waves(x: Values, turn: float) -> tuple[Values, Values, Values]:
 def _shape(x: Values, turn: float) -> dict[str, float]:
     wave, length, area = half_waves(x, turn)
     names = [*TEMPLATES, "lateness", "lateness_gap", "area_ratio", "top", "rough", "halves", "length_scatter",
-             "area_scatter", "gain_sine", "length"]  # fmt: skip
+             "area_scatter", "gain_sine", "length", *[f"mean_{name}" for name in TEMPLATES]]  # fmt: skip
     if len(wave) < LEAST:
         return {name: math.nan for name in names} | {"halves": float(len(wave))}
     weight = np.abs(area) / np.sum(np.abs(area))
@@ -108,7 +113,7 @@ def _shape(x: Values, turn: float) -> dict[str, float]:
     peak = int(np.argmax(mean))
     before, after = mean[:peak].sum() + 0.5 * mean[peak], mean[peak + 1 :].sum() + 0.5 * mean[peak]
     own = mean / np.linalg.norm(mean)
-    return misfit | {
+    return misfit | {f"mean_{name}": float(1 - (own @ s) ** 2) for name, s in TEMPLATES.items()} | {
         "lateness": float(weight @ late),
         "lateness_gap": abs(sides[0] - sides[1]),
         "area_ratio": float(np.log(max(before, 0.05) / max(after, 0.05))),

@@ -13,13 +13,13 @@ import numpy.typing as npt
 
 from detect.judge.features.view import View
 
-__all__ = ["JUMPS", "SIZES", "STARTS", "stems_of"]
+__all__ = ["JUMPS", "SIZES", "STARTS", "stems_of", "stick_lanes"]
 
 Values = npt.NDArray[np.float64]
 
 SIZES = np.array((0.08, 0.15, 0.24, 0.34, 0.45, 0.56, 0.67, 0.77, 0.86, 0.94))  # S over the travel of OP
 JUMPS = np.array((0.0, 0.4, 1.0))  # J over S
-STARTS = np.array((-0.8, 0.0, 0.8))
+STARTS = np.array((-0.7, 0.7))
 
 _KEPT: WeakKeyDictionary[View, tuple[Values, float]] = WeakKeyDictionary()
 
@@ -30,11 +30,12 @@ def stems_of(v: View) -> tuple[Values, float]:
         u = v.cut(v.u)
         size, ratio, start = (a.ravel() for a in np.meshgrid(SIZES, JUMPS, STARTS, indexing="ij"))
         travel = float(np.median(np.percentile(u, 98, axis=1) - np.percentile(u, 2, axis=1)))
-        _KEPT[v] = _stick(u, size * travel, ratio * size * travel, start), travel
+        travel = max(travel, 0.25 * v.travel)  # OP may stand still for most of a stretch
+        _KEPT[v] = stick_lanes(u, size * travel, ratio * size * travel, start), travel
     return _KEPT[v]
 
 
-def _stick(u: Values, S: Values, J: Values, start: Values) -> Values:
+def stick_lanes(u: Values, S: Values, J: Values, start: Values) -> Values:
     """``prepare.stick.stick`` with an OP of its own for every stretch u (s, m): stems (m, s, c)."""
     s, m = u.shape
     static, kinetic = 0.5 * (S + J), 0.5 * (S - J)

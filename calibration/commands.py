@@ -1,0 +1,58 @@
+"""``python -m calibration train`` and ``score``: the calibrated model again from nothing, and what it is worth."""
+
+import json
+from pathlib import Path
+from typing import Any, get_args
+
+import click
+
+from calibration.spec import Setting
+
+TRAINING, HOLDING, TESTING = 1000, 3000, 5000  # first seeds: to fit, to calibrate on, to report on
+FOLDER = click.Path(file_okay=False, path_type=Path)
+
+
+def _table(folder: Path, setting: Setting, seed: int, loops: int, workers: int | None, words: str) -> Any:
+    from rich.progress import track
+
+    from calibration.records import PART, Table, parts
+
+    count = max(round(loops / PART), 1)
+    found = parts(folder, setting, seed, count, workers)
+    return Table.joined(list(track(found, description=words, total=count)))
+
+
+@click.command()
+@click.option("--loops", type=click.IntRange(min=500), default=8000, show_default=True, help="to fit the trees on")
+@click.option("--holding", type=click.IntRange(min=500), default=2000, show_default=True, help="to calibrate on")
+@click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
+@click.option("--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated")
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), default=None, help="the model; default: shipped file")
+@click.option("--workers", type=click.IntRange(min=1), default=None, help="threads of the simulation; all if not given")
+def train(loops: int, holding: int, trees: int, folder: Path, out: Path | None, workers: int | None) -> None:
+    """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
+    from calibration.training import fit
+    from detect.judge.model import FILE
+
+    fitted = _table(folder, "training", TRAINING, loops, workers, "loops to fit on")
+    held = _table(folder, "training", HOLDING, holding, workers, "loops to calibrate on")
+    model = fit(fitted, held, click.echo, trees=trees)
+    file = out or FILE
+    model.write(file)
+    click.echo(f"{file}: {file.stat().st_size / 1e3:.0f} kB; stiction from {model.accuse:.3f} on, cleared up to {model.clear:.4f}")
+
+
+@click.command()
+@click.option("--loops", type=click.IntRange(min=500), default=4000, show_default=True)
+@click.option("--setting", type=click.Choice(get_args(Setting)), default="other_physics", show_default=True)
+@click.option("--seed", type=click.IntRange(min=0), default=TESTING, show_default=True, help="first seed")
+@click.option("--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated")
+@click.option("--model", "file", type=click.Path(dir_okay=False, path_type=Path), default=None, help="default: shipped file")
+@click.option("--workers", type=click.IntRange(min=1), default=None, help="threads of the simulation; all if not given")
+def score(loops: int, setting: Setting, seed: int, folder: Path, file: Path | None, workers: int | None) -> None:
+    """Say how good the calibrated probability is on loops that no fit has seen, as JSON."""
+    from calibration.scoring import score as figures
+    from detect.judge.model import FILE, Model
+
+    told = _table(folder, setting, seed, loops, workers, "loops to score on")
+    click.echo(json.dumps(figures(Model.read(file or FILE), told), indent=1))

@@ -1,0 +1,141 @@
+"""How good the calibrated probability is on simulated loops of known cause: figures, by cause and by detectability.
+
+    AUC                 chance that a sticky loop has a higher probability than another
+    found, false alarm  shares of the sticky and of the other loops called sticky
+    calibration error   mean over ten bins of |share sticky - mean probability|, weighted by the loops in each
+    S error, J error    median of |told / true - 1| over the sticky loops that are called so
+
+A record that shows too little for any feature is never called sticky; it counts with the probability 0.5.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from calibration.records import Table
+from detect.judge.model import Model
+
+__all__ = ["auc", "calibration_error", "score", "told"]
+
+Values = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+
+def auc(p: Values, sticky: Flags) -> float:
+    """Area under the curve of hits over false alarms (Mann-Whitney), ties count half.
+
+    >>> auc(np.array([0.9, 0.4, 0.4, 0.1]), np.array([True, True, False, False]))
+    0.875
+    """
+    from scipy.stats import rankdata
+
+    rank, n, m = rankdata(p), int(sticky.sum()), int((~sticky).sum())
+    return float((rank[sticky].sum() - n * (n + 1) / 2) / (n * m)) if n and m else float("nan")
+
+
+def calibration_error(p: Values, sticky: Flags, bins: int = 10) -> float:
+    """Expected calibration error over bins of equal width [-].
+
+    >>> calibration_error(np.full(4, 0.5), np.array([True, False, True, False]))
+    0.0
+    """
+    at = np.minimum((p * bins).astype(int), bins - 1)
+    return float(sum(abs(float(np.sum(sticky[at == k] - p[at == k]))) for k in range(bins)) / len(p))
+
+
+def told(model: Model, t: Table) -> tuple[Values, Flags, Values, Values]:
+    """p(stiction) (n,), whether stiction is called, S and J (n,) [% of OP]."""
+    p = np.full(len(t), 0.5)
+    S, J = np.full(len(t), np.nan), np.full(len(t), np.nan)
+    if t.seen.any():
+        x = t.x[t.seen]
+        p[t.seen] = model.probabilities(x)[0]
+        S[t.seen] = np.exp(model.sizes(x, "S")[:, 1]) * t.unit[t.seen]
+        J[t.seen] = np.minimum(np.exp(model.sizes(x, "J")[:, 1]) * t.unit[t.seen], S[t.seen])
+    return p, (p >= model.accuse) & t.seen, S, J
+
+
+def score(model: Model, t: Table) -> dict[str, Any]:
+    """All figures of the model on a table, plain values."""
+    p, called, S, J = told(model, t)
+    sticky = t.sticky
+    hit = called & sticky
+    S_true, J_true = t.truth["S"].astype(float), t.truth["J"].astype(float)
+    x = t.x[t.seen]
+    inside = _inside(model, t.rows(t.seen & sticky))
+    group, name = t.truth["group"], t.names.tolist()
+    quiet = t.seen & (p <= model.clear)
+    limit = np.full(len(t), np.inf)
+    follows = np.full(len(t), -np.inf)
+    if len(x):
+        limit[t.seen] = x[:, name.index(f"play_hidden_{model.hidden}")]
+        follows[t.seen] = x[:, name.index("linear_r2")]
+    cleared = quiet & (limit <= 0.5) & (follows >= 0.5)
+    return {
+        "loops": len(t),
+        "auc": auc(p, sticky),
+        "false_alarm": float(np.mean(called[~sticky])),
+        "coverage": float(np.mean(called[sticky])),
+        "calibration_error": calibration_error(p, sticky),
+        "s_error": float(np.nanmedian(np.abs(S[hit] / S_true[hit] - 1))) if hit.any() else None,
+        "j_error": float(np.nanmedian(np.abs(J[hit] / J_true[hit] - 1))) if hit.any() else None,
+        "s_inside": inside[0],
+        "j_inside": inside[1],
+        "cleared_others": float(np.mean(cleared[~sticky])),
+        "cleared_sticky": float(np.mean(cleared[sticky])),
+        "by_group": {
+            str(g): {"loops": int((group == g).sum()), "called": float(np.mean(called[group == g])),
+                     "cleared": float(np.mean(cleared[group == g])), "mean_p": float(np.mean(p[group == g]))}
+            for g in np.unique(group)
+        },
+        "by_detectability": _by(t, called),
+        "baselines": _baselines(t),
+    }  # fmt: skip
+
+
+def _inside(model: Model, bad: Table) -> tuple[float, float]:
+    """Share of the sticky loops whose S (J) lies inside its 90 % interval."""
+    shares = []
+    for which in ("S", "J"):
+        q = model.sizes(bad.x, which)
+        true = np.log(bad.truth[which].astype(float) / bad.unit)
+        shares.append(float(np.mean((true >= q[:, 0]) & (true <= q[:, 2]))))
+    return shares[0], shares[1]
+
+
+def _by(t: Table, called: Flags) -> dict[str, dict[str, float]]:
+    """Share found of the sticky loops by OP's travel over S, process, J over S, cycle and points a turn."""
+    sticky = t.sticky
+    travel, ratio = t.truth["travel"].astype(float), t.truth["J"].astype(float) / t.truth["S"].astype(float)
+    points = t.x[:, t.names.tolist().index("samples_per_turn")]
+    noise = t.x[:, t.names.tolist().index("noise")]
+    sets = {
+        "travel below 1.2 S": travel < 1.2, "travel 1.2 to 2 S": (travel >= 1.2) & (travel < 2),
+        "travel 2 to 3 S": (travel >= 2) & (travel < 3), "travel above 3 S": travel >= 3,
+        "self-regulating": t.truth["process"] == "self_regulating", "integrating": t.truth["process"] == "integrating",
+        "J 0.3 to 0.5 S": ratio < 0.5, "J 0.5 to 0.8 S": (ratio >= 0.5) & (ratio < 0.8), "J above 0.8 S": ratio >= 0.8,
+        "cycling": t.truth["cycling"].astype(bool), "not cycling": ~t.truth["cycling"].astype(bool),
+        "below 5 samples a turn": points < np.log10(5), "5 to 15 samples a turn": (points >= np.log10(5)) & (points < np.log10(15)),
+        "above 15 samples a turn": points >= np.log10(15),
+        "noise below 1 % of range": noise < -2, "noise 1 to 5 %": (noise >= -2) & (noise < np.log10(0.05)),
+        "noise above 5 %": noise >= np.log10(0.05),
+    }  # fmt: skip
+    return {
+        name: {"loops": float((here & sticky).sum()), "found": float(np.mean(called[here & sticky]))}
+        for name, here in sets.items() if (here & sticky).any()
+    }  # fmt: skip
+
+
+def _baselines(t: Table) -> Mapping[str, float]:
+    """AUC of single numbers that a first guess would use."""
+    names = t.names.tolist()
+    found = {"always sticky: false alarms": 1.0}
+    for label, feature in (("regularity of OP", "op_acf_peak"), ("play fit ratio", "play_ratio_min"),
+                           ("half wave of OP, triangle against sine", "op_gain_sine"), ("record length", "turns"),
+                           ("samples a turn", "samples_per_turn"), ("noise", "noise")):  # fmt: skip
+        x = t.x[:, names.index(feature)]
+        ok = np.isfinite(x)
+        found[f"AUC {label}"] = auc(x[ok], t.sticky[ok])
+    return found

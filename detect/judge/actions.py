@@ -1,0 +1,76 @@
+"""What to do for each cause: the action, who does it, and the test that confirms it, with steps from the size."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+__all__ = ["CAUSES", "Doing", "confirming_steps"]
+
+
+@dataclass(frozen=True)
+class Doing:
+    """One cause in words: how it is called, what is done, by whom, and what confirms it."""
+
+    spoken: str
+    action: str
+    owner: str
+    test: str
+
+
+STEPS = (
+    "put the loop in manual, move OP by {start:g} {unit} one way until PV follows, then back in steps of {step:g} {unit}"
+    ", {count} of them, with a wait of several time constants after each: a sticky valve answers none of the first and "
+    "then jumps"
+)
+MANUAL = "put the loop in manual for a few periods: a wave that goes was the loop's own, one that stays comes from outside"
+
+CAUSES: Mapping[str, Doing] = {
+    "stiction": Doing(
+        "a sticky valve", "Look at packing, actuator, air supply and positioner of the valve", "valve maintenance", STEPS
+    ),
+    "tight_tuning": Doing(
+        "tight tuning", "Lower the gain of the controller by a third, or double its integral time",
+        "control engineer", "halve the gain for ten periods: a wave of tight tuning dies out",
+    ),
+    "external_oscillation": Doing(
+        "an oscillation from outside", "Look for the wave upstream: which loop has it first, and with most harmonics",
+        "process engineer", MANUAL,
+    ),
+    "sensor": Doing(
+        "a coarse or faulty measurement", "Look at resolution, range and filter of the transmitter and its input card",
+        "instrument technician", "compare with the local reading, and log raw values",
+    ),
+    "saturation": Doing(
+        "OP at a limit", "Look at the size of the valve, at bypasses, and at the limits of OP", "process engineer",
+        "log a stretch with OP away from its limits",
+    ),
+    "deadband": Doing(
+        "a deadband without jump", "Look at linkage, gear and positioner of the valve for play", "valve maintenance", STEPS
+    ),
+    "dead_loop": Doing(
+        "a PV that does not answer OP", "Look for a closed block valve, a bypass, or the wrong tags", "operations",
+        "move OP in manual by 5 % and see whether PV answers at all",
+    ),
+    "cascade_slave": Doing(
+        "a master that moves the set point", "Judge and tune the master loop; this one follows it", "control engineer",
+        "open the cascade for ten periods: the wave stops if the master makes it",
+    ),
+    "drift": Doing(
+        "a load that drifts", "Nothing at the valve: OP goes one way with the load", "operations",
+        "log until OP has turned back several times",
+    ),
+    "healthy": Doing("a loop that does its work", "Nothing", "nobody", "none needed"),
+}  # fmt: skip
+"""By cause, as in ``calibration.CAUSES``; a test holds one list to the other."""
+
+
+def confirming_steps(cause: str, S: float, unit: str) -> str:
+    """The confirming test for a cause, with steps of a quarter of S, up to one and a half times S.
+
+    >>> confirming_steps("stiction", 4.0, "% of OP")[:60]
+    'put the loop in manual, move OP by 8 % of OP one way until P'
+    """
+    from detect.judge.model import rounded
+
+    return CAUSES[cause].test.format(start=rounded(2.0 * S), step=rounded(0.25 * S), count=6, unit=unit)

@@ -1,0 +1,210 @@
+"""One calibrated answer for a loop: what can be asked of the record, what is probable, how large, and what to do.
+
+    1. a record that shows nothing is refused by name, without a probability
+    2. where MV is logged and moves, the stem answers (``methods.stem_play``): PV is not asked
+    3. the features go to the model, which was calibrated on simulated loops only
+    4. "stiction" from the probability ``accuse`` on, with S and J
+       "no stiction" only as a claim with a size: probability below ``clear``, OP turned back, PV follows OP, and a stick
+       above the detection limit would have shown
+       all else is inconclusive, with the reason
+
+The detection limit is the largest S that tells PV about as well as the best model does (``features.play``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from detect.judge.actions import CAUSES, confirming_steps
+from detect.judge.features import features_of, view_of
+from detect.judge.features.view import View
+from detect.judge.model import Model, Opinion, calibrated, rounded
+from detect.prepare.prepared import Prepared
+from detect.verdict import Verdict
+from detect.words import Word
+
+__all__ = ["Amount", "Answer", "answer"]
+
+CLEARED = 0.5  # of OP's travel: a larger detection limit clears nothing
+FOLLOWS = 0.5  # share of PV's variance that OP through a lag must tell, to clear
+UNLIKE = 0.03  # share of features beyond all simulated ones from which on the model is not asked
+FEWEST = 2.0  # samples between two turns of OP
+
+
+@dataclass(frozen=True)
+class Amount:
+    """A size with its 90 % interval, in ``unit``: "% of OP" or, where the span is unknown, "in the unit of OP"."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+    def __str__(self) -> str:
+        """As people read it."""
+        return f"{rounded(self.value):g} {self.unit} (90 % interval {rounded(self.low):g} to {rounded(self.high):g})"
+
+    def to_dict(self) -> dict[str, float | str]:
+        """As JSON holds it."""
+        return {"value": self.value, "low": self.low, "high": self.high, "unit": self.unit}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer on one loop, before the methods are put beside it.
+
+    word : as in ``Verdict``
+    probability : of stiction [-], None where the model was not asked
+    causes : probability of each cause [-], largest first; empty where the model was not asked
+    S, J : Amount or None
+    limit : (S, unit) above which a stick would have shown, or None
+    reason, action : sentences
+    assumptions : what was inferred, one sentence each
+    """
+
+    word: Word
+    probability: float | None
+    causes: Mapping[str, float]
+    S: Amount | None
+    J: Amount | None
+    limit: tuple[float, str] | None
+    reason: str
+    action: str
+    assumptions: tuple[str, ...] = ()
+
+
+def answer(loop: Prepared, model: Model | None = None) -> Answer:
+    """The calibrated answer on a prepared record; ``model`` by default the one that the package ships.
+
+    >>> from logs import LoopRecord
+    >>> t = np.arange(300.0)
+    >>> answer(Prepared(LoopRecord.from_arrays(t, pv=0 * t + 4, op=50 + np.sin(t / 9)))).word
+    'not_applicable'
+    """
+    refused = next((f for f in loop.present if f.code in ("manual_mode", "signal_missing", "constant_signal")), None)
+    if refused is not None:
+        return _refusal(refused.text)
+    if loop.record.mv is not None:
+        from detect.methods import stem_play
+
+        told = stem_play.detect(loop)
+        if told.applicable:
+            return _from_stem(told, loop)
+    view = view_of(loop)
+    if view is None:
+        return _refusal(f"Too little is left to look at: {len(loop.record)} samples, 40 without a gap are needed.")
+    model = model or calibrated()
+    found = features_of(view)
+    return _judged(loop, view, found, model.judge(found), model)
+
+
+def _refusal(text: str) -> Answer:
+    return Answer("not_applicable", None, {}, None, None, None, text, "")
+
+
+def _unit(loop: Prepared) -> tuple[float, str]:
+    """What an amount in the unit of OP is multiplied by, and the unit it then has."""
+    percent = loop.op_percent(1.0)
+    return (percent, "% of OP") if percent is not None else (1.0, "in the unit of OP")
+
+
+def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model) -> Answer:
+    scale, unit = _unit(loop)
+    travel = view.travel * view.op_scale * scale
+    S, J = (Amount(*(share * travel for share in size), unit) for size in (said.S, said.J))
+    hidden = found[f"play_hidden_{model.hidden}"]
+    limit = (hidden * travel, unit) if hidden < 0.9 else None
+    p = said.probability
+    causes = dict(said.causes)
+    why_not = _shortcoming(view, said) or _at_end(loop)
+    chances = f"Probability of stiction {p:.0%}; {_others(causes)}."
+    if why_not:
+        return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", _next(causes, S))
+    if p >= model.accuse:
+        reason = f"{chances} S is about {S}, J about {J}. OP travels {rounded(travel):g} {unit}."
+        return Answer("stiction", p, causes, S, J, limit, reason, _next({"stiction": 1.0}, S))
+    if p <= model.clear:
+        kept = _kept_open(found, limit, travel)
+        if kept is None and limit is not None:
+            size = max(limit[0], 0.08 * travel)
+            reason = (
+                f"S is below {rounded(size):g} {unit}: OP travels {rounded(travel):g} {unit} and turns back, PV follows "
+                f"it, and a larger stick would have shown. {chances}"
+            )
+            return Answer("no_stiction", p, causes, None, None, (size, unit), reason, _next(causes, S))
+        return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", _next(causes, S))
+    between = f"The record leaves it open: stiction is called from {model.accuse:.0%} on, cleared up to {model.clear:.1%}."
+    return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", _next(causes, S))
+
+
+def _shortcoming(view: View, said: Opinion) -> str:
+    """Why the model's probability settles nothing on this record; "" where it may."""
+    if view.turn * view.block < FEWEST:
+        samples = 2.0 * view.turn * view.block
+        return f"About {samples:.1f} samples a period of OP show the controller only."
+    if len(view) < 2.0 * view.turn:
+        return "OP never turns back; a one-way drift proves nothing, because a load ramp looks the same."
+    if said.unlike > UNLIKE:
+        return f"{said.unlike:.0%} of the features lie beyond those of every simulated loop, so nothing is concluded."
+    return ""
+
+
+def _at_end(loop: Prepared, allowed: float = 0.1) -> str:
+    """Whether PV stands at an end of its span, which the transmitter cannot leave; "" where it does not, or none is told."""
+    record = loop.record
+    span = record.log.spans.get(record.pv_name)
+    if span is None:
+        return ""
+    pv, edge = record.pv[record.good], 0.005 * (span[1] - span[0])
+    share = float(np.mean((pv <= span[0] + edge) | (pv >= span[1] - edge)))
+    if share <= allowed:
+        return ""
+    return f"PV stands at an end of its span in {share:.0%} of the samples ({allowed:.0%} allowed): log it within its range."
+
+
+def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, travel: float) -> str | None:
+    """Why a small probability does not clear the valve; None where it does."""
+    follows = found["linear_r2"]
+    if follows < FOLLOWS:
+        return (
+            f"Little speaks for stiction, but OP through a lag tells {max(follows, 0.0):.0%} of PV ({FOLLOWS:.0%} needed "
+            "to clear the valve): PV moves for other reasons."
+        )
+    if limit is None or limit[0] > CLEARED * travel:
+        return "Little speaks for stiction, but OP moves so little that a stick of any size up to its travel could hide."
+    return None
+
+
+def _others(causes: Mapping[str, float]) -> str:
+    shown = [(name, p) for name, p in causes.items() if name != "stiction"][:2]
+    return ", ".join(f"{CAUSES[name].spoken} {p:.0%}" for name, p in shown)
+
+
+def _next(causes: Mapping[str, float], S: Amount) -> str:
+    """Action, owner and test for the most probable cause; for stiction as long as it is not ruled out."""
+    top = next(iter(causes))
+    doing = CAUSES[top]
+    test = confirming_steps(top, S.value, S.unit)
+    said = f"{doing.action} ({doing.owner}). To confirm: {test}."
+    if top != "stiction" and causes.get("stiction", 0.0) > 0.2:
+        said += f" To rule out the valve: {confirming_steps('stiction', S.value, S.unit)}."
+    return said
+
+
+def _from_stem(told: Verdict, loop: Prepared) -> Answer:
+    """The answer that the logged stem gives; no probability, because the stem is seen."""
+    unit = "% of OP" if loop.op_percent(1.0) is not None else "% of OP's travel"
+    sizes: dict[str, Amount | None] = {}
+    for name in ("S", "J"):
+        at = [told.evidence.get(key) for key in (name, f"{name}_low", f"{name}_high")]
+        plain = [float(np.asarray(value)) for value in at if value is not None]
+        sizes[name] = None
+        if told.verdict == "stiction" and len(plain) == 3 and bool(np.all(np.isfinite(plain))):
+            sizes[name] = Amount(plain[0], plain[1], plain[2], unit)
+    S = sizes["S"]
+    action = _next({"stiction": 1.0}, S) if S is not None else ""
+    reason = f"The stem is logged, so it answers and PV is not asked. {told.reason}"
+    return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)
