@@ -33,7 +33,7 @@ def half_periods(values: Floats) -> Floats:
     outside = np.flatnonzero(side)
     signs = side[outside]
     turns = outside[1:][signs[1:] != signs[:-1]]
-    return np.diff(turns).astype(float)
+    return np.asarray(np.diff(turns), dtype=float)
 
 
 def period(values: Floats) -> float:

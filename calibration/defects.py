@@ -7,6 +7,7 @@ from calibration.crossings import extent
 from calibration.spec import LoopSpec
 from logs import LoopRecord
 from logs.dirt import swinging_door_kept
+from logs.tags import Process
 
 Floats = NDArray[np.float64]
 
@@ -63,10 +64,10 @@ def compressed(t: Floats, values: Floats, door: float) -> Floats:
     return np.interp(t, t[kept], values[kept])
 
 
-def record(spec: LoopSpec, dt: float, sp: Floats, pv: Floats, op: Floats, mv: Floats | None) -> LoopRecord:
-    """Return the record that a historian keeps of a loop; ``dt`` [s] between samples, signals in % of their spans."""
+def record(spec: LoopSpec, sp: Floats, pv: Floats, op: Floats, mv: Floats | None) -> LoopRecord:
+    """Return the record that a historian keeps of a loop; the signals are in % of their spans."""
     random = np.random.default_rng((spec.seed, 2))
-    t = np.arange(len(pv)) * dt
+    t = np.arange(len(pv), dtype=np.float64) * spec.dt
     pv, op = rounded(pv, spec.step_pv), rounded(op, spec.step_op)
     if spec.door > 0.0:
         pv, op = compressed(t, pv, spec.door), compressed(t, op, spec.door)
@@ -74,7 +75,7 @@ def record(spec: LoopSpec, dt: float, sp: Floats, pv: Floats, op: Floats, mv: Fl
     last = np.maximum.accumulate(np.where(held, 0, np.arange(len(t))))
     pv, op = pv[last], op[last]
     scale_op = 1.0 if spec.span_known else spec.unit_op
-    kind = "integrating" if spec.process == "integrating" else "self_regulating"
+    kind: Process = "integrating" if spec.process == "integrating" else "self_regulating"
     return LoopRecord.from_arrays(
         t,
         pv=spec.unit_pv * (pv + 50.0 + spec.zero_pv),

@@ -38,7 +38,7 @@ CYCLE = (0.9, 1.9)  # range of OP over S in a loop that cycles by stiction, as s
 TRAVEL = (0.8, 6.0)  # the same where something else moves OP
 
 _VALVES = {
-    "training": (("kano", 0.35), ("chen", 0.2), ("he", 0.2), ("stick_slip", 0.25)),
+    "training": (("kano", 0.35), ("chen", 0.25), ("he", 0.25), ("stick_slip", 0.15)),
     "other_physics": (("stribeck", 0.6), ("lugre", 0.4)),
 }
 _CONTROLLERS = {
@@ -49,11 +49,12 @@ _PROCESSES = (("one_lag", 0.35), ("two_lags", 0.4), ("integrating", INTEGRATING)
 _DRIVERS = ("sine", "square", "saw", "triangle", "stochastic", "moves", "moves_SP", "stochastic_SP")
 
 
-def draw(n: int, seed: int, setting: Setting = "training") -> list[LoopSpec]:
+def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0) -> list[LoopSpec]:
     """Return ``n`` loops: half sticky (a fifth of these not cycling), the rest spread evenly over ``OTHERS``.
 
     ``setting`` "other_physics" has another law of friction (Stribeck with mass, LuGre), a pneumatic lag, a PID in
-    series form, longer dead times and other colours of disturbance; no calibration may use it.
+    series form, longer dead times and other colours of disturbance; no calibration may use it.  ``first``: number of
+    the first loop, where a large set is drawn in parts.
 
     Raises ``ValueError`` unless n >= 1, seed >= 0 and the setting is known.
 
@@ -61,13 +62,15 @@ def draw(n: int, seed: int, setting: Setting = "training") -> list[LoopSpec]:
     >>> sum(spec.cause == "stiction" for spec in specs), specs == draw(200, seed=1)
     (100, True)
     """
-    if n < 1 or seed < 0:
-        raise ValueError(f"n = {n}, seed = {seed}; draw at least 1 loop with a seed of 0 or more")
+    if n < 1 or seed < 0 or first < 0:
+        raise ValueError(
+            f"n = {n}, seed = {seed}, first = {first}; draw at least 1 loop, with seed and first of 0 or more"
+        )
     if setting not in get_args(Setting):
         raise ValueError(f"setting = {setting!r}; give one of {', '.join(get_args(Setting))}")
     others = tuple(OTHERS)
     specs = []
-    for i in range(n):
+    for i in range(first, first + n):
         group = "sticky" if i % 2 == 0 else others[(i // 2) % len(others)]
         if group == "sticky":
             group = "excited" if (i // 2) % round(1 / NOT_CYCLING) == 0 else "cycling"
@@ -85,8 +88,9 @@ def one(group: str, stream: Sequence[int], setting: Setting = "training") -> Loo
     r = np.random.default_rng(stream)
     values: dict[str, Any] = {"seed": int(r.integers(2**31)), "setting": setting, "group": group}
     values["cause"] = OTHERS.get(group, "stiction")
-    values |= _loop(r, group, setting)
-    values |= _valve(r, group, setting, values["natural"] / values["per_natural"])
+    law = _pick(r, _VALVES[setting])
+    values |= _loop(r, group, law, setting)
+    values |= _valve(r, group, law, values["natural"] / values["per_natural"])
     values |= _driver(r, group, setting, values)
     values |= _data(r, group)
     return LoopSpec(**values)
@@ -103,7 +107,7 @@ def _pick(r: Random, shares: Sequence[tuple[str, float]]) -> str:
     return shares[int(r.choice(len(shares), p=weights / weights.sum()))][0]
 
 
-def _loop(r: Random, group: str, setting: Setting) -> dict[str, Any]:
+def _loop(r: Random, group: str, law: str, setting: Setting) -> dict[str, Any]:
     """Draw process and controller; the gain is a share of the one at which the loop rings for ever."""
     process = _pick(r, _PROCESSES)
     if process == "integrating" and group == "deadband":
@@ -114,12 +118,14 @@ def _loop(r: Random, group: str, setting: Setting) -> dict[str, Any]:
     K = _log(r, 0.3, 3.0) * (1.0 if r.random() < 0.5 else -1.0)
     K /= tau1 if process == "integrating" else 1.0
     kind = _pick(r, _CONTROLLERS[setting])
+    if law == "stick_slip" and kind == "pid_weighted":
+        kind = "pi"  # two continuous blocks in a row cost five times as much
     tight = group == "tight_tuning"
     share = r.uniform(0.8, 0.97) if tight else _log(r, 0.12, 0.55)
-    T_i = (tau1 + theta) * _log(r, 0.4, 2.0)
+    T_i = (tau1 + theta) * _log(r, 0.4, 2.0) * (4.0 if group == "dead_loop" else 1.0)  # or it winds up
     T_d = (theta + tau2 + 0.05 * tau1) * r.uniform(0.05, 0.25) if kind.startswith("pid") else 0.0
     T_f = _log(r, 0.02, 0.3) * (theta + tau2 + 0.1 * tau1) if kind == "pi_filtered" else 0.0
-    per_natural = _log(r, 12.0, 30.0)
+    per_natural = _log(r, 10.0, 20.0)
     loop = Loop(process, abs(K), tau1, tau2, theta, kind, T_i, T_d, T_f)
     if process == "integrating":  # integral slow enough for the gain, or the loop swings at low frequency
         gain, _ = ultimate(loop.with_integral(math.inf))
@@ -144,12 +150,12 @@ def _loop(r: Random, group: str, setting: Setting) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _valve(r: Random, group: str, setting: Setting, scan: float) -> dict[str, Any]:
-    """Draw the law of friction and its bands, and the lag of stem and actuator [s]."""
+def _valve(r: Random, group: str, law: str, scan: float) -> dict[str, Any]:
+    """Draw the bands of friction and the lag of stem and actuator [s]."""
     S, share = _log(r, 2.0, 15.0), float(r.uniform(0.3, 1.0))
     sticky = group in ("cycling", "excited")
-    bands = {"S": S, "J": S * share} if sticky else {"S": S if group == "deadband" else 0.0, "J": 0.0}
-    return {"valve": _pick(r, _VALVES[setting]), "valve_lag": scan * _log(r, 0.15, 0.6)} | bands
+    bands = {"S": S, "J": S * share} if sticky else {"S": 0.0, "J": 0.0}
+    return {"valve": law, "valve_lag": scan * _log(r, 0.15, 0.6)} | bands
 
 
 def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> dict[str, Any]:
@@ -176,17 +182,17 @@ def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> di
         driver = "none"
     if driver in ("stochastic", "moves"):
         time *= 0.3 if setting == "training" else 0.15
-    virtual = loop["S"] if loop["S"] > 0.0 else _log(r, 2.0, 15.0)
-    free = group in ("excited", "deadband") or r.random() < NOT_CYCLING
-    swing = virtual * _log(r, *(TRAVEL if free else CYCLE))
-    swing = 0.0 if group == "cycling" else min(swing, 85.0)
+    virtual = loop["S"] if loop["J"] > 0.0 else _log(r, 2.0, 15.0)  # so that the range of OP tells no cause
+    free = group == "excited" or (group != "cycling" and r.random() < NOT_CYCLING)
+    swing = 0.0 if group == "cycling" else min(virtual * _log(r, *(TRAVEL if free else CYCLE)), 85.0)
+    S = swing / _log(r, *TRAVEL) if group == "deadband" else loop["S"]
     clip = float(r.uniform(0.2, 0.8)) if group == "saturation" else 0.0
-    half = min(0.6 * max(swing, 5.0 * loop["S"]), 45.0)
+    half = min(0.6 * max(swing, 5.0 * virtual), 45.0)
     op0 = float(r.uniform(half, 100.0 - half))
     if clip > 0.0:
         op0 = clip * swing / 2.0 if r.random() < 0.5 else 100.0 - clip * swing / 2.0
     return {
-        "driver": driver, "driver_on": on, "driver_time": time, "swing": swing, "op0": op0, "clip": clip,
+        "S": S, "driver": driver, "driver_on": on, "driver_time": time, "swing": swing, "op0": op0, "clip": clip,
         "authority": 0.0 if group == "dead_loop" else 1.0,
     }  # fmt: skip
 
@@ -203,7 +209,7 @@ def _data(r: Random, group: str) -> dict[str, Any]:
         "door": _log(r, 0.005, 0.06) if r.random() < 0.3 else 0.0,
         "stale": float(r.uniform(0.05, 0.5)) if r.random() < 0.15 else 0.0, "stale_hold": _log(r, 2.0, 40.0),
         "sp_logged": bool(r.random() > 0.15), "process_known": bool(r.random() < 0.5),
-        "span_known": bool(r.random() < 0.75), "unit_t": _log(r, 0.05, 20.0), "unit_pv": _log(r, 1e-3, 1e3),
+        "span_known": bool(r.random() < 0.75), "dt": _log(r, 0.2, 60.0), "unit_pv": _log(r, 1e-3, 1e3),
         "zero_pv": float(r.uniform(-2.0, 20.0)), "unit_op": _log(r, 0.01, 10.0),
     }  # fmt: skip
     coarse, door = _log(r, 1.2, 6.0), _log(r, 0.08, 0.3)

@@ -8,11 +8,23 @@ All values are deviations from rest: OP and MV in % of the span from ``op0``, PV
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from blocks import (
-    PID, ChenValve, FirstOrder, HeValve, Integrator, KanoValve, LuGreStem, SampledFilter, SampledPI,
-    SampledSensor, SecondOrder, StickSlip, StribeckStem, Sum,
+    PID,
+    ChenValve,
+    FirstOrder,
+    HeValve,
+    Integrator,
+    KanoValve,
+    LuGreStem,
+    SampledFilter,
+    SampledPI,
+    SampledSensor,
+    SecondOrder,
+    StickSlip,
+    StribeckStem,
+    Sum,
 )  # fmt: skip
 from blocks.block import Block
 from calibration.excitation import Excitation
@@ -27,7 +39,7 @@ DAMPING = 1.2  # of a stem without dry friction: no overshoot
 
 
 def _valve(word: str) -> list[Block]:
-    own = {"low": -50.0, "high": 50.0, "inputs": {"OP": "OP"}, "outputs": {"MV": "MV"}}
+    own: dict[str, Any] = {"low": -50.0, "high": 50.0, "inputs": {"OP": "OP"}, "outputs": {"MV": "MV"}}
     if word == "kano":
         return [KanoValve(1.0, 0.5, 1.0, **own)]
     if word == "chen":
@@ -44,7 +56,7 @@ def _valve(word: str) -> list[Block]:
 
 
 def _process(word: str) -> Block:
-    wires = {"inputs": {"MV": "F"}, "outputs": {"PV": "PV"}}
+    wires: dict[str, Any] = {"inputs": {"MV": "F"}, "outputs": {"PV": "PV"}}
     if word == "one_lag":
         return FirstOrder(1.0, 10.0, 1.0, name="process", **wires)
     if word == "two_lags":
@@ -53,7 +65,7 @@ def _process(word: str) -> Block:
 
 
 def _controller(word: str) -> list[Block]:
-    limits = {"low": -50.0, "high": 50.0, "outputs": {"OP": "OP"}, "name": "controller"}
+    limits: dict[str, Any] = {"low": -50.0, "high": 50.0, "outputs": {"OP": "OP"}, "name": "controller"}
     if word == "pi":
         return [SampledPI(1.0, 10.0, dt=1.0, inputs={"SP": "SP", "PV": "PV_m"}, **limits)]
     if word == "pi_filtered":
@@ -82,25 +94,23 @@ def structure_of(spec: LoopSpec) -> Structure:
     return spec.valve, spec.process, spec.controller
 
 
-def parameters(spec: LoopSpec, valve: str, scan: float, limited: bool) -> Mapping[str, float]:
+def parameters(spec: LoopSpec, valve: str, limited: bool) -> Mapping[str, float]:
     """Return the parameters of process, controller and valve of one loop, by the names of its diagram.
 
-    ``valve``: law of friction in place of the spec's; ``scan`` [s]; ``limited``: OP stops at its limits.
+    The times of the spec count in scans here.  ``valve``: law of friction in place of the spec's; ``limited``: OP
+    stops at its limits.
     """
     low, high = (-spec.op0, 100.0 - spec.op0) if limited else (-1e6, 1e6)
-    found = {f"{block}.dt": scan for block in ("load", "SP", "sensor")}
-    found |= {"F.w_MV": spec.authority, "controller.low": low, "controller.high": high}
+    found = {"F.w_MV": spec.authority, "controller.low": low, "controller.high": high}
     found |= {"controller.K_p": spec.K_p, "controller.T_i": spec.T_i, "process.theta": spec.theta}
     found["controller.action"] = 1.0 if spec.K > 0.0 else -1.0
     if spec.controller.startswith("pid"):
         series = 1.0 + spec.T_d / spec.T_i if spec.controller == "pid_series" else 1.0
         found |= {"controller.K_p": spec.K_p * series, "controller.T_i": spec.T_i * series, "controller.b": spec.b}
         T_d = spec.T_d / series
-        found |= {"controller.T_d": T_d, "controller.N": min(8.0, T_d / scan)}  # a filter no faster than a scan
-    else:
-        found["controller.dt"] = scan
+        found |= {"controller.T_d": T_d, "controller.N": min(8.0, T_d)}  # a filter no faster than a scan
     if spec.controller == "pi_filtered":
-        found |= {"filter.tau": spec.T_f, "filter.dt": scan}
+        found["filter.tau"] = spec.T_f
     if spec.process == "integrating":
         found |= {"process.K": spec.K, "lag.tau": max(spec.tau2, 0.01)}
     elif spec.process == "one_lag":
@@ -109,23 +119,23 @@ def parameters(spec: LoopSpec, valve: str, scan: float, limited: bool) -> Mappin
         root = (spec.tau1 * spec.tau2) ** 0.5
         found |= {"process.K": spec.K, "process.omega": 1.0 / root}
         found["process.zeta"] = (spec.tau1 + spec.tau2) / (2.0 * root)
-    return found | _bands(spec, valve, scan, low, high)
+    return found | _bands(spec, valve, low, high)
 
 
-def _bands(spec: LoopSpec, valve: str, scan: float, low: float, high: float) -> dict[str, float]:
+def _bands(spec: LoopSpec, valve: str, low: float, high: float) -> dict[str, float]:
     """Return the parameters of the valve."""
     S, J = spec.S, spec.J
     static, kinetic = 0.5 * (S + J), 0.5 * (S - J)
     found = {"valve.low": low, "valve.high": high}
     if valve in ("kano", "chen"):
-        return found | {"valve.S": S, "valve.J": J, "valve.dt": scan}
+        return found | {"valve.S": S, "valve.J": J}
     if valve == "he":
-        return found | {"valve.f_s": static, "valve.f_d": kinetic, "valve.dt": scan}
+        return found | {"valve.f_s": static, "valve.f_d": kinetic}
     mass = (spec.valve_lag / (2.0 * DAMPING)) ** 2
     found |= {"valve.F_s": max(static, 1e-3), "valve.F_c": max(kinetic, 1e-3), "valve.F_v": spec.valve_lag}
     found["valve.M"] = mass
     if valve == "stick_slip":
-        return found | {"valve.v_stop": 1e-3 * max(S, 1.0) / scan}
+        return found | {"valve.v_stop": 1e-3 * max(S, 1.0)}
     found |= {"actuator.tau": spec.valve_lag, "valve.v_s": 0.02 * max(J, 0.1) / spec.valve_lag}
     if valve == "lugre":
         stiffness = max(static, 0.05) / (0.02 * max(S, 1.0))

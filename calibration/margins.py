@@ -1,6 +1,6 @@
 """The gain at which a loop rings for ever, and the period at which it does.
 
-    1 + L(i w) = 0 with L = K_p C(i w) P(i w) exp(-theta i w):  arg L = -180 degrees, K_p = 1 / |C P| there
+1 + L(i w) = 0 with L = K_p C(i w) P(i w) exp(-theta i w):  arg L = -180 degrees, K_p = 1 / |C P| there
 """
 
 import math
@@ -44,9 +44,11 @@ def ultimate(loop: Loop, scan: float = 0.0) -> tuple[float, float]:
     s = 1j * _OMEGA
     lag2 = loop.tau2 * s + 1.0
     plant = loop.K / (s * lag2 if loop.process == "integrating" else (loop.tau1 * s + 1.0) * lag2)
-    control = 1.0 + (0.0 if math.isinf(loop.T_i) else 1.0 / (loop.T_i * s)) + loop.T_d * s / (loop.T_d / 8.0 * s + 1.0)
+    integral = np.zeros_like(s) if math.isinf(loop.T_i) else 1.0 / (loop.T_i * s)
     if loop.controller == "pid_series":
-        control = (1.0 + 1.0 / (loop.T_i * s)) * (1.0 + loop.T_d * s) / (1.0 + loop.T_d / 8.0 * s)
+        control = (1.0 + integral) * (1.0 + loop.T_d * s) / (1.0 + loop.T_d / 8.0 * s)
+    else:
+        control = 1.0 + integral + loop.T_d * s / (loop.T_d / 8.0 * s + 1.0)
     open_loop = control * plant / (loop.T_f * s + 1.0)
     angle = np.unwrap(np.angle(open_loop))
     angle -= 2.0 * math.pi * (angle[0] > 0.0)  # two integrators begin at -180 degrees, or just below

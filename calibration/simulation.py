@@ -2,7 +2,8 @@
 
 The driver of a loop is scaled so that OP swings as far as asked, noise and set-point moves so that they are the asked
 share of the range of PV, and the scan time so that the log has the asked number of samples per period.  Loops of one
-structure and length run as one ensemble; what a loop gives does not depend on the others.
+structure and length run as one ensemble, in which a scan is the unit of time and dead times are whole scans, as the
+engine likes them; what a loop gives does not depend on the others.
 """
 
 import math
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from calibration.crossings import even, extent, period
 from calibration.defects import names, record
 from calibration.excitation import SHAPES
-from calibration.loops import diagram, parameters, structure_of
+from calibration.loops import Structure, diagram, parameters, structure_of
 from calibration.spec import LoopSpec, Truth
 from diagram import ensemble
 from diagram.ensembles import Ensemble
@@ -28,9 +29,8 @@ PILOT = 2000  # scans of the pilot run
 SETTLE = 700  # of which are left out
 NATURALS, INTEGRALS = 60.0, 40.0  # natural periods and integral times that it lasts, at least
 WARM = 5.0  # periods before the log begins
-DURATION = 1e4  # of every main run [s]; the loop is stretched to it
-MOST = 60_000  # scans of a main run, about
-RATIO = 1.25  # lengths are simulated on a grid of this ratio, and cut
+MOST = 25_000  # scans that are logged, about
+SHORTEST, RATIO = 1000.0, 1.4  # runs last a number of scans on a grid of this ratio; what is over comes before the log
 COARSEST = 8.0  # scans per natural period, at least
 FOR_EVER = 1e12  # period of a square wave that does not turn [s]
 LOUDEST = 0.08  # of the range of OP: the noise that proportional action hands on to OP, at most
@@ -39,7 +39,7 @@ RTOL, ATOL = 1e-4, 1e-6
 
 ASLEEP = 0.3  # range of OP over S below which a pilot run has come to rest
 SLOW = 4.0  # natural periods in a cycle by stiction, about
-QUIET = {"sensor.sd": 0.0, "sensor.step": 0.0}
+QUIET: Mapping[str, float] = {"sensor.sd": 0.0, "sensor.step": 0.0}
 
 
 @dataclass(frozen=True)
@@ -53,24 +53,28 @@ class Measured:
 
 @dataclass(frozen=True)
 class Plan:
-    """How a main run goes: scan time [s], scans per sample, scans before the log, scale of the driver, ranges."""
+    """How a main run goes: scan time [s], scans in all and per sample, samples, scale of the driver, ranges."""
 
     scan: float
+    scans: int
     per_sample: int
-    warm: int
-    rows: int
+    samples: int
     drive: float
     shown: Measured
 
     @property
-    def scans(self) -> int:
-        """Scans of the whole run."""
-        return self.warm + self.rows * self.per_sample + 1
+    def warm(self) -> int:
+        """Scans before the log begins."""
+        return self.scans - self.samples * self.per_sample
+
+    def times(self, rows: int) -> Floats:
+        """Return ``rows`` log times [scans]: those of the record, and before them some that fill the row up."""
+        others = rows - self.samples
+        before = (np.arange(others) + 1.0) * (self.warm / (others + 1.0))
+        return np.concatenate([before, self.warm + np.arange(self.samples) * self.per_sample + 0.5])
 
 
-def simulate(
-    specs: Sequence[LoopSpec], workers: int | None = None, mv: bool = False
-) -> list[tuple[LoopRecord, Truth]]:
+def simulate(specs: Sequence[LoopSpec], workers: int | None = None, mv: bool = False) -> list[tuple[LoopRecord, Truth]]:
     """Return record and truth of every loop, in order.
 
     ``workers`` threads of the engine (default all cores); ``mv``: the record has the stem position, which is to be
@@ -85,32 +89,33 @@ def simulate(
     plans = [planned(spec, seen) for spec, seen in zip(specs, shown, strict=True)]
     batches: dict[tuple[object, ...], list[int]] = defaultdict(list)
     for i, (spec, plan) in enumerate(zip(specs, plans, strict=True)):
-        batches[(*structure_of(spec), plan.rows)].append(i)
+        batches[(*structure_of(spec), plan.scans)].append(i)
     found: dict[int, tuple[LoopRecord, Truth]] = {}
     for members in batches.values():
         result = _run([specs[i] for i in members], [plans[i] for i in members], workers)
         for k, i in enumerate(members):
-            found[i] = _told(specs[i], plans[i], {name: rows[k] for name, rows in result.values.items()}, mv)
+            found[i] = _told(specs[i], {name: rows[k] for name, rows in result.values.items()}, mv)
     return [found[i] for i in range(len(specs))]
 
 
 def planned(spec: LoopSpec, shown: Measured) -> Plan:
     """Return how the main run of a loop goes, after what its pilot showed."""
-    rows = math.ceil(300.0 * RATIO ** math.ceil(math.log(max(spec.samples, 300) / 300.0) / math.log(RATIO) - 1e-9))
     if spec.group == "cycling" and not shown.op > ASLEEP * spec.S:  # without noise this one comes to rest
         size = abs(spec.K) * (spec.natural if spec.process == "integrating" else 1.0)
         shown = Measured(spec.S, size * spec.J, SLOW * spec.natural)
     drive = spec.swing / shown.op if spec.swing > 0.0 and shown.op > 0.0 else 1.0
     time = spec.natural if spec.driver == "drift" or math.isnan(shown.period) else shown.period
     wanted = spec.per_natural * time / (spec.natural * spec.points)
-    per_sample = max(1, min(math.ceil(wanted), MOST // rows))
+    per_sample = max(1, min(math.ceil(wanted), MOST // spec.samples))
     scan = min(time / (spec.points * per_sample), spec.natural / COARSEST)
     warm = min(math.ceil(WARM * max(time, spec.natural) / scan), MOST // 10)
+    least = warm + spec.samples * per_sample
+    scans = math.ceil(SHORTEST * RATIO ** math.ceil(math.log(max(least / SHORTEST, 1.0)) / math.log(RATIO) - 1e-9))
     seen = Measured(shown.op * drive, shown.pv * drive, scan * per_sample * spec.points)
     if spec.driver == "drift":  # noise is set against what the load would do to PV without control
         size = abs(spec.K) * (spec.tau1 if spec.process == "integrating" else 1.0)
         seen = replace(seen, op=spec.swing, pv=0.2 * size * spec.swing)
-    return Plan(scan, per_sample, warm, rows, drive, seen)
+    return Plan(scan, scans, per_sample, spec.samples, drive, seen)
 
 
 def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
@@ -124,13 +129,12 @@ def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
         for i in members:
             spec = specs[i]
             scan = max(NATURALS * spec.natural, INTEGRALS * spec.T_i) / PILOT
-            stretch = DURATION / (PILOT * scan)
-            bare = stretched(spec if spec.group == "cycling" else replace(spec, S=0.0, J=0.0), stretch)
-            columns.append(parameters(bare, "kano", scan * stretch, False) | driver(bare, 1.0, DURATION) | QUIET)
+            bare = in_scans(spec if spec.group == "cycling" else replace(spec, S=0.0, J=0.0), scan)
+            columns.append({**parameters(bare, "kano", False), **driver(bare, 1.0, PILOT), **QUIET})
             scans.append(scan)
-        grid = (np.arange(SETTLE, PILOT - 1) + 0.5) * (DURATION / PILOT)
+        grid = np.arange(SETTLE, PILOT - 1) + 0.5
         seeds = [specs[i].seed for i in members]
-        result = _ensemble((valve, process, controller), columns, seeds, grid, workers)
+        result = _ensemble((valve, process, controller), PILOT, columns, seeds, grid, workers)
         for k, i in enumerate(members):
             op, pv = result.values["OP"][k], result.values["PV_m"][k]
             found[i] = Measured(extent(op), extent(pv), period(op) * scans[k])
@@ -139,25 +143,25 @@ def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
 
 def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) -> Ensemble:
     """Run loops of one structure and length."""
-    columns, grids = [], []
+    rows = max(plan.samples for plan in plans)
+    columns = []
     for spec, plan in zip(specs, plans, strict=True):
-        stretch = DURATION / (plan.scans * plan.scan)
-        long, scan = stretched(spec, stretch), plan.scan * stretch
-        own = parameters(long, spec.valve, scan, True) | driver(long, plan.drive, DURATION)
-        own |= trouble(long, plan.shown, plan.shown.period * stretch, scan)
-        columns.append(own)
-        grids.append((plan.warm + np.arange(plan.rows) * plan.per_sample + 0.5) * scan)
-    return _ensemble(structure_of(specs[0]), columns, [spec.seed for spec in specs], np.array(grids), workers)
+        own, length = in_scans(spec, plan.scan), plan.samples * plan.per_sample
+        rest = trouble(own, plan.shown, plan.shown.period / plan.scan, length)
+        columns.append({**parameters(own, spec.valve, True), **driver(own, plan.drive, length), **rest})
+    times: Floats = np.stack([plan.times(rows) for plan in plans]).astype(np.float64)
+    seeds = [spec.seed for spec in specs]
+    return _ensemble(structure_of(specs[0]), plans[0].scans, columns, seeds, times, workers)
 
 
 def _ensemble(
-    structure: tuple[str, str, str], columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Floats,
+    structure: Structure, scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Floats,
     workers: int | None,
 ) -> Ensemble:  # fmt: skip
     params = {key: np.array([own[key] for own in columns]) for key in columns[0]}
     result = ensemble(
-        diagram(structure), DURATION, params=params, seeds=seeds, times=times, rtol=RTOL, atol=ATOL, workers=workers,
-        progress=False,
+        diagram(structure), float(scans), params=params, seeds=seeds, times=times, rtol=RTOL, atol=ATOL,
+        workers=workers, progress=False,
     )  # fmt: skip
     if not result.ok.all():
         i = int(np.argmin(result.ok))
@@ -165,18 +169,18 @@ def _ensemble(
     return result
 
 
-def stretched(spec: LoopSpec, factor: float) -> LoopSpec:
-    """Return the same loop with all its times multiplied by ``factor`` [-]."""
+def in_scans(spec: LoopSpec, scan: float) -> LoopSpec:
+    """Return the same loop with its times in scans of ``scan`` [s], and its dead time a whole number of them."""
     integrating = spec.process == "integrating"
     return replace(
-        spec, K=spec.K / factor if integrating else spec.K, tau1=spec.tau1 * factor, tau2=spec.tau2 * factor,
-        theta=spec.theta * factor, T_i=spec.T_i * factor, T_d=spec.T_d * factor, T_f=spec.T_f * factor,
-        valve_lag=spec.valve_lag * factor, natural=spec.natural * factor, driver_time=spec.driver_time * factor,
+        spec, K=spec.K * scan if integrating else spec.K, tau1=spec.tau1 / scan, tau2=spec.tau2 / scan,
+        theta=float(round(spec.theta / scan)), T_i=spec.T_i / scan, T_d=spec.T_d / scan, T_f=spec.T_f / scan,
+        valve_lag=spec.valve_lag / scan, natural=spec.natural / scan, driver_time=spec.driver_time / scan,
     )  # fmt: skip
 
 
-def driver(spec: LoopSpec, scale: float, duration: float) -> Mapping[str, float]:
-    """Return the parameters of load and set point that drive a loop; ``scale`` [% of OP], ``duration`` [s]."""
+def driver(spec: LoopSpec, scale: float, length: int) -> Mapping[str, float]:
+    """Return the parameters of load and set point that drive a loop; ``scale`` [% of OP], ``length`` [scans]."""
     found: dict[str, float] = {}
     for block in ("load", "SP"):
         found |= {f"{block}.{key}": 0.0 for key in ("shape", "amplitude", "slope", "sd", "correlation_time", "move")}
@@ -190,30 +194,29 @@ def driver(spec: LoopSpec, scale: float, duration: float) -> Mapping[str, float]
     elif spec.driver == "moves":
         found |= {f"{on}.move": size, f"{on}.hold": time}
     elif spec.driver == "drift":
-        found["load.slope"] = spec.swing / duration * (1.0 if spec.seed % 2 else -1.0)
+        found["load.slope"] = spec.swing / length * (1.0 if spec.seed % 2 else -1.0)
     else:  # a load that steps at the start makes OP travel until the valve slips; from then on the loop cycles
         found |= {"load.shape": 1.0, "load.amplitude": spec.S, "load.period": FOR_EVER}
     return found
 
 
-def trouble(spec: LoopSpec, shown: Measured, time: float, scan: float) -> Mapping[str, float]:
-    """Return the parameters of noise, transmitter, walking load and set-point moves; period ``time``, ``scan`` [s]."""
+def trouble(spec: LoopSpec, shown: Measured, time: float, length: int) -> Mapping[str, float]:
+    """Return the parameters of noise, transmitter, walking load and set-point moves; period ``time`` [scans]."""
     loudest = LOUDEST * shown.op / spec.K_p  # a controller that shook its valve with noise would have been detuned
     found = {
         "sensor.sd": min(spec.noise * shown.pv, loudest), "sensor.correlation_time": spec.noise_time * time,
         "sensor.step": shown.pv / spec.coarse if spec.coarse > 0.0 else 0.0,
-        "load.walk": spec.walk * shown.op / math.sqrt(DURATION),
+        "load.walk": spec.walk * shown.op / math.sqrt(length),
     }  # fmt: skip
     if spec.sp_move > 0.0 and not (spec.driver == "moves" and spec.driver_on == "SP"):
-        found |= {"SP.move": spec.sp_move * shown.pv, "SP.hold": max(spec.sp_hold * time, scan)}
+        found |= {"SP.move": spec.sp_move * shown.pv, "SP.hold": max(spec.sp_hold * time, 1.0)}
     return found
 
 
-def _told(spec: LoopSpec, plan: Plan, values: Mapping[str, Floats], mv: bool) -> tuple[LoopRecord, Truth]:
+def _told(spec: LoopSpec, values: Mapping[str, Floats], mv: bool) -> tuple[LoopRecord, Truth]:
     """Return the record of a loop and what is true of it."""
     n = spec.samples
     op, stem = values["OP"][:n] + spec.op0, values["MV"][:n] + spec.op0
-    dt = plan.scan * plan.per_sample * spec.unit_t
     sticks = spec.S > 0.0
     swing = extent(op)
     truth = Truth(
@@ -225,7 +228,7 @@ def _told(spec: LoopSpec, plan: Plan, values: Mapping[str, Floats], mv: bool) ->
         cycling=even(op),
         travel=swing / spec.S if sticks else math.nan,
         op_range=swing,
-        period=period(op) * dt,
+        period=period(op) * spec.dt,
         defects=names(spec),
     )
-    return record(spec, dt, values["SP"][:n], values["PV_m"][:n], op, stem if mv else None), truth
+    return record(spec, values["SP"][:n], values["PV_m"][:n], op, stem if mv else None), truth

@@ -20,7 +20,7 @@ CAUSES: tuple[Cause, ...] = (
 class LoopSpec:
     """All numbers that make one record; equal specs give equal records.
 
-    Times of process and controller [s] count in a time of the loop's own (``unit_t`` [s] stretches the record);
+    Times of process and controller [s] count in a time of the loop's own (the log has its own, ``dt``);
     OP and MV are in % of the OP span, PV in % of its span before ``unit_pv`` and ``zero_pv``.
 
     seed : int                 of the loop's random numbers
@@ -53,7 +53,8 @@ class LoopSpec:
     door : float               deviation of the historian's compression [share of the range]; 0: none
     stale : float              share of samples held, PV and OP together; stale_hold : mean length [samples]
     sp_logged, process_known, span_known : bool
-    unit_t, unit_pv, zero_pv, unit_op : float   scales and offset of the log
+    dt : float                 sampling interval of the log [s]
+    unit_pv, zero_pv, unit_op : float   scales and offset of the log
     """
 
     seed: int
@@ -100,7 +101,7 @@ class LoopSpec:
     sp_logged: bool
     process_known: bool
     span_known: bool
-    unit_t: float
+    dt: float
     unit_pv: float
     zero_pv: float
     unit_op: float

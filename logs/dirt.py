@@ -35,12 +35,12 @@ def swinging_door_kept(t: npt.ArrayLike, values: npt.ArrayLike, deviation: float
     >>> swinging_door_kept([0, 1, 2, 3, 4], [0, 1, 2, 2, 2], deviation=0.1).tolist()
     [True, False, True, False, True]
     """
-    times = np.asarray(t, dtype=float)
-    y = np.asarray(values, dtype=float)
+    given = np.asarray(values, dtype=float)
     if not deviation >= 0:
         raise LogError(f"deviation = {deviation!r} is negative; give it in the unit of the signal, >= 0")
-    if not np.isfinite(y).all():
+    if not np.isfinite(given).all():
         raise LogError("a value is missing; compress the good stretches one by one")
+    times, y = np.asarray(t, dtype=float).tolist(), given.tolist()  # plain numbers are three times as fast in a loop
     n = len(y)
     kept = np.zeros(n, dtype=bool)
     kept[[0, n - 1]] = True
@@ -53,8 +53,9 @@ def swinging_door_kept(t: npt.ArrayLike, values: npt.ArrayLike, deviation: float
             kept[start] = True
             low, high = -np.inf, np.inf
         run = times[i] - times[start]
-        low = max(low, (y[i] - deviation - y[start]) / run)
-        high = min(high, (y[i] + deviation - y[start]) / run)
+        lowest, highest = (y[i] - deviation - y[start]) / run, (y[i] + deviation - y[start]) / run
+        low = lowest if lowest > low else low
+        high = highest if highest < high else high
     return kept
 
 

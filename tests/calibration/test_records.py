@@ -1,0 +1,143 @@
+"""Simulated records: the same again, no cause told by a lone number, and every defect really there."""
+
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import rankdata
+
+from calibration import LoopSpec, draw, simulate
+from calibration.chunks import read, write
+from calibration.defects import DEFECTS, names
+from calibration.drawing import OTHERS, one
+
+
+def test_equal_specs_give_equal_records_whatever_runs_beside_them() -> None:
+    specs = draw(24, seed=2)
+    together = simulate(specs, workers=2)
+    for i in (0, 5, 11, 23):
+        (alone, truth), (loop, told) = simulate([specs[i]], workers=1)[0], together[i]
+        assert loop.pv.tolist() == alone.pv.tolist() and loop.op.tolist() == alone.op.tolist()
+        assert repr(truth) == repr(told)
+
+
+def test_specs_are_plain_and_a_set_may_be_drawn_in_parts() -> None:
+    specs = draw(30, seed=3)
+    assert [LoopSpec(**json.loads(json.dumps(asdict(spec)))) for spec in specs] == specs
+    assert draw(10, seed=3, first=20) == specs[20:]
+    assert draw(30, seed=4) != specs and draw(30, seed=3, setting="other_physics") != specs
+
+
+def test_bad_requests_are_refused() -> None:
+    with pytest.raises(ValueError, match="n = 0, seed = 1"):
+        draw(0, 1)
+    with pytest.raises(ValueError, match="setting = 'lab'"):
+        draw(1, 1, "lab")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="group = 'sticky'"):
+        one("sticky", (1, 2))
+
+
+def area(positive: np.ndarray, negative: np.ndarray) -> float:
+    """Return the area under the curve of hits over false alarms of one number as a detector."""
+    ranks = rankdata(np.concatenate([positive, negative]))
+    n, m = len(positive), len(negative)
+    return float((ranks[:n].sum() - n * (n + 1) / 2) / (n * m))
+
+
+def test_no_lone_amplitude_length_or_period_tells_stiction() -> None:
+    drawn = draw(500, seed=31)
+    specs = [replace(spec, valve="kano") for spec in drawn]  # the quickest law; numbers of the draw are what counts
+    found = simulate(specs)
+    sticky = np.array([truth.cause == "stiction" for _, truth in found])
+    numbers = {
+        "range of OP": [truth.op_range for _, truth in found],
+        "range of OP as logged": [np.ptp(loop.op) for loop, _ in found],
+        "range of PV": [np.ptp(loop.pv) for loop, _ in found],
+        "standard deviation of PV": [np.std(loop.pv) for loop, _ in found],
+        "mean of PV": [abs(np.mean(loop.pv)) for loop, _ in found],
+        "samples": [len(loop) for loop, _ in found],
+        "sampling interval": [loop.dt for loop, _ in found],
+        "period": [truth.period / loop.dt if truth.period > 0.0 else len(loop) for loop, truth in found],
+        "number of defects": [len(truth.defects) for _, truth in found],
+    }
+    # with 250 of each the standard error of an area of 0.5 is 0.026
+    areas = {name: area(np.array(values)[sticky], np.array(values)[~sticky]) for name, values in numbers.items()}
+    assert {name: value for name, value in areas.items() if not 0.42 <= value <= 0.58} == {}
+
+
+def test_every_group_meets_every_defect() -> None:
+    specs = draw(2600, seed=5)
+    groups = {"cycling", "excited", *OTHERS}
+    assert {spec.group for spec in specs} == groups
+    for defect in DEFECTS:
+        if defect != "coarse_transmitter":  # the cause of one group
+            assert {spec.group for spec in specs if defect in names(spec)} == groups, defect
+
+
+BARE = {
+    "noise": 0.0, "coarse": 0.0, "walk": 0.0, "sp_move": 0.0, "step_pv": 0.0, "step_op": 0.0, "door": 0.0, "stale": 0.0,
+    "sp_logged": True, "process_known": True, "span_known": True, "points": 20.0, "samples": 1500,
+}  # fmt: skip
+
+
+def pair(**change: object) -> tuple:
+    """Return a record without defects and the same with one."""
+    bare = replace(one("external_sine", (3, 4)), **BARE)  # type: ignore[arg-type]
+    (a, clean), (b, told) = simulate([bare, replace(bare, **change)])  # type: ignore[arg-type]
+    assert clean.defects == ()
+    return a, b, told.defects
+
+
+def test_each_defect_is_really_there() -> None:
+    clean, noisy, told = pair(noise=0.1)
+    size = np.ptp(clean.pv)
+    assert told == ("noise",) and 0.05 * size < np.std(np.diff(noisy.pv) - np.diff(clean.pv)) < 0.3 * size
+    clean, rough, told = pair(step_pv=8.0)
+    assert told == ("rounded_pv",) and len(np.unique(rough.pv.round(9))) <= 11 < len(np.unique(clean.pv))
+    clean, rough, told = pair(step_op=8.0)
+    assert told == ("rounded_op",) and len(np.unique(rough.op.round(9))) <= 11
+    clean, rough, told = pair(coarse=3.0)
+    assert told == ("coarse_transmitter",) and len(np.unique(rough.pv.round(9))) <= 8
+    clean, pressed, told = pair(door=0.05)
+    straight = np.abs(np.diff(pressed.pv, 2)) < 1e-9 * size
+    assert told == ("compressed",) and straight.mean() > 0.5 > 0.1 > np.abs(pressed.pv - clean.pv).max() / size - 0.05
+    clean, stale, told = pair(stale=0.3)
+    held = (np.diff(stale.pv) == 0.0) & (np.diff(stale.op) == 0.0)
+    assert told == ("stale",) and 0.15 < held.mean() < 0.45
+    clean, moved, told = pair(sp_move=1.0, sp_hold=5.0)
+    assert told == ("sp_moves",) and np.ptp(clean.sp) == 0.0 < np.ptp(moved.sp)
+    clean, walked, told = pair(walk=1.0)
+    slow = np.convolve(walked.op - clean.op, np.ones(50) / 50.0, "valid")
+    assert told == ("walking_load",) and np.ptp(slow) > 0.2 * np.ptp(clean.op)
+    _, lost, told = pair(sp_logged=False)
+    assert told == ("no_sp",) and lost.sp is None
+    _, lost, told = pair(process_known=False)
+    assert told == ("unknown_process",) and lost.process == "unknown"
+    clean, lost, told = pair(span_known=False)
+    assert told == ("unknown_span",) and lost.op_span is None and np.corrcoef(lost.op, clean.op)[0, 1] > 1.0 - 1e-9
+    _, _, told = pair(points=5.5)
+    assert told == ("few_points",)
+
+
+def test_a_set_is_kept_in_chunks_and_taken_up_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("calibration.chunks.CHUNK", 4)
+    assert write(tmp_path, 10, seed=6, progress=False) == 10
+    whole = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
+    (tmp_path / "chunk_00001.parquet").unlink()
+    assert write(tmp_path, 10, seed=6, progress=False) == 4
+    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == whole
+    made = simulate(draw(10, seed=6))
+    for (spec, loop, truth), (there, known), drawn in zip(read(tmp_path), made, draw(10, seed=6), strict=True):
+        assert spec == drawn and repr(truth) == repr(known)
+        assert loop.pv.tolist() == there.pv.tolist() and loop.op.tolist() == there.op.tolist()
+        assert (loop.sp is None) == (there.sp is None) and loop.process == there.process
+        assert loop.op_span == there.op_span
+    with pytest.raises(ValueError, match="give another folder"):
+        write(tmp_path, 11, seed=6, progress=False)
+
+
+def test_a_folder_without_loops_says_how_to_make_them(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="python -m calibration simulate"):
+        next(read(tmp_path))
