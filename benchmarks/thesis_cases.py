@@ -6,8 +6,8 @@ The cells of tables 6.1 (constant feed) and 6.2 (sine), and the same loops under
 separator 1, with stiction none, normal and high.  Each starts with the contents of the separator 3 % about rest, drawn
 from a seed of its own.  Right is "stiction" where the valve sticks, and any other word where it has a deadband without
 jump.  Beside it: what the thesis's algorithm says (R above 1.25 is stiction), and whether the survey of the whole log
-puts a sticky valve first among all loops; so it is asked, too, of plants with one sticky valve.  The stem is left out of
-the log unless ``--stem``.
+puts a sticky valve first among all loops; so it is asked, too, of plants with one sticky valve.  The stem is left out
+of the log unless ``--stem``.
 """
 
 import argparse

@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from detect.plantwide.answers import Answer, answer_of
 from detect.plantwide.lines import Spectra, groups, spectra
-from detect.verdict import SPOKEN, Word
+from detect.verdict import Word
 from logs import Log, LogError, LoopRecord
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Suspect:
             said = f"{moves}, and {self.follows} follows at once: its valve answers"
         else:
             said = f"{moves}; no tag shows where its valve stands"
-        return said + ("." if self.verdict is None else f"; its own verdict: {SPOKEN[self.verdict]}.")
+        return said + ("." if self.verdict is None else f"; its own verdict: {self.verdict.replace('_', ' ')}.")
 
 
 @dataclass(frozen=True)

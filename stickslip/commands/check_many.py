@@ -97,8 +97,6 @@ def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
 
 def _rows(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]") -> list[list[str]]:
     """Return one row a loop as in ``COLUMNS``, the likeliest valve first."""
-    from detect.verdict import SPOKEN
-
     order: list[tuple[tuple[bool, float], list[str]]] = []
     for (file, answers), one in zip(judged, surveys, strict=True):
         suspects = {} if one is None else {suspect.loop: suspect for suspect in one.suspects}
@@ -108,7 +106,7 @@ def _rows(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[S
             travel, why, gain = "-", "OP hardly moves, or its span is not known." if one is not None else "", 0.0
             if suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
-            row = [name, SPOKEN[answer.verdict], travel, why.rstrip(".")]
+            row = [name, answer.verdict.replace("_", " "), travel, why.rstrip(".")]
             order.append(((answer.verdict != "stiction", -gain), row))
     return [row for _, row in sorted(order, key=lambda pair: pair[0])]
 
