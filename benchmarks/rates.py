@@ -15,7 +15,7 @@ import re
 import statistics
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, get_args
 
@@ -30,13 +30,14 @@ from detect.rates import COMBINED, FILE, SCHEMA, of_counts
 from detect.stream import LoopFacts, Sample
 from detect.verdict import Word
 from logs import LoopRecord
+from logs.files.write import replacing
 
-LOOPS, QUICK = 800, 8
+LOOPS, QUICK = 416, 8
 SEED = 20_260_701  # used for nothing else
 SETTING = "other_physics"
-STREAMED = 40  # sticky loops that are also fed sample by sample
+STREAMED = 24  # sticky loops that are also fed sample by sample
 CHECKS = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)  # periods after which the twins are asked
-BATCH = 40
+BATCH = 26  # every group without stiction once
 WORDS: tuple[Word, ...] = get_args(Word)
 
 NOTES = {
@@ -115,8 +116,10 @@ def _samples(record: LoopRecord) -> Iterator[tuple[float, Sample]]:
         yield float(t), Sample(float(pv), float(op), float(set_point))
 
 
-def measure(specs: Sequence[LoopSpec], streamed: int = STREAMED, tell: bool = False) -> Counted:
-    """Count what every method says of the loops.
+def measure(
+    specs: Sequence[LoopSpec], streamed: int = STREAMED, each: Callable[[Counted, int], None] | None = None
+) -> Counted:
+    """Count what every method says of the loops; ``each`` is told the counts and how many loops they are of.
 
     >>> counted = measure(draw(2, seed=1), streamed=0)
     >>> sum(counted.words["play_fit"]["excited"].values())
@@ -130,9 +133,16 @@ def measure(specs: Sequence[LoopSpec], streamed: int = STREAMED, tell: bool = Fa
             counted.add(record, stem, truth)
             if truth.cause == "stiction" and np.isfinite(truth.period) and counted.streamed < streamed:
                 counted.follow(record, truth)
-        if tell:
-            print(f"\r{first + len(batch)} of {len(specs)}", end="", file=sys.stderr, flush=True)
+        if each is not None:
+            each(counted, first + len(batch))
     return counted
+
+
+def write(kept: Mapping[str, Any]) -> None:
+    """Keep the counts in ``detect/rates.json``, a line a group."""
+    rows = re.sub(r"\[[^\]]*\]", lambda row: " ".join(row[0].split()), json.dumps(kept, indent=1))
+    with replacing(FILE) as part:
+        part.write_text(rows + "\n")
 
 
 def figures(kept: Mapping[str, Any]) -> Figures:
@@ -153,17 +163,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="8 loops, for continuous integration")
     parser.add_argument("--json", metavar="FILE", help="also write one flat JSON object ('-': standard output, alone)")
-    parser.add_argument("--loops", type=int, default=LOOPS, help="how many loops (default 800)")
+    parser.add_argument("--loops", type=int, default=LOOPS, help="how many loops (default 416)")
     parser.add_argument("--seed", type=int, default=SEED, help="of the loops drawn")
     parser.add_argument("--write", action="store_true", help="keep the counts in detect/rates.json")
     chosen = parser.parse_args()
     n = QUICK if chosen.quick else chosen.loops
-    counted = measure(draw(n, chosen.seed, SETTING), 1 if chosen.quick else STREAMED, sys.stderr.isatty())
-    kept = counted.kept(chosen.seed, n)
-    if chosen.write:
-        rows = re.sub(r"\[[^\]]*\]", lambda row: " ".join(row[0].split()), json.dumps(kept, indent=1))
-        FILE.write_text(rows + "\n")
-    publish(figures(kept), NOTES, chosen.json, chosen.quick)
+
+    def each(counted: Counted, done: int) -> None:
+        if sys.stderr.isatty():
+            print(f"\r{done} of {n}", end="", file=sys.stderr, flush=True)
+        if chosen.write:  # after every batch: what is measured so far is whole
+            write(counted.kept(chosen.seed, done))
+
+    counted = measure(draw(n, chosen.seed, SETTING), 1 if chosen.quick else STREAMED, each)
+    publish(figures(counted.kept(chosen.seed, n)), NOTES, chosen.json, chosen.quick)
 
 
 if __name__ == "__main__":

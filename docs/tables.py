@@ -5,7 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from detect.cards import (
-    OUTLINE_COLUMNS, PUBLISHED_COLUMNS, RATE_COLUMNS, outline_rows, published_rows, rate_rows,
+    OUTLINE_COLUMNS,
+    PUBLISHED_COLUMNS,
+    RATE_COLUMNS,
+    outline_rows,
+    published_rows,
+    rate_rows,
 )  # fmt: skip
 from detect.rates import described
 
