@@ -63,6 +63,7 @@ from detect.oscillation import (
     thornhill1997,
 )
 from detect.oscillation.gate import Gate
+from detect.plantwide.survey import Survey, survey
 from detect.verdict import Verdict
 
 __all__ = [
@@ -73,11 +74,13 @@ __all__ = [
     "Diagnosis",
     "Gate",
     "Method",
+    "Survey",
     "Verdict",
     "Weight",
     "WeightedVote",
     "compare",
     "diagnose",
+    "survey",
 ]
 
 METHODS: tuple[Method, ...] = (

@@ -82,7 +82,7 @@ def spectra(t: Values, signals: Mapping[str, Values]) -> Spectra:
     power = np.abs(np.fft.rfft(waves * np.hanning(n), size)) ** 2
     power[:, :PAD] = 0.0  # less than one cycle in the log
     power /= np.maximum(power.sum(axis=1, keepdims=True), 1e-300)
-    return Spectra(t, waves, tuple(kept), np.fft.rfftfreq(size, dt), power, 2 * PAD)
+    return Spectra(t, waves, tuple(kept), np.asarray(np.fft.rfftfreq(size, dt), dtype=np.float64), power, 2 * PAD)
 
 
 def groups(found: Spectra) -> list[Together]:
