@@ -1,7 +1,7 @@
 """A case: a diagram that reproduces a published experiment, and its numbers side by side."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -55,17 +55,33 @@ class Case:
 
         return simulate(self.build(), self.duration, every=self.every, **changes)
 
-    def loop(self) -> "LoopRecord":
-        """Simulate the case and return its loop; raise ``ValueError`` if no signals are plainly PV and OP.
+    def loop(self, tag: str = "") -> "LoopRecord":
+        """Simulate the case and return its loop, of several the one of the controller ``tag``.
+
+        Raises ``ValueError`` if there are several and none is named, or none of that name.
 
         >>> from cases import find
         >>> find("ideal_high").loop().name
         'ideal_high'
         """
+        records = self.loop_records()
+        tags = [record.name.removeprefix(f"{self.name} ") for record in records]
+        if not tag and len(records) == 1:
+            return records[0]
+        if tag not in tags:
+            asked = f"no loop '{tag}'" if tag else f"{len(tags)} loops"
+            raise ValueError(f"case '{self.name}' has {asked}; name one of {', '.join(tags)}: loop(tag)")
+        return records[tags.index(tag)]
+
+    def loop_records(self) -> "tuple[LoopRecord, ...]":
+        """Simulate the case and return all its loops; the one loop of a case has the case's name.
+
+        Where there are several, the controller's is added; ``ValueError`` if the case has none.
+        """
         log = self.run().log
-        if "PV" not in log or "OP" not in log:
-            raise ValueError(
-                f"case '{self.name}' logs no signals PV and OP but {', '.join(log.names[:12])}, ...; run it and name "
-                "them in Python: find(name).run().log.loop(sp=..., pv=..., op=...)"
-            )
-        return log.loop(name=self.name)
+        records = log.loop_records() if log.loops or {"PV", "OP"} <= set(log.names) else ()
+        if not records:
+            raise ValueError(f"case '{self.name}' has no controller, hence no loop to judge")
+        if len(records) == 1:
+            return (replace(records[0], name=self.name),)
+        return tuple(replace(record, name=f"{self.name} {record.name}") for record in records)

@@ -60,6 +60,7 @@ from detect.oscillation import (
     thornhill1997,
 )
 from detect.oscillation.gate import Gate
+from detect.plantwide.survey import Survey, survey
 from detect.verdict import Verdict
 
 __all__ = [
@@ -70,11 +71,13 @@ __all__ = [
     "Diagnosis",
     "Gate",
     "Method",
+    "Survey",
     "Verdict",
     "Weight",
     "WeightedVote",
     "compare",
     "diagnose",
+    "survey",
 ]
 
 METHODS: tuple[Method, ...] = (

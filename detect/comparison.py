@@ -20,6 +20,8 @@ from detect.prepare.prepared import Prepared
 from detect.verdict import Verdict
 from detect.words import WORDS, Word
 from logs import LogError, LoopRecord, ReadError, read_loops
+from logs.hint import nearest
+from logs.tags import Process
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,15 +34,15 @@ ENDINGS = (".csv", ".txt", ".tsv", ".parquet")
 
 
 @runtime_checkable
-class HasLoop(Protocol):
-    """A log, a case, or whatever else gives a loop record when asked."""
+class HasLoops(Protocol):
+    """A log, a case, or whatever else gives its loops when asked."""
 
-    def loop(self) -> LoopRecord:
-        """The loop."""
+    def loop_records(self) -> Sequence[LoopRecord]:
+        """Every loop."""
         ...
 
 
-Source: TypeAlias = "LoopRecord | Prepared | HasLoop | str | os.PathLike[str]"
+Source: TypeAlias = "LoopRecord | Prepared | HasLoops | str | os.PathLike[str]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,16 +137,21 @@ class Comparison:
 
 
 def compare(
-    source: Source | Iterable[Source], methods: Sequence[Method] | None = None, combine: Combine | None = None
+    source: Source | Iterable[Source],
+    methods: Sequence[Method] | None = None,
+    combine: Combine | None = None,
+    process: Process | None = None,
+    loops: Sequence[str] | None = None,
 ) -> Comparison:
     """Put every method to one loop or to many.
 
-    Parameters: ``source`` a record or a prepared one; anything with ``loop()``, as a log and a case of ``cases`` have;
-    a file with one loop or several; a folder, whose CSV, text and Parquet files are read; or several of these.
-    ``methods``, ``combine`` as for ``diagnose``.
+    Parameters: ``source`` a record or a prepared one; anything with ``loop_records()``, as a log and a case of
+    ``cases`` have; a file with one loop or several; a folder, whose CSV, text and Parquet files are read; or several of
+    these. ``methods``, ``combine`` as for ``diagnose``; ``process`` the kind of process behind the loops that are read
+    from files; ``loops`` the tags of those to take, by default all.
 
-    Raises ReadError for a file that cannot be read and for a folder without any loop, TypeError for what is none of
-    these or no method. A file of a folder that cannot be read is skipped and listed.
+    Raises ReadError for a file that cannot be read, a folder without any loop and a tag that no loop has, TypeError for
+    what is none of these or no method. A file of a folder that cannot be read is skipped and listed.
 
     >>> import numpy as np
     >>> from detect.methods import area_ratio
@@ -160,7 +167,9 @@ def compare(
         methods = METHODS
     elif vote is None:
         vote = WeightedVote()
-    records, skipped = _records(source)
+    records, skipped = _records(source, process)
+    if loops is not None:
+        records = _named(records, loops)
     for module in ("optimize", "signal", "stats"):  # loaded here, or the first method would be charged with it
         import_module(f"scipy.{module}")
 
@@ -217,31 +226,43 @@ def _prepare(loop: Prepared) -> None:
             loop.half_waves(name)
 
 
-def _records(source: Any) -> tuple[list[LoopRecord | Prepared], tuple[tuple[str, str], ...]]:
+def _records(source: Any, process: Process | None) -> tuple[list[LoopRecord | Prepared], tuple[tuple[str, str], ...]]:
     if isinstance(source, LoopRecord | Prepared):
         return [source], ()
-    if isinstance(source, HasLoop):
-        return [source.loop()], ()
+    if isinstance(source, HasLoops):
+        return list(source.loop_records()), ()
     if isinstance(source, str | os.PathLike):
         path = Path(source)
-        return _folder(path) if path.is_dir() else (list(read_loops(path)), ())
+        return _folder(path, process) if path.is_dir() else (list(read_loops(path, process=process)), ())
     if not isinstance(source, Iterable):
         raise TypeError(
             f"{type(source).__name__} is no loop; give a LoopRecord, a log, a case, a file, a folder or a list of these"
         )
-    parts = [_records(part) for part in source]
+    parts = [_records(part, process) for part in source]
     if not parts:
         raise ReadError("no loop is given; give at least one")
     return [record for found, _ in parts for record in found], tuple(entry for _, more in parts for entry in more)
 
 
-def _folder(folder: Path) -> tuple[list[LoopRecord | Prepared], tuple[tuple[str, str], ...]]:
+def _named(records: list[LoopRecord | Prepared], loops: Sequence[str]) -> list[LoopRecord | Prepared]:
+    """The records of these tags; the loop of a case with several is called by case and tag, and found by its tag."""
+    names = [(loop if isinstance(loop, LoopRecord) else loop.record).name for loop in records]
+    chosen = []
+    for tag in loops:
+        fitting = [k for k, name in enumerate(names) if name == tag or name.endswith(f" {tag}")]
+        if not fitting:
+            raise ReadError(f"no loop {tag!r}; {nearest(tag, names)}")
+        chosen += fitting
+    return [records[k] for k in dict.fromkeys(chosen)]
+
+
+def _folder(folder: Path, process: Process | None) -> tuple[list[LoopRecord | Prepared], tuple[tuple[str, str], ...]]:
     files = sorted(path for path in folder.iterdir() if path.suffix.lower() in ENDINGS and path.is_file())
     records: list[LoopRecord | Prepared] = []
     skipped: list[tuple[str, str]] = []
     for path in files:
         try:
-            records += read_loops(path)
+            records += read_loops(path, process=process)
         except (ReadError, LogError) as fault:
             skipped.append((path.name, str(fault).removeprefix(f"{path}: ")))
     if not records:

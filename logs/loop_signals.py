@@ -48,6 +48,14 @@ class LoopSignals:
         """Part of the loop ("sp", "pv", "op", "mv", "mode") -> signal, for those that are logged."""
         return {part: getattr(self, part) for part in PARTS if getattr(self, part) is not None}
 
+    def with_parts(self, parts: Mapping[str, str | None]) -> Self:
+        """The loop with some of its parts changed, e.g. {"mv": None}.
+
+        Raises ``LogError`` as the class does.
+        """
+        changed: dict[str, Any] = dict(parts)
+        return replace(self, **changed)
+
     def to_dict(self) -> dict[str, str]:
         """Plain values for JSON, without what is not known."""
         return {
@@ -72,7 +80,7 @@ def within(loops: Mapping[str, LoopSignals], signals: Container[str]) -> dict[st
     {'PCS11': LoopSignals(pv='p', op='u', sp=None, mv=None, mode=None, process='unknown', measurement='')}
     """
     return {
-        tag: replace(loop, **{part: None for part, signal in loop.parts.items() if signal not in signals})
+        tag: loop.with_parts({part: None for part, signal in loop.parts.items() if signal not in signals})
         for tag, loop in loops.items()
         if loop.pv in signals and loop.op in signals
     }
@@ -81,6 +89,6 @@ def within(loops: Mapping[str, LoopSignals], signals: Container[str]) -> dict[st
 def renamed(loops: Mapping[str, LoopSignals], names: Mapping[str, str]) -> dict[str, LoopSignals]:
     """The loops with their signals renamed old -> new."""
     return {
-        tag: replace(loop, **{part: names.get(signal, signal) for part, signal in loop.parts.items()})
+        tag: loop.with_parts({part: names.get(signal, signal) for part, signal in loop.parts.items()})
         for tag, loop in loops.items()
     }

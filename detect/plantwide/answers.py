@@ -32,7 +32,7 @@ FOLLOWS = 0.98  # R2 of a tag with OP itself, from which on the valve is seen to
 S_MIN = 1.0  # % of OP span: a smaller band is worth no work on a valve
 SKIP = 0.2  # of the log, until the stem's place no longer depends on where it stood at first
 WIDTHS = np.linspace(0.05, 0.95, 19)  # of the range of OP
-JUMPS = (0.0, 0.5, 1.0)  # of S
+JUMPS = (0.0, 0.25, 0.5, 0.75, 1.0)  # of S
 
 
 class Answer(NamedTuple):
@@ -55,8 +55,8 @@ def answer_of(op: Values, tags: Mapping[str, Values]) -> Answer:
     >>> t = np.arange(2000.0)
     >>> u = 50 + 5 * np.sin(t / 20)
     >>> found = answer_of(u, {"flow": 3 * stick(u, 4.0, 1.0) + 7, "other": np.sin(t / 33)})
-    >>> found.follows, found.tag, round(found.S)
-    (None, 'flow', 4)
+    >>> found.follows, found.tag, round(found.S, 1)  # in steps of 5 % of OP's travel, 0.5 here
+    (None, 'flow', 4.0)
     >>> answer_of(u, {"flow": 3 * u + 7}).follows
     'flow'
     """

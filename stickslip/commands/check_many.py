@@ -8,8 +8,7 @@ from stickslip.console import Speaker
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from detect import Diagnosis
-    from detect.plantwide.survey import Survey
+    from detect import Diagnosis, Survey
     from logs import Log, LoopRecord
 
 SCHEMA = "stickslip.check-many/1"
@@ -88,7 +87,7 @@ def check_many(found: "Sequence[Read]", html: Path | None, json_file: str | None
 
 def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
     """Return the survey of a file with several loops, None of another."""
-    from detect.plantwide.survey import survey
+    from detect import survey
 
     if read.log is None or not read.log.loops:
         return None

@@ -1,5 +1,6 @@
-"""``stickslip table``: all detection methods side by side, on one record, a folder of records or a case."""
+"""``stickslip table``: all detection methods side by side, on files, folders, cases or simulated loops."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,31 +11,39 @@ from stickslip.targets import check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
     from detect import Comparison, Method
+    from logs.tags import Process
 
 PICTURES = (".png", ".svg", ".pdf")
 
 
 @click.command("table")
-@click.argument("source", required=False)
+@click.argument("sources", metavar="[SOURCE]...", nargs=-1)
 @click.option("--method", "chosen", multiple=True, metavar="NAME", help="Only this method; repeatable.")
-@click.option("--cards", is_flag=True, help="Show what each method reads, assumes, finds and costs, and stop.")
+@click.option("--loop", "loops", multiple=True, metavar="TAG", help="Only this loop; repeatable.")
+@click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
+@click.option("--cards", is_flag=True, help="Show what each method is, with its measured rates, and stop.")
+@click.option("--simulated", type=click.IntRange(1, 500), metavar="N", help="Judge N simulated loops of known cause.")
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the simulated loops.")
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write the table as CSV.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file page with the table and a picture.")
 @click.option("--plot", "picture", type=click.Path(path_type=Path), help="Draw verdicts and times (.png, .svg, .pdf).")
 @json_option
 @user_errors
 def command(
-    source: str | None, chosen: tuple[str, ...], cards: bool, csv_file: Path | None, html: Path | None,
-    picture: Path | None, json_file: str | None,
+    sources: tuple[str, ...], chosen: tuple[str, ...], loops: tuple[str, ...], process: "Process | None", cards: bool,
+    simulated: int | None, seed: int, csv_file: Path | None, html: Path | None, picture: Path | None,
+    json_file: str | None,
 ) -> None:  # fmt: skip
-    """Put every detection method to SOURCE and show what each says, with its number, reason and time.
+    """Put every detection method to each SOURCE and show what each says, with its number, reason and time.
 
-    SOURCE is a file with one loop or several, a folder of such files, or a case of 'stickslip simulate --list'.
+    A SOURCE is a file with one loop or several, a folder of such files, or a case of 'stickslip simulate --list'.
 
     \b
     Examples:
       stickslip table --cards
-      stickslip table ideal_high
+      stickslip table ideal_high ideal_integrating
+      stickslip table plant_1_high --loop PCS11 --loop LCS11
+      stickslip table --simulated 20
       stickslip table FIC101.csv --method area_ratio --method play_fit
       stickslip table exports --csv table.csv --html table.html
 
@@ -44,29 +53,38 @@ def command(
       1  done, and the combined verdict of a loop is stiction
       2  SOURCE cannot be read, or the request makes no sense
     """
-    given = Path(source) if source is not None else None
-    check_targets(
-        {"--csv": csv_file, "--html": html, "--plot": picture, "--json": json_file},
-        {"--plot": PICTURES},
-        source=given if given is not None and given.is_file() else None,
-    )
+    targets = {"--csv": csv_file, "--html": html, "--plot": picture, "--json": json_file}
+    for source in sources or ("",):
+        check_targets(targets, {"--plot": PICTURES}, source=Path(source) if Path(source).is_file() else None)
     methods, say = _methods(chosen), Speaker(json_file)
     if cards:
-        if source is not None or html is not None or picture is not None:
-            raise ValueError("--cards needs no SOURCE, --html or --plot; leave them out")
-        _cards(say, methods, csv_file)
+        if sources or loops or process or simulated or picture is not None:
+            raise ValueError("--cards needs no SOURCE, --loop, --process, --simulated or --plot; leave them out")
+        from stickslip.commands.cards import show_cards
+
+        show_cards(say, methods, csv_file, html)
         return
-    if source is None:
+    if simulated is not None and (sources or loops or process):
+        raise ValueError("--simulated draws its own loops; leave out SOURCE, --loop and --process")
+    if not sources and simulated is None:
         raise ValueError("name a file, a folder or a case; 'stickslip table --cards' shows the methods alone")
     from detect import compare
 
-    found = compare(_opened(source), methods)
+    if simulated is not None:
+        from calibration import draw, simulate
+
+        made = simulate(draw(simulated, seed))
+        found = compare(
+            [replace(record, name=f"{i}: {truth.group}") for i, (record, truth) in enumerate(made)], methods
+        )
+    else:
+        found = compare([_opened(source) for source in sources], methods, process=process, loops=loops or None)
     _tell(say, found)
     if csv_file is not None:
         write_whole(csv_file, found.csv().encode())
         say(f"table: {csv_file}")
     if html is not None:
-        write_whole(html, _page(source, found).encode())
+        write_whole(html, _page(", ".join(sources) or f"{simulated} simulated loops", found).encode())
         say(f"page: {html}")
     if picture is not None:
         write_figure(found.plot(), picture)
@@ -140,25 +158,3 @@ def _page(source: str, found: "Comparison") -> str:
     if found.skipped:
         sections[-1].notes += [f"{file} is not read: {reason}" for file, reason in found.skipped]
     return page(f"All methods on {source}", "", sections)
-
-
-def _cards(say: Speaker, methods: "list[Method]", csv_file: Path | None) -> None:
-    from detect.cards import CARD_COLUMNS, card_rows
-
-    rows = card_rows(methods)
-    say.table(["method", "signals", "process", "streams"], [[row[0], row[3], row[4], row[7]] for row in rows])
-    for row in rows:
-        say(f"{row[0]}: {row[1]}", bold=True)
-        for column, cell in zip(CARD_COLUMNS[2:], row[2:], strict=True):
-            say.paragraph(cell, f"  {column}: ")
-    if csv_file is not None:
-        from detect.comparison import csv_text
-
-        write_whole(csv_file, csv_text(CARD_COLUMNS, rows).encode())
-        say(f"table: {csv_file}")
-    say.document(
-        {
-            "schema": "stickslip.cards/1",
-            "methods": [dict(zip(CARD_COLUMNS, row, strict=True)) for row in rows],
-        }
-    )

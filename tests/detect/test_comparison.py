@@ -52,7 +52,7 @@ def test_what_can_be_compared(record, tmp_path):
     log.to_csv(tmp_path / "b.csv")
     (tmp_path / "a.csv").write_text("nonsense")
     (tmp_path / "c.pdf").write_text("not a record")
-    case = types.SimpleNamespace(loop=lambda: record)
+    case = types.SimpleNamespace(loop_records=lambda: (record,))
     for one in (record, log, case, tmp_path / "b.csv", str(tmp_path / "b.csv"), tmp_path):
         (judged,) = compare(one, methods).loops
         assert judged.verdicts[0].index == pytest.approx(area_ratio.detect(record).index)

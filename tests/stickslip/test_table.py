@@ -42,12 +42,49 @@ def test_a_case(call):
     assert (loop["loop"], loop["methods"][0]["verdict"]) == ("ideal_high", "stiction")
 
 
+def test_a_loop_of_a_plants_case(call):
+    done = call("table", "plant_1_high", "--loop", "PCS11", "--loop", "LCS11", "--method", "stem_play", "--json", "-")
+    loops = json.loads(done.stdout)["loops"]
+    assert [loop["loop"] for loop in loops] == ["plant_1_high PCS11", "plant_1_high LCS11"]
+    assert [loop["methods"][0]["verdict"] for loop in loops] == ["stiction", "stiction"]  # both valves stick
+
+
+def test_all_loops_of_several_cases(call):
+    done = call("table", "ideal_high", "split_range", *SOME, "--json", "-")
+    names = [loop["loop"] for loop in json.loads(done.stdout)["loops"]]
+    assert names[0] == "ideal_high" and len(names) >= 2 and all(name.startswith("split_range") for name in names[1:])
+
+
+def test_simulated_loops(call):
+    done = call("table", "--simulated", "3", "--seed", "4", *SOME, "--json", "-")
+    names = [loop["loop"] for loop in json.loads(done.stdout)["loops"]]
+    assert [name.split(": ")[0] for name in names] == ["0", "1", "2"]
+    assert {name.split(": ")[1] for name in names} & {"cycling", "excited"}
+
+
+def test_the_kind_of_process_is_handed_on(call, tmp_path):
+    rows = "\n".join(f"{t},{40 + t % 7},{50 + t % 5}" for t in range(100))
+    (tmp_path / "x.csv").write_text(f"time,PV,OP\n{rows}\n")
+    words = ("table", tmp_path / "x.csv", "--method", "area_ratio", "--json", "-")
+    alone, told = (json.loads(call(*words, *more).stdout) for more in ((), ("--process", "integrating")))
+    assert told["loops"][0]["methods"][0]["code"] == "wrong_process_type"
+    assert alone["loops"][0]["methods"][0]["code"] != "wrong_process_type"
+
+
 def test_cards(call, tmp_path):
     done = call("table", "--cards", "--csv", tmp_path / "cards.csv", "--json", tmp_path / "cards.json")
     assert done.exit_code == 0 and "cons:" in done.stdout
+    assert "thesis table 2.1" in done.stdout and "Measured on" in done.stdout and "Ours:" in done.stdout
     rows = list(csv.DictReader((tmp_path / "cards.csv").open(newline="")))
     assert [row["method"] for row in rows] == [method.CARD.name for method in METHODS]
     assert json.loads((tmp_path / "cards.json").read_text())["methods"] == rows
+    assert {"hit rate", "false alarms", "abstentions", "delay [periods]", "us a sample"} <= set(rows[0])
+
+
+def test_cards_as_a_page(call, tmp_path):
+    done = call("table", "--cards", "--html", tmp_path / "cards.html")
+    page = (tmp_path / "cards.html").read_text()
+    assert done.exit_code == 0 and page.count("<table>") == 4 and "Half period integral ratio" in page
 
 
 @pytest.mark.parametrize(
@@ -56,8 +93,10 @@ def test_cards(call, tmp_path):
         ((), "name a file, a folder or a case"),
         (("nowhere.csv",), "'nowhere.csv' is no file, no folder and no case; the cases are ideal_high"),
         (("ideal_high", "--method", "magic"), "there is no method 'magic'; known: area_ratio"),
-        (("plant_1_high", "--method", "harmonics"), "logs no signals PV and OP"),
+        (("ideal_high", "--loop", "LIC9"), "no loop 'LIC9'; known: ideal_high"),
         (("ideal_high", "--cards"), "--cards needs no SOURCE"),
+        (("ideal_high", "--simulated", "2"), "--simulated draws its own loops"),
+        (("--simulated", "2", "--process", "integrating"), "--simulated draws its own loops"),
         (("ideal_high", "--plot", "x.doc"), "'.doc' is not a format it can write"),
     ],
 )

@@ -101,7 +101,8 @@ def test_result_is_json_picture_and_words(pair):
     assert document["schema"] == "stickslip.survey/1" and document["groups"][0]["loops"] == ["PC1", "FC2"]
     figure = found.plot()
     figure.canvas.draw()
-    assert len(figure.axes) == 2 and found.words.startswith("5 tags share an oscillation of 75 s")
+    assert found.groups[0].period == pytest.approx(24 * np.pi, rel=1e-4)  # analytic
+    assert len(figure.axes) == 2 and found.words.startswith("5 tags share an oscillation of 75.4 s")
 
 
 def test_gaps_and_missing_tags(pair):

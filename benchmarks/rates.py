@@ -1,0 +1,183 @@
+"""How often each method is right on simulated loops whose cause is known: the measured columns of ``stickslip table``.
+
+    python -m benchmarks.rates [--quick] [--json FILE] [--loops N] [--seed N] [--write]
+
+Draws loops (``calibration.draw``, setting "other_physics", half of them with a sticky valve), puts every method to
+each, and counts its verdicts by group of loops.  No threshold of any method was set on them.  For the delay the first
+``STREAMED`` sticky loops are fed sample by sample to ``LoopStream``, which watches with the streaming twin of a method
+or with a sliding window, and asked at ``CHECKS`` periods of the loop: the delay is the first time of an alarm.
+``--write`` keeps all in ``detect/rates.json``, which the table prints; ``--quick`` takes 8 loops.
+"""
+
+import argparse
+import json
+import re
+import statistics
+import sys
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, get_args
+
+import numpy as np
+
+from benchmarks.report import Figures, publish
+from calibration import LoopSpec, Truth, draw, simulate
+from detect import METHODS, compare
+from detect.loop_stream import LoopStream
+from detect.methods import stem_play
+from detect.rates import COMBINED, FILE, SCHEMA, of_counts
+from detect.stream import LoopFacts, Sample
+from detect.verdict import Word
+from logs import LoopRecord
+from logs.files.write import replacing
+
+LOOPS, QUICK = 416, 8
+SEED = 20_260_701  # used for nothing else
+SETTING = "other_physics"
+STREAMED = 24  # sticky loops that are also fed sample by sample
+CHECKS = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)  # periods after which the twins are asked
+BATCH = 26  # every group without stiction once
+WORDS: tuple[Word, ...] = get_args(Word)
+
+NOTES = {
+    "loops": "simulated loops, half of them sticky",
+    "combined_hit_rate": "share of the sticky loops that the combined verdict calls sticky",
+    "combined_false_alarms": "share of the other loops that it calls sticky",
+    "best_hit_rate": "the largest hit rate of a method alone",
+    "best_method": "the method of that hit rate",
+    "best_false_alarms": "its false alarms",
+}
+
+
+@dataclass
+class Counted:
+    """What has been counted: method -> group -> word -> loops, times per sample [us], periods until the alarm."""
+
+    words: dict[str, dict[str, Counter[str]]] = field(default_factory=lambda: defaultdict(lambda: defaultdict(Counter)))
+    microseconds: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    periods: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    streamed: int = 0
+
+    def add(self, record: LoopRecord, stem: LoopRecord, truth: Truth) -> None:
+        """Put every method to a record; ``stem`` is the same loop with MV logged, for the method that needs it."""
+        (judged,) = compare(record, [m for m in METHODS if m is not stem_play]).loops
+        (with_stem,) = compare(stem, [stem_play]).loops
+        self.words[COMBINED][truth.group][judged.combined] += 1
+        for one in (judged, with_stem):
+            for verdict, spent in zip(one.verdicts, one.milliseconds, strict=True):
+                self.words[verdict.method][truth.group][verdict.verdict] += 1
+                self.microseconds[verdict.method].append(1e3 * spent / one.samples)
+
+    def follow(self, record: LoopRecord, truth: Truth) -> None:
+        """Feed a sticky loop sample by sample and note after how many periods each method raises the alarm."""
+        watching = [method for method in METHODS if method is not stem_play]
+        stream = LoopStream(LoopFacts.of(record), watching)
+        open_checks, waiting = list(CHECKS), {method.CARD.name for method in watching}
+        self.streamed += 1
+        for t, sample in _samples(record):
+            stream = stream.update(t, sample)
+            if open_checks and t - record.t[0] >= open_checks[0] * truth.period:
+                periods = open_checks.pop(0)
+                for verdict in stream.verdicts():
+                    if verdict.verdict == "stiction" and verdict.method in waiting:
+                        waiting.remove(verdict.method)
+                        self.periods[verdict.method].append(periods)
+
+    def kept(self, seed: int, loops: int) -> dict[str, Any]:
+        """The counts as ``detect.rates`` reads them."""
+        return {
+            "schema": SCHEMA,
+            "made_by": "python -m benchmarks.rates --write",
+            "setting": SETTING,
+            "seed": seed,
+            "loops": loops,
+            "streamed": self.streamed,
+            "words": list(WORDS),
+            "counts": {
+                method: {group: [words[word] for word in WORDS] for group, words in sorted(groups.items())}
+                for method, groups in sorted(self.words.items())
+            },
+            "us_per_sample": {m: round(statistics.median(all_), 3) for m, all_ in sorted(self.microseconds.items())},
+            "alarms": {
+                m: {"found": len(self.periods[m]), "median_periods": _median(self.periods[m])}
+                for m in sorted(method.CARD.name for method in METHODS if method is not stem_play)
+            },
+        }
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return float(statistics.median(values)) if values else None
+
+
+def _samples(record: LoopRecord) -> Iterator[tuple[float, Sample]]:
+    sp = np.full(len(record), np.nan) if record.sp is None else record.sp
+    for t, pv, op, set_point in zip(record.t, record.pv, record.op, sp, strict=True):
+        yield float(t), Sample(float(pv), float(op), float(set_point))
+
+
+def measure(
+    specs: Sequence[LoopSpec], streamed: int = STREAMED, each: Callable[[Counted, int], None] | None = None
+) -> Counted:
+    """Count what every method says of the loops; ``each`` is told the counts and how many loops they are of.
+
+    >>> counted = measure(draw(2, seed=1), streamed=0)
+    >>> sum(counted.words["play_fit"]["excited"].values())
+    1
+    """
+    counted = Counted()
+    for first in range(0, len(specs), BATCH):
+        batch = specs[first : first + BATCH]
+        for stem, truth in simulate(batch, mv=True):
+            record = replace(stem, mv_name=None)
+            counted.add(record, stem, truth)
+            if truth.cause == "stiction" and np.isfinite(truth.period) and counted.streamed < streamed:
+                counted.follow(record, truth)
+        if each is not None:
+            each(counted, first + len(batch))
+    return counted
+
+
+def write(kept: Mapping[str, Any]) -> None:
+    """Keep the counts in ``detect/rates.json``, a line a group."""
+    rows = re.sub(r"\[[^\]]*\]", lambda row: " ".join(row[0].split()), json.dumps(kept, indent=1))
+    with replacing(FILE) as part:
+        part.write_text(rows + "\n")
+
+
+def figures(kept: Mapping[str, Any]) -> Figures:
+    """The headline figures of what was counted."""
+    rates = of_counts(kept)
+    combined = rates[COMBINED]
+    alone = [rate for name, rate in rates.items() if name not in (COMBINED, stem_play.CARD.name)]
+    best = max(alone, key=lambda rate: rate.hit_rate)
+    return {
+        "loops": float(kept["loops"]), "combined_hit_rate": combined.hit_rate,
+        "combined_false_alarms": combined.false_alarms, "best_hit_rate": best.hit_rate, "best_method": best.method,
+        "best_false_alarms": best.false_alarms,
+    }  # fmt: skip
+
+
+def main() -> None:
+    """Measure, print the headline figures, and keep the counts if asked to."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="8 loops, for continuous integration")
+    parser.add_argument("--json", metavar="FILE", help="also write one flat JSON object ('-': standard output, alone)")
+    parser.add_argument("--loops", type=int, default=LOOPS, help="how many loops (default 416)")
+    parser.add_argument("--seed", type=int, default=SEED, help="of the loops drawn")
+    parser.add_argument("--write", action="store_true", help="keep the counts in detect/rates.json")
+    chosen = parser.parse_args()
+    n = QUICK if chosen.quick else chosen.loops
+
+    def each(counted: Counted, done: int) -> None:
+        if sys.stderr.isatty():
+            print(f"\r{done} of {n}", end="", file=sys.stderr, flush=True)
+        if chosen.write:  # after every batch: what is measured so far is whole
+            write(counted.kept(chosen.seed, done))
+
+    counted = measure(draw(n, chosen.seed, SETTING), 1 if chosen.quick else STREAMED, each)
+    publish(figures(counted.kept(chosen.seed, n)), NOTES, chosen.json, chosen.quick)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,56 @@
+"""Write the tables of docs/methods.md again from the cards and from what was measured: ``python docs/tables.py``."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from detect.cards import (
+    OUTLINE_COLUMNS,
+    PUBLISHED_COLUMNS,
+    RATE_COLUMNS,
+    outline_rows,
+    published_rows,
+    rate_rows,
+)  # fmt: skip
+from detect.rates import described
+
+PAGE = Path(__file__).parent / "methods.md"
+
+
+def markdown(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown.
+
+    >>> print(markdown(["a"], [["b|c"]]))
+    | a |
+    |---|
+    | b\\\\|c |
+    """
+    lines = [columns, *rows]
+    shown = [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines]
+    return "\n".join([shown[0], "|" + "---|" * len(columns), *shown[1:]])
+
+
+def tables() -> dict[str, str]:
+    """Every table of the page by its name."""
+    return {
+        "outline": markdown(OUTLINE_COLUMNS, outline_rows()),
+        "rates": f"{markdown(RATE_COLUMNS, rate_rows())}\n\n{described()}",
+        "published": markdown(PUBLISHED_COLUMNS, published_rows()),
+    }
+
+
+def rewritten(page: str) -> str:
+    """The page with every table between ``<!-- NAME -->`` and ``<!-- end -->`` as it is now.
+
+    Raises KeyError for a table of another name.
+    """
+    now = tables()
+
+    def put(found: re.Match[str]) -> str:
+        return f"<!-- {found[1]} -->\n{now[found[1]]}\n<!-- end -->"
+
+    return re.sub(r"<!-- (\w+) -->\n.*?<!-- end -->", put, page, flags=re.S)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(rewritten(PAGE.read_text()))

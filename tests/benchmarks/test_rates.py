@@ -1,0 +1,26 @@
+"""Counting verdicts on simulated loops: every loop is counted once a method, alarms come at checks."""
+
+from benchmarks.rates import CHECKS, SETTING, WORDS, Counted, figures, measure
+from calibration import draw, simulate
+from detect import METHODS
+from detect.rates import COMBINED, STICKY, of_counts
+
+
+def test_every_loop_is_counted_once_a_method():
+    counted = measure(draw(4, seed=6, setting=SETTING), streamed=0)
+    kept = counted.kept(6, 4)
+    assert set(kept["counts"]) == {COMBINED, *(method.CARD.name for method in METHODS)}
+    for groups in kept["counts"].values():
+        assert sum(map(sum, groups.values())) == 4 and all(len(row) == len(WORDS) for row in groups.values())
+    rates = of_counts(kept)
+    assert all(rate.sticky == rate.others == 2 for rate in rates.values())
+    assert figures(kept)["loops"] == 4.0 and rates["play_fit"].us_per_sample > 0.0
+
+
+def test_an_alarm_comes_at_a_check_and_once():
+    specs = [spec for spec in draw(40, seed=2) if spec.group in STICKY and spec.samples < 900][:2]
+    counted = Counted()
+    for record, truth in simulate(specs):
+        counted.follow(record, truth)
+    assert counted.streamed == 2
+    assert all(len(times) <= 2 and set(times) <= set(CHECKS) for times in counted.periods.values())
