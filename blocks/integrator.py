@@ -44,7 +44,7 @@ class Integrator(Delayed):
 
     ports_in = (Port("MV"),)
     ports_out = (Port("PV"),)
-    kernels = Kernels(out=_out, der=_der, feeds=False)
+    kernels = Kernels(out=_out, der=_der, feeds=False, linear=True)
 
     def __init__(
         self,

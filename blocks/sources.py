@@ -63,7 +63,7 @@ class Constant(Source):
     0.5
     """
 
-    kernels = Kernels(out=_constant_out, feeds=False)
+    kernels = Kernels(out=_constant_out, feeds=False, linear=True)
 
     def __init__(self, signal: str, value: float, *, unit: str = "", name: str = "") -> None:
         super().__init__(signal, {"value": value}, unit=unit, name=name)
@@ -81,7 +81,7 @@ class Step(Source):
     0.5
     """
 
-    kernels = Kernels(out=_step_out, next_time=_step_next, feeds=False, timed=True)
+    kernels = Kernels(out=_step_out, next_time=_step_next, feeds=False, timed=True, linear=True)
 
     def __init__(
         self, signal: str, after: float = 1.0, before: float = 0.0, at: float = 0.0, unit: str = "", name: str = ""
@@ -104,7 +104,7 @@ class Ramp(Source):
     [0.37, 0.31, 0.25, 0.25]
     """
 
-    kernels = Kernels(out=_ramp_out, next_time=_ramp_next, feeds=False, timed=True)
+    kernels = Kernels(out=_ramp_out, next_time=_ramp_next, feeds=False, timed=True, linear=True)
 
     def __init__(
         self,

@@ -117,7 +117,7 @@ class StickSlip(Block):
     role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, feeds=False, linear=True)
     modes = QuasiStaticStem.modes
     limit_params = ("low", "high")
 

@@ -4,9 +4,9 @@ import numpy as np
 from numba import njit
 
 from engine.dense import interpolate
+from engine.floats import copy
 from engine.layout import (
     CLOSER,
-    HAS_RATES,
     METHOD,
     N_EVENTS,
     N_SIGNALS,
@@ -20,6 +20,7 @@ from engine.layout import (
     O_Y1,
     P_EVENT_SIGNALS,
     P_EVENTS,
+    RATES_NOW,
     REJECTED,
     STEP,
 )
@@ -51,14 +52,17 @@ def at_fraction(I, W, t, h, s):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def at_end(I, W, t, h):  # type: ignore[no-untyped-def]
-    """Evaluate the event functions at the end of the step, where states and rates are known; return the largest."""
-    n = I[N_STATES]
-    for i in range(n):
-        W[I[O_X] + i] = W[I[O_Y1] + i]
-        W[I[O_F] + i] = W[I[O_Y1] + n + i]
-    play(I, W, t + h, P_EVENT_SIGNALS)
-    if I[HAS_RATES]:
+def at_end(I, W, t, h, there):  # type: ignore[no-untyped-def]
+    """Evaluate the event functions at the end of the step, where states and rates are known; return the largest.
+
+    ``there``: states, rates and signals still stand where the step has left them.
+    """
+    if not there:
+        n = I[N_STATES]
+        copy(W, I[O_Y1], I[O_X], n)
+        copy(W, I[O_Y1] + n, I[O_F], n)
+        play(I, W, t + h, P_EVENT_SIGNALS)
+    if I[RATES_NOW]:
         signal_rates(I, W, t + h, min(1.0, h))
     play(I, W, t + h, P_EVENTS)
     return highest(I, W)
@@ -67,7 +71,7 @@ def at_end(I, W, t, h):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def glance(I, W, t, h, s):  # type: ignore[no-untyped-def]
     """Evaluate the event functions inside the step as ``at_fraction`` does, but take rates from the dense output."""
-    if I[HAS_RATES]:
+    if I[RATES_NOW]:
         later, kept = s + GLANCE, I[O_RATE]
         interpolate(I, W, later)
         play(I, W, t + later * h, P_EVENT_SIGNALS)
@@ -96,15 +100,15 @@ def top_of_parabola(start, middle, end):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def first_crossing(I, W, t, h, finest):  # type: ignore[no-untyped-def]
+def first_crossing(I, W, t, h, finest, there):  # type: ignore[no-untyped-def]
     """Return the fraction of the step at which the first event fires, to within ``finest``, or 2 if none does.
 
     Looks at the end, at the middle and at the tops of the parabolas through start, middle and end, where an event
     may come and go; then closes in by the Illinois rule with bisection every third time.  Leaves the event functions
-    of the end behind ``W[O_G]``.
+    of the end behind ``W[O_G]``.  ``there``: see ``at_end``.
     """
     ng = I[N_EVENTS]
-    end = at_end(I, W, t, h)
+    end = at_end(I, W, t, h, there)
     for i in range(ng):
         W[I[O_G] + ng + i] = W[I[O_G] + i]
     left, right = 0.0, 0.5
@@ -157,13 +161,13 @@ def first_crossing(I, W, t, h, finest):  # type: ignore[no-untyped-def]
 def crossing_ahead(I, W, t, h):  # type: ignore[no-untyped-def]
     """Return the fraction at which the first event fires, 2 if none does, -1 if a stiff step is to be tried shorter."""
     coarse = I[METHOD] == 1 and I[CLOSER] < MOST_CLOSER
-    crossing = first_crossing(I, W, t, h, COARSE if coarse else 0.0)
+    crossing = first_crossing(I, W, t, h, COARSE if coarse else 0.0, I[METHOD] != 2)
     if coarse and crossing < END and crossing * h > 1e-6:
         W[STEP] = BEHIND * crossing * h
         I[CLOSER] += 1
         I[REJECTED] += 1
         return -1.0
     if coarse and crossing <= 1.0:
-        crossing = first_crossing(I, W, t, h, 0.0)
+        crossing = first_crossing(I, W, t, h, 0.0, False)
     I[CLOSER] = 0
     return crossing

@@ -3,14 +3,12 @@
 All functions work on the two arrays of ``engine.layout``; the states they see are those at ``W[O_X]``.
 """
 
-import numpy as np
 from numba import njit
 
 from engine.call import call
 from engine.delay import delayed
 from engine.layout import (
     GATHER,
-    HAS_RATES,
     N_SIGNALS,
     N_STATES,
     NU,
@@ -25,12 +23,15 @@ from engine.layout import (
     P_RATES,
     P_SIGNALS,
     RATES,
+    RATES_NOW,
     RHS,
     T_LEFT,
     WIRES,
     T,
     U,
 )
+
+ROUNDING = 2.0**-50
 
 
 @njit(cache=True, error_model="numpy")
@@ -120,14 +121,14 @@ def gather_with_rates(I, W, row):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def evaluate_events(I, W, t, scale):  # type: ignore[no-untyped-def]
     """Bring signals, rates (where asked for) and event functions up to date at ``t``."""
-    play(I, W, t, P_MOVING if I[HAS_RATES] else P_EVENT_SIGNALS)
+    play(I, W, t, P_MOVING if I[RATES_NOW] else P_EVENT_SIGNALS)
     events_of_signals(I, W, t, scale)
 
 
 @njit(cache=True, error_model="numpy")
 def events_of_signals(I, W, t, scale):  # type: ignore[no-untyped-def]
     """Bring rates (where asked for) and event functions up to date; the signals must be those at ``t``."""
-    if I[HAS_RATES]:
+    if I[RATES_NOW]:
         I[RHS] += 1
         play(I, W, t, P_RATES)
         signal_rates(I, W, t, scale)
@@ -136,8 +137,8 @@ def events_of_signals(I, W, t, scale):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def resolution(t):  # type: ignore[no-untyped-def]
-    """Return the smallest time difference that counts at ``t`` [s]."""
-    return 4.0 * np.spacing(max(1.0, abs(t)))
+    """Return the smallest time difference that counts at ``t`` [s]: four to eight times what its floats differ by."""
+    return ROUNDING * max(1.0, abs(t))
 
 
 @njit(cache=True, error_model="numpy")
