@@ -157,7 +157,7 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
     if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
         signals(I, W, W[T])
         begin_instant(I, W)
-    if not settle(I, W, EV, min(1.0, max(W[STEP], 1e-9))):
+    if not settle(I, W, EV):
         return CHATTERING
     copy(W, I[O_X], I[O_Y0], n)
     I[FRESH] = 0
@@ -185,7 +185,7 @@ def look(I, W):  # type: ignore[no-untyped-def]
     if not finite(W, I[O_F], n):
         return False
     if I[LINKED] and I[N_EVENTS] > 0:
-        evaluate_events(I, W, W[T], min(1.0, max(W[STEP], 1e-9)))
+        evaluate_events(I, W, W[T])
     copy(W, I[O_G], I[O_G0], I[N_EVENTS])
     I[K1_VALID] = 1
     return True
@@ -195,9 +195,9 @@ def look(I, W):  # type: ignore[no-untyped-def]
 def land_on_event(I, W, EV, crossing, h):  # type: ignore[no-untyped-def]
     """End the step at the event found in it and let it happen; return False if too many follow each other."""
     interpolate(I, W, crossing)
-    evaluate_events(I, W, W[T], min(1.0, h))
+    evaluate_events(I, W, W[T])
     begin_instant(I, W)
-    fire_waiting(I, W, EV, min(1.0, h))
+    fire_waiting(I, W, EV)
     if I[CHAIN] > I[MAX_CHAIN]:
         return False
     copy(W, I[O_X], I[O_Y0], I[N_STATES])

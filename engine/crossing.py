@@ -47,7 +47,7 @@ def highest(I, W):  # type: ignore[no-untyped-def]
 def at_fraction(I, W, t, h, s):  # type: ignore[no-untyped-def]
     """Evaluate the event functions at the fraction ``s`` of the step; return the largest."""
     interpolate(I, W, s)
-    evaluate_events(I, W, t + s * h, min(1.0, h))
+    evaluate_events(I, W, t + s * h)
     return highest(I, W)
 
 
@@ -63,7 +63,7 @@ def at_end(I, W, t, h, there):  # type: ignore[no-untyped-def]
         copy(W, I[O_Y1] + n, I[O_F], n)
         play(I, W, t + h, P_EVENT_SIGNALS)
     if I[RATES_NOW]:
-        signal_rates(I, W, t + h, min(1.0, h))
+        signal_rates(I, W, t + h)
     play(I, W, t + h, P_EVENTS)
     return highest(I, W)
 
@@ -104,7 +104,8 @@ def first_crossing(I, W, t, h, finest, there):  # type: ignore[no-untyped-def]
     """Return the fraction of the step at which the first event fires, to within ``finest``, or 2 if none does.
 
     Looks at the end, at the middle and at the tops of the parabolas through start, middle and end, where an event
-    may come and go; then closes in by the Illinois rule with bisection every third time.  Leaves the event functions
+    may come and go, be it before another one at the end; then closes in by the Illinois rule with bisection every third
+    time.  Leaves the event functions
     of the end behind ``W[O_G]``.  ``there``: see ``at_end``.
     """
     ng = I[N_EVENTS]
@@ -115,25 +116,22 @@ def first_crossing(I, W, t, h, finest, there):  # type: ignore[no-untyped-def]
     top = glance(I, W, t, h, 0.5)
     if top > 0.0:
         top = at_fraction(I, W, t, h, 0.5)
-    low = -np.inf
-    if top <= 0.0 and end <= 0.0:
+    low, middle = -np.inf, top
+    if middle <= 0.0:
         for i in range(ng):
             W[I[O_G] + 2 * ng + i] = W[I[O_G] + i]
         right = 0.0
         for i in range(ng):
             s = top_of_parabola(W[I[O_G0] + i], W[I[O_G] + 2 * ng + i], W[I[O_G] + ng + i])
-            if s > 0.0:
+            if 0.0 < s < (0.5 if end > 0.0 else 1.0):
                 top = at_fraction(I, W, t, h, s)
                 if top > 0.0:
                     right = s
                     break
-        if right == 0.0:
+        if right == 0.0 and end <= 0.0:
             return 2.0
-        low = at_fraction(I, W, t, h, 0.0)
-        if low > 0.0:
-            return 0.0
-    elif top <= 0.0:
-        left, right, low, top = 0.5, 1.0, top, end
+    if right == 0.0:
+        left, right, low, top = 0.5, 1.0, middle, end
     else:
         low = at_fraction(I, W, t, h, 0.0)
         if low > 0.0:

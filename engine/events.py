@@ -113,7 +113,7 @@ def watch_rates(I, W):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def fire_positive(I, W, EV, scale):  # type: ignore[no-untyped-def]
+def fire_positive(I, W, EV):  # type: ignore[no-untyped-def]
     """Fire the first positive event function of every block; inputs must be current, and rates where they are watched.
 
     A transition may look at rates that no event function of its mode looks at.
@@ -125,7 +125,7 @@ def fire_positive(I, W, EV, scale):  # type: ignore[no-untyped-def]
         return False
     if I[HAS_RATES] and not I[RATES_NOW]:
         rates(I, W, W[T])
-        signal_rates(I, W, W[T], scale)
+        signal_rates(I, W, W[T])
     fired = False
     for b in range(I[N_BLOCKS]):
         row = H + b * R
@@ -140,12 +140,12 @@ def fire_positive(I, W, EV, scale):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def fire_waiting(I, W, EV, scale):  # type: ignore[no-untyped-def]
+def fire_waiting(I, W, EV):  # type: ignore[no-untyped-def]
     """Fire what had not been positive at the left of the interval; the rest belongs to ``settle``."""
     for i in range(I[N_EVENTS]):
         if W[I[O_G0] + i] > 0.0:
             W[I[O_G] + i] = -1.0
-    fire_positive(I, W, EV, scale)
+    fire_positive(I, W, EV)
 
 
 @njit(cache=True, error_model="numpy")
@@ -185,7 +185,7 @@ def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def settle(I, W, EV, scale):  # type: ignore[no-untyped-def]
+def settle(I, W, EV):  # type: ignore[no-untyped-def]
     """Carry out all transitions of the present instant; return False if they never end.
 
     The first sweep is left out where samples have just made one (``CURRENT``).
@@ -198,8 +198,8 @@ def settle(I, W, EV, scale):  # type: ignore[no-untyped-def]
             if I[CHAIN] > I[MAX_CHAIN]:
                 return False
             continue
-        events_of_signals(I, W, W[T], scale)
-        if not fire_positive(I, W, EV, scale):
+        events_of_signals(I, W, W[T])
+        if not fire_positive(I, W, EV):
             return True
         if I[CHAIN] > I[MAX_CHAIN]:
             return False

@@ -194,7 +194,7 @@ def event_at_end(I, W, t, h):  # type: ignore[no-untyped-def]
     """Return whether an event fires within the step, as its end shows; signals and rates must be those of the end."""
     if I[N_EVENTS] == 0:
         return False
-    events_of_signals(I, W, t + h, min(1.0, h))
+    events_of_signals(I, W, t + h)
     fires = False
     for i in range(I[N_EVENTS]):
         fires = fires or (W[I[O_G0] + i] <= 0.0 and W[I[O_G] + i] > 0.0)
