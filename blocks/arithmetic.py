@@ -46,7 +46,7 @@ class Sum(Block):
 
     role = Role.ARITHMETIC
     ports_out = (Port("out"),)
-    kernels = Kernels(out=_sum_out)
+    kernels = Kernels(out=_sum_out, linear=True)
 
     def __init__(
         self, signal: str, weights: Mapping[str, float], *, offset: float = 0.0, unit: str = "", name: str = ""
@@ -83,7 +83,7 @@ class Gain(Block):
     role = Role.ARITHMETIC
     ports_in = (Port("in"),)
     ports_out = (Port("out"),)
-    kernels = Kernels(out=_gain_out)
+    kernels = Kernels(out=_gain_out, linear=True)
 
     def __init__(
         self, signal: str, source: str, factor: float, *, offset: float = 0.0, unit: str = "", name: str = ""

@@ -48,7 +48,7 @@ class DeadZone(OneToOne):
     """
 
     role = Role.ARITHMETIC
-    kernels = Kernels(out=_out, zc=_zc, jump=limit_transition, n_events=2)
+    kernels = Kernels(out=_out, zc=_zc, jump=limit_transition, n_events=2, linear=True)
     modes = {"inside": FREE, "above": HIGH, "below": LOW}
     same_unit = True
 

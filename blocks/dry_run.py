@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.affine import not_affine
 from blocks.ports import BlockError
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def dry_run(block: "Block") -> None:
 
     Raises ``BlockError`` with the kernel and what it did: an index beyond an array, a value that is not its own
     changed, an output never written, an input read in spite of ``feeds=False``, the time read in spite of
-    ``timed=False``, an error, a loop without end.
+    ``timed=False``, values that are not affine in spite of ``linear=True``, an error, a loop without end.
     """
     k = block.kernels
     sizes = (len(block.ports_in), len(block.ports_out), len(block.x0), len(block.d0), len(block.p))
@@ -129,6 +130,8 @@ def dry_run(block: "Block") -> None:
                 always_python = isinstance(getattr(kernel, "may_run_in_python", None), str)  # cannot harm memory
                 if kernel is not None and not always_python and (name != "der" or len(block.x0)):
                     _Trial(block, name, kernel).run()
+            if k.linear and not block.sampled:
+                _linear(block)
     except Mistake as mistake:
         raise BlockError(f"block '{block.name}': {mistake}; correct it") from mistake
     if said.getvalue():
@@ -154,6 +157,12 @@ def _complete(block: "Block") -> None:
     for broken, words in rules:
         if broken:
             raise Mistake(words)
+
+
+def _linear(block: "Block") -> None:
+    """Refuse a block that is not linear in each mode, but says so."""
+    if told := not_affine(block):
+        raise Mistake(f"kernel {told} is not affine, but linear=True says that it is: leave linear out")
 
 
 class _Trial:
@@ -183,10 +192,18 @@ class _Trial:
                     if blind and self.name == "out" and arrays["u"].read:
                         self._refuse(f"reads u[{min(arrays['u'].read)}], but feeds=False says that it does not: "
                                      "an algebraic loop would be hidden")  # fmt: skip
+                    if self.name == "zc" and self._looks_unasked(d, arrays["u"]):
+                        self._refuse(f"looks at rates in mode {d[0]:g}, which is not among its rate_modes: add it")
         if self.name == "step":
             self._sequence(blind)
         if self.name in ("out", "der") and not self.block.kernels.timed:
             self._without_time()
+
+    def _looks_unasked(self, d: Floats, u: Guarded) -> bool:
+        """Return whether event functions look at rates in a mode in which they say that they do not."""
+        k = self.block.kernels
+        asked = not (k.rates and k.rate_modes) or d[0] in k.rate_modes
+        return not asked and max(u.read, default=-1) >= len(self.block.ports_in)
 
     def _without_time(self) -> None:
         """Refuse a kernel that looks at a time which it says it does not read."""

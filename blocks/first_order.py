@@ -38,7 +38,7 @@ class FirstOrder(Delayed):
 
     ports_in = (Port("MV"),)
     ports_out = (Port("PV"),)
-    kernels = Kernels(der=_der)
+    kernels = Kernels(der=_der, linear=True)
 
     def __init__(
         self,

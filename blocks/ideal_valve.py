@@ -30,7 +30,7 @@ class IdealValve(Block):
     role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out)
+    kernels = Kernels(out=_out, linear=True)
 
     def __init__(self, *, name: str = "valve", **labels: Any) -> None:
         super().__init__(name=name, params={}, **labels)

@@ -40,7 +40,7 @@ class Integrator(Delayed):
 
     ports_in = (Port("MV"),)
     ports_out = (Port("PV"),)
-    kernels = Kernels(der=_der)
+    kernels = Kernels(der=_der, linear=True)
 
     def __init__(
         self,

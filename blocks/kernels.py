@@ -26,8 +26,10 @@ class Kernels:
 
     ``n_events``: how many event functions ``zc`` writes.  ``feeds``: whether outputs depend on inputs at the
     same instant.  ``timed``: whether ``out`` or ``der`` reads the time ``t``.  ``rates``: whether ``zc`` and ``jump``
-    want the input rates behind the inputs in ``u``.  ``jumps``: whether outputs jump when an event fires, as a stem
-    without mass does when it slips.
+    want the input rates behind the inputs in ``u``; ``rate_modes``: the modes, whole numbers, in which ``zc`` looks at
+    them (none named: in all).  ``jumps``: whether outputs jump when an event fires, as a stem without mass does when
+    it slips.  ``linear``: whether ``out`` and ``der`` are affine in states, inputs and time, in each mode, while no
+    event function is positive and between the instants of ``next_time``; such blocks run faster.
     """
 
     out: Function | None = None
@@ -39,8 +41,10 @@ class Kernels:
     n_events: int = 0
     feeds: bool = True
     rates: bool = False
+    rate_modes: tuple[float, ...] = ()
     timed: bool = False
     jumps: bool = False
+    linear: bool = False
 
 
 class Host(Protocol):

@@ -41,7 +41,7 @@ class LeadLag(OneToOne):
     """
 
     role = Role.FILTER
-    kernels = Kernels(out=_out, der=_der)
+    kernels = Kernels(out=_out, der=_der, linear=True)
 
     def __init__(
         self,

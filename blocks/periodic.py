@@ -131,7 +131,7 @@ class Square(Source):
     [0.5, 0.6, 0.4, 0.6]
     """
 
-    kernels = Kernels(out=_square_out, next_time=_square_next, feeds=False, timed=True)
+    kernels = Kernels(out=_square_out, next_time=_square_next, feeds=False, timed=True, linear=True)
 
     def __init__(
         self,
@@ -162,7 +162,7 @@ class Triangle(Source):
     [0.5, 0.6, 0.7, 0.5, 0.3]
     """
 
-    kernels = Kernels(out=_triangle_out, next_time=_triangle_next, feeds=False, timed=True)
+    kernels = Kernels(out=_triangle_out, next_time=_triangle_next, feeds=False, timed=True, linear=True)
 
     def __init__(
         self,

@@ -97,11 +97,20 @@ def _conditional_jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
             d[0] = 3.0 * s if near and s * e > 0.0 and s * (rate + e / p[1]) > 0.0 else 0.0
 
 
-_PLAIN = Kernels(out=limited_output, der=tracking_rate, zc=output_events, jump=limit_transition, n_events=2)
+_PLAIN = Kernels(
+    out=limited_output, der=tracking_rate, zc=output_events, jump=limit_transition, n_events=2, linear=True
+)
 _CONDITIONAL = Kernels(  # a ride along a limit ends with a jump of OP where PV jumps
-    out=limited_output, der=_conditional_der, zc=_conditional_zc, jump=_conditional_jump, n_events=2, rates=True,
+    out=limited_output,
+    der=_conditional_der,
+    zc=_conditional_zc,
+    jump=_conditional_jump,
+    n_events=2,
+    rates=True,
+    rate_modes=(3.0, -3.0),
     jumps=True,
-)  # fmt: skip
+    linear=True,
+)
 
 
 def tuned(

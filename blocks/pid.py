@@ -78,7 +78,7 @@ class PID(LimitedController):
 
     ports_in = (Port("SP"), Port("PV"))
     ports_out = (Port("OP"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=limit_transition, n_events=2)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=limit_transition, n_events=2, linear=True)
 
     def __init__(
         self,

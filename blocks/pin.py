@@ -51,7 +51,7 @@ class Pin(Block):
     role = Role.DISTURBANCE
     ports_in = (Port("r"),)
     ports_out = (Port("s"), Port("offset"))
-    kernels = Kernels(out=_out, step=_step)
+    kernels = Kernels(out=_out, step=_step, linear=True)
 
     def __init__(
         self,

@@ -107,7 +107,7 @@ class Positioner(Block):
     role = Role.VALVE
     ports_in = (Port("OP"), Port("MV"))
     ports_out = (Port("p"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=3, feeds=False)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=3, feeds=False, linear=True)
     modes = {
         "holding": HOLDING,
         "filling": OPEN,

@@ -62,7 +62,7 @@ class PRBS(Source):
     [0.55, 0.55, 0.55, 0.45, 0.55, 0.45, 0.45, 0.55]
     """
 
-    kernels = Kernels(out=_out, next_time=_next, feeds=False, timed=True)
+    kernels = Kernels(out=_out, next_time=_next, feeds=False, timed=True, linear=True)
 
     def __init__(
         self,

@@ -17,7 +17,7 @@ towards rest; the sampled models of Kano and Choudhury stick there and need J mo
 sampled controller), the stem sticks where it was before the jump and then sees the new OP.
 
 At a stop the stem rests (stuck) until OP pulls it away by more than f_s.  Mode "ideal" is MV = OP, without stops.
-A breakaway needs f_s plus 1e-12 of travel, so that rounding cannot free the stem where f_s = f_c.
+A breakaway needs f_s plus 1e-12 of travel, so that rounding cannot free the stem, and 1e-9 where f_s = f_c.
 See also: stick_slip (with mass), deadband (J = 0).
 """
 
@@ -32,7 +32,7 @@ from blocks.role import Role
 STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 ROUNDING = 1e-12  # of travel
 CREEP = 1e-8  # OP that moves slower than this [1/s] stands still: what a dead time gives of a held OP is not so exact
-NOISE = 1e-9  # of travel: so little beyond the band is the integration's error, if OP is on its way back
+NOISE = 1e-9  # of travel: so little beyond the band may be the integration's error, while OP is on its way back
 
 
 def sliding_at(OP: float, direction: float, S: float, J: float, low: float, high: float) -> float:
@@ -45,8 +45,9 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
         y[0] = d[1]
     elif d[0] == IDEAL:
         y[0] = u[0]
-    else:
-        y[0] = sliding_at(u[0], d[0], p[0], p[1], p[2], p[3])
+    else:  # towards the stop behind it no stem slides
+        stem = u[0] - d[0] * 0.5 * (p[0] - p[1])
+        y[0] = min(stem, p[3]) if d[0] == UP else max(stem, p[2])
 
 
 def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
@@ -55,9 +56,8 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
     if d[0] == STUCK:
         pull = u[0] - d[1]
         free = d[1] < p[3] if pull > 0.0 else d[1] > p[2]  # not through a stop
-        over = abs(pull) - 0.5 * (p[0] + p[1]) - ROUNDING
-        if free and (p[1] > 0.0 or over > NOISE or pull * u[1] > 0.0):  # without a jump it would stick again at once
-            g[0] = over
+        if free:  # without a jump it would stick again at once, so that the integration's error must not free it
+            g[0] = abs(pull) - 0.5 * (p[0] + p[1]) - (ROUNDING if p[1] > 0.0 else NOISE)
     elif d[0] != IDEAL:
         g[0] = -d[0] * u[1] - CREEP
         stem = u[0] - d[0] * 0.5 * (p[0] - p[1])
@@ -87,7 +87,9 @@ class QuasiStaticStem(Block):
     role = Role.VALVE
     ports_in = (Port("OP"),)
     ports_out = (Port("MV"),)
-    kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2, rates=True, jumps=True)
+    kernels = Kernels(
+        out=_out, zc=_zc, jump=_jump, n_events=2, rates=True, rate_modes=(UP, DOWN), jumps=True, linear=True
+    )
     modes = {"stuck": STUCK, "sliding up": UP, "sliding down": DOWN, "ideal": IDEAL}
     limit_params = ("low", "high")
 

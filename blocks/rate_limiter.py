@@ -80,7 +80,7 @@ class RateLimiter(OneToOne):
     """
 
     role = Role.ARITHMETIC
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, rates=True)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, rates=True, linear=True)
     modes = {"following": FOLLOWING, "rising": RISING, "falling": FALLING}
     same_unit = True
 

@@ -89,7 +89,7 @@ class Recorded(Source):
         times, levels = samples(name, t, values)
         held = hold == "previous"
         slopes = np.append(np.diff(levels) / np.diff(times), 0.0)
-        self.kernels = Kernels(out=_held_out if held else _line_out, feeds=False, timed=not held)
+        self.kernels = Kernels(out=_held_out if held else _line_out, feeds=False, timed=not held, linear=True)
         rows = np.column_stack([times, levels] if held else [times, times, levels, slopes])
         super().__init__(signal, {}, timetable=rows, unit=unit, name=name)
 

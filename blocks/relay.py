@@ -73,7 +73,9 @@ class Relay(OneToOne):
     """
 
     role = Role.ARITHMETIC
-    kernels = Kernels(out=_out, zc=threshold_event, jump=threshold_passed, n_events=1, feeds=False, jumps=True)
+    kernels = Kernels(
+        out=_out, zc=threshold_event, jump=threshold_passed, n_events=1, feeds=False, jumps=True, linear=True
+    )
     modes = {"off": OFF, "on": ON}
 
     def __init__(

@@ -62,7 +62,7 @@ class ResetIntegrator(Block):
     role = Role.ARITHMETIC
     ports_in = (Port("in"), Port("reset"))
     ports_out = (Port("out"),)
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=1, feeds=False, jumps=True)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=1, feeds=False, jumps=True, linear=True)
     modes = {"armed": ARMED, "reset": RESET}
 
     def __init__(

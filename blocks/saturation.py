@@ -40,7 +40,7 @@ class Saturation(OneToOne):
     """
 
     role = Role.ARITHMETIC
-    kernels = Kernels(out=_out, zc=_zc, jump=limit_transition, n_events=2)
+    kernels = Kernels(out=_out, zc=_zc, jump=limit_transition, n_events=2, linear=True)
     modes = MODES
     same_unit = True
 

@@ -39,7 +39,7 @@ class SecondOrder(Delayed):
 
     ports_in = (Port("MV"),)
     ports_out = (Port("PV"),)
-    kernels = Kernels(der=_der)
+    kernels = Kernels(der=_der, linear=True)
 
     def __init__(
         self,

@@ -61,7 +61,7 @@ class MinSelect(Block):
         require(n >= 2, name, "sources", list(sources), "there are two or more to select from", "name them")
         self.ports_in = tuple(Port(source) for source in sources)
         self.modes = {source: float(i) for i, source in enumerate(sources)}
-        self.kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=n)
+        self.kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=n, linear=True)
         units = dict.fromkeys(sources, unit) | {"out": unit}
         params = {"n": n, "sign": self.sign}
         super().__init__(name=name, params=params, memory={"selected": 0.0}, outputs=signal, units=units)

@@ -117,7 +117,7 @@ class Sensor(Block):
     ) -> None:
         self.kernels = Kernels(
             out=_lagged_out if tau > 0.0 else _direct_out, der=_der, zc=_zc, jump=limit_transition, n_events=2,
-            feeds=not tau > 0.0, timed=True,
+            feeds=not tau > 0.0, timed=True, linear=True,
         )  # fmt: skip
         super().__init__(
             name=name,

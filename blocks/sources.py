@@ -62,7 +62,7 @@ class Constant(Source):
     0.5
     """
 
-    kernels = Kernels(out=_constant_out)
+    kernels = Kernels(out=_constant_out, linear=True)
 
     def __init__(self, signal: str, value: float, *, unit: str = "", name: str = "") -> None:
         super().__init__(signal, {"value": value}, unit=unit, name=name)
@@ -80,7 +80,7 @@ class Step(Source):
     0.5
     """
 
-    kernels = Kernels(out=_step_out, next_time=_step_next)
+    kernels = Kernels(out=_step_out, next_time=_step_next, linear=True)
 
     def __init__(
         self, signal: str, after: float = 1.0, before: float = 0.0, at: float = 0.0, unit: str = "", name: str = ""
@@ -103,7 +103,7 @@ class Ramp(Source):
     [0.37, 0.31, 0.25, 0.25]
     """
 
-    kernels = Kernels(out=_ramp_out, next_time=_ramp_next)
+    kernels = Kernels(out=_ramp_out, next_time=_ramp_next, linear=True)
 
     def __init__(
         self,

@@ -130,7 +130,7 @@ class StateSpace(Block):
             self.kernels = Kernels(step=_step if feeds else _strict_step, feeds=feeds)
             held: dict[str, Any] = {"memory": values | {f"next {key}": 0.0 for key in names}, "start_output": C @ begin}
         else:
-            self.kernels = Kernels(out=_out if feeds else _strict_out, der=_der, feeds=feeds)
+            self.kernels = Kernels(out=_out if feeds else _strict_out, der=_der, feeds=feeds, linear=True)
             held = {"states": values}
         super().__init__(name=name, params=params, inputs=inputs, outputs=outputs, **held, **labels)
 

@@ -109,7 +109,7 @@ class StickSlip(StemWithMass):
     [0.0, 0.0262]
     """
 
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2)
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=2, linear=True)
     modes = QuasiStaticStem.modes
 
     def __init__(

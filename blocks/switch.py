@@ -39,7 +39,7 @@ class Switch(Block):
     role = Role.ARITHMETIC
     ports_in = (Port("control"), Port("above"), Port("below"))
     ports_out = (Port("out"),)
-    kernels = Kernels(out=_out, zc=threshold_event, jump=threshold_passed, n_events=1, jumps=True)
+    kernels = Kernels(out=_out, zc=threshold_event, jump=threshold_passed, n_events=1, jumps=True, linear=True)
     modes = {"below": OFF, "above": ON}
 
     def __init__(

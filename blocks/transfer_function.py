@@ -138,7 +138,7 @@ derivatives of its input; give den at least the degree of num, for example with 
             self.kernels = Kernels(step=_step if feeds else _strict_step, feeds=feeds)
             held: dict[str, Any] = {"memory": values, "start_output": start}
         else:
-            self.kernels = Kernels(out=_out if feeds else _strict_out, der=_der, feeds=feeds)
+            self.kernels = Kernels(out=_out if feeds else _strict_out, der=_der, feeds=feeds, linear=True)
             held = {"states": values}
         super().__init__(name=name, params=params, inputs=inputs, outputs=outputs, **held, **labels)
 

@@ -20,7 +20,6 @@ from engine.layout import (
     EVENTS_SEEN,
     FRESH,
     HAS_DELAYS,
-    HAS_RATES,
     HOLD,
     JAC_VALID,
     K1_VALID,
@@ -42,7 +41,10 @@ from engine.layout import (
     O_X,
     O_Y0,
     O_Y1,
+    P_RATES,
     PAUSE_AT,
+    RATES_NOW,
+    RHS,
     ROW,
     SMOOTH_STOP,
     STEP,
@@ -57,7 +59,7 @@ from engine.record import arrive, limit_by_delays, store_delays
 from engine.rows import write_rows_inside, write_rows_now
 from engine.sampling import sample
 from engine.step import prepare_dense, step
-from engine.sweep import clock, evaluate_events, rates, resolution, signals
+from engine.sweep import clock, evaluate_events, play, rates, resolution, signals
 
 OK, PAUSED, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 
@@ -155,7 +157,7 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
     if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
         signals(I, W, W[T])
         begin_instant(I, W)
-    if not settle(I, W, EV, min(1.0, max(W[STEP], 1e-9))):
+    if not settle(I, W, EV):
         return CHATTERING
     copy(W, I[O_X], I[O_Y0], n)
     I[FRESH] = 0
@@ -169,18 +171,21 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
 def look(I, W):  # type: ignore[no-untyped-def]
     """Take rates and event functions at the start of a stretch; return whether the rates are finite.
 
-    It follows ``renew``, which has left the event functions, and the rates where event functions look at rates.
+    It follows ``renew``, which has left signals and event functions, and the rates where event functions look at them.
     But what is read from other cells may have been replaced since.
     """
     n = I[N_STATES]
     copy(W, I[O_Y0], I[O_X], n)
-    if I[LINKED] or not I[HAS_RATES]:
+    if I[LINKED]:
         rates(I, W, W[T])
+    elif not I[RATES_NOW]:
+        play(I, W, W[T], P_RATES)
+        I[RHS] += 1
     copy(W, I[O_F], I[O_K], n)
     if not finite(W, I[O_F], n):
         return False
     if I[LINKED] and I[N_EVENTS] > 0:
-        evaluate_events(I, W, W[T], min(1.0, max(W[STEP], 1e-9)))
+        evaluate_events(I, W, W[T])
     copy(W, I[O_G], I[O_G0], I[N_EVENTS])
     I[K1_VALID] = 1
     return True
@@ -190,7 +195,7 @@ def look(I, W):  # type: ignore[no-untyped-def]
 def land_on_event(I, W, EV, crossing, h):  # type: ignore[no-untyped-def]
     """End the step at the event found in it and let it happen; return False if too many follow each other."""
     interpolate(I, W, crossing)
-    evaluate_events(I, W, W[T], min(1.0, h))
+    evaluate_events(I, W, W[T])
     begin_instant(I, W)
     fire_waiting(I, W, EV)
     if I[CHAIN] > I[MAX_CHAIN]:
@@ -209,6 +214,6 @@ def go_on(I, W, stopped):  # type: ignore[no-untyped-def]
     copy(W, I[O_Y1] + n, I[O_K], n)
     copy(W, I[O_G] + I[N_EVENTS], I[O_G0], I[N_EVENTS])
     if stopped and not I[SMOOTH_STOP]:
-        if I[HAS_RATES]:
+        if I[RATES_NOW]:
             signals(I, W, W[T])  # the left limit, from which settle sees jumps
         I[FRESH] = 1

@@ -4,9 +4,9 @@ import numpy as np
 from numba import njit
 
 from engine.dense import interpolate
+from engine.floats import copy
 from engine.layout import (
     CLOSER,
-    HAS_RATES,
     METHOD,
     N_EVENTS,
     N_SIGNALS,
@@ -20,6 +20,7 @@ from engine.layout import (
     O_Y1,
     P_EVENT_SIGNALS,
     P_EVENTS,
+    RATES_NOW,
     REJECTED,
     STEP,
 )
@@ -46,20 +47,23 @@ def highest(I, W):  # type: ignore[no-untyped-def]
 def at_fraction(I, W, t, h, s):  # type: ignore[no-untyped-def]
     """Evaluate the event functions at the fraction ``s`` of the step; return the largest."""
     interpolate(I, W, s)
-    evaluate_events(I, W, t + s * h, min(1.0, h))
+    evaluate_events(I, W, t + s * h)
     return highest(I, W)
 
 
 @njit(cache=True, error_model="numpy")
-def at_end(I, W, t, h):  # type: ignore[no-untyped-def]
-    """Evaluate the event functions at the end of the step, where states and rates are known; return the largest."""
-    n = I[N_STATES]
-    for i in range(n):
-        W[I[O_X] + i] = W[I[O_Y1] + i]
-        W[I[O_F] + i] = W[I[O_Y1] + n + i]
-    play(I, W, t + h, P_EVENT_SIGNALS)
-    if I[HAS_RATES]:
-        signal_rates(I, W, t + h, min(1.0, h))
+def at_end(I, W, t, h, there):  # type: ignore[no-untyped-def]
+    """Evaluate the event functions at the end of the step, where states and rates are known; return the largest.
+
+    ``there``: states, rates and signals still stand where the step has left them.
+    """
+    if not there:
+        n = I[N_STATES]
+        copy(W, I[O_Y1], I[O_X], n)
+        copy(W, I[O_Y1] + n, I[O_F], n)
+        play(I, W, t + h, P_EVENT_SIGNALS)
+    if I[RATES_NOW]:
+        signal_rates(I, W, t + h)
     play(I, W, t + h, P_EVENTS)
     return highest(I, W)
 
@@ -67,7 +71,7 @@ def at_end(I, W, t, h):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def glance(I, W, t, h, s):  # type: ignore[no-untyped-def]
     """Evaluate the event functions inside the step as ``at_fraction`` does, but take rates from the dense output."""
-    if I[HAS_RATES]:
+    if I[RATES_NOW]:
         later, kept = s + GLANCE, I[O_RATE]
         interpolate(I, W, later)
         play(I, W, t + later * h, P_EVENT_SIGNALS)
@@ -96,40 +100,38 @@ def top_of_parabola(start, middle, end):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def first_crossing(I, W, t, h, finest):  # type: ignore[no-untyped-def]
+def first_crossing(I, W, t, h, finest, there):  # type: ignore[no-untyped-def]
     """Return the fraction of the step at which the first event fires, to within ``finest``, or 2 if none does.
 
     Looks at the end, at the middle and at the tops of the parabolas through start, middle and end, where an event
-    may come and go; then closes in by the Illinois rule with bisection every third time.  Leaves the event functions
-    of the end behind ``W[O_G]``.
+    may come and go, be it before another one at the end; then closes in by the Illinois rule with bisection every third
+    time.  Leaves the event functions
+    of the end behind ``W[O_G]``.  ``there``: see ``at_end``.
     """
     ng = I[N_EVENTS]
-    end = at_end(I, W, t, h)
+    end = at_end(I, W, t, h, there)
     for i in range(ng):
         W[I[O_G] + ng + i] = W[I[O_G] + i]
     left, right = 0.0, 0.5
     top = glance(I, W, t, h, 0.5)
     if top > 0.0:
         top = at_fraction(I, W, t, h, 0.5)
-    low = -np.inf
-    if top <= 0.0 and end <= 0.0:
+    low, middle = -np.inf, top
+    if middle <= 0.0:
         for i in range(ng):
             W[I[O_G] + 2 * ng + i] = W[I[O_G] + i]
         right = 0.0
         for i in range(ng):
             s = top_of_parabola(W[I[O_G0] + i], W[I[O_G] + 2 * ng + i], W[I[O_G] + ng + i])
-            if s > 0.0:
+            if 0.0 < s < (0.5 if end > 0.0 else 1.0):
                 top = at_fraction(I, W, t, h, s)
                 if top > 0.0:
                     right = s
                     break
-        if right == 0.0:
+        if right == 0.0 and end <= 0.0:
             return 2.0
-        low = at_fraction(I, W, t, h, 0.0)
-        if low > 0.0:
-            return 0.0
-    elif top <= 0.0:
-        left, right, low, top = 0.5, 1.0, top, end
+    if right == 0.0:
+        left, right, low, top = 0.5, 1.0, middle, end
     else:
         low = at_fraction(I, W, t, h, 0.0)
         if low > 0.0:
@@ -157,13 +159,13 @@ def first_crossing(I, W, t, h, finest):  # type: ignore[no-untyped-def]
 def crossing_ahead(I, W, t, h):  # type: ignore[no-untyped-def]
     """Return the fraction at which the first event fires, 2 if none does, -1 if a stiff step is to be tried shorter."""
     coarse = I[METHOD] == 1 and I[CLOSER] < MOST_CLOSER
-    crossing = first_crossing(I, W, t, h, COARSE if coarse else 0.0)
+    crossing = first_crossing(I, W, t, h, COARSE if coarse else 0.0, I[METHOD] != 2)
     if coarse and crossing < END and crossing * h > 1e-6:
         W[STEP] = BEHIND * crossing * h
         I[CLOSER] += 1
         I[REJECTED] += 1
         return -1.0
     if coarse and crossing <= 1.0:
-        crossing = first_crossing(I, W, t, h, 0.0)
+        crossing = first_crossing(I, W, t, h, 0.0, False)
     I[CLOSER] = 0
     return crossing

@@ -16,6 +16,7 @@ from engine.layout import (
     ATOL,
     CHAIN,
     CONTINUOUS,
+    CURRENT,
     EV_COUNT,
     EV_ROOM,
     EVENTS,
@@ -23,11 +24,13 @@ from engine.layout import (
     GLOBAL,
     HAS_RATES,
     KIND,
+    L_INSTANTS,
     LOGGED,
     MAX_CHAIN,
     MAX_STEP,
     N_BLOCKS,
     N_EVENTS,
+    N_INSTANTS,
     N_SIGNALS,
     ND,
     NEXT_TIME,
@@ -38,7 +41,9 @@ from engine.layout import (
     O_S,
     O_S0,
     O_X,
+    RATE_MODES,
     RATES,
+    RATES_NOW,
     RTOL,
     SMOOTH_STOP,
     T_LEFT,
@@ -56,7 +61,7 @@ from engine.layout import (
     X,
 )
 from engine.sampling import begin_run, due
-from engine.sweep import events_of_signals, gather_with_rates, resolution, signals
+from engine.sweep import events_of_signals, gather_with_rates, rates, resolution, signal_rates, signals
 
 IMPULSE = 1e12  # rate that stands for a jump of a signal
 
@@ -87,8 +92,40 @@ def fire(I, W, EV, row, which):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
+def looks_at_rates(I, W, row):  # type: ignore[no-untyped-def]
+    """Return whether the event functions of a block look at the rates of its inputs in its present mode."""
+    if not I[row + RATES] or I[row + NG] == 0:
+        return False
+    modes = I[row + RATE_MODES]
+    for m in range(I[modes]):
+        if W[I[row + D]] == I[modes + 1 + m]:
+            return True
+    return I[modes] == 0
+
+
+@njit(cache=True, error_model="numpy")
+def watch_rates(I, W):  # type: ignore[no-untyped-def]
+    """Note whether any event functions look at rates in the present modes."""
+    I[RATES_NOW] = 0
+    for b in range(I[N_BLOCKS]):
+        if looks_at_rates(I, W, H + b * R):
+            I[RATES_NOW] = 1
+
+
+@njit(cache=True, error_model="numpy")
 def fire_positive(I, W, EV):  # type: ignore[no-untyped-def]
-    """Fire the first positive event function of every block; inputs and rates must be current."""
+    """Fire the first positive event function of every block; inputs must be current, and rates where they are watched.
+
+    A transition may look at rates that no event function of its mode looks at.
+    """
+    waiting = False
+    for i in range(I[N_EVENTS]):
+        waiting = waiting or W[I[O_G] + i] > 0.0
+    if not waiting:
+        return False
+    if I[HAS_RATES] and not I[RATES_NOW]:
+        rates(I, W, W[T])
+        signal_rates(I, W, W[T])
     fired = False
     for b in range(I[N_BLOCKS]):
         row = H + b * R
@@ -98,6 +135,7 @@ def fire_positive(I, W, EV):  # type: ignore[no-untyped-def]
                 fire(I, W, EV, row, i)
                 fired = True
                 break
+    watch_rates(I, W)
     return fired
 
 
@@ -120,7 +158,7 @@ def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
     s, s0 = I[O_S], I[O_S0]
     for b in range(I[N_BLOCKS]):
         row = H + b * R
-        if I[row + RATES] and I[row + NG] > 0:
+        if looks_at_rates(I, W, row):
             jumped = False
             nu = I[row + NU]
             for i in range(nu):
@@ -141,19 +179,26 @@ def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
                         break
     for i in range(I[N_SIGNALS]):
         W[s0 + i] = W[s + i]
+    if fired:
+        watch_rates(I, W)
     return fired
 
 
 @njit(cache=True, error_model="numpy")
-def settle(I, W, EV, scale):  # type: ignore[no-untyped-def]
-    """Carry out all transitions of the present instant; return False if they never end."""
+def settle(I, W, EV):  # type: ignore[no-untyped-def]
+    """Carry out all transitions of the present instant; return False if they never end.
+
+    The first sweep is left out where samples have just made one (``CURRENT``).
+    """
     while True:
-        signals(I, W, W[T])
+        if not I[CURRENT]:
+            signals(I, W, W[T])
+        I[CURRENT] = 0
         if I[HAS_RATES] and fire_on_jumps(I, W, EV):
             if I[CHAIN] > I[MAX_CHAIN]:
                 return False
             continue
-        events_of_signals(I, W, W[T], scale)
+        events_of_signals(I, W, W[T])
         if not fire_positive(I, W, EV):
             return True
         if I[CHAIN] > I[MAX_CHAIN]:
@@ -165,6 +210,7 @@ def begin_instant(I, W):  # type: ignore[no-untyped-def]
     """Look at the present from its right side: keep the signals before it, lift the left limit."""
     if I[EVENTS_SEEN] == -1:
         begin_run(I, W)
+        watch_rates(I, W)
     s, s0 = I[O_S], I[O_S0]
     for i in range(I[N_SIGNALS]):
         W[s0 + i] = W[s + i]
@@ -177,7 +223,7 @@ def stop_at(I, W, at):  # type: ignore[no-untyped-def]
 
     While stops are collected, ``T_LEFT`` holds the first instant of the cluster and ``T_STOP`` the last.
     """
-    near = resolution(at)
+    near = resolution(W[T_LEFT])  # an instant may lie at infinity
     if at < W[T_LEFT] - near:
         W[T_LEFT] = W[T_STOP] = at
     elif at <= W[T_LEFT] + near:
@@ -191,8 +237,8 @@ def next_stop(I, W, t_end):  # type: ignore[no-untyped-def]
     W[T_LEFT] = W[T_STOP] = t_end
     I[SMOOTH_STOP] = 0
     largest = np.inf
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
+    for k in range(I[N_INSTANTS]):
+        row = I[I[L_INSTANTS] + k]
         if I[row + TAKES] or I[row + TABLE] != 0:
             stop_at(I, W, due(I, W, row))
         if I[row + KIND] == CONTINUOUS and I[row + A_NEXT] != 0:

@@ -40,9 +40,11 @@ class FlatBlock:
     next_time: Kernel | None = None
     n_events: int = 0
     rates: bool = False
+    rate_modes: tuple[float, ...] = ()  # in which event functions look at rates; (): in all
     jumps: bool = False
     feeds: bool = True
     timed: bool = False  # whether out or der reads the time
+    linear: bool = False  # whether out and der are affine in states, inputs and time in each mode, between instants
     logged: bool = False
     period_at: int = -1  # where the sampling period stands in p
     offset_at: int = -1  # where the first sampling instant stands in p

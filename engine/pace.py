@@ -18,6 +18,7 @@ from engine.layout import (
     MAX_STEP,
     METHOD,
     METHOD_WISH,
+    MODEL,
     N_BLOCKS,
     N_STATES,
     O_F,
@@ -25,6 +26,7 @@ from engine.layout import (
     O_RESTART,
     O_X,
     O_Y0,
+    OTHERWISE,
     RESTARTS,
     RTOL,
     STEP,
@@ -38,6 +40,7 @@ from engine.layout import (
 from engine.sweep import rates
 
 STIFF_STEPS = 12  # steps in a row at the stability limit before the stiff method takes over
+MOST_GROWTH = 10.0  # of a step over the one before
 APART = 1e-6  # transitions that follow each other faster than this [s] crowd
 
 
@@ -57,7 +60,8 @@ def restart(I, W):  # type: ignore[no-untyped-def]
     """Choose method and first step after an event; 0, to be guessed, where these modes are new."""
     slot = mode_slot(I, W)
     stiff = I[METHOD_WISH] == 2 or W[I[O_RESTART] + RESTARTS + slot] > 0.0
-    I[METHOD] = 1 if stiff else I[EXPLICIT]
+    I[METHOD] = 1 if stiff else I[EXPLICIT] if I[METHOD_WISH] == 0 else I[OTHERWISE]
+    I[MODEL] = slot
     W[STEP] = W[I[O_RESTART] + slot]
     I[LEARN] = slot + 1
     I[EVENTS_SEEN] = I[EVENTS]
@@ -109,11 +113,13 @@ def after_refusal(W, h, error, power):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def after_step(I, W, h, left, error, power, refused):  # type: ignore[no-untyped-def]
     """Propose the step after one that was accepted, perhaps after tries that were ``refused``."""
+    if h >= left and W[STEP] >= MOST_GROWTH * h and not refused and I[LEARN] == 0:
+        return  # it ended at an instant, and what was proposed before is more than could be now
     best = 0.9 * max(error, 1e-15) ** (-power)
     if I[LEARN] > 0:
         W[I[O_RESTART] + I[LEARN] - 1] = h * min(100.0, best)
         I[LEARN] = 0
-    growth = min(10.0 if I[METHOD] == 2 else 5.0, max(0.2, best))
+    growth = min(MOST_GROWTH if I[METHOD] >= 2 else 5.0, max(0.2, best))
     if refused:
         growth = min(growth, 1.0)
     if h < left or growth < 1.0:

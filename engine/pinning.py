@@ -13,7 +13,7 @@ from numba import njit
 from engine import layout as at
 from engine.events import settle
 from engine.flat import FlatBlock
-from engine.layout import EVENTS_SEEN, LATE, N_BLOCKS, N_EVENTS, N_SIGNALS, O_S, O_S0, STEP, H, R, T
+from engine.layout import CURRENT, EVENTS_SEEN, L_INSTANTS, LATE, N_EVENTS, N_INSTANTS, N_SIGNALS, O_S, O_S0, T
 from engine.sampling import due, publish, take_all, take_swept, turn_tables
 from engine.sweep import clock, signals
 
@@ -36,20 +36,23 @@ def sample_and_pin(I, W, EV):  # type: ignore[no-untyped-def]
     turn_tables(I, W)
     publish(I, W)
     take_all(I, W)
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
+    for k in range(I[N_INSTANTS]):
+        row = I[I[L_INSTANTS] + k]
         if I[row + LATE] and due(I, W, row) <= W[T] + clock(W):
             if not settled(I, W, EV):
                 return False
             take_swept(I, W, row)
+            I[CURRENT] = 0
     return True
 
 
 @njit(cache=True, error_model="numpy")
 def settled(I, W, EV):  # type: ignore[no-untyped-def]
     """Carry out all transitions so far; return False if they never end."""
-    signals(I, W, W[T])
+    if not I[CURRENT]:
+        signals(I, W, W[T])
+    I[CURRENT] = 1
     if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
         for i in range(I[N_SIGNALS]):
             W[I[O_S0] + i] = W[I[O_S] + i]
-    return I[N_EVENTS] == 0 or settle(I, W, EV, min(1.0, max(W[STEP], 1e-9)))
+    return I[N_EVENTS] == 0 or settle(I, W, EV)

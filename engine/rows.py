@@ -4,7 +4,7 @@ from numba import njit
 
 from engine.call import call
 from engine.delay import delayed
-from engine.dense import interpolate
+from engine.dense import interpolate_rows
 from engine.floats import copy
 from engine.layout import (
     A_OUT,
@@ -60,19 +60,16 @@ def write_rows_now(I, W, times, log, current):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def write_rows_inside(I, W, times, log, t, h, t_new):  # type: ignore[no-untyped-def]
     """Write the log rows strictly before ``t_new`` from the dense output of the step that began at ``t``."""
-    n, ns = I[N_STATES], I[N_SIGNALS]
-    x, cx, cs = I[O_X], I[O_CX], I[O_CS]
+    ns, cs = I[N_SIGNALS], I[O_CS]
     wires = I[L_WIRES]
     while True:
         first = I[ROW]
         count = 0
         while count < CHUNK and first + count < I[N_TIMES] and times[first + count] < t_new:
-            interpolate(I, W, (times[first + count] - t) / h)
-            for i in range(n):
-                W[cx + count * n + i] = W[x + i]
             count += 1
         if count == 0:
             return
+        interpolate_rows(I, W, times, first, count, t, h)
         for b in range(I[N_BLOCKS]):  # a reader may stand before a sampled block, whose output it reads all the same
             if I[H + b * R + STILL]:
                 _hold_signals(I, W, H + b * R, count)

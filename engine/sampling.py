@@ -8,12 +8,15 @@ from engine.delay import happens, let_out
 from engine.layout import (
     A_STEP,
     COUNT,
+    CURRENT,
     EVENTS_SEEN,
     FEEDS,
     KIND,
+    L_INSTANTS,
     L_REPLAYED,
     LATE,
     N_BLOCKS,
+    N_INSTANTS,
     N_REPLAYED,
     ND,
     O_S,
@@ -51,22 +54,24 @@ def sample(I, W):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def take_all(I, W):  # type: ignore[no-untyped-def]
-    """Take all samples due now but the late ones, in flow order, sweeping over the signals once in between."""
+    """Take all samples due now but the late ones, in flow order, and sweep over the signals once, before and behind."""
     place, calls = I[P_SIGNALS], 0
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
+    for k in range(I[N_INSTANTS]):
+        row = I[I[L_INSTANTS] + k]
         if I[row + TAKES] and not I[row + LATE] and due(I, W, row) <= W[T] + clock(W):
             play_calls(I, W, W[T], place, I[row + SWEPT_CALLS] - calls)
             place, calls = I[row + SWEPT], I[row + SWEPT_CALLS]
             take_swept(I, W, row)
+    play_calls(I, W, W[T], place, I[P_SIGNALS + 1] - calls)
+    I[CURRENT] = 1
 
 
 @njit(cache=True, error_model="numpy")
 def turn_tables(I, W):  # type: ignore[no-untyped-def]
     """Put the rows of the timetables that are due now in force, but for blocks that take samples then."""
     now = W[T] + clock(W)
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
+    for k in range(I[N_INSTANTS]):
+        row = I[I[L_INSTANTS] + k]
         if I[row + TABLE] != 0 and not I[row + TAKES]:
             while listed_time(I, row) <= now:
                 put_row(I, W, row, I[row + COUNT])
@@ -78,8 +83,8 @@ def turn_tables(I, W):  # type: ignore[no-untyped-def]
 def publish(I, W):  # type: ignore[no-untyped-def]
     """Let the sampled blocks that are due and need no input for it write their outputs, memories untouched."""
     now = W[T] + clock(W)
-    for b in range(I[N_BLOCKS]):
-        row = H + b * R
+    for k in range(I[N_INSTANTS]):
+        row = I[I[L_INSTANTS] + k]
         if I[row + KIND] == SAMPLED and not I[row + FEEDS] and due(I, W, row) <= now:
             for i in range(I[row + ND]):
                 W[I[O_SCRATCH] + i] = W[I[row + D] + i]

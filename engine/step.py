@@ -9,11 +9,14 @@ from engine.high_order import HIGH_STIFF_RATIO, high_order_dense, high_order_ste
 from engine.jacobian import jacobian
 from engine.layout import (
     DENSE_TERMS,
+    EXPLICIT,
     JAC_VALID,
     METHOD,
+    METHOD_WISH,
     N_STATES,
     O_F,
     O_Y1,
+    OTHERWISE,
     REJECTED,
     STEP,
     STEPS,
@@ -22,12 +25,18 @@ from engine.layout import (
 )
 from engine.pace import after_refusal, after_step, proposed
 from engine.rosenbrock import rosenbrock_dense, rosenbrock_step
+from engine.series import series_step
 from engine.sweep import clock
 
 
 @njit(cache=True, error_model="numpy")
 def attempt(I, W, t, h):  # type: ignore[no-untyped-def]
     """Try one step; return its error, 1 / order of the error, and whether stability limits it."""
+    if I[METHOD] == 3:
+        error, terms, limited = series_step(I, W, t, h)
+        if error >= 0.0:
+            return error, 1.0 / terms, limited
+        I[METHOD] = I[OTHERWISE]
     if I[METHOD] == 0:
         error, ratio = explicit_step(I, W, t, h)
         return error, 0.2, ratio > STIFF_RATIO
@@ -50,6 +59,8 @@ def step(I, W):  # type: ignore[no-untyped-def]
     t = W[T]
     left = W[T_STOP] - t
     refused = False
+    if I[METHOD] == I[OTHERWISE] and I[METHOD_WISH] == 0:
+        I[METHOD] = I[EXPLICIT]  # the step before may have been none for it
     while True:
         h = proposed(W, left)
         error, power, limited = attempt(I, W, t, h)
@@ -70,6 +81,8 @@ def step(I, W):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def prepare_dense(I, W, t, h):  # type: ignore[no-untyped-def]
     """Prepare the dense output of the step just accepted."""
+    if I[METHOD] == 3:
+        return  # the terms of the series are its dense output
     I[DENSE_TERMS] = 8 if I[METHOD] == 2 else 5
     if I[METHOD] == 0:
         explicit_dense(I, W, h)

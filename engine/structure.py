@@ -26,7 +26,8 @@ class Structure:
     needed there; ``entering``: those needed for what enters the dead times.  ``reach[b]``: which dead times the outputs
     of block ``b`` reach, if it does anything at an instant, and how many integrators lie at least on the way (fewer
     than ``FAR``: more do not matter).  ``rests[b]``: what block ``b`` reads stands still between instants.
-    ``timed``: the rates depend on time directly.  ``entries``: (row, column) of the Jacobian, in the order in which it
+    ``timed``: the rates depend on time directly; ``linear``: they are affine in states and time in each mode, between
+    instants.  ``entries``: (row, column) of the Jacobian, in the order in which it
     is filled.
     """
 
@@ -38,6 +39,7 @@ class Structure:
     reach: tuple[list[Reached], ...]
     rests: tuple[bool, ...]
     timed: bool
+    linear: bool
     entries: tuple[Pair, ...]
 
 
@@ -68,6 +70,7 @@ def analyse(rows: Sequence[FlatBlock]) -> Structure:
         reach=_reach(rows, readers, delays),
         rests=tuple(all(still[driver[w]] for w in block.wires) for block in rows),
         timed=any(_timed(block) for block in rows),
+        linear=not delays and all(_linear(rows[i]) for i in {*has_states, *_needed(rows, driver, still, has_states)}),
         entries=tuple(entries),
     )
 
@@ -154,6 +157,10 @@ def _passes(rows: Sequence[FlatBlock], readers: Sequence[list[int]], origin: int
                     best[number] = passes
                     waiting.append(number)
     return sorted(entered.items())
+
+
+def _linear(block: FlatBlock) -> bool:
+    return block.kind == at.CONTINUOUS and block.linear
 
 
 def _timed(block: FlatBlock) -> bool:

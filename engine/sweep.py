@@ -3,14 +3,12 @@
 All functions work on the two arrays of ``engine.layout``; the states they see are those at ``W[O_X]``.
 """
 
-import numpy as np
 from numba import njit
 
 from engine.call import call
 from engine.delay import delayed
 from engine.layout import (
     GATHER,
-    HAS_RATES,
     N_SIGNALS,
     N_STATES,
     NU,
@@ -25,12 +23,17 @@ from engine.layout import (
     P_RATES,
     P_SIGNALS,
     RATES,
+    RATES_NOW,
     RHS,
     T_LEFT,
     WIRES,
     T,
     U,
 )
+
+ROUNDING = 2.0**-50
+AHEAD = 1e-7  # [s]: over which rates of signals are taken.  Shorter, rounding would decide the sign of small ones;
+#               always the same, or a block that looks at one before a kink would see it come and go
 
 
 @njit(cache=True, error_model="numpy")
@@ -81,14 +84,14 @@ def rates(I, W, t):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def signal_rates(I, W, t, scale):  # type: ignore[no-untyped-def]
+def signal_rates(I, W, t):  # type: ignore[no-untyped-def]
     """Estimate d(signal)/dt along the flow by one shifted sweep; needs ``W[O_F]`` and the signals at ``t``.
 
     Only signals that event functions need are looked at.
     """
     n, ns = I[N_STATES], I[N_SIGNALS]
     x, f, s, r, tmp = I[O_X], I[O_F], I[O_S], I[O_RATE], I[O_TMP]
-    shift = 1e-6 * max(scale, 0.1 * (1.0 + 1e-8 * abs(t)))  # shorter, rounding would decide the sign of small rates
+    shift = AHEAD * (1.0 + 1e-8 * abs(t))
     if t + shift > W[T_LEFT]:
         shift = -shift
     shift = (t + shift) - t
@@ -118,26 +121,26 @@ def gather_with_rates(I, W, row):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def evaluate_events(I, W, t, scale):  # type: ignore[no-untyped-def]
+def evaluate_events(I, W, t):  # type: ignore[no-untyped-def]
     """Bring signals, rates (where asked for) and event functions up to date at ``t``."""
-    play(I, W, t, P_MOVING if I[HAS_RATES] else P_EVENT_SIGNALS)
-    events_of_signals(I, W, t, scale)
+    play(I, W, t, P_MOVING if I[RATES_NOW] else P_EVENT_SIGNALS)
+    events_of_signals(I, W, t)
 
 
 @njit(cache=True, error_model="numpy")
-def events_of_signals(I, W, t, scale):  # type: ignore[no-untyped-def]
+def events_of_signals(I, W, t):  # type: ignore[no-untyped-def]
     """Bring rates (where asked for) and event functions up to date; the signals must be those at ``t``."""
-    if I[HAS_RATES]:
+    if I[RATES_NOW]:
         I[RHS] += 1
         play(I, W, t, P_RATES)
-        signal_rates(I, W, t, scale)
+        signal_rates(I, W, t)
     play(I, W, t, P_EVENTS)
 
 
 @njit(cache=True, error_model="numpy")
 def resolution(t):  # type: ignore[no-untyped-def]
-    """Return the smallest time difference that counts at ``t`` [s]."""
-    return 4.0 * np.spacing(max(1.0, abs(t)))
+    """Return the smallest time difference that counts at ``t`` [s]: four to eight times what its floats differ by."""
+    return ROUNDING * max(1.0, abs(t))
 
 
 @njit(cache=True, error_model="numpy")

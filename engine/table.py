@@ -13,6 +13,7 @@ from engine.elimination import eliminate
 from engine.flat import FlatBlock, Floats, Ints
 from engine.pinning import late
 from engine.program import Programs
+from engine.series import model_size
 from engine.structure import analyse
 
 
@@ -69,7 +70,9 @@ class _Table:
                 self.local[block.first_signal + j] = len(self.local)
         self.shape = analyse(blocks)
         self.late = late(blocks)
-        self.order = eliminate(sum(len(b.x0) for b in blocks), self.shape.entries)
+        states = sum(len(b.x0) for b in blocks)
+        self.linear = self.shape.linear and states <= at.MOST_STATES
+        self.order = eliminate(states, self.shape.entries)
         self.header = np.zeros(at.H, dtype=np.int64)
         self.rows = np.zeros((len(blocks), at.R), dtype=np.int64)
         self.behind: list[int] = []  # integers behind header and rows
@@ -86,10 +89,11 @@ class _Table:
         self.header[at.N_BLOCKS], self.header[at.N_STATES] = len(self.blocks), n
         self.header[at.N_SIGNALS], self.header[at.N_EVENTS] = ns, ng
         lengths = {
-            at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: 8 * n, at.O_TMP: n,
+            at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: at.SERIES * n, at.O_TMP: n,
+            at.O_MODEL: at.RESTARTS * model_size(n) if self.linear else 0,
             at.O_JAC: len(self.shape.entries), at.O_LU: self.order.size, at.O_DFDT: n,
             at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
-            at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: 2 * at.RESTARTS, at.O_CX: at.CHUNK * n,
+            at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: 2 * at.RESTARTS, at.O_CX: at.CHUNK * (n + 1),
             at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in self.blocks] or [0]),
         }  # fmt: skip
         for slot, length in lengths.items():
@@ -125,6 +129,7 @@ class _Table:
         row[at.ND], row[at.NG] = len(block.d0), block.n_events
         row[at.RATES], row[at.FEEDS], row[at.LOGGED] = block.rates, block.feeds, block.logged
         row[at.STILL] = self.shape.still[number]
+        row[at.RATE_MODES] = self.keep([len(block.rate_modes), *map(int, block.rate_modes)])
         wires = self.wires(block)
         direct = len(wires) == 1 and not block.rates
         row[at.U] = header[at.O_S] + wires[0] if direct else self.stretch(2 * len(wires))
@@ -210,6 +215,8 @@ class _Table:
         """Write what kind of component it is, and that its run has not begun."""
         header, blocks = self.header, self.blocks
         header[at.TIMED] = self.shape.timed
+        instants = [i for i, b in enumerate(blocks) if b.step is not None or b.listed or b.next_time is not None]
+        header[at.L_INSTANTS], header[at.N_INSTANTS] = self.keep(at.H + i * at.R for i in instants), len(instants)
         header[at.HAS_RATES] = any(b.rates and b.n_events for b in blocks)
         leaving, delays, entering = (
             [at.H + i * at.R for i, b in enumerate(blocks) if b.kind == kind]
@@ -225,7 +232,8 @@ class _Table:
         sampled = header[at.N_PINS] > 0 or any(b.kind in (at.SAMPLED, at.HOSTED) for b in blocks)
         # long steps do not pay between close sampling instants, nor between the breakpoints of several dead times
         many = sum(b.kind == at.DEAD_TIME and row[at.NEEDED] for b, row in zip(blocks, self.rows, strict=True)) > 2
-        header[at.EXPLICIT] = 0 if sampled or many else 2
+        header[at.OTHERWISE] = 0 if sampled or many else 2
+        header[at.EXPLICIT] = 3 if self.linear else header[at.OTHERWISE]
         header[at.FRESH], header[at.EVENTS_SEEN] = 1, -1
         header[at.MAX_CHAIN] = 20 + 10 * header[at.N_EVENTS]
 

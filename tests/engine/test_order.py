@@ -58,7 +58,7 @@ def run_with_steps(block, method, h, t_end):
     diagram = wire([block], outputs=["x", "y"])
     component = diagram.plan().components[0]
     I, W = prepare(component, Settings(1e-2, 1e30, "stiff" if method == 1 else "explicit"), 0.0)
-    I[at.EXPLICIT] = method
+    I[at.EXPLICIT] = I[at.OTHERWISE] = method
     W[I[at.O_RESTART] : I[at.O_RESTART] + at.RESTARTS] = h
     times = np.concatenate([np.linspace(0.0, t_end, 203)[1:-1], [t_end]])
     outcome = run(component, diagram.plan().flat, I, W, times, t_end)
