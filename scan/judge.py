@@ -1,4 +1,4 @@
-"""One loop of a scan: screened, judged where it oscillates or sticks, and put into one row of plain values."""
+"""One loop of a scan: read, judged, and put into one row of plain values."""
 
 from __future__ import annotations
 
@@ -7,16 +7,20 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from logs import LoopRecord
 from scan.sources import Job
+from scan.together import phasors
+
+if TYPE_CHECKING:
+    from detect.judge.answer import Amount
 
 __all__ = ["SECONDS_MAX", "judged", "row_of"]
 
-SECONDS_MAX = 60  # s for one loop; the full set of methods takes half a second
+SECONDS_MAX = 60  # s for one loop; the calibrated answer takes a tenth of a second
 JOB_ROWS = 10_000  # rows that one job may give: row j of job i has the order i * JOB_ROWS + j
 REASON_MAX = 2_000  # characters
 
@@ -41,25 +45,43 @@ def judged(job: Job, number: int) -> list[Row]:
 
 
 def row_of(record: LoopRecord) -> Row:
-    """What a scan says of one record."""
-    from detect import diagnose
+    """What a scan says of one record: the calibrated answer, without the methods beside it, and the oscillation."""
+    from detect.judge.answer import answer
     from detect.prepare.prepared import prepared
 
     loop = prepared(record)
-    answer = diagnose(loop)
-    t = record.t
+    found = answer(loop)
+    t, start = record.t, record.log.start
+    period = loop.period if loop.gate.oscillating else None
+    cause = next(iter(found.causes), None)
+    limit = None if found.limit is None else found.limit[0]
     return {
         "loop": record.name,
-        "verdict": answer.verdict,
-        "probability": answer.probability,
-        "period_s": loop.period if loop.gate.oscillating else None,
+        "verdict": found.word,
+        "probability": found.probability,
+        "cause": cause,
+        "cause_probability": None if cause is None else found.causes[cause],
+        **_sizes("S", found.S),
+        **_sizes("J", found.J),
+        "detection_limit": limit,
+        "size_unit": next((size.unit for size in (found.S, found.J) if size), found.limit[1] if found.limit else None),
+        "period_s": period,
         "amplitude": _amplitude(record.pv),
-        "health": ", ".join(fact.code for fact in loop.present),
-        "reason": answer.reason[:REASON_MAX],
+        "health": ", ".join(dict.fromkeys(fact.code for fact in loop.health if fact.present)),
+        "reason": found.reason[:REASON_MAX],
+        "action": found.action[:REASON_MAX],
         "samples": len(t),
         "interval_s": float(record.dt),
         "hours": float(t[-1] - t[0]) / 3600.0,
+        "start": float(t[0]) + (0.0 if start is None else start.timestamp()),
+        "phasors": None if period is None else phasors(t - t[0], record.pv, period),
     }
+
+
+def _sizes(name: str, size: Amount | None) -> Row:
+    if size is None:
+        return {}
+    return {name: size.value, f"{name}_low": size.low, f"{name}_high": size.high}
 
 
 def _amplitude(pv: Any) -> float | None:

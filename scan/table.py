@@ -6,6 +6,8 @@ import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from scan.together import grouped
+
 if TYPE_CHECKING:
     import polars as pl
 
@@ -13,9 +15,12 @@ __all__ = ["COLUMNS", "csv_bytes", "ranked", "table_of"]
 
 # column -> type; every scan writes all of them
 COLUMNS = {
-    "order": "Int64", "loop": "String", "verdict": "String", "probability": "Float64", "period_s": "Float64",
-    "amplitude": "Float64", "health": "String", "reason": "String", "samples": "Int64", "interval_s": "Float64",
-    "hours": "Float64", "error": "String",
+    "order": "Int64", "loop": "String", "verdict": "String", "probability": "Float64", "cause": "String",
+    "cause_probability": "Float64", "S": "Float64", "S_low": "Float64", "S_high": "Float64", "J": "Float64",
+    "J_low": "Float64", "J_high": "Float64", "detection_limit": "Float64", "size_unit": "String",
+    "period_s": "Float64", "amplitude": "Float64", "health": "String", "reason": "String", "action": "String",
+    "samples": "Int64", "interval_s": "Float64", "hours": "Float64", "start": "Float64", "error": "String",
+    "phasors": "List",
 }  # fmt: skip
 FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
 FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a cell that begins so is run by a spreadsheet
@@ -25,18 +30,19 @@ def table_of(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:
     """The rows with all columns; what a row does not say is null."""
     import polars as pl
 
-    schema = {name: getattr(pl, kind) for name, kind in COLUMNS.items()}
+    schema = {name: pl.List(pl.Float64) if kind == "List" else getattr(pl, kind) for name, kind in COLUMNS.items()}
     return pl.DataFrame([{name: row.get(name) for name in COLUMNS} for row in rows], schema=schema, orient="row")
 
 
 def ranked(table: pl.DataFrame) -> pl.DataFrame:
-    """The table with the column ``rank``, the valves to look at first: by verdict, probability, then order."""
+    """The table with the columns ``rank`` and ``group``: by verdict, probability, then order; see ``together``."""
     import polars as pl
 
     place = pl.col("verdict").replace_strict(
         dict(zip(FIRST, range(len(FIRST)), strict=True)), default=len(FIRST), return_dtype=pl.Int64
     )
     by = [place, pl.col("probability").fill_null(-1.0), pl.col("order")]
+    table = table.with_columns(pl.Series("group", grouped(table), dtype=pl.String)).drop("phasors")
     table = table.sort(by, descending=[False, True, False])
     return table.select(pl.int_range(1, pl.len() + 1, dtype=pl.Int64).alias("rank"), pl.all())
 

@@ -74,7 +74,7 @@ def _tell(say: Speaker, result: "ScanResult") -> None:
     for note in result.notes:
         say.paragraph(note, "  - ")
     head, rows = _rows(result, SHOWN)
-    say.table(head[:-1], [row[:-1] for row in rows])
+    say.table(head[:-3], [row[:-3] for row in rows])
     if len(result.table) > SHOWN:
         say(f"and {len(result.table) - SHOWN} more")
     for change in result.changes[:SHOWN]:
@@ -100,13 +100,18 @@ def _spoken(word: str) -> str:
 
 
 def _rows(result: "ScanResult", most: int) -> tuple[list[str], list[list[str]]]:
-    head = ["rank", "loop", "verdict", "probability", "period [s]", "health", "what was found"]
+    from detect.judge.actions import CAUSES
+
+    head = ["rank", "loop", "verdict", "probability", "likely cause", "S [% of OP]", "period [s]", "shared with",
+            "data", "what to do"]  # fmt: skip
     rows = []
     for row in result.table.head(most).iter_rows(named=True):
-        said = (row["error"] or row["reason"] or "").split(". ")[0][:120]
+        cause = CAUSES[row["cause"]].spoken if row["cause"] else ""
+        size = _number(row["S"], ".2g") + ("" if row["size_unit"] in (None, "% of OP") else " (unit of OP)")
         rows.append([
             str(row["rank"]), row["loop"], _spoken(row["verdict"] or "error"), _number(row["probability"], ".2f"),
-            _number(row["period_s"], ".3g"), row["health"] or "", said,
+            cause, size, _number(row["period_s"], ".3g"), row["group"] or "", (row["health"] or "").replace("_", " "),
+            (row["error"] or row["action"] or row["reason"] or "")[:300],
         ])  # fmt: skip
     return head, rows
 

@@ -8,6 +8,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import polars as pl
 import pytest
 
@@ -17,6 +18,7 @@ from scan.judge import judged, row_of
 from scan.loop_map import read_map
 from scan.sources import Job, source_of
 from scan.table import csv_bytes, ranked, table_of
+from scan.together import grouped, phasors
 
 TAGS = ("FIC101", "LIC102", "PIC103", "TIC104")  # of conftest.py
 PLAIN = ["loop", "verdict", "period_s", "samples", "interval_s"]
@@ -214,3 +216,24 @@ def test_a_job_can_be_sent_to_another_machine(forms) -> None:
 def test_the_picture_names_its_finding(forms, tmp_path) -> None:
     figure = scan(forms["wide"], tmp_path, workers=1).plot()
     assert "of 4 loops oscillate" in figure.get_suptitle()
+
+
+def shared(rows: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """A wave whose period wanders, and a clock [s]."""
+    phase = np.cumsum(2.0 * np.pi / 120.0 * (1.0 + 0.05 * np.random.default_rng(seed).normal(size=rows)))
+    slow = np.convolve(np.random.default_rng(seed + 1).normal(size=rows + 299), np.ones(300) / 300, "valid")
+    return np.arange(float(rows)), phase + 3.0 * slow * np.sqrt(300) / 3.0
+
+
+def test_loops_that_share_an_oscillation_are_told_from_loops_of_the_same_period() -> None:
+    t, phase = shared(7200, 1)
+    _, other = shared(7200, 7)
+    waves = {"A": np.sin(phase), "B": 3.0 * np.cos(phase - 1.0), "C": np.sin(other), "D": np.sin(2.7 * phase)}
+    periods = (120.0, 120.5, 120.2, 44.4)
+    table = pl.DataFrame({
+        "loop": list(waves), "probability": [0.2, 0.9, 0.5, 0.1], "period_s": periods, "hours": 2.0, "start": 0.0,
+        "phasors": [phasors(t, x, period) for x, period in zip(waves.values(), periods, strict=True)],
+    })  # fmt: skip
+    assert grouped(table) == ["B", "B", None, None]
+    later = table.with_columns(start=pl.Series([0.0, 9000.0, 0.0, 0.0]))
+    assert grouped(later) == [None] * 4  # not at the same time
