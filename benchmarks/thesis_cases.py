@@ -6,8 +6,8 @@ The cells of tables 6.1 (constant feed) and 6.2 (sine), and the same loops under
 separator 1, with stiction none, normal and high.  Each starts with the contents of the separator 3 % about rest, drawn
 from a seed of its own.  Right is "stiction" where the valve sticks, and any other word where it has a deadband without
 jump.  Beside it: what the thesis's algorithm says (R above 1.25 is stiction), and whether the survey of the whole log
-puts a sticky valve first among all loops; so it is asked, too, of plants with one sticky valve.  The stem is left out
-of the log unless ``--stem``.
+puts a sticky valve first among all loops; so it is asked, too, of plants with one sticky valve, and of random plants
+(``cases.random_plants``), beside the share that chance would reach.  The stem is left out of the log unless ``--stem``.
 """
 
 import argparse
@@ -19,6 +19,7 @@ import numpy as np
 
 from benchmarks.report import Figures, publish
 from cases.kicks import DURATION, SIZE, indices
+from cases.random_plants import feasible
 from detect import diagnose
 from detect.plantwide.survey import survey
 from diagram import Diagram, simulate
@@ -26,6 +27,8 @@ from logs import Log
 from plant import feed, production_plant
 
 STARTS, QUICK, SEED = 20, 1, 20_260_901
+RANDOM = 60  # random plants
+SLIPS = 1.2  # F_s over F_c from which a valve of a random plant counts as sticky
 EVERY, SETTLED = 1.0, 200.0  # s
 FEEDS = ("constant", "sine", "slugs")
 SIZES = ("none", "normal", "high")
@@ -159,6 +162,44 @@ def measure(starts: int, stem: bool = False) -> tuple[list[Cell], list[First]]:
     return cells, firsts
 
 
+@dataclass
+class AtRandom:
+    """Random plants in which the OP of a sticky valve moves: a sticky one first, and what chance would reach.
+
+    ``banded`` counts a first valve with a deadband but hardly a jump, too: those answer as late as sticky ones.
+    """
+
+    plants: int = 0
+    first: int = 0
+    banded: int = 0
+    chance: float = 0.0
+
+
+def at_random(draws: int, stem: bool = False) -> AtRandom:
+    """Survey random plants: every number 20 % about its value, any feed, several sticky valves of any size.
+
+    >>> at_random(2).plants <= 2
+    True
+    """
+    found = AtRandom()
+    for asked, plant in feasible(draws):
+        slipping = {f"OP_{valve}" for valve, F_s in asked.F_s.items() if F_s >= SLIPS * asked.plant.stem.F_c}
+        if isinstance(plant, str):
+            continue
+        run = simulate(plant, DURATION, every=EVERY, method="stiff")
+        if not run.ok:
+            continue
+        log = run.log.between(SETTLED, DURATION)
+        sticky = {tag for tag, loop in log.loops.items() if loop.op in slipping}
+        suspects = [s.loop for s in survey(log if stem else without_stems(log)).suspects]
+        if sticky & set(suspects):
+            found.plants += 1
+            found.first += suspects[0] in sticky
+            found.banded += log.loops[suspects[0]].op in {f"OP_{valve}" for valve in asked.F_s}
+            found.chance += len(sticky & set(suspects)) / len(suspects)
+    return found
+
+
 def figures(cells: list[Cell], firsts: list[First]) -> Figures:
     """The counts as flat figures."""
     found: Figures = {
@@ -202,7 +243,16 @@ def main() -> None:
     parser.add_argument("--stem", action="store_true", help="leave the stem positions in the log")
     chosen = parser.parse_args()
     cells, firsts = measure(QUICK if chosen.quick else chosen.starts, chosen.stem)
-    publish(figures(cells, firsts), notes(cells, firsts), chosen.json, chosen.quick)
+    found, told = figures(cells, firsts), notes(cells, firsts)
+    random = at_random(RANDOM if not chosen.quick else 2, chosen.stem)
+    if random.plants:
+        found["random_survey"] = random.first / random.plants
+        found["random_banded_survey"] = random.banded / random.plants
+        found["random_chance"] = random.chance / random.plants
+    told["random_survey"] = f"a sticky valve first of all loops in {random.plants} random plants"
+    told["random_banded_survey"] = "a valve first that sticks or has a deadband as wide"
+    told["random_chance"] = "what a ranking by chance would reach there"
+    publish(found, told, chosen.json, chosen.quick)
 
 
 if __name__ == "__main__":

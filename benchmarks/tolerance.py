@@ -11,6 +11,7 @@ compression are the historian's, so that the loop does not.  ``--out`` writes to
 import argparse
 import csv
 import io
+import math
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -18,17 +19,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchmarks.report import Figures, publish
-from calibration import LoopSpec, draw, simulate
+from calibration import LoopSpec, Truth, draw, simulate
 from detect import METHODS, compare
 from detect.methods import stem_play
-from logs import LoopRecord
+from logs import Log, LoopRecord
 from logs.files.write import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LOOPS, QUICK, SEED = 40, 4, 20_260_801
+LOOPS, QUICK, SEED = 32, 4, 20_260_801
 NOISE, POINTS, CYCLES = 0.01, 25.0, 40  # of the clean state
+DENSE = 60.0  # samples a period of the records that are thinned
 AGAINST = ("tight_tuning", "external_sine", "external_square", "healthy")  # groups without a sticky valve
 COLUMNS = ("condition", "level", "method", "sticky", "found", "others", "false_alarms", "undecided")
 TESTED = [method for method in METHODS if method is not stem_play]  # that one needs MV, and nothing else matters to it
@@ -36,26 +38,39 @@ TESTED = [method for method in METHODS if method is not stem_play]  # that one n
 
 @dataclass(frozen=True)
 class Condition:
-    """What grows worse: ``levels`` from clean to bad, and how a spec, or the record of it, is made so."""
+    """What grows worse: ``levels`` from clean to bad; how a spec, or its record with what is true of it, is made so."""
 
     name: str
     axis: str
     levels: tuple[float, ...]
     spec: Callable[[LoopSpec, float], LoopSpec] = lambda spec, level: spec
-    record: Callable[[LoopRecord, float], LoopRecord] = lambda record, level: record
+    record: Callable[[LoopRecord, Truth, float], LoopRecord] = lambda record, truth, level: record
 
 
-def _cut(record: LoopRecord, cycles: float) -> LoopRecord:
-    """The last so many cycles of a clean record, by its samples."""
+def _cut(record: LoopRecord, truth: Truth, cycles: float) -> LoopRecord:
+    """The last so many cycles of a record; all of it where the loop has no period."""
+    wanted = cycles * truth.period / record.dt if math.isfinite(truth.period) else math.inf
     n = len(record)
-    return replace(record, log=record.log.samples(max(0, n - round(cycles * POINTS)), n))
+    return replace(record, log=record.log.samples(max(0, n - math.ceil(min(wanted, n))), n))
+
+
+def _thinned(record: LoopRecord, truth: Truth, points: float) -> LoopRecord:
+    """Every k-th sample, so that ``points`` are left in a period; a loop without one is taken to have the dense one."""
+    dense = truth.period / record.dt if math.isfinite(truth.period) else DENSE
+    every = max(1, round(dense / points))
+    log = record.log
+    kept = Log(
+        log.t[::every], {name: x[::every] for name, x in log.signals.items()}, log.units, log.spans,
+        origin=log.origin, start=log.start, notes=log.notes,
+    )  # fmt: skip
+    return replace(record, log=kept)
 
 
 CONDITIONS = (
     Condition("noise", "standard deviation of the noise, share of the range of PV", (0.01, 0.03, 0.06, 0.12, 0.25, 0.5),
               lambda spec, level: replace(spec, noise=level)),
     Condition("sampling", "logged samples a period", (50.0, 25.0, 12.0, 8.0, 5.0, 3.0),
-              lambda spec, level: replace(spec, points=level, samples=round(CYCLES * level))),
+              lambda spec, level: replace(spec, points=DENSE, samples=round(CYCLES * DENSE)), _thinned),
     Condition("quantisation", "steps in the range of PV", (1000.0, 100.0, 32.0, 16.0, 8.0, 4.0),
               lambda spec, level: replace(spec, step_pv=level)),
     Condition("compression", "deviation of the swinging door, share of the range", (0.0, 0.01, 0.03, 0.06, 0.12, 0.25),
@@ -107,7 +122,7 @@ def measure(specs: Sequence[LoopSpec], conditions: Sequence[Condition] = CONDITI
     for condition in conditions:
         for level in condition.levels:
             made = simulate([condition.spec(spec, level) for spec in specs])
-            found = compare([condition.record(record, level) for record, _ in made], TESTED)
+            found = compare([condition.record(record, truth, level) for record, truth in made], TESTED)
             sticky = [truth.cause == "stiction" for _, truth in made]
             for k, method in enumerate(TESTED):
                 words = [judged.verdicts[k].verdict for judged in found.loops]
@@ -203,7 +218,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="4 loops, for continuous integration")
     parser.add_argument("--json", metavar="FILE", help="also write one flat JSON object ('-': standard output, alone)")
-    parser.add_argument("--loops", type=int, default=LOOPS, help="how many loops at each level (default 40)")
+    parser.add_argument("--loops", type=int, default=LOOPS, help="how many loops at each level (default 32)")
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="write tolerance.csv and a picture a condition")
     chosen = parser.parse_args()
     points = measure(clean(QUICK if chosen.quick else chosen.loops), tell=sys.stderr.isatty())

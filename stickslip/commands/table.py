@@ -1,8 +1,9 @@
 """``stickslip table``: all detection methods side by side, on files, folders, cases or simulated loops."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,6 +12,7 @@ from stickslip.targets import check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
     from detect import Comparison, Method
+    from detect.scoring import Label
     from logs.tags import Process
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -21,6 +23,7 @@ PICTURES = (".png", ".svg", ".pdf")
 @click.option("--method", "chosen", multiple=True, metavar="NAME", help="Only this method; repeatable.")
 @click.option("--loop", "loops", multiple=True, metavar="TAG", help="Only this loop; repeatable.")
 @click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
+@click.option("--labels", type=click.Path(path_type=Path), help="CSV with loop, label, tag: score each method by tag.")
 @click.option("--cards", is_flag=True, help="Show what each method is, with its measured rates, and stop.")
 @click.option("--simulated", type=click.IntRange(1, 500), metavar="N", help="Judge N simulated loops of known cause.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the simulated loops.")
@@ -30,7 +33,8 @@ PICTURES = (".png", ".svg", ".pdf")
 @json_option
 @user_errors
 def command(
-    sources: tuple[str, ...], chosen: tuple[str, ...], loops: tuple[str, ...], process: "Process | None", cards: bool,
+    sources: tuple[str, ...], chosen: tuple[str, ...], loops: tuple[str, ...], process: "Process | None",
+    labels: Path | None, cards: bool,
     simulated: int | None, seed: int, csv_file: Path | None, html: Path | None, picture: Path | None,
     json_file: str | None,
 ) -> None:  # fmt: skip
@@ -45,6 +49,7 @@ def command(
       stickslip table plant_1_high --loop PCS11 --loop LCS11
       stickslip table --simulated 20
       stickslip table FIC101.csv --method area_ratio --method play_fit
+      stickslip table records --labels labels.csv
       stickslip table exports --csv table.csv --html table.html
 
     \b
@@ -58,18 +63,22 @@ def command(
         check_targets(targets, {"--plot": PICTURES}, source=Path(source) if Path(source).is_file() else None)
     methods, say = _methods(chosen), Speaker(json_file)
     if cards:
-        if sources or loops or process or simulated or picture is not None:
-            raise ValueError("--cards needs no SOURCE, --loop, --process, --simulated or --plot; leave them out")
+        if sources or loops or process or labels or simulated or picture is not None:
+            raise ValueError(
+                "--cards needs no SOURCE, --loop, --process, --labels, --simulated or --plot; leave them out"
+            )
         from stickslip.commands.cards import show_cards
 
         show_cards(say, methods, csv_file, html)
         return
-    if simulated is not None and (sources or loops or process):
-        raise ValueError("--simulated draws its own loops; leave out SOURCE, --loop and --process")
+    if simulated is not None and (sources or loops or process or labels):
+        raise ValueError("--simulated draws its own loops; leave out SOURCE, --loop, --process and --labels")
     if not sources and simulated is None:
         raise ValueError("name a file, a folder or a case; 'stickslip table --cards' shows the methods alone")
     from detect import compare
+    from detect.scoring import read_labels
 
+    known = read_labels(labels) if labels is not None else None
     if simulated is not None:
         from calibration import draw, simulate
 
@@ -80,6 +89,7 @@ def command(
     else:
         found = compare([_opened(source) for source in sources], methods, process=process, loops=loops or None)
     _tell(say, found)
+    scored = _scored(say, found, known) if known is not None else []
     if csv_file is not None:
         write_whole(csv_file, found.csv().encode())
         say(f"table: {csv_file}")
@@ -89,8 +99,22 @@ def command(
     if picture is not None:
         write_figure(found.plot(), picture)
         say(f"picture: {picture}")
-    say.document(found.to_dict())
+    say.document(found.to_dict() | ({"scores": scored} if scored else {}))
     raise SystemExit(1 if any(judged.combined == "stiction" for judged in found.loops) else 0)
+
+
+def _scored(say: Speaker, found: "Comparison", labels: "Mapping[str, Label]") -> "list[dict[str, Any]]":
+    """Print what each method is worth on the labelled records, and return it as plain values."""
+    from detect.scoring import SCORE_COLUMNS, score_rows, scores
+
+    counted = scores(found, labels)
+    say("By tag, the majority of its decided records; labels are opinions, and a dozen tags an anecdote", bold=True)
+    rows = score_rows(counted)
+    say.table(list(SCORE_COLUMNS), [row for row in rows if not row[0].startswith("published")])
+    for name, _, _, right, interval, _ in rows:
+        if name.startswith("published"):
+            say.paragraph(f"{name}: {right} right ({interval})", "  - ")
+    return [dict(one.__dict__) for one in counted]
 
 
 def _methods(chosen: tuple[str, ...]) -> "list[Method]":

@@ -55,6 +55,15 @@ def test_all_loops_of_several_cases(call):
     assert names[0] == "ideal_high" and len(names) >= 2 and all(name.startswith("split_range") for name in names[1:])
 
 
+def test_a_folder_with_labels(call, exports, tmp_path):
+    (tmp_path / "good.csv").write_bytes((exports / "FIC101_pi_export.csv").read_bytes())
+    (tmp_path / "labels.txt").write_text("loop,label,tag\nFIC101,stiction,FIC101\n")
+    done = call("table", tmp_path / "good.csv", "--labels", tmp_path / "labels.txt", *SOME, "--json", "-")
+    area, *_, combined = json.loads(done.stdout)["scores"]
+    assert (area["method"], area["found"], area["sticky"]) == ("area_ratio", 1, 1)
+    assert combined["method"] == "combined" and "18 of 20 right (74% to 97%)" in " ".join(done.stderr.split())
+
+
 def test_simulated_loops(call):
     done = call("table", "--simulated", "3", "--seed", "4", *SOME, "--json", "-")
     names = [loop["loop"] for loop in json.loads(done.stdout)["loops"]]
