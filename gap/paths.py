@@ -35,7 +35,9 @@ def users(diagram: Diagram, signal: str) -> tuple[str, ...]:
 
 
 def measured(diagram: Diagram, sensor: Block) -> str | None:
-    """Return the signal that a sensor measures: of what it reads, the one from no source; None if unclear."""
+    """Return the signal that a sensor measures: the only one it reads, or the one from no source; None if unclear."""
+    if len(sensor.input_labels) == 1:
+        return str(sensor.input_labels[0])
     driven = diagram.driven
     found = [
         str(signal)

@@ -15,7 +15,7 @@ SPEED = 0.001  # of OP in the figure [1/s]
 STEP = 0.005  # [s]
 SPRING = NEUTRAL["k"]
 LAWS = (KARNOPP, LUGRE)
-V_S = {KARNOPP: 1e-4, LUGRE: 0.002}  # speed at which friction has fallen from F_s towards F_c [travel/s]
+V_S = {KARNOPP: 1e-4, LUGRE: 5e-4}  # speed at which friction has fallen from F_s towards F_c [travel/s]
 
 
 def with_friction(S: float, J: float, law: float) -> dict[str, float]:

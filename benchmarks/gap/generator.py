@@ -1,12 +1,8 @@
 """Records of the benchmark: a flow loop with a known hidden effect, or with none, as a historian would have kept it.
 
-    ideal     every second, six digits; sensor noise is the only nuisance
-    coarse    the same with PV rounded to 0.001 and OP and MV to 0.1 %
-    site      a controller that scans, an unmeasured load, K and tau anywhere within their tolerances; every 5 s, OP and
-              MV rounded to 0.001 and PV to 0.0015
-
-It shares no code with the diagnosis, its effects, the blocks or the engine.  Seeds for tuning and for reporting are of
-different families, so that no record of one is a record of the other.
+The loops are in ``settings``, what happens in them in ``physics``, how large it is in ``severities``.  The
+generator shares no code with the diagnosis, its effects, the blocks or the engine.  Seeds for tuning and for reporting
+are of different families, so that no record of one is a record of the other.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,13 +15,11 @@ from numpy.typing import NDArray
 from benchmarks.gap.compressor import doors
 from benchmarks.gap.friction import LAWS, LUGRE, figure, with_friction
 from benchmarks.gap.physics import NAMES, NEUTRAL, OUTSIDE_KINDS, run
+from benchmarks.gap.settings import LOAD_TIME, SETTINGS, Setting
 from benchmarks.gap.severities import ACTS, OUTSIDE, SEVERITIES, Values, drawn
 
 Floats = NDArray[np.float64]
-SETTINGS = ("ideal", "coarse", "site")
-HOURS = {"ideal": 2.0, "coarse": 2.0, "site": 4.0}
 FAMILIES = {"tuning": 1, "report": 2}
-NOISE, LOAD, LOAD_TIME = 0.004, 0.01, 60.0
 STEPS = 20  # a second, where all is smooth
 FINE = 100  # where something has memory
 FINE_ONES = {"stiction", "deadband", "valve_rate_limit", "quantisation", "dead_time"}
@@ -56,11 +50,11 @@ class Record:
     def gap(self) -> float:
         """Largest root mean square difference that the effect makes to PV or OP, in units of the sensor's noise."""
         differences = [self.signals[s] - self.clean[s] for s in ("PV", "OP")]
-        return max(float(np.sqrt(np.mean(d**2))) for d in differences) / NOISE
+        return max(float(np.sqrt(np.mean(d**2))) for d in differences) / SETTINGS[self.setting].noise
 
     def write(self, path: Path, mv: bool = False) -> None:
-        """Write the record as a CSV file: time [s], SP, PV, OP and, if asked for, MV."""
-        names = ["time", "SP", "PV", "OP", *(["MV"] if mv else [])]
+        """Write the record as a CSV file: time [s], SP, PV, OP, of a cascade SP_L and L, and MV if asked for."""
+        names = [name for name in self.signals if mv or name != "MV"]
         rows = np.column_stack([self.signals[name] for name in names])
         np.savetxt(path, rows, delimiter=",", header=",".join(names), comments="", fmt="%.9g")
 
@@ -79,36 +73,41 @@ def record(
 ) -> Record:
     """Return one record: ``effects`` by name at a ``severity``, or an effect ``outside`` the catalogue, or neither.
 
-    ``given`` sets parameters of effects in place of drawn ones; without ``noise`` nothing is drawn for sensor and load.
+    ``given`` sets parameters of effects in place of drawn ones, of stiction also the ``law``; without ``noise``
+    nothing is drawn for sensor and load.
     Raises ``ValueError`` for a word that is none of those above.
     """
-    for word, known in ((setting, SETTINGS), (severity, SEVERITIES), (family, tuple(FAMILIES))):
+    for word, known in ((setting, tuple(SETTINGS)), (severity, SEVERITIES), (family, tuple(FAMILIES))):
         if word not in known:
             raise ValueError(f"{word!r} is none of {', '.join(known)}")
     if outside and outside not in OUTSIDE:
         raise ValueError(f"{outside!r} is none of {', '.join(OUTSIDE)}")
-    level, site = SEVERITIES.index(severity), setting == "site"
-    words = (FAMILIES[family], SETTINGS.index(setting), level, seed)
+    level, loop = SEVERITIES.index(severity), SETTINGS[setting]
+    words = (FAMILIES[family], list(SETTINGS).index(setting), level, seed)
     rng = np.random.default_rng([*words, *(hash_of(name) for name in (*effects, outside))])
-    n = int(3600 * (HOURS[setting] if hours is None else hours)) + 1
-    sp = staircase(rng, n)
+    n = int(3600 * (loop.hours if hours is None else hours)) + 1
+    sp = staircase(rng, n, loop)
     n_1, n_2 = rng.normal(size=n), rng.normal(size=n)
-    base = dict(NEUTRAL)
-    if site:
-        base |= {"scan": 1.0, "K": 3.0 * rng.uniform(0.95, 1.05), "tau": 10.0 * rng.uniform(0.9, 1.1)}
-    load = autoregression(rng, n) if site else np.zeros(n)
+    base = {**NEUTRAL, **loop.numbers}
+    for key, share in loop.within.items():
+        factor = rng.uniform(1.0 - share, 1.0 + share)
+        base[key] *= factor
+        if key == "tau":
+            base["second"] *= factor
+    load = loop.load * autoregression(rng, n)
     if not noise:
-        n_1, load = np.zeros(n), np.zeros(n)
+        n_1, n_2, load = np.zeros(n), np.zeros(n), np.zeros(n)
     zero = np.zeros(n)
-    clean = run(_packed(base), sp, NOISE * n_1, n_2, load, zero, STEPS, float(sp[0]))
+    clean = run(_packed(base), sp, loop.noise * n_1, n_2, load, zero, STEPS, float(sp[0]))
     reach = 100.0 * float(clean[:, 3].max())
-    values = {name: dict((given or {}).get(name) or drawn(name, level, rng, site, reach, n - 1)) for name in effects}
+    values = {name: dict((given or {}).get(name) or drawn(name, level, rng, loop, reach, n - 1)) for name in effects}
     if "scan_time" in values and "present" not in values["scan_time"]:
-        values["scan_time"]["present"] = 1.0 if site else float(rng.integers(2))
+        values["scan_time"]["present"] = 1.0 if loop.scanned else float(rng.integers(2))
     numbers, spread, switch = dict(base), 1.0, zero
     for name, its in values.items():
         if name == "stiction":
-            numbers |= with_friction(its["S"] / 100.0, its["J"] / 100.0, LAWS[int(rng.random() < 0.2)])
+            law = its.pop("law", LAWS[int(rng.random() < 0.2)])
+            numbers |= with_friction(its["S"] / 100.0, its["J"] / 100.0, law)
             its["S"], its["J"] = (100.0 * share for share in figure(numbers))
         elif name == "sensor_noise":
             spread = its["factor"]
@@ -126,7 +125,7 @@ def record(
     steps = FINE if FINE_ONES & set(effects) or outside else STEPS
     if numbers["friction"] == LUGRE:
         steps = STEPS
-    true = run(_packed(numbers), sp, spread * NOISE * n_1, n_2, load, switch, steps, float(sp[0]))
+    true = run(_packed(numbers), sp, spread * loop.noise * n_1, n_2, load, switch, steps, float(sp[0]))
     deviation = values.get("compression", {}).get("deviation", 0.0)
     return Record(
         setting,
@@ -147,25 +146,25 @@ def hash_of(name: str) -> int:
     return sum((i + 1) * ord(letter) for i, letter in enumerate(name))
 
 
-def staircase(rng: np.random.Generator, n: int) -> Floats:
-    """Return a random set point, one value a second: 1.05 ... 1.95, each for 1 to 8 minutes."""
+def staircase(rng: np.random.Generator, n: int, loop: Setting) -> Floats:
+    """Return a random set point, one value a second, levels and times as the setting says."""
     sp, at = np.empty(n), 0
     while at < n:
-        dwell = int(rng.uniform(60.0, 480.0))
-        sp[at : at + dwell] = round(float(rng.uniform(1.05, 1.95)), 2)
+        dwell = int(rng.uniform(*loop.dwell))
+        sp[at : at + dwell] = round(float(rng.uniform(*loop.levels)), 2)
         at += dwell
     return sp
 
 
 def autoregression(rng: np.random.Generator, n: int) -> Floats:
-    """Return the site's load, one value a second."""
+    """Return a load of standard deviation 1, one value a second."""
     a = float(np.exp(-1.0 / LOAD_TIME))
     w = rng.normal(size=n)
     load = np.empty(n)
     load[0] = w[0]
     for k in range(1, n):
         load[k] = a * load[k - 1] + np.sqrt(1.0 - a * a) * w[k]
-    return LOAD * load
+    return load
 
 
 def _packed(numbers: Mapping[str, float]) -> Floats:
@@ -174,16 +173,22 @@ def _packed(numbers: Mapping[str, float]) -> Floats:
 
 def _logged(out: Floats, setting: str, deviation: float) -> dict[str, Floats]:
     """Return the signals as the historian gives them back."""
-    rows = out[::5] if setting == "site" else out
-    time = np.arange(len(out), dtype=float)[::5] if setting == "site" else np.arange(len(out), dtype=float)
+    loop = SETTINGS[setting]
+    rows, time = out[:: loop.every], np.arange(len(out), dtype=float)[:: loop.every]
     SP, PV, OP, MV = (rows[:, i] for i in range(4))
     if deviation > 0.0:
         PV = doors(time, PV, deviation)
-    fine, coarse = {"ideal": (1e-6, 1e-6), "coarse": (1e-3, 1e-3), "site": (1.5e-3, 1e-3)}[setting]
-    return {
-        "time": time, "SP": SP, "PV": np.round(PV / fine) * fine, "OP": np.round(OP / coarse) * coarse,
+    fine, coarse = loop.rounding
+    found = {
+        "time": time,
+        "SP": SP,
+        "PV": np.round(PV / fine) * fine,
+        "OP": np.round(OP / coarse) * coarse,
         "MV": np.round(MV / coarse) * coarse,
-    }  # fmt: skip
+    }
+    if "outer_K" in loop.numbers:
+        found |= {"SP": np.round(SP / coarse) * coarse, "L": np.round(rows[:, 5] / fine) * fine, "SP_L": rows[:, 6]}
+    return found
 
 
 def _stretches(kind: str, share: float, length: float, rng: np.random.Generator, n: int) -> Floats:

@@ -26,6 +26,7 @@ NEUTRAL = {
     "slug": 0.0, "slug_period": 600.0, "slug_phase": 0.0,
     "friction": 0.0, "k": 30000.0, "M": 2.0, "F_v": 900.0, "F_c": 0.0, "F_s": 0.0, "v_s": 0.0001,
     "outside": 0.0, "size": 0.0, "other": 0.0,
+    "integrating": 0.0, "outflow": 0.0, "outer_K": 0.0, "outer_T": 400.0, "outer_noise": 0.0, "vessel": 200.0,
 }  # fmt: skip
 NAMES = tuple(NEUTRAL)
 (
@@ -33,6 +34,7 @@ NAMES = tuple(NEUTRAL)
     LEAK, R, VALVE_GAIN, THETA, SECOND, BIAS, DRIFT, SPAN, SENSOR, STEP, RANGE_LOW, RANGE_HIGH,
     SINE, SINE_PERIOD, SINE_PHASE, JUMP, JUMP_AT, SLUG, SLUG_PERIOD, SLUG_PHASE,
     FRICTION, SPRING, MASS, F_V, F_C, F_S, V_S, OUTSIDE, SIZE, OTHER,
+    INTEGRATING, OUTFLOW, OUTER_K, OUTER_T, OUTER_NOISE, VESSEL,
 ) = range(len(NAMES))  # fmt: skip
 KARNOPP, LUGRE = 1.0, 2.0
 OUTSIDE_KINDS = (
@@ -44,7 +46,8 @@ OUTSIDE_KINDS = (
     _NONE, HYSTERESIS, MULTIPLIED, STICKY, BY_DIRECTION, INVERSE, INTERMITTENT, ASYMMETRIC, OSCILLATING, ROUNDED_OP,
     GAP, FROZEN, WAVY, WEIGHT, JAMMED, PACKET, WANDERING,
 ) = range(len(OUTSIDE_KINDS))  # fmt: skip
-Y, Y2, POS, Z, E_F, SEEN = range(6)  # states
+STATES = 7
+Y, Y2, POS, Z, E_F, SEEN, LEVEL = range(STATES)
 FALL, RISE_SHARE = 0.2, 0.8
 
 
@@ -141,7 +144,8 @@ def slope(t, x, sp, n, load, pv_held, op_held, held, late, way, flags, p, dx):  
         gain *= 1.0 + p[SIZE] * math.sin(2.0 * math.pi * t / p[OTHER])
     if p[OUTSIDE] == ASYMMETRIC:
         tau *= 1.0 + p[SIZE] if gain * entering > x[Y] else 1.0 - p[SIZE]
-    dx[Y] = (gain * entering - x[Y]) / tau
+    dx[Y] = (gain * entering - (p[OUTFLOW] if p[INTEGRATING] > 0.0 else x[Y])) / tau
+    dx[LEVEL] = (x[Y] - p[OUTFLOW]) / p[VESSEL] if p[OUTER_K] > 0.0 else 0.0
     second = p[OTHER] if p[OUTSIDE] == INVERSE else p[SECOND]
     dx[Y2] = (x[Y] - x[Y2]) / second if second > 0.0 else 0.0
     dx[POS] = (op - x[POS]) / p[POSITIONER] if p[POSITIONER] > 0.0 else 0.0
@@ -216,19 +220,23 @@ def moved_in_time(wanted: float, held: float, stem: Any, h: float, p: Any) -> fl
 
 @njit(cache=True)
 def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps: int, rest: float) -> Any:
-    """Return the loop at whole seconds, shape (seconds, 5): SP, PV, OP, MV, y.
+    """Return the loop at whole seconds, shape (seconds, 7): SP, PV, OP, MV, y, and of a cascade level and set point.
 
     ``sp``, ``noise``, ``load``: what holds during each second; ``noise_2`` a second stream, ``switch`` 0 or 1 a second,
     for effects that need them; ``steps`` a second; ``rest`` the PV at which the loop without effects stands at first.
     """
     n, h = len(sp), 1.0 / steps
-    out = np.empty((n, 5))
-    x = np.zeros(6)
-    x[Y] = x[Y2] = x[SEEN] = rest
-    x[POS] = x[Z] = held = rest / p[K]
+    out = np.empty((n, 7))
+    x = np.zeros(STATES)
+    x[LEVEL] = rest
+    if p[OUTER_K] > 0.0:
+        rest = p[OUTFLOW]  # of the flow
+    x[Y] = x[Y2] = rest
+    x[POS] = x[Z] = held = (p[OUTFLOW] if p[INTEGRATING] > 0.0 else rest) / p[K]
     x[SEEN] = p[SPAN] * rest + p[BIAS]
-    x[E_F] = sp[0] - rest
-    a, b, c, d, trial = np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6)
+    x[E_F] = 0.0
+    z_outer, wanted_flow = p[OUTFLOW], 0.0
+    a, b, c, d, trial = np.zeros(STATES), np.zeros(STATES), np.zeros(STATES), np.zeros(STATES), np.zeros(STATES)
     stem = np.array([held, 0.0, 0.0])
     scan_steps = round(p[SCAN] * steps)
     offset_steps = round(p[SCAN_OFFSET] * steps)
@@ -240,7 +248,7 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
     by_steps = p[PLAY] > 0.0 or p[RATE] < math.inf or p[FRICTION] > 0.0 or p[OUTSIDE] == JAMMED
     lag_steps = round(p[THETA] * steps)
     longest = max(lag_steps, round(p[SIZE] * steps) if p[OUTSIDE] == INTERMITTENT else 0) + 1
-    entered = np.full((longest + 1, 2), rest / p[K])  # process input at the beginning and at the end of past steps
+    entered = np.full((longest + 1, 2), held)  # process input at the beginning and at the end of past steps
     flags = (converts, scanned, by_steps, lag_steps > 0 or p[OUTSIDE] == INTERMITTENT)
     op, pv, way, last = held, rest, 1.0, held
     kept = x[SEEN]
@@ -249,6 +257,13 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
         drawn = noise[k]
         if p[OUTSIDE] == MULTIPLIED:
             drawn += p[SIZE] * x[Y] * noise_2[k]
+        level = x[LEVEL] + p[OUTER_NOISE] * noise_2[k]
+        if p[OUTER_K] > 0.0:
+            e_outer = sp[k] - level
+            z_outer += p[OUTER_K] * e_outer / p[OUTER_T]
+            wanted_flow = min(max(p[OUTER_K] * e_outer + z_outer, 0.0), 1.0)
+        else:
+            wanted_flow = sp[k]
         for j in range(steps):
             t = k + j * h
             # --- elements with memory, and what is held over the step
@@ -262,7 +277,7 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
                 value = kept
             if not (p[OUTSIDE] == FROZEN and switch[k] > 0.0):
                 pv = converted(value + drawn, p)
-            e = error(sp[k], pv, p)
+            e = error(wanted_flow, pv, p)
             if scanned:
                 if count >= offset_steps and (count - offset_steps) % scan_steps == 0:
                     if p[FILTER] > 0.0:
@@ -271,11 +286,11 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
                     more = p[SCAN] * p[K_P] * used / p[T_I]
                     z = x[Z] + (more if p[PRESENT] > 0.0 else 0.0)
                     v = p[K_P] * used + z
-                    op = control(used, sp[k], z, p)
+                    op = control(used, wanted_flow, z, p)
                     if not ((v >= p[HIGH] and used > 0.0) or (v <= p[LOW] and used < 0.0)):
                         x[Z] += more
             else:
-                op = control(x[E_F] if p[FILTER] > 0.0 else e, sp[k], x[Z], p)
+                op = control(x[E_F] if p[FILTER] > 0.0 else e, wanted_flow, x[Z], p)
             wanted = x[POS] if p[POSITIONER] > 0.0 else op
             if by_steps:
                 held = moved_at_once(wanted, held, switch[k], p)
@@ -284,38 +299,41 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
                 way = 1.0 if mv > last else -1.0
                 last = mv
             if j == 0:
-                out[k, 0] = sp[k]
+                out[k, 0] = wanted_flow
                 out[k, 1] = pv if converts else value + drawn
                 out[k, 2] = op
                 out[k, 3] = mv
                 out[k, 4] = x[Y]
+                out[k, 5] = level
+                out[k, 6] = sp[k]
             # --- what enters the process over the step
             back = lag_steps
             if p[OUTSIDE] == INTERMITTENT:
                 back = round(p[SIZE] * steps) if switch[k] > 0.0 else 0
             old = entered[(count - back) % (longest + 1)]
             # --- Runge and Kutta
-            u_0 = slope(t, x, sp[k], drawn, load[k], pv, op, held, old[0], way, flags, p, a)
+            u_0 = slope(t, x, wanted_flow, drawn, load[k], pv, op, held, old[0], way, flags, p, a)
             if back == 0:
                 old[0] = u_0
                 old[1] = u_0
-                slope(t, x, sp[k], drawn, load[k], pv, op, held, u_0, way, flags, p, a)
-            for i in range(6):
+                slope(t, x, wanted_flow, drawn, load[k], pv, op, held, u_0, way, flags, p, a)
+            for i in range(STATES):
                 trial[i] = x[i] + 0.5 * h * a[i]
             half = 0.5 * (old[0] + old[1])
-            slope(t + 0.5 * h, trial, sp[k], drawn, load[k], pv, op, held, half, way, flags, p, b)
-            for i in range(6):
+            slope(t + 0.5 * h, trial, wanted_flow, drawn, load[k], pv, op, held, half, way, flags, p, b)
+            for i in range(STATES):
                 trial[i] = x[i] + 0.5 * h * b[i]
-            slope(t + 0.5 * h, trial, sp[k], drawn, load[k], pv, op, held, half, way, flags, p, c)
-            for i in range(6):
+            slope(t + 0.5 * h, trial, wanted_flow, drawn, load[k], pv, op, held, half, way, flags, p, c)
+            for i in range(STATES):
                 trial[i] = x[i] + h * c[i]
-            u_1 = slope(t + h * (1.0 - 1e-12), trial, sp[k], drawn, load[k], pv, op, held, old[1], way, flags, p, d)
-            for i in range(6):
+            late_t = t + h * (1.0 - 1e-6)  # what switches at the end of the step has not yet
+            u_1 = slope(late_t, trial, wanted_flow, drawn, load[k], pv, op, held, old[1], way, flags, p, d)
+            for i in range(STATES):
                 x[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i])
             if by_steps:
                 pv_end = pv if converts else sensed(t + h, x, p) + drawn
-                e = error(sp[k], pv_end, p)
-                op_end = op if scanned else control(x[E_F] if p[FILTER] > 0.0 else e, sp[k], x[Z], p)
+                e = error(wanted_flow, pv_end, p)
+                op_end = op if scanned else control(x[E_F] if p[FILTER] > 0.0 else e, wanted_flow, x[Z], p)
                 late = x[POS] if p[POSITIONER] > 0.0 else op_end
                 held = moved_in_time(0.5 * (wanted + late), moved_at_once(late, held, switch[k], p), stem, h, p)
             entered[count % (longest + 1), 0] = u_0

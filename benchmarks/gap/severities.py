@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from benchmarks.gap.settings import Setting
+
 SEVERITIES = ("just visible", "typical", "gross")
 Values = dict[str, float]
 Random = np.random.Generator
@@ -59,24 +61,24 @@ OUTSIDE_FOR_TUNING = tuple(OUTSIDE)[::2]
 OUTSIDE_FOR_REPORT = tuple(OUTSIDE)[1::2]
 
 
-def drawn(name: str, severity: int, rng: Random, site: bool, reach: float, seconds: int) -> Values:
+def drawn(name: str, severity: int, rng: Random, setting: Setting, reach: float, seconds: int) -> Values:
     """Return the parameters of an effect in the units of the contract.
 
     ``reach``: the highest opening of the valve in this record without the effect [%], which limits are set by.
     """
-    size = (SITE if site else IDEAL)[name][severity]
+    size = (SITE if setting.scanned else IDEAL)[name][severity]
     swing = float(np.exp(rng.uniform(-0.18, 0.18)))
     if name in FACTORS:
         factor = 1.0 + (size - 1.0) * swing
         return {FACTORS[name]: factor if name in ONE_WAY or rng.random() < 0.5 else 1.0 / factor}
-    size *= swing
+    size *= swing * (setting.slow if name in OF_TIME else setting.span if name in OF_PV else 1.0)
     if name == "stiction":
         return {"S": size, "J": size * rng.uniform(0.25, 0.8)}
     if name in ("valve_saturation", "controller_limits"):
         return {"low": 0.0, "high": reach - size}
     if name in ("sine_disturbance", "slug"):
         period = float(np.exp(rng.uniform(*np.log((25.0, 250.0) if name == "sine_disturbance" else (150.0, 900.0)))))
-        return {"amplitude": size, "period": period, "phase": 0.0}
+        return {"amplitude": size, "period": setting.slow * period, "phase": float(rng.uniform())}
     if name == "step_disturbance":
         return {"amplitude": size * rng.choice([-1.0, 1.0]), "time": float(round(rng.uniform(0.15, 0.85) * seconds))}
     if name in ("sensor_bias", "sensor_drift"):
@@ -84,7 +86,7 @@ def drawn(name: str, severity: int, rng: Random, site: bool, reach: float, secon
     if name == "dead_time":
         size = round(size, 2)
     if name == "scan_time":
-        size = max(2.0, round(size)) if site else max(0.2, round(size, 1))
+        size = max(2.0, round(size)) if setting.scanned else max(0.2, round(size, 1))
     return {SIZE[name]: float(size)}
 
 
@@ -93,6 +95,8 @@ FACTORS = {
     "process_time_constant": "factor", "sensor_span": "factor", "sensor_noise": "factor", "controller_gain": "factor",
     "controller_integral_time": "factor",
 }  # fmt: skip
+OF_TIME = ("positioner_lag", "dead_time", "second_lag", "sensor_lag", "controller_filter", "scan_time")
+OF_PV = ("sensor_bias", "sensor_drift", "quantisation", "compression")
 ONE_WAY = ("valve_characteristic", "sensor_noise")
 SIZE = {
     "deadband": "width", "valve_leak": "flow", "valve_rate_limit": "rate", "positioner_lag": "tau",
@@ -111,10 +115,10 @@ ACTS: Mapping[str, Callable[[Values, Values], Values]] = {
     "positioner_lag": lambda v, p: {"positioner": v["tau"]},
     "valve_characteristic": lambda v, p: {"rangeability": v["rangeability"]},
     "valve_gain": lambda v, p: {"valve_gain": v["factor"]},
-    "dead_time": lambda v, p: {"theta": v["theta"]},
+    "dead_time": lambda v, p: {"theta": p["theta"] + v["theta"]},
     "process_gain": lambda v, p: {"K": p["K"] * v["factor"]},
-    "process_time_constant": lambda v, p: {"tau": p["tau"] * v["factor"]},
-    "second_lag": lambda v, p: {"second": v["tau"]},
+    "process_time_constant": lambda v, p: {"tau": p["tau"] * v["factor"], "second": p["second"] * v["factor"]},
+    "second_lag": lambda v, p: {"sensor" if p["second"] or p["integrating"] else "second": v["tau"]},
     "sensor_bias": lambda v, p: {"bias": v["offset"]},
     "sensor_drift": lambda v, p: {"drift": v["rate"] / 3600.0},
     "sensor_span": lambda v, p: {"span": v["factor"]},
