@@ -102,4 +102,3 @@ def _matching(log: Log, effect: Effect, place: str, signal: str, record: Record,
         k = int(np.clip(np.searchsorted(shares, wanted), 1, len(sizes) - 1))
         low, high = float(sizes[k - 1]), float(sizes[k])
     return float(np.sqrt(low * high))
-
