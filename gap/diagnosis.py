@@ -16,6 +16,7 @@ from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
 from gap.floor import Floor, measured
+from gap.instants import with_instants
 from gap.model import read, silenced
 from gap.pairs import paired
 from gap.problem import Problem
@@ -73,7 +74,7 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     model, quiet = model.starting_at(start), quiet.starting_at(start)
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
-    return with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
+    return with_instants(with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1))
 
 
 def told(

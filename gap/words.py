@@ -122,7 +122,7 @@ def shape(problem: Problem) -> list[str]:
     k = int(np.argmax(np.abs(e).mean(axis=0)))
     log, skipped = problem.record.log, problem.floor.skipped
     against: dict[str, Floats] = {"time": log.t[skipped:]}
-    for s in (*problem.record.played, *problem.record.pinned):
+    for s in log.names:
         values = np.nan_to_num(log[s])
         against[f"the level of {s}"] = values[skipped:]
         against[f"the rate of {s}"] = np.gradient(values)[skipped:]
@@ -143,7 +143,7 @@ def _correlation(a: Floats, b: Floats) -> float:
 
 def segment_of(problem: Problem, place: str) -> tuple[str, ...]:
     """Return the blocks that the logged signals do not tell apart from one of them, which comes first."""
-    logged = [s for s in (*problem.record.played, *problem.record.pinned) if s in problem.quiet.signals]
+    logged = [s for s in problem.record.log.names if s in problem.quiet.signals]
     for segment in problem.quiet.segments(logged):
         if place in segment.blocks:
             return tuple(sorted(segment.blocks, key=lambda name: name != place))
@@ -202,7 +202,7 @@ def notes(problem: Problem) -> tuple[str, ...]:
         else "Residuals of a pinned replay, as they are: the nuisances leave them white."
     )
     return (
-        f"Logged: {', '.join((*record.played, *record.pinned))}; {len(record.log)} rows, {record.log.dt:g} s apart"
+        f"Logged: {', '.join(record.log.names)}; {len(record.log)} rows, {record.log.dt:g} s apart"
         + (f"; {', '.join(told)}." if told else "."),
         "Nuisances of the model: " + ("; ".join(map(str, found)) if found else "none") + ".",
         way,
