@@ -10,7 +10,7 @@
 >>> names()[12:16]
 ('cascade_flow', 'split_range', 'own_map', 'plant_own_map')
 >>> names()[16:]
-('ideal_flow', 'site_flow', 'cascaded_tanks')
+('ideal_flow', 'site_flow', 'second_order_flow', 'level_loop', 'level_cascade', 'cascaded_tanks')
 >>> find("sine").duration
 600.0
 """

@@ -2,12 +2,16 @@
 
     ideal_flow        the thesis's loop 6.2 with an ideal valve, known exactly; the sensor's noise is the only nuisance
     site_flow         the same loop as a site gives it: a scanning controller, an unmeasured load, unsure parameters
+    second_order_flow, level_loop, level_cascade
+                      other loops as a site gives them: two lags and a dead time, an integrating level, a cascade
     cascaded_tanks    two tanks, the upper emptying into the lower, as the public record of the rig was made
 
 All are diagrams without a log: the set point (``SP``), or the pump's voltage (``u``), is an open input, which a log
 drives.  The cases of these names close it with a staircase.
 """
 
+import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from cases.case import Case
@@ -21,6 +25,8 @@ NOISE = 0.004  # standard deviation of the sensor [unit of PV]
 LOAD, LOAD_TIME = 0.01, 60.0  # of the site's load: standard deviation [unit of the process input], time constant [s]
 STAIRS = (1.5, 1.8, 1.35, 1.65, 1.2, 1.5)  # set points of the cases
 DWELL = 600.0  # [s]
+LEVELS = (0.5, 0.55, 0.45, 0.5)
+OUTFLOW, LEVEL_NOISE = 0.5, 0.002  # of the levels: what flows out [share of full inflow], noise [unit of the level]
 
 
 def ideal_flow(rest: float = 0.0) -> "Diagram":
@@ -34,13 +40,16 @@ def ideal_flow(rest: float = 0.0) -> "Diagram":
     >>> ideal_flow().open_inputs
     ('SP',)
     """
-    from blocks import PI, Constant, Historian, Noise, Sum
+    from blocks import PI, Constant, FirstOrder, Historian, IdealValve, Noise, Sum
     from diagram import wire
 
     return wire(
         [
             PI(K_P, T_I, anti_windup="conditional", start_op=rest / K),
-            *_flow(rest, Constant("load", 0.0, name="feed").with_role("disturbance")),
+            IdealValve(spans={"MV": (0.0, 1.0)}),
+            Constant("load", 0.0, name="feed").with_role("disturbance"),
+            Sum("F", {"MV": 1.0, "load": 1.0}, name="inflow"),
+            FirstOrder(K, TAU, start=rest, inputs="F", outputs="y"),
             Noise("noise", sd=NOISE, dt=1.0),
             Sum("PV", {"y": 1.0, "noise": 1.0}, name="sensor").with_role("sensor"),
             Historian(["SP", "PV", "OP", "MV"]),
@@ -60,31 +69,90 @@ def site_flow(rest: float = 0.0) -> "Diagram":
     >>> site_flow().tolerances
     {'process.K': 0.05, 'process.tau': 0.1}
     """
-    from blocks import Historian, Noise, SampledPI, SampledSensor
+    from blocks import FirstOrder, SampledPI
+
+    controller = SampledPI(K_P, T_I, dt=1.0, anti_windup="conditional", integral="present", start_op=rest / K)
+    process = FirstOrder(K, TAU, start=rest, inputs="F", outputs="y")
+    return _site(controller, process, rest, NOISE, "site_flow").with_tolerances({"process.K": 0.05, "process.tau": 0.1})
+
+
+def second_order_flow(rest: float = 0.0) -> "Diagram":
+    """Return a loop of second order with dead time: 3 exp(-2 s)/((10 s + 1)(4 s + 1)), PI of K_p 0.25, T_i 12 s.
+
+    Scan, load, noise and rounding as in ``site_flow``; K within 5 %, the natural frequency within 10 %.  ``rest`` [unit
+    of PV] as there.
+
+    >>> second_order_flow()["process"].params["theta"]
+    2.0
+    """
+    from blocks import SampledPI, SecondOrder
+
+    slow, fast = TAU, 4.0
+    omega = 1.0 / math.sqrt(slow * fast)
+    process = SecondOrder(K, omega, 0.5 * (slow + fast) * omega, 2.0, start=rest, inputs="F", outputs="y")
+    controller = SampledPI(0.25, 12.0, dt=1.0, anti_windup="conditional", integral="present", start_op=rest / K)
+    model = _site(controller, process, rest, NOISE, "second_order_flow")
+    return model.with_tolerances({"process.K": 0.05, "process.omega": 0.1})
+
+
+def level_loop(rest: float = 0.5) -> "Diagram":
+    """Return a level that integrates what flows in: hold-up 200 s, known within 10 %, PI of K_p 4, T_i 400 s.
+
+    The outflow takes half of the full inflow; scan and load as in ``site_flow``, noise 0.002.  ``rest`` [unit of PV]:
+    the level at the start.
+
+    >>> level_loop().tolerances
+    {'process.T': 0.1}
+    """
+    from blocks import Integrator, SampledPI
+
+    process = Integrator(K=1.0, T=200.0, u_0=OUTFLOW, start=rest, inputs="F", outputs="y")
+    controller = SampledPI(4.0, 400.0, dt=1.0, anti_windup="conditional", integral="present", start_op=OUTFLOW)
+    return _site(controller, process, rest, LEVEL_NOISE, "level_loop").with_tolerances({"process.T": 0.1})
+
+
+def level_cascade(rest: float = 0.5) -> "Diagram":
+    """Return a level whose controller moves the set point ``SP`` of a flow loop; its own is ``SP_L``, open.
+
+    Flow: 1/(3 s + 1), PI of K_p 0.5, T_i 3 s, K within 5 %, time constant within 10 %; level: as in ``level_loop``, its
+    hold-up known; ``rest`` [unit of L]: the level at the start.
+
+    >>> level_cascade().open_inputs, level_cascade()["controller"].loop_signal("SP")
+    (('SP_L',), 'SP')
+    """
+    from blocks import FirstOrder, Integrator, SampledPI, SampledSensor
+    from diagram import wire
+
+    scan = {"dt": 1.0, "anti_windup": "conditional", "integral": "present", "start_op": OUTFLOW}
+    process = FirstOrder(1.0, 3.0, start=OUTFLOW, inputs="F", outputs="y")
+    flow = _site(SampledPI(0.5, 3.0, **scan), process, OUTFLOW, NOISE, "flow")
+    outer = [
+        SampledPI(4.0, 400.0, **scan, name="level_controller", inputs=["SP_L", "L"], outputs="SP"),
+        Integrator(K=1.0, T=200.0, u_0=OUTFLOW, start=rest, name="vessel", inputs="y", outputs="h"),
+        SampledSensor(dt=1.0, sd=LEVEL_NOISE, start=rest, name="level_sensor", inputs="h", outputs="L"),
+    ]
+    cascade = wire([*outer, *flow.blocks], inputs=["SP_L"], name="level_cascade")
+    return cascade.with_tolerances({"process.K": 0.05, "process.tau": 0.1})
+
+
+def _site(controller: "Block", process: "Block", rest: float, noise: float, name: str) -> "Diagram":
+    """Return a loop whose controller and sensor scan, with a load that nobody measures at the process input."""
+    from blocks import Historian, IdealValve, Noise, SampledSensor, Sum
     from diagram import wire
 
     return wire(
         [
-            SampledPI(K_P, T_I, dt=1.0, anti_windup="conditional", integral="present", start_op=rest / K),
-            *_flow(rest, Noise("load", sd=LOAD, dt=1.0, correlation_time=LOAD_TIME, name="feed")),
-            SampledSensor(dt=1.0, sd=NOISE, start=rest, inputs="y", outputs="PV"),
+            controller,
+            IdealValve(spans={"MV": (0.0, 1.0)}),
+            Noise("load", sd=LOAD, dt=1.0, correlation_time=LOAD_TIME, name="feed"),
+            Sum("F", {"MV": 1.0, "load": 1.0}, name="inflow"),
+            process,
+            SampledSensor(dt=1.0, sd=noise, start=rest, inputs="y", outputs="PV"),
             Historian(["SP", "PV", "OP", "MV"]),
         ],
         inputs=["SP"],
-        name="site_flow",
-    ).with_tolerances({"process.K": 0.05, "process.tau": 0.1})
-
-
-def _flow(rest: float, feed: "Block") -> "list[Block]":
-    """Return valve, feed, the sum of both and the process."""
-    from blocks import FirstOrder, IdealValve, Sum
-
-    return [
-        IdealValve(spans={"MV": (0.0, 1.0)}),
-        feed,
-        Sum("F", {"MV": 1.0, "load": 1.0}, name="inflow"),
-        FirstOrder(K, TAU, start=rest, inputs="F", outputs="y"),
-    ]
+        name=name,
+    )
 
 
 def cascaded_tanks() -> "Diagram":
@@ -120,37 +188,72 @@ def _driven(model: "Diagram", signal: str, levels: tuple[float, ...], dwell: flo
     return wire([Staircase(signal, levels, dwell=dwell), *model.blocks], name=model.name)
 
 
+def _case(
+    name: str, title: str, about: str, model: "Callable[[], Diagram]", levels: tuple[float, ...], dwell: float,
+    every: float = 5.0, signals: tuple[str, ...] = ("SP", "PV", "OP"),
+) -> Case:  # fmt: skip
+    """Return the case of a model, its open input driven by a staircase."""
+
+    def build() -> "Diagram":
+        made = model()
+        return _driven(made, made.open_inputs[0], levels, dwell)
+
+    return Case(name, title, about, build, len(levels) * dwell, every, tuple, signals)
+
+
 CASES_BY_NAME = {
     case.name: case
     for case in (
-        Case(
-            name="ideal_flow",
-            title="Model of a flow loop, known exactly: ideal valve, continuous PI, sensor noise",
-            about="The thesis's loop 6.2 with an ideal valve; what a gap to it looks like is known to the last digit.",
-            build=lambda: _driven(ideal_flow(rest=STAIRS[0]), "SP", STAIRS, DWELL),
-            duration=len(STAIRS) * DWELL,
+        _case(
+            "ideal_flow",
+            "Model of a flow loop, known exactly: ideal valve, continuous PI, sensor noise",
+            "The thesis's loop 6.2 with an ideal valve; what a gap to it looks like is known to the last digit.",
+            lambda: ideal_flow(rest=STAIRS[0]),
+            STAIRS,
+            DWELL,
             every=1.0,
-            numbers=tuple,
-            signals=("SP", "PV", "OP"),
         ),
-        Case(
-            name="site_flow",
-            title="Model of a flow loop as a site gives it: scanning PI, unmeasured load, tolerances",
-            about="Gain within 5 %, time constant within 10 %, a load at the process input that no sensor sees.",
-            build=lambda: _driven(site_flow(rest=STAIRS[0]), "SP", STAIRS, DWELL),
-            duration=len(STAIRS) * DWELL,
-            every=5.0,
-            numbers=tuple,
-            signals=("SP", "PV", "OP"),
+        _case(
+            "site_flow",
+            "Model of a flow loop as a site gives it: scanning PI, unmeasured load, tolerances",
+            "Gain within 5 %, time constant within 10 %, a load at the process input that no sensor sees.",
+            lambda: site_flow(rest=STAIRS[0]),
+            STAIRS,
+            DWELL,
         ),
-        Case(
-            name="cascaded_tanks",
-            title="Model of two cascaded tanks without overflow: pump voltage to level of the lower tank",
-            about="Torricelli's law in both tanks, fitted to the public estimation record; the rig itself runs over.",
-            build=lambda: _driven(cascaded_tanks(), "u", (3.0, 4.0, 2.0, 5.0), 1000.0),
-            duration=4000.0,
+        _case(
+            "second_order_flow",
+            "Model of a loop of second order with dead time, as a site gives it",
+            "Two lags of 10 and 4 s and a dead time of 2 s; scan, load and noise as in site_flow.",
+            lambda: second_order_flow(rest=STAIRS[0]),
+            STAIRS,
+            DWELL,
+        ),
+        _case(
+            "level_loop",
+            "Model of an integrating level with its PI, as a site gives it",
+            "Hold-up 200 s within 10 %, half of the full inflow taken out; scan and load as in site_flow.",
+            level_loop,
+            LEVELS,
+            1800.0,
+        ),
+        _case(
+            "level_cascade",
+            "Model of a level whose controller moves the set point of a flow loop, as a site gives it",
+            "The level of level_loop over a flow loop of 3 s; scan, load and noise as in site_flow.",
+            level_cascade,
+            LEVELS,
+            1800.0,
+            signals=("SP_L", "L", "SP", "PV", "OP"),
+        ),
+        _case(
+            "cascaded_tanks",
+            "Model of two cascaded tanks without overflow: pump voltage to level of the lower tank",
+            "Torricelli's law in both tanks, fitted to the public estimation record; the rig itself runs over.",
+            cascaded_tanks,
+            (3.0, 4.0, 2.0, 5.0),
+            1000.0,
             every=4.0,
-            numbers=tuple,
             signals=("u", "y"),
         ),
     )

@@ -35,7 +35,9 @@ def users(diagram: Diagram, signal: str) -> tuple[str, ...]:
 
 
 def measured(diagram: Diagram, sensor: Block) -> str | None:
-    """Return the signal that a sensor measures: of what it reads, the one from no source; None if unclear."""
+    """Return the signal that a sensor measures: the only one it reads, or the one from no source; None if unclear."""
+    if len(sensor.input_labels) == 1:
+        return str(sensor.input_labels[0])
     driven = diagram.driven
     found = [
         str(signal)
@@ -50,6 +52,26 @@ def noise_of(diagram: Diagram, sensor: Block) -> str | None:
     read = [diagram.blocks[diagram.driven[s][0]] for s in sensor.input_labels if s in diagram.driven]
     found = [b.name for b in [sensor, *(b for b in read if b.role.drives)] if b.params.get("sd", 0.0) > 0.0]
     return found[0] if len(found) == 1 else None
+
+
+def made_of(diagram: Diagram, signal: str) -> list[str]:
+    """Return a signal and those that it is made of, nearest first, back to a controller; sources are left out.
+
+    >>> from plant.loops import self_regulating_loop
+    >>> made_of(self_regulating_loop(), "MV")
+    ['MV', 'OP']
+    """
+    found = [signal]
+    for one in found:
+        if one in diagram.driven:
+            driver = diagram.blocks[diagram.driven[one][0]]
+            if driver.role is not Role.CONTROLLER:
+                found += [str(s) for s in driver.input_labels if s not in found and not _of_source(diagram, str(s))]
+    return found
+
+
+def _of_source(diagram: Diagram, signal: str) -> bool:
+    return signal in diagram.driven and diagram.blocks[diagram.driven[signal][0]].role.drives
 
 
 def reaches_process(diagram: Diagram, block: Block) -> bool:

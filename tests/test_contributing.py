@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from blocks import BlockError
+from blocks import BlockError, Sensor, Sine
 from blocks.dry_run import dry_run
-from diagram import drive
+from diagram import drive, simulate, wire
+from gap.effect import EffectError
 from logs import LoopRecord
 
 TEMPLATES = re.findall(r"```python\n(.*?)```", (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(), re.S)
@@ -42,3 +43,13 @@ def test_the_detector_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
     assert method.detect(LoopRecord.from_arrays(t, pv=2.0 * wave, op=wave)).verdict == "stiction"
     assert method.detect(LoopRecord.from_arrays(t, pv=0.5 * wave, op=wave)).index == pytest.approx(0.5)
     assert method.detect(LoopRecord.from_arrays(t, pv=wave, op=0.0 * t)).code == "constant_signal"
+
+
+def test_the_effect_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    effect = loaded(2, monkeypatch).SensorHysteresis()
+    loop = wire([Sine("y", 1.0, 100.0), Sensor(inputs="y", outputs="PV")])
+    assert effect.places(loop) == ("sensor",) and effect.insert(loop, "sensor", width=0.0) is loop
+    log = simulate(effect.insert(loop, "sensor", width=0.2), 200.0, every=1.0).log
+    assert np.abs(log["PV"] - log["y"])[50:].max() == pytest.approx(0.1, abs=1e-6)  # analytic: half the width behind
+    with pytest.raises(EffectError, match=r"width = -1, but it must be finite and at least 0; give 0 for none"):
+        effect.insert(loop, "sensor", width=-1.0)

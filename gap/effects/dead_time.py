@@ -11,8 +11,9 @@ from blocks.block import Block
 from blocks.dead_time import DeadTime as Delay
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, not_below
+from gap.effect import Parameter, known_first, not_below
 from gap.inserted import Inserted
+from gap.paths import made_of
 
 
 class DeadTime(Inserted):
@@ -51,7 +52,7 @@ class DeadTime(Inserted):
         return not_below(values, {"theta": 0.0})
 
     def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:
-        """Return the diagram with the delay full of the first value of what enters it."""
-        name = place if diagram[place].dead_time_param else self.block(place)
-        signal = str(diagram[name].input_labels[0])
-        return diagram.with_params({f"{name}.theta_start": first[signal]}) if signal in first else diagram
+        """Return the diagram with the delay full of the first value of what enters it, or of what that is made of."""
+        block = diagram[place if diagram[place].dead_time_param else self.block(place)]
+        before = known_first(first, made_of(diagram, str(block.input_labels[0])), block.value_before)
+        return diagram.with_params({f"{block.name}.{block.before_param}": before})

@@ -9,7 +9,7 @@ import pytest
 from blocks import Staircase
 from blocks.role import Role
 from cases import find
-from cases.models import cascaded_tanks, ideal_flow, site_flow
+from cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, site_flow
 from diagram import simulate, wire
 
 DATA = Path(os.environ.get("STICKSLIP_DATA", "../shared/data")) / "cascaded_tanks" / "estimation.csv"
@@ -54,8 +54,20 @@ def test_blocks_have_the_names_and_roles_of_the_contract(model):
     assert {"PV", "OP", "MV"} <= set(model().signals) and model().open_inputs == ("SP",)
 
 
+def test_other_loops_are_what_they_are_said_to_be():
+    """Analytic: without noise and load each settles at its set point, with the opening that its gain asks for."""
+    for name, opening in (("second_order_flow", 0.5), ("level_loop", 0.5), ("level_cascade", 0.5)):
+        built = find(name).build()
+        built = built.with_params({f"{b.name}.sd": 0.0 for b in built.blocks if "sd" in b.params})
+        log = simulate(built, find(name).duration, every=5.0, rtol=1e-8).log
+        assert log["OP"][-1] == pytest.approx(opening, abs=2e-3)
+        for sp, pv in (("SP", "PV"), ("SP_L", "L")):
+            if sp in log:
+                assert log[pv][-1] == pytest.approx(log[sp][-1], abs=2e-3)
+
+
 def test_cases_of_these_names_run():
-    for name in ("ideal_flow", "site_flow", "cascaded_tanks"):
+    for name in CASES_BY_NAME:
         run = find(name).run()
         assert run.ok and run.diagram.open_inputs == ()
         assert all(np.isfinite(run.log[s]).all() for s in run.log.names)

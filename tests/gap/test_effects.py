@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from blocks import FirstOrder, Recorded, SampledPI, Staircase
-from cases.models import cascaded_tanks, ideal_flow, site_flow
+from cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, site_flow
 from diagram import simulate, wire
 from gap.effect import EffectError
 from gap.effects import CATALOGUE, effect
@@ -313,6 +313,38 @@ def test_a_leak_a_bias_and_a_step_from_the_start_are_one_class():
         put("sensor_bias", "sensor", offset=0.06),
     ]
     assert same(*made) < 1e-12 < 1e-3 < same(up, made[0])
+
+
+# --- in any diagram ---------------------------------------------------------------------------------------------------
+LEGAL = [
+    (name, one.name, place)
+    for name, case in CASES_BY_NAME.items()
+    for built in [case.build()]
+    for one in CATALOGUE
+    for place in one.places(built)
+]
+
+
+@pytest.mark.parametrize(("model", "name", "place"), LEGAL)
+def test_every_effect_runs_at_every_place_of_every_model(model, name, place):
+    built, one = CASES_BY_NAME[model].build(), effect(name)
+    low, high = one.bounds(built, place)[one.parameters[0].name]
+    values = {"tank_overflow": {"level": 9.0, "share": 0.5}}.get(name) or dict(SIZES.get(name, ("", {}, {}))[2])
+    if name == "sensor_noise":
+        values = {"factor": 2.0}
+    changed = one.started(one.insert(built, place, **values), place, {})
+    assert changed.open_inputs == built.open_inputs and set(built.signals) <= set(changed.signals)
+    assert changed.tolerances == built.tolerances
+    assert low < high and (one.of_log or changed is not built)
+    logged = simulate(changed, 200.0, every=5.0)
+    assert logged.ok and all(np.isfinite(logged.log[s]).all() for s in logged.log.names)
+
+
+def test_places_are_found_in_other_diagrams_too():
+    found = {(name, place) for model, name, place in LEGAL if model == "level_cascade"}
+    assert {("controller_gain", "controller"), ("controller_gain", "level_controller")} <= found
+    assert {("sensor_bias", "sensor"), ("sensor_bias", "level_sensor"), ("dead_time", "vessel")} <= found
+    assert {place for name, place in found if name == "step_disturbance"} == {"feed"}
 
 
 # --- refusals ---------------------------------------------------------------------------------------------------------

@@ -1,0 +1,139 @@
+"""Which records the benchmark has: for tuning and for the report, other seeds, other effects outside the catalogue.
+
+Nothing is drawn here that depends on a diagnosis; a run is named by its key, so that a benchmark can go on where it was
+stopped.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from benchmarks.gap.generator import Record, record
+from benchmarks.gap.severities import IDEAL, OUTSIDE_FOR_REPORT, OUTSIDE_FOR_TUNING, SEVERITIES
+
+VISIBLE = 0.05  # gap in units of the sensor's noise, below which an effect counts as having left no trace
+# what no log of SP, PV and OP tells apart with linear blocks, and what still cannot be told apart with MV
+CLASSES = (
+    ("valve_gain", "process_gain", "sensor_span"),
+    ("positioner_lag", "second_lag", "sensor_lag"),
+    ("valve_leak", "sensor_bias"),
+)
+CLASSES_WITH_MV = (CLASSES[0], ("second_lag", "sensor_lag"), CLASSES[2])
+PLACES = {
+    **dict.fromkeys(
+        ("stiction", "deadband", "valve_leak", "valve_saturation", "valve_rate_limit", "positioner_lag",
+         "valve_characteristic", "valve_gain"), "valve",
+    ),
+    **dict.fromkeys(("dead_time", "process_gain", "process_time_constant", "second_lag"), "process"),
+    **dict.fromkeys(
+        ("sensor_bias", "sensor_drift", "sensor_span", "sensor_lag", "sensor_noise", "quantisation"), "sensor"
+    ),
+    "compression": "historian",
+    **dict.fromkeys(
+        ("controller_gain", "controller_integral_time", "controller_limits", "controller_filter", "scan_time"),
+        "controller",
+    ),
+    **dict.fromkeys(("sine_disturbance", "step_disturbance", "slug"), "feed"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Run:
+    """One record to make: setting, effects, severity, seed, an effect ``outside`` the catalogue, whether MV is logged."""
+
+    family: str
+    setting: str
+    effects: tuple[str, ...] = ()
+    severity: str = "typical"
+    seed: int = 0
+    outside: str = ""
+    mv: bool = False
+
+    @property
+    def key(self) -> str:
+        """A name of the run that no other has."""
+        what = "+".join(self.effects) or self.outside or "none"
+        logged = "mv" if self.mv else "no_mv"
+        return "/".join([self.family, self.setting, what, self.severity.replace(" ", "_"), str(self.seed), logged])
+
+    def made(self) -> Record:
+        """Return the record, always the same one."""
+        return record(self.setting, self.effects, self.severity, self.seed, family=self.family, outside=self.outside)
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """The blocks at which the effects are, () where there is none or it is outside the catalogue."""
+        return tuple(PLACES[name] for name in self.effects)
+
+
+def alike(name: str, mv: bool = False) -> tuple[str, ...]:
+    """Return the effects that the same log could come from, itself among them.
+
+    >>> alike("sensor_lag", mv=True), alike("stiction")
+    (('second_lag', 'sensor_lag'), ('stiction',))
+    """
+    return next((group for group in (CLASSES_WITH_MV if mv else CLASSES) if name in group), (name,))
+
+
+def singles(family: str, setting: str, severities: tuple[str, ...], seeds: int, mv: bool = False) -> Iterator[Run]:
+    """Yield every effect of the catalogue of loops at these severities, ``seeds`` times each."""
+    for name in IDEAL:
+        for severity in severities:
+            for seed in range(seeds):
+                yield Run(family, setting, (name,), severity, seed, mv=mv)
+
+
+def without(family: str, setting: str, count: int) -> Iterator[Run]:
+    """Yield runs without any effect."""
+    for seed in range(count):
+        yield Run(family, setting, seed=1000 + seed)
+
+
+def outside(family: str, setting: str, severities: tuple[str, ...], seeds: int) -> Iterator[Run]:
+    """Yield runs with effects that no catalogue has: other kinds for the report than for tuning."""
+    for kind in OUTSIDE_FOR_TUNING if family == "tuning" else OUTSIDE_FOR_REPORT:
+        for severity in severities:
+            for seed in range(seeds):
+                yield Run(family, setting, (), severity, 2000 + seed, outside=kind)
+
+
+def pairs(family: str, setting: str, count: int) -> Iterator[Run]:
+    """Yield runs with two effects at typical severity that a log can tell apart, drawn from all such pairs."""
+    known = [
+        (a, b)
+        for a, b in combinations(IDEAL, 2)
+        if b not in alike(a) and {a, b} != {"stiction", "deadband"} and "compression" not in (a, b)
+        and {a, b} != {"valve_saturation", "controller_limits"} and "valve_rate_limit" not in (a, b)
+    ]  # fmt: skip
+    rng = np.random.default_rng(7 if family == "tuning" else 8)
+    for k in rng.permutation(len(known))[:count]:
+        yield Run(family, setting, known[k], seed=3000 + int(k))
+
+
+def benchmark(family: str) -> tuple[Run, ...]:
+    """Return all runs of a family, "tuning" or "report", in the order in which they are best made.
+
+    >>> runs = benchmark("report")
+    >>> len({run.key for run in runs}) == len(runs), sum(run.setting == "site" for run in runs)
+    (True, 544)
+    """
+    two, far = SEVERITIES[1:], family == "report"
+    found = [
+        *singles(family, "ideal", SEVERITIES, 4 if far else 1),
+        *without(family, "ideal", 300 if far else 60),
+        *outside(family, "ideal", SEVERITIES, 7 if far else 2),
+        *pairs(family, "ideal", 72 if far else 20),
+        *singles(family, "ideal", two, 1, mv=True),
+        *singles(family, "coarse", two, 2 if far else 1),
+        *without(family, "coarse", 40 if far else 10),
+        *singles(family, "site", two, 6 if far else 1),
+        *without(family, "site", 100 if far else 20),
+        *outside(family, "site", two, 7 if far else 2),
+    ]
+    if far:
+        found += outside(family, "site", SEVERITIES[:1], 1)
+    for setting in ("second_order", "level", "cascade"):
+        found += [*singles(family, setting, ("typical",), 2 if far else 1), *without(family, setting, 20 if far else 5)]
+    return tuple(found)

@@ -1,0 +1,41 @@
+"""The list of records of the gap's benchmark: enough of each kind, and none of the report used for tuning."""
+
+from benchmarks.gap.runs import CLASSES, PLACES, alike, benchmark
+from benchmarks.gap.severities import IDEAL
+from cases.models import ideal_flow
+from gap.effects import effect
+
+
+def test_places_are_those_of_the_catalogue():
+    for name in IDEAL:
+        assert effect(name).places(ideal_flow()) == (PLACES[name],)
+    assert alike("valve_gain") == CLASSES[0] and alike("positioner_lag", mv=True) == ("positioner_lag",)
+
+
+def test_there_are_enough_of_each_kind():
+    runs = benchmark("report")
+
+    def count(setting, **what):
+        return sum(run.setting == setting and all(getattr(run, k) == v for k, v in what.items()) for run in runs)
+
+    assert count("ideal", effects=(), outside="") == 300
+    assert sum(run.setting == "ideal" and run.outside != "" for run in runs) >= 150
+    assert sum(len(run.effects) == 2 for run in runs) >= 60
+    assert sum(run.setting == "site" and len(run.effects) == 1 for run in runs) >= 300
+    assert count("site", effects=(), outside="") >= 100
+    assert sum(run.setting == "site" and run.outside != "" for run in runs) >= 100
+
+
+def test_nothing_of_the_report_is_used_for_tuning():
+    tuning, report = benchmark("tuning"), benchmark("report")
+    assert len({run.key for run in (*tuning, *report)}) == len(tuning) + len(report)
+    assert not {run.outside for run in tuning if run.outside} & {run.outside for run in report}
+    pairs = [{run.effects for run in family if len(run.effects) == 2} for family in (tuning, report)]
+    assert len(pairs[0]) == 20 and len(pairs[1]) == 72
+
+
+def test_a_run_makes_the_same_record_each_time():
+    run = next(run for run in benchmark("tuning") if run.effects == ("sensor_bias",))
+    one, other = run.made(), run.made()
+    assert (one.signals["PV"] == other.signals["PV"]).all() and run.places == ("sensor",)
+    assert run.key == "tuning/ideal/sensor_bias/just_visible/0/no_mv"
