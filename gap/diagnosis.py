@@ -22,7 +22,7 @@ from gap.pairs import paired
 from gap.problem import Problem
 from gap.record import GapError
 from gap.report import GapReport
-from gap.search import Fit
+from gap.search import Fit, settled
 from gap.start import start_values
 from gap.texture import fitted_compression, with_lattices
 from gap.words import adequate_pair, named, named_pair, no_gap, tied, unknown
@@ -74,7 +74,8 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     model, quiet = model.starting_at(start), quiet.starting_at(start)
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
-    return with_instants(with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1))
+    problem = with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
+    return settled(with_instants(problem))
 
 
 def told(
