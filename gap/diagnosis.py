@@ -12,6 +12,7 @@ from typing import Any
 from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import adequate, needed
+from gap.cache import keep, kept
 from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
@@ -72,8 +73,10 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     quiet = silenced(model)
     start = start_values(quiet, record)
     model, quiet = model.starting_at(start), quiet.starting_at(start)
+    floor = floor or kept(model, record)
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
+        keep(model, record, floor)
     problem = with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
     return settled(with_instants(problem))
 
