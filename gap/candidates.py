@@ -39,11 +39,13 @@ def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> 
     ]
 
 
-def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
+def ranked(legal: Sequence[Candidate], progress: Progress = None, hidden: bool = True) -> list[Fit]:
     """Return the best fit of every candidate that could be replayed, the best explanation first.
 
-    Effects with a hidden mode, which cost most, come last, and only while nothing else explains the record.
+    Effects with a hidden mode, which cost most, come last, and only while nothing else explains the record; ``hidden``
+    False leaves them out.
     """
+    legal = [one for one in legal if hidden or not (one.effect and one.effect.hidden)]
     if not legal:
         return []
     problem = legal[0].problem
@@ -51,10 +53,10 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
     ordered = sorted(legal, key=lambda one: bool(one.effect and one.effect.hidden))
     with reporting(progress, len(legal), "effects") as tell:
         for done, candidate in enumerate(ordered):
-            hidden = bool(candidate.effect and candidate.effect.hidden)
-            if hidden and not followed(found):
+            last = bool(candidate.effect and candidate.effect.hidden)
+            if last and not followed(found):
                 found = _finished(found)
-            if not (hidden and found and found[0].F <= problem.limit):
+            if not (last and found and problem.limit >= found[0].F):
                 fit = way(candidate)(candidate)
                 if fit is not None and np.isfinite(fit.F):
                     found.append(replace(fit, price=price(fit)))

@@ -35,8 +35,10 @@ SMALLEST = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Floor:
-    """Residuals without a gap.  ``changes`` (signals,) whether the change of an offset is the residual; ``A`` (order,
-    signals, signals); ``L`` (signals, signals); ``skipped`` rows; ``scores`` (runs,) of F without a gap, sorted, each over ``rows`` rows.
+    """Residuals without a gap.
+
+    ``changes`` (signals,) whether the change of an offset is the residual; ``A`` (order, signals, signals); ``L``
+    (signals, signals); ``skipped`` rows; ``scores`` (runs,) of F without a gap, sorted, each over ``rows`` rows.
     """
 
     changes: NDArray[np.bool_]

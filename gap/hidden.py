@@ -4,28 +4,33 @@ A grid over both sizes, the second as a share of the first; then patterns of poi
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from gap.search import Candidate, Fit
+from gap.search import Candidate, Fit, best_of
 
 FIRST = 14  # sizes of the first parameter
 SHARES = (0.0, 0.12, 0.25, 0.4, 0.6, 0.85)  # the second as a share of the first
 KEPT = 3  # troughs that are followed
 SHRINK = 0.55  # of a pattern from round to round
-FINEST = 5e-4  # relative size of the last pattern
-ENOUGH = 1.0  # nats: a narrow pattern that gains less is the last
+FINEST = 2e-4  # relative size of the last pattern
+ENOUGH = 50.0  # nats that the first part of the record must gain by the effect
+HEAD = 0.4  # share of the record that is enough for the grid
+WIDER = 0.9  # of a pattern that has moved
 
 Point = tuple[float, float]  # the first size, and the second as a share of it
 
 
 def fitted_hidden(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode; None if no run succeeded."""
+    record = candidate.problem.record
+    head = replace(candidate, problem=replace(candidate.problem, record=record.first_part(HEAD)))
     names = candidate.sizes
     first = np.geomspace(*candidate.bounds[names[0]], FIRST)
     shares = SHARES if len(names) > 1 else (0.0,)
     points = [(float(size), share) for size in first for share in shares]
-    found = [*zip(points, _at(candidate, points), strict=True)]
+    found = [*zip(points, _at(head, points), strict=True)]
     found.sort(key=lambda one: one[1].F)
     kept: list[tuple[Point, Fit]] = []
     for point, fit in found:
@@ -34,11 +39,12 @@ def fitted_hidden(candidate: Candidate) -> Fit | None:
         if len(kept) == KEPT:
             break
     wide = float(np.log(first[1] / first[0])) * 0.5
-    best = [_followed(candidate, *one, wide, 0.12, rounds=3) for one in kept]
-    point, fit = min(best, key=lambda one: one[1].F)
-    if np.isfinite(fit.F) and fit.F < candidate.absent.F:
-        _, fit = _followed(candidate, point, fit, wide * SHRINK**2, 0.12 * SHRINK**2)
-    return fit if np.isfinite(fit.F) else None
+    best = [_followed(head, *one, wide, 0.12, rounds=4) for one in kept]
+    point, fit, wide, across = min(best, key=lambda one: one[1].F)
+    if not fit.F < head.absent.F - ENOUGH:
+        return best_of(_at(candidate, [point]))
+    point, _, wide, across = _followed(head, point, fit, wide, across, finest=10.0 * FINEST)
+    return _followed(candidate, point, _at(candidate, [point])[0], max(wide, 0.01), max(across, 0.01))[1]
 
 
 def _at(candidate: Candidate, points: Sequence[Point]) -> list[Fit]:
@@ -46,13 +52,19 @@ def _at(candidate: Candidate, points: Sequence[Point]) -> list[Fit]:
 
 
 def _followed(
-    candidate: Candidate, point: Point, fit: Fit, wide: float, across: float, rounds: int = 40
-) -> tuple[Point, Fit]:
-    """Return the bottom of the trough around a point: (size, share) and the fit there."""
+    candidate: Candidate,
+    point: Point,
+    fit: Fit,
+    wide: float,
+    across: float,
+    rounds: int = 40,
+    finest: float = FINEST,
+) -> tuple[Point, Fit, float, float]:
+    """Return the bottom of the trough around a point, (size, share), the fit there, and the pattern's last widths."""
     low, high = candidate.bounds[candidate.sizes[0]]
     flat = len(candidate.sizes) < 2
     for _ in range(rounds):
-        if wide < FINEST:
+        if wide < finest:
             break
         pattern = [(-1.0, 0.0), (1.0, 0.0), (-0.4, 0.0), (0.4, 0.0)]
         if not flat:
@@ -64,10 +76,8 @@ def _followed(
         fits = _at(candidate, points)
         k = int(np.argmin([one.F for one in fits]))
         if fits[k].F < fit.F:
-            gained, point, fit = fit.F - fits[k].F, points[k], fits[k]
-            wide, across = 0.8 * wide, 0.8 * across
-            if gained < ENOUGH and wide < 20.0 * FINEST:
-                break
+            point, fit = points[k], fits[k]
+            wide, across = WIDER * wide, WIDER * across
         else:
             wide, across = SHRINK * wide, SHRINK * across
-    return point, fit
+    return point, fit, wide, across

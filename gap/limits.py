@@ -28,7 +28,7 @@ def fitted_limits(candidate: Candidate) -> Fit | None:
         fits = [f for f in candidate.tried([{**values, name: float(v)} for v in grid]) if math.isfinite(f.F)]
         if len(fits) > 1:
             size, F = between(fits, name)
-            if F < min(fit.F for fit in fits) - SETTLED:
+            if min(fit.F for fit in fits) - SETTLED > F:
                 fits += candidate.tried([{**values, name: size}])
         best = best_of([best, *fits])
     return best

@@ -13,18 +13,30 @@ from gap.offsets import known_starts, offsets
 from gap.record import Record
 
 Floats = NDArray[np.float64]
+AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
 SIGMAS = 4.5  # by which F may exceed its mean without a gap
 
 
 @dataclass(frozen=True, eq=False)
+class Settled:
+    """Parameters that are known within tolerances, as they suit the record best: ``values``, and innovations ``e``."""
+
+    values: Mapping[str, float]
+    e: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Problem:
-    """``model`` with its nuisances, ``quiet`` without, both starting as the record does; ``record``; ``floor``."""
+    """``model`` with its nuisances, ``quiet`` without, both starting as the record does; ``record``; ``floor``;
+    ``settled`` the parameters that have tolerances, as they suit the record best without any effect.
+    """
 
     model: Diagram
     quiet: Diagram
     record: Record
     floor: Floor
     start: Mapping[str, float]
+    settled: Settled | None = None
 
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:
@@ -43,11 +55,35 @@ class Problem:
     ) -> Floats:
         """Return the innovations of a diagram, one run for each entry of the parameters, (runs, rows, signals)."""
         ready = diagram.starting_at(known_starts(diagram, self.start))
-        return self.floor.innovations(offsets(ready, record or self.record, params))
+        e = self.floor.innovations(offsets(ready, record or self.record, params))
+        if self.floor.coloured:
+            e[:, self.at_limit[: e.shape[1]]] = np.nan
+        return e
+
+    @cached_property
+    def at_limit(self) -> NDArray[np.bool_]:
+        """Whether a logged signal is at a limit of the block that drives it, or was a moment ago, (scored rows,).
+
+        There the model is not linear, and a filter of it says nothing for some rows.
+        """
+        log = self.record.log
+        found = np.zeros(len(log), dtype=bool)
+        for s in self.record.pinned:
+            block = self.quiet.blocks[self.quiet.driven[s][0]]
+            if block.limit_params is None:
+                continue
+            low, high = block.limits
+            near = 1.5 * self.record.lattice(s)
+            found |= (log[s] <= low + near) | (log[s] >= high - near)
+        for back in range(1, AFTER_LIMIT):
+            found[back:] |= found[:-back] & True
+        return found[self.floor.skipped :]
 
     @cached_property
     def as_it_is(self) -> Floats:
-        """Innovations of the model as it is, (rows, signals)."""
+        """Innovations of the model as it is, its unsure parameters settled within their tolerances, (rows, signals)."""
+        if self.settled is not None:
+            return self.settled.e
         found: Floats = self.innovations(self.quiet)[0]
         return found
 

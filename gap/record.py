@@ -67,8 +67,8 @@ class Record:
 
     @cached_property
     def first(self) -> dict[str, float]:
-        """First good value of each signal of the diagram that the log has."""
-        return {s: float(self.log[s][self.log.good(s)][0]) for s in (*self.played, *self.pinned)}
+        """First good value of each signal of the log."""
+        return {s: float(self.log[s][self.log.good(s)][0]) for s in self.log.names if self.log.good(s).any()}
 
     def rounded(self, values: dict[str, Floats]) -> dict[str, Floats]:
         """Return values of the pinned signals rounded as the log rounds them."""

@@ -18,7 +18,7 @@ from diagram.diagram import Diagram
 from gap.effect import Effect
 from gap.effects.sensor_noise import SensorNoise
 from gap.floor import losses, scored
-from gap.problem import Problem
+from gap.problem import Problem, Settled
 from gap.robust import step
 
 Floats = NDArray[np.float64]
@@ -58,7 +58,8 @@ class Candidate:
     def nominal(self) -> dict[str, float]:
         """Parameter -> its value without the effect."""
         own = self.effect.nominal(self.base, self.place) if self.effect else {}
-        return own | {key: float(self.problem.quiet.params[key]) for key in self.problem.free}
+        settled = self.problem.settled.values if self.problem.settled else {}
+        return own | {key: float(settled.get(key, self.problem.quiet.params[key])) for key in self.problem.free}
 
     @cached_property
     def sizes(self) -> tuple[str, ...]:
@@ -96,8 +97,7 @@ class Candidate:
     @cached_property
     def absent(self) -> "Fit":
         """The fit without the effect, the model's own parameters nominal."""
-        e = self.problem.innovations(self.base)[0]
-        return Fit(self, self.nominal, float(scored(e)), e)
+        return replace(self, effect=None, place="").tried([{}])[0].of(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +114,10 @@ class Fit:
     e: Floats = field(repr=False)
     price: float = 0.0
     followed: bool = False
+
+    def of(self, candidate: Candidate) -> "Fit":
+        """Return the same replay as a fit of another candidate, whose effect is not there."""
+        return replace(self, candidate=candidate, values=candidate.nominal)
 
     @property
     def total(self) -> float:
@@ -202,6 +206,14 @@ def refined(fit: Fit, rounds: int = ROUNDS, names: Sequence[str] | None = None) 
         if gained < SETTLED:
             return fit
     return fit
+
+
+def settled(problem: Problem) -> Problem:
+    """Return a problem with its unsure parameters as they suit the record best."""
+    if not problem.free:
+        return problem
+    fit = refined(Candidate(problem, problem.quiet).absent)
+    return replace(problem, settled=Settled({key: fit.values[key] for key in problem.free}, fit.e))
 
 
 def between(fits: Sequence[Fit], name: str) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gap.cache import keep, kept
 from gap.effect import Effect
 from gap.floor import measured, without_gap
 from gap.offsets import offsets
@@ -53,7 +54,10 @@ def with_lattices(problem: Problem, runs: int, seed: int) -> Problem:
     if not found:
         return problem
     record = replace(problem.record, lattices=found)
-    floor, _ = measured(problem.model, problem.quiet, record, runs, seed)
+    floor = kept(problem.model, record)
+    if floor is None:
+        floor, _ = measured(problem.model, problem.quiet, record, runs, seed)
+        keep(problem.model, record, floor)
     return replace(problem, record=record, floor=floor)
 
 
@@ -102,4 +106,3 @@ def _matching(log: Log, effect: Effect, place: str, signal: str, record: Record,
         k = int(np.clip(np.searchsorted(shares, wanted), 1, len(sizes) - 1))
         low, high = float(sizes[k - 1]), float(sizes[k])
     return float(np.sqrt(low * high))
-

@@ -1,0 +1,176 @@
+"""How well the gap between a model and a log is diagnosed, on records of a program that shares no code with it.
+
+Resumable: each diagnosis is one line of a file in ``--folder``; what is there is not made again.
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.gap.models import model
+from benchmarks.gap.runs import VISIBLE, Run, benchmark
+from benchmarks.gap.scoring import baselines, judged, share, wilson
+from benchmarks.report import Figures, publish
+
+NOTES = {
+    "place": "place right up to its class, ideal flow loop, typical and gross (required: at least 0.97)",
+    "place_with_mv": "the same with MV logged (required: at least 0.97)",
+    "cause_top1": "cause right up to its class, typical and gross (required: at least 0.97)",
+    "cause_top3": "cause among the first three (required: at least 0.98)",
+    "cause_strict": "cause named first, classes not counted",
+    "set_size": "mean number of effects in the named set",
+    "cause_just_visible": "cause right, just visible (required: at least 0.92)",
+    "false_alarm": "alarms on records without a gap (required: at most 0.004)",
+    "unknown_recall": "effects outside the catalogue called unknown (required: at least 0.9)",
+    "confident_wrong": "wrong names above 0.8 on effects outside the catalogue (required: at most 0.02)",
+    "pairs_both": "pairs with both effects named (required: at least 0.8)",
+    "shrinkage_median": "held-out shrinkage of right names (required: at least 0.98)",
+    "shrinkage_p10": "its tenth percentile (required: at least 0.9)",
+    "parameter_error": "median error relative to the effect (required: at most 0.01)",
+    "calibration_error": "stated probability less share of right names (required: at most 0.05)",
+    "coarse_cause": "cause right, log rounded to 0.001 and 0.1 % (required: at least 0.92)",
+    "site_place": "place right, site loop, typical and gross (required: at least 0.9)",
+    "site_cause": "cause right, site loop, typical and gross (required: at least 0.9)",
+    "site_unknown": "unknown recognised, site loop (required: at least 0.75)",
+    "site_confident_wrong": "wrong names above 0.8, site loop (required: at most 0.03)",
+    "site_false_alarm": "alarms, site loop (required: at most 0.02)",
+    "general_place": "place right: second order, level, cascade (required: at least 0.85)",
+    "general_cause": "cause right: second order, level, cascade (required: at least 0.8)",
+    "invisible": "runs left out: the effect leaves no trace",
+    "free_run_place": "baseline: place of the signal with the largest free-run error",
+    "loop_s": "median seconds of one diagnosis, floor known (required: at most 5)",
+    "first_s": "seconds of the first diagnosis of a model (required: at most 90)",
+}
+
+
+def rows(runs: Sequence[Run], folder: Path, seconds: float) -> Iterator[dict[str, Any]]:
+    """Yield what each run came to: those in the folder first made earlier, then new ones until time is up."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "diagnoses.jsonl"
+    done = {row["key"]: row for row in map(json.loads, file.read_text().splitlines())} if file.exists() else {}
+    until = time.monotonic() + seconds
+    first: set[str] = set()
+    for run in runs:
+        if run.key in done:
+            yield done[run.key]
+        elif time.monotonic() < until:
+            row = _row(run, first)
+            with file.open("a") as out:
+                out.write(json.dumps(row) + "\n")
+            yield row
+
+
+def _row(run: Run, first: set[str]) -> dict[str, Any]:
+    from gap import diagnose
+    from logs import Log
+
+    record = run.made()
+    signals = {s: v for s, v in record.signals.items() if s != "time" and (run.mv or s != "MV")}
+    begin = time.perf_counter()
+    report = diagnose(model(run.setting), Log(record.signals["time"], signals), progress=False).to_dict()
+    seconds = time.perf_counter() - begin
+    truth = {"gap": record.gap, "effects": {k: dict(v) for k, v in record.effects.items()}}
+    row = judged(run, truth, report, seconds) | baselines(record)
+    row |= {"setting": run.setting, "severity": run.severity, "mv": run.mv, "effects": list(run.effects),
+            "outside": run.outside, "first": run.setting not in first, "family": run.family}  # fmt: skip
+    first.add(run.setting)
+    return row
+
+
+def figures(found: Sequence[dict[str, Any]]) -> tuple[Figures, dict[str, str]]:
+    """Return the figures of the issue, and for each share its count and interval in words."""
+    single = [r for r in found if len(r["effects"]) == 1]
+    seen = [r for r in single if r["visible"] > VISIBLE]
+    counts: dict[str, str] = {}
+    out: Figures = {}
+
+    def add(name: str, some: list[dict[str, Any]], what: str) -> None:
+        hits, of = share(some, what)
+        out[name] = hits / of if of else None
+        low, high = wilson(hits, of)
+        counts[name] = f"{hits} of {of}, {low:.3f} to {high:.3f}" if of else "none"
+
+    def at(setting: str, *severities: str, mv: bool = False) -> list[dict[str, Any]]:
+        return [r for r in seen if r["setting"] == setting and r["severity"] in severities and r["mv"] == mv]
+
+    far, general = ("typical", "gross"), ("second_order", "level", "cascade")
+    add("place", at("ideal", *far), "place")
+    add("place_with_mv", at("ideal", *far, mv=True), "place")
+    add("cause_top1", at("ideal", *far), "cause")
+    add("cause_top3", at("ideal", *far), "top3")
+    add("cause_strict", at("ideal", *far), "strict")
+    out["set_size"] = _mean([len(r["sets"][0]) for r in at("ideal", *far) if r["sets"]])
+    add("cause_just_visible", at("ideal", "just visible"), "cause")
+    add("false_alarm", _none(found, "ideal"), "gap")
+    add("unknown_recall", _outside(found, "ideal"), "unknown")
+    add("confident_wrong", _outside(found, "ideal"), "confident_wrong")
+    add("pairs_both", [r for r in found if len(r["effects"]) > 1], "both")
+    right = [r for r in at("ideal", *far) if r["cause"] and r["shrinkage"] is not None]
+    out["shrinkage_median"] = _quantile([r["shrinkage"] for r in right], 0.5)
+    out["shrinkage_p10"] = _quantile([r["shrinkage"] for r in right], 0.1)
+    out["parameter_error"] = _quantile([r["error"] for r in at("ideal", *far) if r["error"] is not None], 0.5)
+    stated = [r for r in at("ideal", "just visible", *far) if r["probability"] is not None and not r["unknown"]]
+    out["calibration_error"] = abs(_mean([r["probability"] - r["cause"] for r in stated])) if stated else None
+    add("coarse_cause", at("coarse", *far), "cause")
+    add("site_place", at("site", *far), "place")
+    add("site_cause", at("site", *far), "cause")
+    add("site_unknown", _outside(found, "site"), "unknown")
+    add("site_confident_wrong", _outside(found, "site"), "confident_wrong")
+    add("site_false_alarm", _none(found, "site"), "gap")
+    wide = [r for r in seen if r["setting"] in general]
+    add("general_place", wide, "place")
+    add("general_cause", wide, "cause")
+    out["invisible"] = float(len(single) - len(seen))
+    add("free_run_place", [r | {"hit": r["free_run_place"] in r["places"]} for r in seen if r["cause"]], "hit")
+    out["loop_s"] = _quantile([r["seconds"] for r in found if r["setting"] == "ideal" and not r["first"]], 0.5)
+    out["first_s"] = max((r["seconds"] for r in found if r["first"]), default=None)
+    return out, counts
+
+
+def _none(found: Sequence[dict[str, Any]], setting: str) -> list[dict[str, Any]]:
+    return [r for r in found if r["setting"] == setting and not r["effects"] and not r["outside"]]
+
+
+def _outside(found: Sequence[dict[str, Any]], setting: str) -> list[dict[str, Any]]:
+    return [r for r in found if r["setting"] == setting and r["outside"] and r["visible"] > VISIBLE]
+
+
+def _mean(values: Sequence[float]) -> float:
+    return float(np.mean(values)) if len(values) else float("nan")
+
+
+def _quantile(values: Sequence[float] | NDArray[np.float64], q: float) -> float | None:
+    return float(np.quantile(values, q)) if len(values) else None
+
+
+def main() -> None:
+    """Run the benchmark."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="a dozen records, for continuous integration")
+    parser.add_argument("--json", metavar="FILE", help="also write one flat JSON object ('-': standard output, alone)")
+    parser.add_argument("--family", choices=("tuning", "report"), default="report", help="which seeds and effects")
+    parser.add_argument("--folder", type=Path, default=Path("benchmark-gap"), help="where diagnoses are kept")
+    parser.add_argument("--minutes", type=float, default=1e9, help="stop after so long; the next call goes on")
+    parser.add_argument("--only", default="", help="only runs whose key contains this")
+    told = parser.parse_args()
+    runs = [run for run in benchmark(told.family) if told.only in run.key]
+    if told.quick:
+        runs = [run for run in runs if run.setting == "ideal" and run.severity == "typical"][::12][:6]
+    found = list(rows(runs, told.folder, 60.0 * told.minutes))
+    out, counts = figures(found)
+    if told.json != "-":
+        print(f"{len(found)} of {len(runs)} records; shares with their count and interval of 95 %:")
+        for name, count in counts.items():
+            print(f"  {name:22} {count}")
+    met = publish(out, NOTES, told.json, told.quick or len(found) < len(runs))
+    raise SystemExit(0 if met else 1)
+
+
+if __name__ == "__main__":
+    main()

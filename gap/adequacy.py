@@ -1,0 +1,63 @@
+"""Whether an explanation is good enough to be named: what it leaves must be what records of its own would leave.
+
+1. F is within what records without a gap have, or
+2. F is within what runs of the model with the effect, in its own noise, have when they are explained by it, or
+3. it explains nearly the whole gap: a law that differs a little from the true one leaves a little.
+"""
+
+import numpy as np
+
+from gap.floor import scored, without_gap
+from gap.model import silenced
+from gap.offsets import offsets
+from gap.problem import SIGMAS, Problem
+from gap.search import Fit
+
+GAINED = 12.0  # nats that an effect must gain, at least
+INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
+EXPLAINED, EXPLAINED_HIDDEN = 0.94, 0.88  # share of a gap that an adequate effect explains
+OWN_RUNS = 4  # runs of the model with the effect
+
+
+def needed(problem: Problem) -> float:
+    """Return the nats that an effect must gain to be worth a word."""
+    return GAINED + (0.0 if problem.floor.coloured else INEXACT * problem.rows)
+
+
+def share(problem: Problem, fit: Fit) -> float:
+    """Return the share of the gap that a fit explains."""
+    removable = problem.score - problem.level
+    return (problem.score - scored_alone(fit)) / removable if removable > 1e-9 else 1.0
+
+
+def scored_alone(fit: Fit) -> float:
+    """Return the score of a fit's innovations, in their own unit."""
+    return float(scored(fit.e))
+
+
+def adequate(problem: Problem, fit: Fit) -> bool:
+    """Return whether what a fit leaves is no more than it may leave."""
+    left = scored_alone(fit)
+    if left <= problem.limit + needed(problem):
+        return True
+    hidden = fit.effect.hidden
+    if share(problem, fit) >= (EXPLAINED_HIDDEN if hidden else EXPLAINED):
+        return True
+    return left <= own_limit(problem, fit)
+
+
+def own_limit(problem: Problem, fit: Fit) -> float:
+    """Return the score that runs of the model with the effect do not exceed when they are explained by it."""
+    effect, place, values = fit.effect, fit.place, {name: fit.values[name] for name in fit.candidate.own}
+    if fit.candidate.noisy:
+        return problem.limit
+    model = effect.started(effect.insert(problem.model, place, **values), place, problem.record.first)
+    logs = without_gap(model, problem.record, OWN_RUNS, 1)
+    if not logs:
+        return problem.limit
+    scores = problem.floor.score(offsets(silenced(model), problem.record, logs=logs))
+    scores = scores[np.isfinite(scores)]
+    if len(scores) < 2:
+        return problem.limit
+    spread = max(float(scores.std(ddof=1)), problem.floor.sd * problem.known**0.5)
+    return float(scores.mean()) + SIGMAS * spread + needed(problem)

@@ -1,0 +1,209 @@
+"""What a diagnosis says: its report, in words first."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.adequacy import EXPLAINED, needed, share
+from gap.floor import scored
+from gap.model import nuisances
+from gap.pairs import Pair
+from gap.problem import Problem
+from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
+from gap.search import Fit, best_of, refined
+from gap.sizes import SEEN, shares, shrinkage, sizes
+
+Floats = NDArray[np.float64]
+TIE = 6.0  # nats between explanations that the record does not tell apart
+LISTED = 12  # explanations in the ranking
+SURE, UNSURE = 0.95, 0.9  # probability of a name before anything is known of how often it is right
+
+
+def no_gap(problem: Problem) -> GapReport:
+    """Return the report of a record that the model explains."""
+    words = (
+        "No gap of relevance: the log is as the model with its nuisances would write it "
+        f"(score {problem.score:.0f}, without a gap {problem.level:.0f} on average and {problem.limit:.0f} at most).",
+    )
+    return _report(problem, words, problem.as_it_is)
+
+
+def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
+    """Return the report of a gap that nothing in the catalogue explains: its segment, and what comes nearest."""
+    best = fits[0] if fits else None
+    place = best.place if best else problem.quiet.blocks[0].name
+    near = segment_of(problem, place)
+    words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
+    if best is not None:
+        part = 100.0 * share(problem, best)
+        words.append(f"Nearest is {best.effect.name} at {best.place}, which explains {part:.0f} % of it.")
+    words += shape(problem)
+    explained = shares(fits, problem.score, problem.level)
+    where = Where(place, 0.7, near, {name: explained.get(name, 0.0) for name in near})
+    return _report(
+        problem, words, best.e if best else problem.as_it_is, where, (Cause(UNKNOWN, place, UNSURE),),
+        ranking(fits, [], UNSURE), None,
+    )  # fmt: skip
+
+
+def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit]) -> GapReport:
+    """Return the report of a gap with one cause; ``same`` the explanations that cannot be told apart, the best first."""
+    best = same[0]
+    places = tuple(dict.fromkeys(fit.place for fit in same))
+    others = tuple(dict.fromkeys(fit.effect.name for fit in same if fit.effect.name != best.effect.name))
+    found = found_sizes(best)
+    explained = shares(fits, problem.score, problem.level)
+    shrunk = held_out(problem, [best])
+    words = [f"There is a gap. Place: {listed(places)}. Cause: {best.effect.name} at {best.place}, {_sizes(found)}."]
+    if others:
+        words.append(f"From these signals it cannot be told apart from {listed(others)}.")
+    words.append(f"It explains {100.0 * share(problem, best):.1f} % of the gap" + _shrunk(shrunk))
+    cause = Cause(best.effect.name, best.place, SURE, others, found)
+    where = Where(best.place, SURE, places, {name: explained.get(name, 0.0) for name in places})
+    return _report(problem, words, best.e, where, (cause,), ranking(fits, same, SURE), shrunk)
+
+
+def named_pair(problem: Problem, pair: Pair, fits: Sequence[Fit]) -> GapReport:
+    """Return the report of a gap with two causes."""
+    both = (pair.first, pair.second)
+    causes = tuple(Cause(fit.effect.name, fit.place, UNSURE, (), found_sizes(fit)) for fit in both)
+    places = tuple(dict.fromkeys(fit.place for fit in both))
+    explained = shares(fits, problem.score, problem.level)
+    shrunk = held_out(problem, both)
+    words = ["There is a gap with two causes."]
+    words += [f"{cause.effect} at {cause.place}, {_sizes(cause.parameters)}." for cause in causes]
+    words.append(f"Together they explain {100.0 * share(problem, pair.second):.1f} % of the gap" + _shrunk(shrunk))
+    where = Where(places[0], UNSURE, places, {name: explained.get(name, 0.0) for name in places})
+    return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], UNSURE), shrunk)
+
+
+def tied(fits: Sequence[Fit]) -> list[Fit]:
+    """Return the fits that the record does not tell apart from the best one, which comes first.
+
+    Equal scores and equally many parameters that the record feels: a step before the first row is a bias.
+    """
+    best = fits[0]
+    return [fit for fit in fits if fit.F <= best.F + TIE and abs(fit.total - best.total) <= TIE]
+
+
+def adequate_pair(problem: Problem, pair: Pair) -> bool:
+    """Return whether two effects explain the gap."""
+    left = float(scored(pair.second.e))
+    return left <= problem.limit + needed(problem) or share(problem, pair.second) >= EXPLAINED + 0.03
+
+
+def found_sizes(fit: Fit) -> dict[str, Size]:
+    """Return the sizes of an effect with intervals; one of the historian has none."""
+    if fit.effect.of_log:
+        return {p.name: Size(v, 0.9 * v, 1.1 * v, p.unit) for p in fit.effect.parameters for v in [fit.values[p.name]]}
+    return sizes(fit)
+
+
+def held_out(problem: Problem, fits: Sequence[Fit]) -> Shrinkage | None:
+    """Return how far the gap shrinks behind the part of the record on which the last effect is fitted again."""
+    fit = fits[-1]
+    if fit.effect.of_log:
+        return None
+    candidate = fit.candidate
+    head = replace(problem, record=problem.record.first_part(SEEN))
+    again = best_of(replace(candidate, problem=head).tried([fit.values]))
+    if again is not None and not fit.effect.hidden:
+        again = refined(again, rounds=3)
+    after = candidate.tried([again.values if again else fit.values])[0].e
+    first = len(head.record.log) - problem.floor.skipped
+    return shrinkage(problem.as_it_is, after, problem.floor.mean / len(problem.record.pinned), first)
+
+
+def shape(problem: Problem) -> list[str]:
+    """Return in words with what the largest residual goes: level, rate, direction, time."""
+    e = np.nan_to_num(np.clip(problem.as_it_is, -20.0, 20.0))
+    k = int(np.argmax(np.abs(e).mean(axis=0)))
+    log, skipped = problem.record.log, problem.floor.skipped
+    against: dict[str, Floats] = {"time": log.t[skipped:]}
+    for s in log.names:
+        values = np.nan_to_num(log[s])
+        against[f"the level of {s}"] = values[skipped:]
+        against[f"the rate of {s}"] = np.gradient(values)[skipped:]
+        against[f"the direction of {s}"] = np.sign(np.gradient(values))[skipped:]
+    found = {name: _correlation(e[:, k], values) for name, values in against.items()}
+    best = max(found, key=lambda name: abs(found[name]))
+    signal = problem.record.pinned[k]
+    if abs(found[best]) < 0.1:
+        return [f"The residual of {signal} goes with no logged level, rate or direction."]
+    return [f"The residual of {signal} goes with {best} (correlation {found[best]:.2f})."]
+
+
+def _correlation(a: Floats, b: Floats) -> float:
+    a, b = a - a.mean(), b - b.mean()
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return float(a @ b) / size if size > 0.0 else 0.0
+
+
+def segment_of(problem: Problem, place: str) -> tuple[str, ...]:
+    """Return the blocks that the logged signals do not tell apart from one of them, which comes first."""
+    logged = [s for s in problem.record.log.names if s in problem.quiet.signals]
+    for segment in problem.quiet.segments(logged):
+        if place in segment.blocks:
+            return tuple(sorted(segment.blocks, key=lambda name: name != place))
+    return (place,)
+
+
+def ranking(fits: Sequence[Fit], same: Sequence[Fit], sure: float) -> tuple[Rank, ...]:
+    """Return the explanations in order; those that cannot be told apart share the probability of the first."""
+    if not fits:
+        return ()
+    weight = np.exp(-np.minimum(np.array([fit.total - fits[0].total for fit in fits]) / 20.0, 50.0))
+    top = [fit in same for fit in fits]
+    weight = np.where(top, 1.0, np.minimum(weight, 0.5)) if same else weight
+    return tuple(
+        Rank(fit.effect.name, fit.place, float(w))
+        for fit, w in zip(fits[:LISTED], (sure * weight / weight.sum())[:LISTED], strict=True)
+    )
+
+
+def _sizes(found: Mapping[str, Size]) -> str:
+    return ", ".join(f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in found.items())
+
+
+def _shrunk(found: Shrinkage | None) -> str:
+    if found is None:
+        return "."
+    low, high = 100.0 * found.low, 100.0 * found.high
+    return f"; on rows that the fit has not seen the gap shrinks by {100.0 * found.fraction:.0f} % ({low:.0f} to {high:.0f} %)."
+
+
+def _report(
+    problem: Problem,
+    words: Sequence[str],
+    after: Floats,
+    where: Where | None = None,
+    causes: tuple[Cause, ...] = (),
+    ranks: tuple[Rank, ...] = (),
+    shrunk: Shrinkage | None = None,
+) -> GapReport:
+    both = np.stack([problem.as_it_is, after])
+    shown = {s: both[:, :, k] for k, s in enumerate(problem.record.pinned)}
+    t = problem.record.log.t[problem.floor.skipped :]
+    return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes(problem), t, shown, problem.quiet)
+
+
+def notes(problem: Problem) -> tuple[str, ...]:
+    """Return what was read off the log and assumed of the model."""
+    record = problem.record
+    told = [f"{s} rounded to {step:g}" for s, step in record.steps.items() if step]
+    told += [f"{s} in multiples of {record.lattice(s):g} that the controller sees too" for s in record.lattices]
+    found = nuisances(problem.model)
+    way = (
+        "Residuals of a pinned replay, predicted from earlier ones as a Kalman filter of this model would: "
+        "loads are not measured."
+        if problem.floor.coloured
+        else "Residuals of a pinned replay, as they are: the nuisances leave them white."
+    )
+    return (
+        f"Logged: {', '.join(record.log.names)}; {len(record.log)} rows, {record.log.dt:g} s apart"
+        + (f"; {', '.join(told)}." if told else "."),
+        "Nuisances of the model: " + ("; ".join(map(str, found)) if found else "none") + ".",
+        way,
+    )
