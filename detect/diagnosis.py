@@ -184,10 +184,7 @@ def _assumptions(loop: Prepared) -> tuple[str, ...]:
     if record.mode is None:
         found.append("The controller is taken to be in automatic: no mode is logged.")
     if record.process == "unknown":
-        if record.measurement == "level":
-            found.append("The process is taken as integrating: the tag is a level.")
-        else:
-            found.append("The process is taken as self-regulating: nothing says otherwise.")
+        found.append(loop.kind.text)
     if record.op_percent is None:
         found.append("OP is taken to be within its limits: its span is not known.")
     found.append("The oscillation is taken to be the loop's own, not an outside disturbance.")
