@@ -174,10 +174,7 @@ def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:
     if record.mode is None:
         said.append("The controller is taken to be in automatic: no mode is logged.")
     if record.process == "unknown":
-        if record.measurement == "level":
-            said.append("The process is taken as integrating: the tag is a level.")
-        else:
-            said.append("Whether the process integrates is not told; the record is judged for either.")
+        said.append(loop.kind.text)
     if not record.measurement:
         said.append("What is measured is not told by tag or --measurement; the record is judged for any.")
     if record.op_percent is None:

@@ -18,8 +18,8 @@ stays and PV does not, because chance, noise and a sine make both alike.  And OP
 controller moves OP to hold PV, whatever the valve is like.
 
 And Omega must be 1.3 times that of the record's linear twins (``prepare.linear_twins``), because tight tuning and
-coloured noise put OP and PV a lag apart.  Measured on 280 simulated loops without stiction, seeds of their own: 1 called
-sticky, a deadband (19 of 210 without the twins); of 80 sticky ones, many at rest, 13 found.
+coloured noise put OP and PV a lag apart.  Measured on 280 simulated loops without stiction, seeds of their own: 1
+called sticky, a deadband (19 of 210 without the twins); of 80 sticky ones, many at rest, 13 found.
 
 Not for slow processes without MV, coarse PV, or PV lost in noise.  Cost: about 3 ms for 7,200 samples.
 """

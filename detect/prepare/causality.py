@@ -28,8 +28,8 @@ def lag_of_pv(op: Values, pv: Values, sign: float, half: float) -> tuple[float, 
 
     >>> t = np.arange(2000.0)
     >>> lag, r = lag_of_pv(np.sin(t / 20), np.sin((t - 7) / 20), 1.0, 62.8)
-    >>> round(lag, 1), round(r, 2)
-    (7.0, 1.0)
+    >>> round(lag), round(r, 2)
+    (7, 1.0)
     """
     n, reach = len(op), max(round(half), 1)
     size = 1 << (n + reach).bit_length()
@@ -44,7 +44,7 @@ def lag_of_pv(op: Values, pv: Values, sign: float, half: float) -> tuple[float, 
     if 0 < k < len(at) - 1:
         bend = at[k - 1] - 2.0 * at[k] + at[k + 1]
         fine = 0.5 * (at[k - 1] - at[k + 1]) / bend if bend < 0.0 else 0.0
-    return k - reach + fine, float(at[k])
+    return float(k - reach + fine), float(at[k])
 
 
 def causality(op: Values, pv: Values, e: Values, period: float, limit: float = 0.5) -> Fact:

@@ -88,7 +88,7 @@ def _vertex(t: Any, x: Any, sign: float, k: int, kink: float) -> tuple[float, fl
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def half_cycle(
     t: Any, x: Any, start: float, end: float, noise: float, least: int, flat_share: float, two_peaks: float, kink: float
-) -> tuple[int, float, float, float, float, int, float, float]:
+) -> tuple[Any, ...]:
     """Fault (index of FAULTS), peak time, peak, areas before and after, samples, misfits of sine and triangle."""
     lo, hi = np.searchsorted(t, start, "right"), np.searchsorted(t, end, "left")
     n = hi - lo
@@ -98,7 +98,7 @@ def half_cycle(
     for k in range(lo, hi):
         total += x[k]
     sign = 1.0 if total >= 0.0 else -1.0
-    best = lo
+    best: Any = lo
     for k in range(lo + 1, hi):
         if sign * x[k] > sign * x[best]:
             best = k

@@ -24,17 +24,23 @@ STAND = 30  # samples, from which on a stand of OP is long
 
 
 def copied(record: LoopRecord, limit: float = 0.9999) -> Fact:
-    """Correlation of OP and PV at the same instant [-]; above ``limit`` OP is a copy of PV."""
+    """Correlation of OP and PV at the same instant [-]; above ``limit`` OP is a copy of PV.
+
+    Methods refuse where OP is PV, number by number; a P controller copies PV too, turned over or to another scale.
+    """
     pv, op = record.pv[record.good], record.op[record.good]
     size = float(np.std(pv) * np.std(op)) if len(pv) >= 50 else 0.0
     alike = abs(float(np.mean((pv - np.mean(pv)) * (op - np.mean(op))))) / size if size > 0.0 else 0.0
-    text = (
-        f"OP and PV are the same but for scale and offset (correlation {alike:.5f}, {limit:g} allowed): OP "
-        "tracks PV, the controller is not in charge, or a tag is given twice."
-        if alike > limit
-        else f"OP is no copy of PV (correlation {alike:.3f})."
-    )
-    return Fact("not_in_charge", alike > limit, alike, limit, text, "Log the controller's output in automatic.")
+    same = size > 0.0 and bool(np.array_equal(pv, op))
+    text = f"OP is no copy of PV (correlation {alike:.3f})."
+    if alike > limit:
+        scale = f"OP is PV but for scale and offset (correlation {alike:.5f}, {limit:g} allowed)"
+        text = (
+            "OP and PV are the same numbers: OP tracks PV, the controller is not in charge, or a tag is given twice."
+            if same
+            else f"{scale}: the controller is proportional only, or tracks; its picture with PV shows no valve."
+        )
+    return Fact("not_in_charge", alike > limit, alike, limit, text, "Log the controller's output in automatic.", same)
 
 
 def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:

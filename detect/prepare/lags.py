@@ -42,7 +42,7 @@ class Lags:
     compared, spread unevenly, so that they fall into step with no wave; None compares all.  ``waves`` (n, w) are loads
     beside the slow one.
 
-    >>> u = np.sin(np.arange(400.0) / 9)
+    >>> u = np.cumsum(np.random.default_rng(0).normal(size=400))
     >>> late = np.concatenate([np.zeros(3), u[:-3]])
     >>> model = Lags(late, turn=28.0)
     >>> fit = model.fit(u[:, None])[0]

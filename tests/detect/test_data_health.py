@@ -107,10 +107,11 @@ def test_working_loops_answer(sticky, forced):
 
 def test_output_that_copies_the_measurement(sticky):
     record = sticky(noise=0.1)
-    fact = copied(again(record, op=20 + 1.5 * record.pv))
-    assert fact.present and fact.value == pytest.approx(1.0)  # analytic
+    fact = copied(again(record, op=120 - 1.5 * record.pv))  # a P controller does that, too
+    assert fact.present and not fact.forbids and fact.value == pytest.approx(1.0)  # analytic
     assert not copied(record).present
-    assert diagnose(again(record, op=20 + 1.5 * record.pv)).verdict == "not_applicable"
+    assert copied(again(record, op=record.pv)).forbids
+    assert diagnose(again(record, op=record.pv)).verdict == "not_applicable"
 
 
 def test_manual_that_no_mode_tells(sticky):

@@ -59,7 +59,7 @@ def test_outside_sine_behind_op(loop):
 
 
 def test_unit_sign_action_and_sampling_do_not_matter(sticky, bare):
-    base = sticky(S=6.0, J=4.0, noise=0.02, tau=1.0, T_i=8.0, K_p=0.3, walk=0.05)
+    base = sticky(S=6.0, J=4.0, noise=0.05, tau=1.0, T_i=8.0, K_p=0.3)
     first = detect(bare(base))
     for change in ({"gain": -3.0, "offset": 40.0}, {"op_gain": -1.0}, {"op_gain": 0.16}):
         v = detect(bare(base, **change))
