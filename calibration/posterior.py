@@ -9,12 +9,18 @@ Each simulated loop is scored by a fit that has not seen it, so that what is rea
 limit is as honest as for the record.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit, log_softmax, ndtri, softmax
+
+from calibration.records import Table
+from calibration.scoring import auc
+from calibration.spec import CAUSES
+from detect.judge.model import Model
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -23,29 +29,58 @@ RIDGE = 30.0  # penalty of the weights, for features of unit variance
 FREE = 0.01  # share of it on the constant and on what is known to be telling
 FOLDS = 4
 NEIGHBOURS = 40.0  # loops that the interval rests on, about
+FALSE_ALARMS = 0.02  # share of loops without stiction that may be called sticky where the detection limit is read
+CHANCE = 0.9  # of a stick at the detection limit to be found
+QUANTILES = np.array([0.05, 0.5, 0.95])
+STICTION = CAUSES.index("stiction")
 
 
 @dataclass(frozen=True, eq=False)
-class Scaled:
-    """Features as normal scores of their ranks among the simulated loops; what is missing stands in the middle."""
+class Scores:
+    """What loops are compared by: normal scores of the ranks of their features, and the opinion of stage (a).
 
-    sorted: tuple[Floats, ...]
+    A feature that is missing stands in the middle and says so in a column of its own.
+    """
+
+    names: list[str]
+    ranks: tuple[Floats, ...]
+    model: Model | None
+    mean: Floats
+    spread: Floats
 
     @classmethod
-    def of(cls, x: Floats) -> "Scaled":
-        """Learn the ranks of features (n, f)."""
-        return cls(tuple(np.sort(column[np.isfinite(column)]) for column in x.T))
+    def of(cls, x: Floats, names: list[str], model: Model | None = None) -> "Scores":
+        """Learn the ranks of the features (n, f) of simulated loops, and how far the opinions on them spread."""
+        said = _opinions(x, names, model)
+        ranks = tuple(np.sort(column[np.isfinite(column)]) for column in x.T)
+        return cls(names, ranks, model, said.mean(axis=0), np.maximum(said.std(axis=0), 1e-9))
+
+    @property
+    def free(self) -> int:
+        """Columns that are hardly penalised: the constant and the opinions."""
+        return 1 + len(self.mean)
 
     def __call__(self, x: Floats) -> Floats:
-        """Return the scores of features (m, f), and whether each is missing: (m, 2 f + 1)."""
+        """Return constant, opinions, scores and what is missing, (m, columns), of features (m, f)."""
         z: Floats = np.zeros(x.shape)
-        for k, known in enumerate(self.sorted):
+        for k, known in enumerate(self.ranks):
             if len(known) > 1 and known[0] < known[-1]:
                 low, high = np.searchsorted(known, x[:, k], "left"), np.searchsorted(known, x[:, k], "right")
                 z[:, k] = ndtri((0.5 * (low + high) + 0.5) / (len(known) + 1.0))
         missing = ~np.isfinite(x)
         z[missing] = 0.0
-        return np.hstack([np.ones((len(x), 1)), z, missing.astype(np.float64)])
+        said = (_opinions(x, self.names, self.model) - self.mean) / self.spread
+        return np.hstack([np.ones((len(x), 1)), said, z, missing.astype(np.float64)])
+
+
+def _opinions(x: Floats, names: list[str], model: Model | None) -> Floats:
+    """Return what stage (a) says of features (n, f): log odds of causes, ln S and ln J; nothing without a model."""
+    if model is None:
+        return np.zeros((len(x), 0))
+    own = x[:, [names.index(name) for name in model.names]]
+    p, others = model.probabilities(own)
+    causes = np.log(np.maximum(others / np.maximum(1.0 - p, 1e-9)[:, None], 1e-4))
+    return np.hstack([log_odds(p)[:, None], causes, model.sizes(own, "S"), model.sizes(own, "J")])
 
 
 def logistic(z: Floats, cause: Whole, count: int, ridge: float = RIDGE, free: int = 1) -> Floats:
@@ -126,3 +161,76 @@ class Curve:
 def probabilities(weights: Floats, z: Floats) -> Floats:
     """Return the probability of each cause (n, count)."""
     return np.asarray(softmax(z @ weights.T, axis=1))
+
+
+def log_odds(p: Floats) -> Floats:
+    """Return ln(p / (1 - p)) of probabilities, kept finite."""
+    safe = np.clip(p, 1e-9, 1.0 - 1e-9)
+    return np.asarray(np.log(safe / (1.0 - safe)))
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the simulated loops say of a record.
+
+    causes : probability of each cause [-]
+    S, J : value, low and high [travels of OP], interval of 90 %
+    limit : S above which a stick is found with the probability ``CHANCE`` [travels of OP]; NaN where none is
+    loops, false_alarms, area : as in ``AtRecord``
+    """
+
+    causes: dict[str, float]
+    S: tuple[float, float, float]
+    J: tuple[float, float, float]
+    limit: float
+    loops: int
+    false_alarms: float
+    area: float
+
+
+def read(known: Table, scores: Scores, x: Floats) -> Reading:
+    """Return what simulated loops say about a record of features ``x`` (pieces, f)."""
+    z, at, free = scores(known.x), scores(x), scores.free
+    cause = np.array([CAUSES.index(word) for word in known.truth["cause"].tolist()], dtype=np.intp)
+    sticky = known.sticky
+    with np.errstate(invalid="ignore"):
+        size = np.log(known.truth["S"].astype(float) / known.unit)  # of the travel of OP; NaN where there is none
+        share = known.truth["J"].astype(float) / known.truth["S"].astype(float)
+    unseen, told, fold = np.zeros((len(known), len(CAUSES))), np.zeros((len(known), 2)), folds(len(known))
+    for k in range(int(fold.max()) + 1):
+        fit, test = fold != k, fold == k
+        unseen[test] = probabilities(logistic(z[fit], cause[fit], len(CAUSES), free=free), z[test])
+        own = fit & sticky
+        for column, y in enumerate((size, share)):
+            told[test, column] = z[test] @ ridge_fit(z[own], y[own], free=free)
+    odds = log_odds(unseen[:, STICTION])
+    pieces = np.log(np.maximum(probabilities(logistic(z, cause, len(CAUSES), free=free), at), 1e-12)).mean(axis=0)
+    mine = softmax(pieces)
+    p = platt(odds, sticky, float(log_odds(mine[STICTION : STICTION + 1])[0]))
+    left = (1.0 - p) / max(1.0 - float(mine[STICTION]), 1e-12)
+    here = np.array([np.median(at @ ridge_fit(z[sticky], y[sticky], free=free)) for y in (size, share)])
+    weights = nearest(told[sticky], here)
+    S = np.exp(here[0] + weighted_quantile(size[sticky] - told[sticky, 0], weights, QUANTILES))
+    parts = np.clip(here[1] + weighted_quantile(share[sticky] - told[sticky, 1], weights, QUANTILES), 0.02, 1.0)
+    threshold = float(np.quantile(odds[~sticky], 1.0 - FALSE_ALARMS))
+    return Reading(
+        causes={str(word): p if word == "stiction" else float(v) * left for word, v in zip(CAUSES, mine, strict=True)},
+        S=(float(S[1]), float(S[0]), float(S[2])),
+        J=(float(S[1] * parts[1]), float(S[0] * parts[0]), float(S[2] * parts[2])),
+        limit=_limit(np.exp(-size[sticky]), odds[sticky] > threshold),
+        loops=len(known),
+        false_alarms=float((odds[~sticky] > threshold).mean()),
+        area=auc(odds, sticky),
+    )
+
+
+def platt(odds: Floats, sticky: NDArray[np.bool_], mine: float) -> float:
+    """Return the probability at log odds ``mine``, calibrated on loops that the fits had not seen (Platt 1999)."""
+    z = np.column_stack([np.ones(len(odds)), odds])
+    return float(probabilities(logistic(z, sticky.astype(np.intp), 2), np.array([[1.0, mine]]))[0, 1])
+
+
+def _limit(travel: Floats, found: NDArray[np.bool_]) -> float:
+    """Return the detection limit [travels of OP]; NaN where the chance is not reached by any stick simulated."""
+    most = Curve.fitted(travel, found).travel(CHANCE)
+    return 1.0 / most if most >= float(np.quantile(travel, 0.02)) else math.nan
