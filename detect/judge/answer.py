@@ -139,7 +139,9 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
             )
             return Answer("no_stiction", p, causes, None, None, (size, unit), reason, _next(causes, S, stem))
         return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", _next(causes, S, stem))
-    between = f"The record leaves it open: stiction is called from {model.accuse:.0%} on, cleared up to {model.clear:.1%}."
+    between = (
+        f"The record leaves it open: stiction is called from {model.accuse:.0%} on, cleared up to {model.clear:.1%}."
+    )
     return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", _next(causes, S, stem))
 
 
@@ -177,7 +179,9 @@ def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, trav
             "to clear the valve): PV moves for other reasons."
         )
     if limit is None or limit[0] > CLEARED * travel:
-        return "Little speaks for stiction, but OP moves so little that a stick of any size up to its travel could hide."
+        return (
+            "Little speaks for stiction, but OP moves so little that a stick of any size up to its travel could hide."
+        )
     return None
 
 
