@@ -1,0 +1,1 @@
+"""What detection costs and how well it does."""
