@@ -158,3 +158,26 @@ def test_time_unit_reaches_the_reader(call, tmp_path):
     assert "Time is read in milliseconds" in " ".join(call("check", path, "--time-unit", "ms").stdout.split())
     refused = call("check", path, "--time-unit", "fortnight")
     assert refused.exit_code == 2 and "'fortnight' is not known" in refused.stderr
+
+
+def test_simulate_adds_what_loops_like_this_one_say(call, exports, monkeypatch):
+    from functools import partial
+
+    import calibration
+
+    monkeypatch.setattr(calibration, "at_record", partial(calibration.at_record, loops=120, workers=1))
+    result = call("check", exports / "FIC101_pi_export.csv", "--simulate", "--json", "-")
+    content = document(result.stdout)
+    assert_form(content)
+    told = content["simulation"]
+    assert 60 <= told["loops"] <= 120 and sum(told["causes"].values()) == pytest.approx(1.0)
+    assert told["amount"]["S"]["low"] < told["amount"]["S"]["value"] < told["amount"]["S"]["high"]
+    assert content["detection_limit"] == told["detection_limit"]
+    plain = document(call("check", exports / "FIC101_pi_export.csv", "--json", "-").stdout)
+    assert "simulation" not in plain and plain["verdict"] == content["verdict"]
+
+
+def test_simulate_of_a_record_that_shows_nothing_is_not_applicable(call, tmp_path):
+    (tmp_path / "flat.csv").write_text("time,SP,PV,OP\n" + "".join(f"{i},5,5,50\n" for i in range(300)))
+    result = call("check", tmp_path / "flat.csv", "--simulate", "--json", "-")
+    assert result.exit_code == 0 and document(result.stdout)["simulation"] is None

@@ -8,7 +8,7 @@ import pytest
 
 from calibration import at_record, simulate
 from calibration.alike import alike
-from calibration.at_record import PIECE, split
+from calibration.by_simulation import PIECE, split
 from calibration.conditions import conditions
 from calibration.drawing import one
 from calibration.posterior import Curve, folds, logistic, nearest, probabilities, ridge_fit, weighted_quantile

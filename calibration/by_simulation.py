@@ -95,7 +95,7 @@ def at_record(
     simulated loop is among what they are compared by.  Raises ``ValueError`` if the record shows too little (fewer
     than 40 good samples, OP or PV that does not move), or too few of the simulated loops do.
 
-    See also: ``calibration.conditions`` for what is taken from the record.
+    See also: ``conditions`` for what is taken from the record.
     """
     begun = time.perf_counter()
     looks = [(seen, shown) for piece in split(record) if (seen := _measured(piece)) and (shown := row(piece))]
