@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 
 from calibration.alike import alike
 from calibration.conditions import Conditions, conditions
-from calibration.posterior import Reading, Scores, read
+from calibration.posterior import Reading, read
 from calibration.records import Table, row, table
 from calibration.simulation import simulate
 from calibration.spec import LoopSpec
 from detect.judge.answer import Amount
-from detect.judge.model import Model, rounded
+from detect.judge.model import Model, calibrated, rounded
 from logs import LoopRecord
 
 Floats = NDArray[np.float64]
@@ -91,8 +91,8 @@ def at_record(
 ) -> AtRecord:
     """Return what ``loops`` simulated loops under the record's conditions say of it; equal seeds give equal answers.
 
-    ``workers`` processes (default all cores); ``model`` of stage (a), whose opinion on the record and on every
-    simulated loop is among what they are compared by.  Raises ``ValueError`` if the record shows too little (fewer
+    ``workers`` processes (default all cores); ``model`` by whose opinions record and loops are compared (default the
+    calibrated one, stage (a)).  Raises ``ValueError`` if the record shows too little (fewer
     than 40 good samples, OP or PV that does not move), or too few of the simulated loops do.
 
     See also: ``conditions`` for what is taken from the record.
@@ -110,7 +110,7 @@ def at_record(
         raise ValueError(f"{len(known)} of {loops} simulated loops show enough; give more loops, or a longer record")
     names = known.names.tolist()
     x = np.array([[shown[0][name] for name in names] for _, shown in looks])
-    found = read(known, Scores.of(known.x, names, model), x)
+    found = read(known, x, model or calibrated())
     return _told(found, record, float(np.median([shown[1] for _, shown in looks])), seen, begun)
 
 

@@ -39,8 +39,8 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @json_option
 @user_errors
 def command(
-    file: Path, html: Path | None, json_file: str | None, simulate: bool, measurement: str | None, span: tuple[float, float] | None,
-    **told: Any,
+    file: Path, html: Path | None, json_file: str | None, simulate: bool, measurement: str | None,
+    span: tuple[float, float] | None, **told: Any,
 ) -> None:  # fmt: skip
     """Say whether the valve of the loop in FILE sticks, and why.
 
@@ -84,13 +84,12 @@ def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
     The verdict stays the calibrated one; the detection limit becomes that of this very record.
     """
     from calibration import at_record
-    from detect.judge.model import calibrated
 
     if diagnosis.probability is None:
         say("Simulation: not asked, because the calibrated model was not asked either.")
         return {"simulation": None}
     try:
-        found = at_record(diagnosis.record, model=calibrated())
+        found = at_record(diagnosis.record)
     except ValueError as error:
         say.paragraph(f"Simulation: not applicable, because {error}.")
         return {"simulation": None}
