@@ -5,7 +5,7 @@ simulate   the records of such specs and what is true of them (``Truth``), many 
 at_record  simulates under the conditions of one record, and says what that tells of its valve
 """
 
-from calibration.at_record import AtRecord, at_record
+from calibration.by_simulation import AtRecord, at_record
 from calibration.drawing import draw
 from calibration.simulation import simulate
 from calibration.spec import CAUSES, LoopSpec, Truth

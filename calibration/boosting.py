@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from detect.judge.trees import Trees
 
-__all__ = ["classifier", "filled", "quantile", "taken"]
+__all__ = ["classifier", "filled", "quantile", "start", "taken"]
 
 Values = npt.NDArray[np.float64]
 MISSING = -1e30
@@ -43,8 +43,15 @@ def quantile(x: Values, y: Values, share: float, trees: int, leaves: int, seed: 
     return model.fit(filled(x), y)
 
 
-def taken(model: Any, start: Values) -> Trees:
-    """The trees of a fitted model, whose raw output (n, k) is ``start`` (k,) more than the sum of its leaves."""
+def start(model: Any, x: Values) -> Values:
+    """What the raw output (k,) is before the first tree: that of one record less the sum of its leaves."""
+    one = filled(x[:1])
+    raw = np.reshape(model.decision_function(one) if hasattr(model, "classes_") else model.predict(one), (1, -1))
+    return np.asarray((raw - taken(model, np.zeros(raw.shape[1]))(one)).ravel())
+
+
+def taken(model: Any, base: Values) -> Trees:
+    """The trees of a fitted model, whose raw output (n, k) is ``base`` (k,) more than the sum of its leaves."""
     parts: dict[str, list[npt.NDArray[Any]]] = {k: [] for k in ("feature", "threshold", "value", "left", "right")}
     root, output, n = [], [], 0
     for stage in model.estimators_:
@@ -63,4 +70,4 @@ def taken(model: Any, start: Values) -> Trees:
             output.append(k)
             n += tree.node_count
     joined = {k: np.concatenate(v) for k, v in parts.items()}
-    return Trees(np.asarray(start, dtype=np.float64), np.array(root), np.array(output), **joined)
+    return Trees(np.asarray(base, dtype=np.float64), np.array(root), np.array(output), **joined)

@@ -26,8 +26,12 @@ def _table(folder: Path, setting: Setting, seed: int, loops: int, workers: int |
 @click.option("--loops", type=click.IntRange(min=500), default=8000, show_default=True, help="to fit the trees on")
 @click.option("--holding", type=click.IntRange(min=500), default=2000, show_default=True, help="to calibrate on")
 @click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
-@click.option("--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated")
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), default=None, help="the model; default: shipped file")
+@click.option(
+    "--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated"
+)
+@click.option(
+    "--out", type=click.Path(dir_okay=False, path_type=Path), default=None, help="the model; default: shipped file"
+)
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="threads of the simulation; all if not given")
 def train(loops: int, holding: int, trees: int, folder: Path, out: Path | None, workers: int | None) -> None:
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
@@ -39,15 +43,21 @@ def train(loops: int, holding: int, trees: int, folder: Path, out: Path | None, 
     model = fit(fitted, held, click.echo, trees=trees)
     file = out or FILE
     model.write(file)
-    click.echo(f"{file}: {file.stat().st_size / 1e3:.0f} kB; stiction from {model.accuse:.3f} on, cleared up to {model.clear:.4f}")
+    click.echo(
+        f"{file}: {file.stat().st_size / 1e3:.0f} kB; stiction from {model.accuse:.3f} on, cleared up to {model.clear:.4f}"
+    )
 
 
 @click.command()
 @click.option("--loops", type=click.IntRange(min=500), default=4000, show_default=True)
 @click.option("--setting", type=click.Choice(get_args(Setting)), default="other_physics", show_default=True)
 @click.option("--seed", type=click.IntRange(min=0), default=TESTING, show_default=True, help="first seed")
-@click.option("--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated")
-@click.option("--model", "file", type=click.Path(dir_okay=False, path_type=Path), default=None, help="default: shipped file")
+@click.option(
+    "--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated"
+)
+@click.option(
+    "--model", "file", type=click.Path(dir_okay=False, path_type=Path), default=None, help="default: shipped file"
+)
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="threads of the simulation; all if not given")
 def score(loops: int, setting: Setting, seed: int, folder: Path, file: Path | None, workers: int | None) -> None:
     """Say how good the calibrated probability is on loops that no fit has seen, as JSON."""

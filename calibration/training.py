@@ -1,11 +1,11 @@
 """From tables of simulated loops to the calibrated model: trees on some seeds, all limits on others.
 
-    trees       fitted on the training parts
-    Platt       p = 1 / (1 + exp(-(a z + b))) by maximum likelihood on the holding parts
-    accuse      the least probability at which at most ``ALARMS`` of the loops without stiction are accused there
-    clear       the largest probability below which at most ``CLEARED`` of the sticky loops lie there
-    hidden      the least margin at which at most ``BEYOND`` of the sticky loops have S above the limit told
-    widths      what the outer quantiles of ln S and ln J need to hold 90 % there
+trees       fitted on the training parts
+Platt       p = 1 / (1 + exp(-(a z + b))) by maximum likelihood on the holding parts
+accuse      the least probability at which at most ``ALARMS`` of the loops without stiction are accused there
+clear       the largest probability below which at most ``CLEARED`` of the sticky loops lie there
+hidden      the least margin at which at most ``BEYOND`` of the sticky loops have S above the limit told
+widths      what the outer quantiles of ln S and ln J need to hold 90 % there
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from calibration.boosting import classifier, filled, quantile, taken
+from calibration.boosting import classifier, quantile, start, taken
 from calibration.records import Table
 from detect.judge.features.play import HIDDEN
 from detect.judge.model import Model
@@ -42,11 +42,11 @@ def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees:
     say(f"{len(train)} loops to fit, {len(hold)} to calibrate on")
     found: dict[str, Any] = {}
     sticky = classifier(train.x, train.sticky, trees, 12, seed)
-    found["sticky"] = taken(sticky, _start(sticky, train.x))
+    found["sticky"] = taken(sticky, start(sticky, train.x))
     say("stiction or not: fitted")
     rest = train.rows(~train.sticky)
     others = classifier(rest.x, rest.truth["cause"], max(trees // 6, 10), 6, seed)
-    found["others"] = taken(others, _start(others, rest.x))
+    found["others"] = taken(others, start(others, rest.x))
     say("other causes: fitted")
     valves = train.rows(train.sticky)
     for which in ("S", "J"):
@@ -67,13 +67,6 @@ def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees:
     )  # fmt: skip
 
 
-def _start(model: Any, x: Values) -> Values:
-    """What the raw output is before the first tree: that of one record less the sum of its leaves."""
-    one = filled(x[:1])
-    raw = np.reshape(model.decision_function(one) if hasattr(model, "classes_") else model.predict(one), (1, -1))
-    return np.asarray((raw - taken(model, np.zeros(raw.shape[1]))(one)).ravel())
-
-
 def _target(t: Table, which: str) -> Values:
     return np.asarray(np.log(t.truth[which].astype(float) / t.unit))
 
@@ -83,7 +76,7 @@ def _sizes(valves: Table, which: str, trees: int, seed: int) -> Trees:
     parts = []
     for share in TAILS:
         model = quantile(valves.x, _target(valves, which), share, trees, 8, seed)
-        parts.append(taken(model, _start(model, valves.x)))
+        parts.append(taken(model, start(model, valves.x)))
     shift = np.cumsum([0, *[len(t.feature) for t in parts[:-1]]])
     joined = {name: np.concatenate([getattr(t, name) for t in parts]) for name in
               ("feature", "threshold", "value", "left", "right")}  # fmt: skip

@@ -23,7 +23,9 @@ STEPS = (
     ", {count} of them, with a wait of several time constants after each: a sticky valve answers none of the first and "
     "then jumps"
 )
-MANUAL = "put the loop in manual for a few periods: a wave that goes was the loop's own, one that stays comes from outside"
+MANUAL = (
+    "put the loop in manual for a few periods: a wave that goes was the loop's own, one that stays comes from outside"
+)
 
 CAUSES: Mapping[str, Doing] = {
     "stiction": Doing(

@@ -31,6 +31,7 @@ __all__ = ["Amount", "Answer", "answer"]
 CLEARED = 0.5  # of OP's travel: a larger detection limit clears nothing
 FOLLOWS = 0.5  # share of PV's variance that OP through a lag must tell, to clear
 UNLIKE = 0.03  # share of features beyond all simulated ones from which on the model is not asked
+SAMPLES = 100  # of a record; the simulated ones have 300 and more
 FEWEST = 2.0  # samples between two turns of OP
 
 
@@ -94,8 +95,10 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         if told.applicable:
             return _from_stem(told, loop)
     view = view_of(loop)
-    if view is None:
-        return _refusal(f"Too little is left to look at: {len(loop.record)} samples, 40 without a gap are needed.")
+    if view is None or len(loop.whole) < SAMPLES:
+        return _refusal(
+            f"Too little is left to look at: {len(loop.whole)} samples without a gap; {SAMPLES} that move are needed."
+        )
     model = model or calibrated()
     found = features_of(view)
     return _judged(loop, view, found, model.judge(found), model)
@@ -117,15 +120,15 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
     S, J = (Amount(*(share * travel for share in size), unit) for size in (said.S, said.J))
     hidden = found[f"play_hidden_{model.hidden}"]
     limit = (hidden * travel, unit) if hidden < 0.9 else None
-    p = said.probability
+    p, stem = said.probability, loop.record.mv is not None
     causes = dict(said.causes)
     why_not = _shortcoming(view, said) or _at_end(loop)
     chances = f"Probability of stiction {p:.0%}; {_others(causes)}."
     if why_not:
-        return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", _next(causes, S))
+        return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", _next(causes, S, stem))
     if p >= model.accuse:
         reason = f"{chances} S is about {S}, J about {J}. OP travels {rounded(travel):g} {unit}."
-        return Answer("stiction", p, causes, S, J, limit, reason, _next({"stiction": 1.0}, S))
+        return Answer("stiction", p, causes, S, J, limit, reason, _next({"stiction": 1.0}, S, stem))
     if p <= model.clear:
         kept = _kept_open(found, limit, travel)
         if kept is None and limit is not None:
@@ -134,10 +137,12 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
                 f"S is below {rounded(size):g} {unit}: OP travels {rounded(travel):g} {unit} and turns back, PV follows "
                 f"it, and a larger stick would have shown. {chances}"
             )
-            return Answer("no_stiction", p, causes, None, None, (size, unit), reason, _next(causes, S))
-        return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", _next(causes, S))
-    between = f"The record leaves it open: stiction is called from {model.accuse:.0%} on, cleared up to {model.clear:.1%}."
-    return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", _next(causes, S))
+            return Answer("no_stiction", p, causes, None, None, (size, unit), reason, _next(causes, S, stem))
+        return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", _next(causes, S, stem))
+    between = (
+        f"The record leaves it open: stiction is called from {model.accuse:.0%} on, cleared up to {model.clear:.1%}."
+    )
+    return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", _next(causes, S, stem))
 
 
 def _shortcoming(view: View, said: Opinion) -> str:
@@ -174,7 +179,9 @@ def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, trav
             "to clear the valve): PV moves for other reasons."
         )
     if limit is None or limit[0] > CLEARED * travel:
-        return "Little speaks for stiction, but OP moves so little that a stick of any size up to its travel could hide."
+        return (
+            "Little speaks for stiction, but OP moves so little that a stick of any size up to its travel could hide."
+        )
     return None
 
 
@@ -183,7 +190,7 @@ def _others(causes: Mapping[str, float]) -> str:
     return ", ".join(f"{CAUSES[name].spoken} {p:.0%}" for name, p in shown)
 
 
-def _next(causes: Mapping[str, float], S: Amount) -> str:
+def _next(causes: Mapping[str, float], S: Amount, stem_logged: bool) -> str:
     """Action, owner and test for the most probable cause; for stiction as long as it is not ruled out."""
     top = next(iter(causes))
     doing = CAUSES[top]
@@ -191,6 +198,8 @@ def _next(causes: Mapping[str, float], S: Amount) -> str:
     said = f"{doing.action} ({doing.owner}). To confirm: {test}."
     if top != "stiction" and causes.get("stiction", 0.0) > 0.2:
         said += f" To rule out the valve: {confirming_steps('stiction', S.value, S.unit)}."
+    if causes.get("stiction", 0.0) > 0.2 and not stem_logged:
+        said += " Better still: log the stem position."
     return said
 
 
@@ -205,6 +214,6 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
         if told.verdict == "stiction" and len(plain) == 3 and bool(np.all(np.isfinite(plain))):
             sizes[name] = Amount(plain[0], plain[1], plain[2], unit)
     S = sizes["S"]
-    action = _next({"stiction": 1.0}, S) if S is not None else ""
+    action = _next({"stiction": 1.0}, S, True) if S is not None else ""
     reason = f"The stem is logged, so it answers and PV is not asked. {told.reason}"
     return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)

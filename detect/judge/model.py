@@ -126,9 +126,12 @@ class Model:
             arrays = {name: kept[name] for name in kept.files}
         numbers = json.loads(str(arrays["numbers"]))
         if numbers["schema"] != SCHEMA:
-            raise ValueError(f"{file} holds {numbers['schema']}, not {SCHEMA}; fit it again: python -m calibration train")
+            raise ValueError(
+                f"{file} holds {numbers['schema']}, not {SCHEMA}; fit it again: python -m calibration train"
+            )
         trees = {
-            k: Trees.read({n.removeprefix(f"{k}/"): v for n, v in arrays.items() if n.startswith(f"{k}/")}) for k in TREES
+            k: Trees.read({n.removeprefix(f"{k}/"): v for n, v in arrays.items() if n.startswith(f"{k}/")})
+            for k in TREES
         }
         a, b = numbers["platt"]
         return cls(

@@ -43,7 +43,9 @@ def _on_trial(verdicts: Sequence[Verdict]) -> list[str]:
     """One sentence on the methods without a vote: one by name, several by their count."""
     if len(verdicts) <= 1:
         return [f"{_name(v)} (experimental, no vote): {_sentence(v)}" for v in verdicts]
-    counts = [f"{n} {said.of_several}" for word, said in WORDS.items() if (n := sum(v.verdict == word for v in verdicts))]
+    counts = [
+        f"{n} {said.of_several}" for word, said in WORDS.items() if (n := sum(v.verdict == word for v in verdicts))
+    ]
     return [f"Of {len(verdicts)} experimental methods, which have no vote, {', '.join(counts)}."]
 
 

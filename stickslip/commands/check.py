@@ -34,11 +34,12 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @click.option("--measurement", type=click.Choice(MEASUREMENTS), help="What PV measures; otherwise told from the tag.")
 @click.option("--span", nargs=2, type=float, metavar="LO HI", help="Span of PV in its own unit.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
+@click.option("--simulate", is_flag=True, help="Compare with loops simulated under this record's own conditions.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
 def command(
-    files: tuple[Path, ...], html: Path | None, json_file: str | None, measurement: str | None,
+    files: tuple[Path, ...], html: Path | None, json_file: str | None, simulate: bool, measurement: str | None,
     span: tuple[float, float] | None, **told: Any,
 ) -> None:  # fmt: skip
     """Say whether the valve of the loop in FILE sticks, and why; of several loops or files, which to look at first.
@@ -52,6 +53,7 @@ def command(
       stickslip check plant.csv
       stickslip check trend.csv --pv FT101 --op FCV101 --time Zeit --decimal ,
       stickslip check FIC101.csv --json - | jq .verdict
+      stickslip check FIC101.csv --simulate
 
     \b
     Exit codes:
@@ -76,11 +78,33 @@ def command(
     diagnosis = diagnose(_with_told(record, measurement, span, told["process"] is None))
     say = Speaker(json_file)
     _tell(say, diagnosis)
+    beside = _beside(say, diagnosis) if simulate else {}
     if html is not None:
         write_whole(html, _report(diagnosis).encode())
         say(f"report: {html}")
-    say.document(diagnosis.to_dict())
+    say.document(diagnosis.to_dict() | beside)
     raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
+
+
+def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
+    """Simulate under the record's conditions, print what that says, and return what JSON holds of it.
+
+    The verdict stays the calibrated one; the detection limit becomes that of this very record.
+    """
+    from calibration import at_record
+
+    if diagnosis.probability is None:
+        say("Simulation: not asked, because the calibrated model was not asked either.")
+        return {"simulation": None}
+    try:
+        found = at_record(diagnosis.record)
+    except ValueError as error:
+        say.paragraph(f"Simulation: not applicable, because {error}.")
+        return {"simulation": None}
+    for sentence in found.sentences:
+        say.paragraph(sentence)
+    told = found.to_dict()
+    return {"simulation": told, "detection_limit": told["detection_limit"]}
 
 
 def _with_told(

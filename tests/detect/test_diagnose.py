@@ -23,13 +23,28 @@ def record(wave, loop):
     return loop(t, wave("sine", t))
 
 
+KEYS = [
+    "schema", "loop", "verdict", "probability", "causes", "amount", "detection_limit", "reason", "action",
+    "assumptions", "methods",
+]  # fmt: skip
+
+
 def test_schema(record):
     answer = diagnose(record).to_dict()
-    assert list(answer) == ["schema", "loop", "verdict", "probability", "reason", "assumptions", "methods"]
-    assert answer["schema"] == "stickslip.check/1"
+    assert list(answer) == KEYS
+    assert answer["schema"] == "stickslip.check/2"
     assert {"name", "verdict", "index", "threshold", "reason"} <= set(answer["methods"][0])
-    assert answer["probability"] is None
-    assert any("calibrated" in text for text in answer["assumptions"])
+    assert 0.0 <= answer["probability"] <= 1.0
+    assert answer["causes"]["stiction"] == answer["probability"]
+    assert sum(answer["causes"].values()) == pytest.approx(1.0)
+    assert any("calibrated on simulated loops" in text for text in answer["assumptions"])
+
+
+def test_methods_that_are_given_vote_and_no_probability_is_told(record):
+    answer = diagnose(record, [saying("stiction")]).to_dict()
+    assert list(answer) == KEYS
+    assert (answer["verdict"], answer["probability"], answer["causes"]) == ("stiction", None, {})
+    assert diagnose(record, combine=lambda votes: "inconclusive").verdict == "inconclusive"
 
 
 def test_json_is_strict_even_for_a_hopeless_record():
@@ -62,9 +77,10 @@ def test_refusals_do_not_vote(record):
 
 def test_reason_has_the_numbers_and_the_next_step(wave, loop):
     t = np.arange(1000.0)
-    reason = diagnose(loop(t, wave("exponential", t))).reason
-    for piece in ("sticky", "R = 5", "90 % interval", "period 50", "half cycles", "To prove it"):
-        assert piece in reason
+    answer = diagnose(loop(t, wave("exponential", t)), [area_ratio])
+    for piece in ("sticky", "R = 5", "90 % interval", "period 50", "half cycles"):
+        assert piece in answer.reason
+    assert "To prove it" in answer.action
 
 
 @pytest.mark.parametrize(
@@ -80,7 +96,7 @@ def test_reason_has_the_numbers_and_the_next_step(wave, loop):
 )
 def test_refusals_in_plain_words(make, piece):
     t = np.arange(800.0)
-    answer = diagnose(make(t, np.sin(t / 8)))
+    answer = diagnose(make(t, np.sin(t / 8)), [area_ratio])
     assert answer.verdict == "not_applicable"
     assert piece in answer.reason
 

@@ -30,9 +30,12 @@ def document(text):
 
 
 def assert_form(content):
-    keys = ["schema", "loop", "verdict", "probability", "reason", "assumptions", "methods"]
+    keys = [
+        "schema", "loop", "verdict", "probability", "causes", "amount", "detection_limit", "reason", "action",
+        "assumptions", "methods",
+    ]  # fmt: skip
     assert list(content)[: len(keys)] == keys
-    assert content["schema"] == "stickslip.check/1"
+    assert content["schema"] == "stickslip.check/2"
     assert content["verdict"] in ("stiction", "no_stiction", "inconclusive", "not_applicable")
     assert content["probability"] is None or 0 <= content["probability"] <= 1
     assert len(content["reason"]) > 20 and all(isinstance(line, str) for line in content["assumptions"])
@@ -104,7 +107,7 @@ def test_names_from_the_file_are_not_markup(call, good, tmp_path):
     odd.write_bytes(good.read_bytes())
     page = tmp_path / "page.html"
     result = call("check", odd, "--html", page)
-    assert "[red]<b>lööp — 回路: NOT APPLICABLE" in result.stdout
+    assert "[red]<b>lööp — 回路: " in result.stdout
     assert "<b>" not in page.read_text(encoding="utf-8")
 
 
@@ -120,7 +123,7 @@ def test_the_readers_options_reach_the_reader(call, tmp_path):
 def test_json_into_a_pipe(shell, good):
     done = shell("check", good, "--json", "/dev/stdout")
     assert done.returncode == 0
-    assert b'"schema": "stickslip.check/1"' in done.stdout
+    assert b'"schema": "stickslip.check/2"' in done.stdout
 
 
 def sticky_with_stem(tmp_path, exports, *, stem):
@@ -144,7 +147,7 @@ def test_a_logged_stem_is_not_asked_for_and_unused_columns_are_named(call, expor
     plain = call("check", exports / "FIC101_pi_export.csv").stdout
     assert "log the stem position" in " ".join(plain.split()), "the advice is there without a stem"
     said = " ".join(call("check", sticky_with_stem(tmp_path, exports, stem="ZT101.PV")).stdout.split())
-    assert "log the stem position" not in said and "the logged stem" in said
+    assert "log the stem position" not in said and "The stem is logged" in said
     assert "Columns not used: 'TI9.PV' (PV of TI9)." in said
 
 
@@ -155,3 +158,26 @@ def test_time_unit_reaches_the_reader(call, tmp_path):
     assert "Time is read in milliseconds" in " ".join(call("check", path, "--time-unit", "ms").stdout.split())
     refused = call("check", path, "--time-unit", "fortnight")
     assert refused.exit_code == 2 and "'fortnight' is not known" in refused.stderr
+
+
+def test_simulate_adds_what_loops_like_this_one_say(call, exports, monkeypatch):
+    from functools import partial
+
+    import calibration
+
+    monkeypatch.setattr(calibration, "at_record", partial(calibration.at_record, loops=120, workers=1))
+    result = call("check", exports / "FIC101_pi_export.csv", "--simulate", "--json", "-")
+    content = document(result.stdout)
+    assert_form(content)
+    told = content["simulation"]
+    assert 60 <= told["loops"] <= 120 and sum(told["causes"].values()) == pytest.approx(1.0)
+    assert told["amount"]["S"]["low"] < told["amount"]["S"]["value"] < told["amount"]["S"]["high"]
+    assert content["detection_limit"] == told["detection_limit"]
+    plain = document(call("check", exports / "FIC101_pi_export.csv", "--json", "-").stdout)
+    assert "simulation" not in plain and plain["verdict"] == content["verdict"]
+
+
+def test_simulate_of_a_record_that_shows_nothing_is_not_applicable(call, tmp_path):
+    (tmp_path / "flat.csv").write_text("time,SP,PV,OP\n" + "".join(f"{i},5,5,50\n" for i in range(300)))
+    result = call("check", tmp_path / "flat.csv", "--simulate", "--json", "-")
+    assert result.exit_code == 0 and document(result.stdout)["simulation"] is None

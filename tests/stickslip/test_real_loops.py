@@ -13,7 +13,7 @@ def test_every_file(call, real_data):
         result = call("check", real_data / row["file"], *process, "--json", "-")
         assert result.exit_code in (0, 1), row["loop"]
         answer = json.loads(result.stdout)
-        assert answer["schema"] == "stickslip.check/1"
+        assert answer["schema"] == "stickslip.check/2"
         assert (answer["verdict"] == "stiction") == (result.exit_code == 1)
         assert len(answer["reason"]) > 40, row["loop"]
         assert answer["verdict"] != ("no_stiction" if row["label"] == "stiction" else "stiction"), row["loop"]

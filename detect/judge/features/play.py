@@ -59,7 +59,9 @@ def play_features(v: View) -> dict[str, float]:
         "play_size": float(SIZES[i]),
         "play_size_mean": float(weight @ SIZES / weight.sum()),
         "play_size_scatter": float(np.std(np.log(size_each))),
-        "play_size_spread": float(np.sqrt(max(weight @ SIZES**2 / weight.sum() - (weight @ SIZES / weight.sum()) ** 2, 0))),
+        "play_size_spread": float(
+            np.sqrt(max(weight @ SIZES**2 / weight.sum() - (weight @ SIZES / weight.sum()) ** 2, 0))
+        ),
         "play_jump": float(JUMPS[j]),
         "play_jump_gain": float(by_jump[0] / by_jump[1:].min()),
         "play_jump_full": float(by_jump[1] / by_jump[2]),

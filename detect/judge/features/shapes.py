@@ -113,15 +113,19 @@ def _shape(x: Values, turn: float) -> dict[str, float]:
     peak = int(np.argmax(mean))
     before, after = mean[:peak].sum() + 0.5 * mean[peak], mean[peak + 1 :].sum() + 0.5 * mean[peak]
     own = mean / np.linalg.norm(mean)
-    return misfit | {f"mean_{name}": float(1 - (own @ s) ** 2) for name, s in TEMPLATES.items()} | {
-        "lateness": float(weight @ late),
-        "lateness_gap": abs(sides[0] - sides[1]),
-        "area_ratio": float(np.log(max(before, 0.05) / max(after, 0.05))),
-        "top": float(mean.max()),
-        "rough": float(weight @ (1 - (wave @ own) ** 2 / power)),
-        "halves": float(len(wave)),
-        "length_scatter": float(np.std(length) / np.mean(length)),
-        "area_scatter": float(np.std(np.abs(area)) / np.mean(np.abs(area))),
-        "gain_sine": math.log((misfit["sine"] + 0.003) / (misfit["triangle"] + 0.003)),
-        "length": float(np.median(length) / turn),
-    }
+    return (
+        misfit
+        | {f"mean_{name}": float(1 - (own @ s) ** 2) for name, s in TEMPLATES.items()}
+        | {
+            "lateness": float(weight @ late),
+            "lateness_gap": abs(sides[0] - sides[1]),
+            "area_ratio": float(np.log(max(before, 0.05) / max(after, 0.05))),
+            "top": float(mean.max()),
+            "rough": float(weight @ (1 - (wave @ own) ** 2 / power)),
+            "halves": float(len(wave)),
+            "length_scatter": float(np.std(length) / np.mean(length)),
+            "area_scatter": float(np.std(np.abs(area)) / np.mean(np.abs(area))),
+            "gain_sine": math.log((misfit["sine"] + 0.003) / (misfit["triangle"] + 0.003)),
+            "length": float(np.median(length) / turn),
+        }
+    )

@@ -1,0 +1,124 @@
+"""The stage that simulates loops like the record's, beside the calibrated model alone, on loops of another physics.
+
+Both stages are asked about the same held-out loops; those whose stick lies above the detection limit told for them are
+counted, too.  A record that shows too little counts with the probability 0.5.
+"""
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.report import Figures
+from calibration import AtRecord, LoopSpec, Truth, at_record, draw, simulate
+from calibration.records import row
+from calibration.scoring import auc, calibration_error
+from detect.judge.model import calibrated
+from logs import LoopRecord
+
+SEED = 9100
+RECORDS, QUICK = 60, 2
+LOOPS, QUICK_LOOPS = 1000, 80
+
+NOTES = {
+    "simulate_s": "median time of one record by simulation under its own conditions (goal: at most 10)",
+    "simulate_loops": "loops that were simulated for each",
+    "simulate_records": "held-out records of the setting other_physics",
+    "simulate_auc": "chance that a sticky loop is more probable than another, by simulation",
+    "model_auc": "the same by the calibrated model alone, on the same records",
+    "simulate_calibration_error": "expected calibration error, ten bins",
+    "model_calibration_error": "the same by the calibrated model alone",
+    "simulate_s_error": "median relative error of S over the sticky loops",
+    "model_s_error": "the same by the calibrated model alone",
+    "simulate_j_error": "median relative error of J over the sticky loops",
+    "model_j_error": "the same by the calibrated model alone",
+    "simulate_s_inside": "share of the sticky loops whose S lies in its 90 % interval",
+    "limits_told": "share of the records for which a detection limit is told",
+    "above_limit_probable": "of the sticky loops above their limit, share with a probability above one half",
+}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """What both stages say of one record, and what is true."""
+
+    spec: LoopSpec
+    truth: Truth
+    own: AtRecord | None
+    model: tuple[float, float, float] | None
+    scale: float
+
+    @property
+    def sticky(self) -> bool:
+        """Whether the valve sticks."""
+        return self.truth.cause == "stiction"
+
+
+def pairs(records: int, loops: int, seed: int = SEED) -> list[Pair]:
+    """Ask both stages about held-out records."""
+    model, found = calibrated(), []
+    specs = draw(records, seed, "other_physics")
+    for spec, (record, truth) in zip(specs, simulate(specs), strict=True):
+        shown = row(record)
+        said = None
+        if shown is not None:
+            opinion = model.judge(shown[0])
+            said = (opinion.probability, opinion.S[0] * shown[1], opinion.J[0] * shown[1])
+        found.append(Pair(spec, truth, _asked(record, loops), said, 1.0 if spec.span_known else spec.unit_op))
+    return found
+
+
+def _asked(record: LoopRecord, loops: int) -> AtRecord | None:
+    try:
+        return at_record(record, loops=loops)
+    except ValueError:
+        return None
+
+
+def figures(quick: bool) -> Figures:
+    """Return the figures; a quick run shows that it runs."""
+    loops = QUICK_LOOPS if quick else LOOPS
+    return summed_up(pairs(QUICK if quick else RECORDS, loops), loops)
+
+
+def summed_up(found: Sequence[Pair], loops: int) -> Figures:
+    """Return the figures of pairs."""
+    sticky = np.array([pair.sticky for pair in found])
+    own = np.array([0.5 if pair.own is None else pair.own.probability for pair in found])
+    model = np.array([0.5 if pair.model is None else pair.model[0] for pair in found])
+    sized = [pair for pair in found if pair.sticky and pair.own is not None and pair.model is not None]
+    limits = [pair.own.limit for pair in found if pair.own is not None]
+    above = [pair for pair in sized if pair.own and pair.own.limit and _true(pair)[0] > pair.own.limit[0]]
+    seconds = [pair.own.seconds for pair in found if pair.own is not None]
+    return {
+        "simulate_s": statistics.median(seconds) if seconds else None,
+        "simulate_loops": loops,
+        "simulate_records": len(found),
+        "simulate_auc": auc(own, sticky),
+        "model_auc": auc(model, sticky),
+        "simulate_calibration_error": calibration_error(own, sticky),
+        "model_calibration_error": calibration_error(model, sticky),
+        "simulate_s_error": _error([(pair.own.S.value, _true(pair)[0]) for pair in sized if pair.own]),
+        "model_s_error": _error([(pair.model[1], _true(pair)[0]) for pair in sized if pair.model]),
+        "simulate_j_error": _error([(pair.own.J.value, _true(pair)[1]) for pair in sized if pair.own]),
+        "model_j_error": _error([(pair.model[2], _true(pair)[1]) for pair in sized if pair.model]),
+        "simulate_s_inside": _share(
+            [pair.own.S.low <= _true(pair)[0] <= pair.own.S.high for pair in sized if pair.own]
+        ),
+        "limits_told": _share([limit is not None for limit in limits]),
+        "above_limit_probable": _share([pair.own.probability > 0.5 for pair in above if pair.own]),
+    }
+
+
+def _true(pair: Pair) -> tuple[float, float]:
+    """Return S and J in the unit of the record."""
+    return pair.truth.S * pair.scale, pair.truth.J * pair.scale
+
+
+def _error(told: Sequence[tuple[float, float]]) -> float | None:
+    return statistics.median(abs(said / true - 1.0) for said, true in told) if told else None
+
+
+def _share(found: Sequence[bool]) -> float | None:
+    return sum(found) / len(found) if found else None

@@ -1,0 +1,174 @@
+"""A verdict by simulation at the record's own conditions: stage (b) of the combined verdict.
+
+The record's conditions are measured, loops of known cause are simulated under them, and probabilities, sizes and the
+detection limit are read off those whose features are nearest to the record's.  See ``conditions``, ``alike`` and
+``posterior``.  A long record is looked at in pieces, whose scores are averaged; loops are as long as a piece.
+"""
+
+import math
+import os
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, replace
+from multiprocessing import get_context
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from calibration.alike import alike
+from calibration.conditions import Conditions, conditions
+from calibration.posterior import Reading, read
+from calibration.records import Table, row, table
+from calibration.simulation import simulate
+from calibration.spec import LoopSpec
+from detect.judge.answer import Amount
+from detect.judge.model import Model, calibrated, rounded
+from logs import LoopRecord
+
+Floats = NDArray[np.float64]
+
+LOOPS = 1000
+PIECE, PIECES = 500, 4  # samples of a piece, and how many at most
+FEWEST = 60  # loops with features below which nothing is said
+OWN_PROCESS = 200  # loops that are worth a process of their own
+
+
+@dataclass(frozen=True)
+class AtRecord:
+    """What simulation at a record's conditions says.
+
+    probability : float        of stiction, where half of all loops stick [-]
+    causes : mapping           probability of each of ``CAUSES`` [-], largest first
+    S, J : Amount              should the valve stick, with the interval of 90 %
+    limit : (float, str) or None   a stick larger than this would have shown with 90 % probability [unit of S]; None
+                               where no stick up to the travel of OP would have
+    conditions : Conditions    that were simulated
+    loops : int                simulated loops with features
+    false_alarms : float       share of them without stiction that is called sticky where the limit is read [-]
+    area : float               under the curve of hits over false alarms among the simulated loops [-]
+    seconds : float            it took
+    """
+
+    probability: float
+    causes: Mapping[str, float]
+    S: Amount
+    J: Amount
+    limit: tuple[float, str] | None
+    conditions: Conditions
+    loops: int
+    false_alarms: float
+    area: float
+    seconds: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer as plain values that JSON can hold."""
+        limit = None if self.limit is None else {"value": self.limit[0], "unit": self.limit[1]}
+        return {
+            "probability": self.probability, "causes": dict(self.causes),
+            "amount": {"S": self.S.to_dict(), "J": self.J.to_dict()}, "detection_limit": limit,
+            "conditions": asdict(self.conditions), "loops": self.loops, "false_alarms": self.false_alarms,
+            "area": self.area, "seconds": self.seconds,
+        }  # fmt: skip
+
+    @property
+    def sentences(self) -> tuple[str, str]:
+        """What was simulated and found, and the detection limit, in words."""
+        found = (
+            f"{self.loops} loops were simulated under the conditions of this record, half of them with a sticky valve. "
+            f"Among those most like it the probability of stiction is {self.probability:.0%}; if the valve sticks, "
+            f"S is {self.S}."
+        )
+        if self.limit is None:
+            return found, "No stick up to the travel of OP would have shown in this record with 90 % probability."
+        size = f"{rounded(self.limit[0]):g} {self.limit[1]}"
+        return found, f"A stick of more than {size} would have shown in this record with 90 % probability."
+
+
+def at_record(
+    record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: int | None = None, model: Model | None = None
+) -> AtRecord:
+    """Return what ``loops`` simulated loops under the record's conditions say of it; equal seeds give equal answers.
+
+    ``workers`` processes (default all cores); ``model`` by whose opinions record and loops are compared (default the
+    calibrated one, stage (a)).  Raises ``ValueError`` if the record shows too little (fewer
+    than 40 good samples, OP or PV that does not move), or too few of the simulated loops do.
+
+    See also: ``conditions`` for what is taken from the record.
+    """
+    begun = time.perf_counter()
+    looks = [(seen, shown) for piece in split(record) if (seen := _measured(piece)) and (shown := row(piece))]
+    if not looks:
+        conditions(record)  # says what is wrong, where it is that
+        raise ValueError("the record shows too little for any feature; give a longer one in which OP and PV move")
+    seen = typical([one for one, _ in looks])
+    made = simulated(alike(seen, loops, seed), workers)
+    known = made.rows(made.seen)
+    enough = len(known) >= FEWEST and 10 <= int(known.sticky.sum()) <= len(known) - 10
+    if not enough:
+        raise ValueError(f"{len(known)} of {loops} simulated loops show enough; give more loops, or a longer record")
+    names = known.names.tolist()
+    x = np.array([[shown[0][name] for name in names] for _, shown in looks])
+    found = read(known, x, model or calibrated())
+    return _told(found, record, float(np.median([shown[1] for _, shown in looks])), seen, begun)
+
+
+def split(record: LoopRecord) -> list[LoopRecord]:
+    """Return the pieces that are looked at: the record itself, or up to ``PIECES`` of ``PIECE`` samples."""
+    n = len(record)
+    if n <= PIECE * 1.5:
+        return [record]
+    starts = np.linspace(0, n - PIECE, min(PIECES, n // PIECE)).astype(int).tolist()
+    return [replace(record, log=record.log.samples(a, a + PIECE)) for a in starts]
+
+
+def typical(seen: Sequence[Conditions]) -> Conditions:
+    """Return the conditions of the piece whose period is the median."""
+    return sorted(seen, key=lambda one: one.points)[len(seen) // 2]
+
+
+def simulated(specs: Sequence[LoopSpec], workers: int | None = None) -> Table:
+    """Return features and truth of loops, made by several processes."""
+    count = min(workers or os.cpu_count() or 1, max(1, len(specs) // OWN_PROCESS))
+    if count <= 1:
+        return made_of(specs)
+    shares = [list(specs[len(specs) * k // count : len(specs) * (k + 1) // count]) for k in range(count)]
+    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
+        return Table.joined([one for one in pool.map(made_of, shares) if len(one.names)])
+
+
+def made_of(specs: Sequence[LoopSpec]) -> Table:
+    """Return features and truth of loops, in this process."""
+    return table(simulate(specs, workers=1))
+
+
+def _measured(piece: LoopRecord) -> Conditions | None:
+    try:
+        return conditions(piece)
+    except ValueError:
+        return None
+
+
+def _told(found: Reading, record: LoopRecord, travel: float, seen: Conditions, begun: float) -> AtRecord:
+    """Return what was read, in the unit of the record; ``travel`` of OP in its unit."""
+    span = record.op_span
+    scale = travel if span is None else travel * 100.0 / (span[1] - span[0])
+    unit = "in the unit of OP" if span is None else "% of OP"
+    return AtRecord(
+        probability=found.causes["stiction"],
+        causes=dict(sorted(found.causes.items(), key=lambda item: -item[1])),
+        S=_amount(found.S, scale, unit),
+        J=_amount(found.J, scale, unit),
+        limit=None if math.isnan(found.limit) else (scale * found.limit, unit),
+        conditions=seen,
+        loops=found.loops,
+        false_alarms=found.false_alarms,
+        area=found.area,
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def _amount(size: tuple[float, float, float], scale: float, unit: str) -> Amount:
+    value, low, high = size
+    return Amount(scale * value, scale * low, scale * high, unit)

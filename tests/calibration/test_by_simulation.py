@@ -1,0 +1,118 @@
+"""Stage (b): what is measured of a record, what is simulated for it, and what is read off the simulated loops."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calibration import at_record, simulate
+from calibration.alike import alike
+from calibration.by_simulation import PIECE, split
+from calibration.conditions import conditions
+from calibration.drawing import one
+from calibration.posterior import Curve, chances, nearest, weighted_quantile
+from logs import LoopRecord
+
+BARE = {
+    "noise": 0.01, "noise_time": 0.0, "walk": 0.0, "sp_move": 0.0, "door": 0.0, "stale": 0.0, "step_pv": 0.0,
+    "step_op": 0.0, "points": 20.0, "samples": 600, "span_known": True, "sp_logged": True, "process_known": True,
+}  # fmt: skip
+
+
+def record(group: str, stream: tuple[int, int], **changes: object) -> LoopRecord:
+    spec = replace(one(group, stream), **{**BARE, **changes})  # type: ignore[arg-type]
+    return simulate([spec])[0][0]
+
+
+def test_the_conditions_are_those_that_were_simulated() -> None:
+    stream = (21, 3)
+    seen = conditions(record("external_sine", stream))
+    assert seen.samples == 600 and seen.points == pytest.approx(20.0, rel=0.05)
+    assert seen.op_range == pytest.approx(one("external_sine", stream).swing, rel=0.1)
+    assert 0.003 < seen.noise < 0.03 and not seen.compressed and seen.stale == 0.0 and seen.sp == "still"
+    assert conditions(record("external_sine", stream, noise=0.1)).noise == pytest.approx(0.1, rel=0.4)
+    assert conditions(record("external_sine", stream, step_pv=10.0)).step_pv == pytest.approx(10.0, rel=0.2)
+    assert conditions(record("external_sine", stream, door=0.05)).compressed
+    stale = conditions(record("external_sine", stream, stale=0.3, stale_hold=10.0))
+    assert stale.stale == pytest.approx(0.3, abs=0.12) and stale.stale_hold == pytest.approx(10.0, rel=0.6)
+    assert conditions(record("external_sine", stream, sp_move=1.0, sp_hold=5.0)).sp == "moves"
+    assert conditions(record("external_sine", stream, sp_logged=False)).sp == "none"
+
+
+def test_conditions_do_not_depend_on_units() -> None:
+    loop = record("excited", (22, 1))
+    other = LoopRecord.from_arrays(
+        loop.t * 60.0, pv=4.0 - 30.0 * loop.pv, op=loop.op, sp=4.0 - 30.0 * loop.sp, process=loop.process
+    )
+    a, b = conditions(loop), conditions(other)
+    assert a.points == b.points and a.noise == pytest.approx(b.noise, rel=1e-6) and a.sp_move == b.sp_move == 0.0
+    assert b.dt == pytest.approx(60.0 * a.dt)
+
+
+def test_a_record_that_shows_nothing_is_refused() -> None:
+    t = np.arange(100.0)
+    with pytest.raises(ValueError, match="OP does not move"):
+        at_record(LoopRecord.from_arrays(t, pv=np.sin(t), op=0 * t + 50))
+    with pytest.raises(ValueError, match="20 good samples"):
+        at_record(LoopRecord.from_arrays(t[:20], pv=np.sin(t[:20]), op=np.cos(t[:20])))
+
+
+def test_loops_alike_have_the_conditions_of_the_record() -> None:
+    seen = conditions(record("cycling", (23, 4), step_pv=12.0))
+    specs = alike(seen, 60, seed=1)
+    assert sum(spec.cause == "stiction" for spec in specs) == 30
+    assert {spec.samples for spec in specs} == {600} and specs == alike(seen, 60, seed=1)
+    again = [conditions(loop) for loop, _ in simulate(specs)]
+    assert np.median([one.points for one in again]) == pytest.approx(seen.points, rel=0.3)
+    assert np.median([one.op_range for one in again]) == pytest.approx(seen.op_range, rel=0.3)
+    assert np.mean([one.step_pv > 0.0 for one in again]) > 0.8
+    sizes = np.array([spec.S / seen.op_range for spec in specs if spec.cause == "stiction"])
+    assert sizes.min() < 0.35 and sizes.max() > 0.7  # so that the smallest stick that shows can be told
+
+
+def test_a_long_record_is_looked_at_in_pieces() -> None:
+    t = np.arange(2600.0)
+    pieces = split(LoopRecord.from_arrays(t, pv=np.sin(t / 9), op=np.cos(t / 9)))
+    assert [len(piece) for piece in pieces] == [PIECE] * 4
+    assert pieces[0].t[0] == 0.0 and pieces[-1].t[-1] == 2599.0
+
+
+def test_a_clear_stick_and_a_clear_disturbance_are_told_apart() -> None:
+    sticky = record("cycling", (25, 0), J=8.0, S=10.0)
+    other = record("external_sine", (25, 2))
+    a, b = (at_record(loop, loops=160, seed=1, workers=1) for loop in (sticky, other))
+    assert a.probability > 0.8 > 0.4 > b.probability
+    assert sum(a.causes.values()) == pytest.approx(1.0, abs=1e-9) and max(a.causes, key=a.causes.get) == "stiction"
+    assert a.S.low < 10.0 < a.S.high and a.S.low < a.S.value < a.S.high
+    assert a.loops > 140 and a.area > 0.7 and a.false_alarms <= 0.07
+    told = a.to_dict()
+    assert told["amount"]["S"]["unit"] == "% of OP" and set(told) >= {"causes", "detection_limit", "loops"}
+    assert "loops were simulated under the conditions of this record" in a.sentences[0]
+
+
+def test_chances_are_found_from_known_odds() -> None:
+    # analytic: two normal classes one standard deviation apart have log odds x - 1/2
+    r = np.random.default_rng(3)
+    yes = np.arange(8000) % 2 == 1
+    a, b = chances(r.normal(size=8000) + yes, yes)
+    assert b == pytest.approx(1.0, abs=0.1) and a == pytest.approx(-0.5, abs=0.1)
+
+
+def test_the_curve_finds_its_own_numbers_and_says_when_there_is_no_limit() -> None:
+    r = np.random.default_rng(5)
+    travel = np.exp(r.uniform(-0.5, 2.0, 4000))
+    chance = 1.0 / (1.0 + np.exp(-(3.0 - 2.0 * np.log(travel))))
+    curve = Curve.fitted(travel, r.random(4000) < chance)
+    assert curve.a == pytest.approx(3.0, abs=0.3) and curve.b == pytest.approx(-2.0, abs=0.25)
+    exact = math.exp((3.0 - math.log(9.0)) / 2.0)  # analytic: odds of 9 to 1
+    assert curve.travel(0.9) == pytest.approx(exact, rel=0.1)
+    assert math.isnan(Curve(0.0, 1.0).travel(0.9))
+
+
+def test_neighbours_and_quantiles_carry_their_weights() -> None:
+    points = np.linspace(0.0, 1.0, 101)[:, None]
+    weights = nearest(points, np.array([0.2]), count=20.0)
+    assert np.argmax(weights) == 20 and weights[90] < 1e-6 * weights[20]
+    at = weighted_quantile(points[:, 0], weights, np.array([0.05, 0.5, 0.95]))
+    assert at[0] < 0.2 < at[2] and at[1] == pytest.approx(0.2, abs=0.02)
