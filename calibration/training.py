@@ -16,8 +16,8 @@ import numpy.typing as npt
 
 from calibration.boosting import classifier, quantile, start, taken
 from calibration.records import Table
-from detect.judge.model import Model
 from detect.judge.features.play import HIDDEN
+from detect.judge.model import Model
 from detect.judge.trees import Trees
 
 __all__ = ["fit"]
