@@ -12,7 +12,7 @@ import numpy.typing as npt
 from detect.prepare.fact import Fact
 from detect.prepare.in_charge import asleep, copied, untracked
 from detect.prepare.response import frozen, unresponsive
-from detect.prepare.stale import stale
+from detect.prepare.stale import held, stale
 from detect.verdict import Code
 from logs import LoopRecord
 from logs.modes import CASCADE
@@ -62,10 +62,12 @@ def manual(record: LoopRecord, limit: float = 0.5) -> Fact:
 
 
 def missing(record: LoopRecord, limit: float = 0.5) -> Fact:
-    """Share of samples where PV, OP or SP is missing or marked bad (manual samples are counted elsewhere)."""
+    """Share of samples where PV, OP or SP is missing or marked bad (manual and stale ones are counted elsewhere)."""
     bad = ~(record.log.good(record.pv_name) & record.log.good(record.op_name))
     if record.sp_name is not None:
         bad |= ~record.log.good(record.sp_name)
+    if stale(record).present:
+        bad &= ~held(record)
     share = float(np.mean(bad))
     text = f"PV, OP or SP is missing or bad in {share:.0%} of the samples ({limit:.0%} allowed)."
     return Fact("signal_missing", share > limit, share, limit, text)

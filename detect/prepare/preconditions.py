@@ -14,6 +14,7 @@ __all__ = ["refused"]
 ALWAYS: tuple[Code, ...] = (
     "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge", "pv_unresponsive", "stale_data",
 )  # fmt: skip
+OF_PV: tuple[Code, ...] = ("frozen_pv", "not_in_charge", "pv_unresponsive")  # no matter to a method that reads no PV
 BY_NEED: dict[str, Code] = {
     "constant_sp": "sp_not_constant",
     "unsaturated": "op_saturated",
@@ -40,7 +41,7 @@ def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdi
     def no(code: Code, reason: str) -> Verdict:
         return Verdict.not_applicable(card.name, code, reason, threshold)
 
-    dead = _first(loop, set(ALWAYS))
+    dead = _first(loop, set(ALWAYS) - (set() if "PV" in card.signals else set(OF_PV)))
     if dead is not None:
         return no(dead.code, dead.text)
     if "mv" in card.needs and loop.record.mv is None:

@@ -76,6 +76,13 @@ def test_mostly_stale_is_refused(sticky):
     assert fact.value == pytest.approx(7 / 8, abs=0.01) and fact.forbids  # analytic
 
 
+def test_stale_samples_are_not_counted_as_missing_too(sticky):
+    record = sticky(noise=0.1)
+    at = np.arange(len(record)) // 3 * 3
+    loop = prepared(again(record, pv=record.pv[at], op=record.op[at]))
+    assert [fact.code for fact in loop.present] == ["stale_data"] and not loop.present[0].forbids
+
+
 def test_frozen_transmitter(sticky):
     record = sticky(noise=0.1)
     pv = record.pv.copy()
