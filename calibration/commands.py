@@ -43,9 +43,8 @@ def train(loops: int, holding: int, trees: int, folder: Path, out: Path | None, 
     model = fit(fitted, held, click.echo, trees=trees)
     file = out or FILE
     model.write(file)
-    click.echo(
-        f"{file}: {file.stat().st_size / 1e3:.0f} kB; stiction from {model.accuse:.3f} on, cleared up to {model.clear:.4f}"
-    )
+    click.echo(f"{file}: {file.stat().st_size / 1e3:.0f} kB")
+    click.echo(f"stiction from {model.accuse:.3f} on, cleared up to {model.clear:.4f}")
 
 
 @click.command()

@@ -1,7 +1,7 @@
 """Features and truth of simulated loops, part by part: kept on disk, so that a run that was stopped goes on.
 
-A part is ``PART`` loops of one setting, drawn with a seed of its own; parts of equal setting and seed are equal on every
-machine but for rounding.  What is kept of a record is its features (``detect.judge.features``), not its signals.
+A part is ``PART`` loops of one setting, drawn with a seed of its own; parts of equal setting and seed are equal on
+every machine but for rounding.  What is kept of a record is its features (``detect.judge.features``), not its signals.
 """
 
 from collections.abc import Iterator, Sequence

@@ -201,10 +201,8 @@ def _judged(record: LoopRecord | Prepared, methods: Sequence[Method], combine: C
         began = time.perf_counter()
         verdicts.append(ask(method, loop))
         spent.append(1e3 * (time.perf_counter() - began))
-    if combine is None:
-        together = answer(loop).word
-    else:
-        together = combine([v for v in verdicts if not v.experimental])
+    votes = [v for v in verdicts if not v.experimental]
+    together = answer(loop).word if combine is None else combine(votes)
     name = loop.record.name or "loop"
     return Judged(name, together, tuple(verdicts), tuple(spent), preparation, len(loop.record))
 

@@ -184,7 +184,7 @@ def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:
         said.append("OP is taken to be within its limits: its span is not known, and sizes are in the unit of OP.")
     if found.probability is not None:
         said.append(
-            "The probability is calibrated on simulated loops of which half had a sticky valve; where fewer valves stick, "
-            "it is lower."
+            "The probability is calibrated on simulated loops of which half had a sticky valve; where fewer valves "
+            "stick, it is lower."
         )
     return tuple(dict.fromkeys(said))

@@ -1,7 +1,7 @@
 """How right the calibrated verdict is: loops of another physics and other seeds than all that it was fitted on.
 
-Half of the loops have a sticky valve, of S 2 to 15 % of OP and J of at least 0.3 S, a fifth of them without a cycle; the
-others are spread over thirteen groups, every defect of data over all.  What is simulated is kept in a folder.
+Half of the loops have a sticky valve, of S 2 to 15 % of OP and J of at least 0.3 S, a fifth of them without a cycle;
+the others are spread over thirteen groups, every defect of data over all.  What is simulated is kept in a folder.
 """
 
 from pathlib import Path

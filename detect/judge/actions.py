@@ -19,8 +19,8 @@ class Doing:
 
 
 STEPS = (
-    "put the loop in manual, move OP by {start:g} {unit} one way until PV follows, then back in steps of {step:g} {unit}"
-    ", {count} of them, with a wait of several time constants after each: a sticky valve answers none of the first and "
+    "put the loop in manual, move OP by {start:g} {unit} one way until PV follows, then back in {count} steps of "
+    "{step:g} {unit}, with a wait of several time constants after each: a sticky valve answers none of the first and "
     "then jumps"
 )
 MANUAL = (
@@ -29,7 +29,8 @@ MANUAL = (
 
 CAUSES: Mapping[str, Doing] = {
     "stiction": Doing(
-        "a sticky valve", "Look at packing, actuator, air supply and positioner of the valve", "valve maintenance", STEPS
+        "a sticky valve", "Look at packing, actuator, air supply and positioner of the valve", "valve maintenance",
+        STEPS,
     ),
     "tight_tuning": Doing(
         "tight tuning", "Lower the gain of the controller by a third, or double its integral time",
@@ -48,7 +49,8 @@ CAUSES: Mapping[str, Doing] = {
         "log a stretch with OP away from its limits",
     ),
     "deadband": Doing(
-        "a deadband without jump", "Look at linkage, gear and positioner of the valve for play", "valve maintenance", STEPS
+        "a deadband without jump", "Look at linkage, gear and positioner of the valve for play", "valve maintenance",
+        STEPS,
     ),
     "dead_loop": Doing(
         "a PV that does not answer OP", "Look for a closed block valve, a bypass, or the wrong tags", "operations",

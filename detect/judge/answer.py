@@ -4,8 +4,8 @@
     2. where MV is logged and moves, the stem answers (``methods.stem_play``): PV is not asked
     3. the features go to the model, which was calibrated on simulated loops only
     4. "stiction" from the probability ``accuse`` on, with S and J
-       "no stiction" only as a claim with a size: probability below ``clear``, OP turned back, PV follows OP, and a stick
-       above the detection limit would have shown
+       "no stiction" only as a claim with a size: probability below ``clear``, OP turned back, PV follows OP, and a
+       stick above the detection limit would have shown
        all else is inconclusive, with the reason
 
 The detection limit is the largest S that tells PV about as well as the best model does (``features.play``).
@@ -134,8 +134,8 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
         if kept is None and limit is not None:
             size = max(limit[0], 0.08 * travel)
             reason = (
-                f"S is below {rounded(size):g} {unit}: OP travels {rounded(travel):g} {unit} and turns back, PV follows "
-                f"it, and a larger stick would have shown. {chances}"
+                f"S is below {rounded(size):g} {unit}: OP travels {rounded(travel):g} {unit} and turns back, PV "
+                f"follows it, and a larger stick would have shown. {chances}"
             )
             return Answer("no_stiction", p, causes, None, None, (size, unit), reason, _next(causes, S, stem))
         return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", _next(causes, S, stem))
@@ -158,7 +158,7 @@ def _shortcoming(view: View, said: Opinion) -> str:
 
 
 def _at_end(loop: Prepared, allowed: float = 0.1) -> str:
-    """Whether PV stands at an end of its span, which the transmitter cannot leave; "" where it does not, or none is told."""
+    """Whether PV stands at an end of its span, which the transmitter cannot leave; "" where not, or none is told."""
     record = loop.record
     span = record.log.spans.get(record.pv_name)
     if span is None:
@@ -167,7 +167,8 @@ def _at_end(loop: Prepared, allowed: float = 0.1) -> str:
     share = float(np.mean((pv <= span[0] + edge) | (pv >= span[1] - edge)))
     if share <= allowed:
         return ""
-    return f"PV stands at an end of its span in {share:.0%} of the samples ({allowed:.0%} allowed): log it within its range."
+    of_samples = f"{share:.0%} of the samples ({allowed:.0%} allowed)"
+    return f"PV stands at an end of its span in {of_samples}: log it within its range."
 
 
 def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, travel: float) -> str | None:
@@ -175,8 +176,8 @@ def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, trav
     follows = found["linear_r2"]
     if follows < FOLLOWS:
         return (
-            f"Little speaks for stiction, but OP through a lag tells {max(follows, 0.0):.0%} of PV ({FOLLOWS:.0%} needed "
-            "to clear the valve): PV moves for other reasons."
+            f"Little speaks for stiction, but OP through a lag tells {max(follows, 0.0):.0%} of PV ({FOLLOWS:.0%} "
+            "needed to clear the valve): PV moves for other reasons."
         )
     if limit is None or limit[0] > CLEARED * travel:
         return (

@@ -71,6 +71,8 @@ class Trees:
     @classmethod
     def read(cls, arrays: Mapping[str, npt.NDArray[np.generic]]) -> Trees:
         """The trees that ``arrays`` has kept."""
-        whole = {k: arrays[k].astype(np.intp) for k in ("root", "output", "feature", "left", "right")}
-        single = {k: arrays[k].astype(np.float32) for k in ("threshold", "value")}
-        return cls(base=arrays["base"].astype(np.float64), **whole, **single)
+        root, output, feature, left, right = (
+            arrays[name].astype(np.intp) for name in ("root", "output", "feature", "left", "right")
+        )
+        threshold, value = (arrays[name].astype(np.float32) for name in ("threshold", "value"))
+        return cls(arrays["base"].astype(np.float64), root, output, feature, threshold, value, left, right)

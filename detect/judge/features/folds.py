@@ -1,4 +1,4 @@
-"""All cycles of OP laid over each other: the mean cycle of OP and PV, in which noise is less by the root of their number.
+"""The mean cycle of OP and PV: all cycles of OP, one over the other, so that noise is less by the root of their number.
 
 Cycles run from one rising crossing of OP to the next and are read at 32 phases; those of 0.6 to 1.6 times the median
 length count.  On the mean cycle, repeated, a play is fitted as on the record (``play``), and the harmonics are taken:

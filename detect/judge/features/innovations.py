@@ -2,9 +2,9 @@
 
     y(t) = a1 y(t-1) + a2 y(t-2) + a3 y(t-3) + sum over lags of b x(t - lag) + c + innovation
 
-With OP (x = u), with the stem of a stick (x), and with both, by least squares on every stretch.  Where the valve sticks,
-the stem tells more than OP, OP adds nothing to the stem, and the innovations under OP are few and large: the slips.
-The travel of OP from one slip to the next is then the same each time.  An outside wave leaves OP its say.
+With OP (x = u), with the stem of a stick (x), and with both, by least squares on every stretch.  Where the valve
+sticks, the stem tells more than OP, OP adds nothing to the stem, and the innovations under OP are few and large: the
+slips.  The travel of OP from one slip to the next is then the same each time.  An outside wave leaves OP its say.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def _losses(u: Values, y: Values, stems: Values) -> tuple[float, float, Values, 
 
 def _told(columns: Values, target: Values) -> Values:
     """What least squares on the columns (m, p, c) of each candidate tell of the target (m,), (c,)."""
-    m, p, c = columns.shape
+    p = columns.shape[1]
     lanes = np.ascontiguousarray(columns.transpose(2, 1, 0))  # (c, p, m)
     gram = lanes @ lanes.transpose(0, 2, 1)
     cross = lanes @ target

@@ -98,7 +98,8 @@ def responses(
 ) -> tuple[Values, npt.NDArray[np.intp], Values]:
     """Least loss of each lane x (m, s, c) for y (s, m), the number of its response, and the total squares of y.
 
-    Shapes (s, c), (s, c), (s,).  The first ``settle`` points, by default a turn, do not count; dead times shift the lanes.
+    Shapes (s, c), (s, c), (s,).  The first ``settle`` points, by default a turn, do not count; dead times shift the
+    lanes.
     """
     from scipy.signal import lfilter
 

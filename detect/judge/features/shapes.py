@@ -56,7 +56,7 @@ def _kernel(turn: float) -> Values:
 
 
 def crossings_of(x: Values, turn: float) -> tuple[Values, Values]:
-    """Where x less its moving average over four turns crosses zero for good [points], rising first, and what is left."""
+    """Where x less its moving average over four turns crosses zero [points], rising first, and what is left of it."""
     width = min(2 * round(2.0 * turn) + 1, len(x))
     pad = width // 2
     held = np.concatenate([np.full(pad, x[: pad + 1].mean()), x, np.full(pad, x[len(x) - pad - 1 :].mean())])
@@ -102,7 +102,7 @@ def _shape(x: Values, turn: float) -> dict[str, float]:
     names = [*TEMPLATES, "lateness", "lateness_gap", "area_ratio", "top", "rough", "halves", "length_scatter",
              "area_scatter", "gain_sine", "length", *[f"mean_{name}" for name in TEMPLATES]]  # fmt: skip
     if len(wave) < LEAST:
-        return {name: math.nan for name in names} | {"halves": float(len(wave))}
+        return dict.fromkeys(names, math.nan) | {"halves": float(len(wave))}
     weight = np.abs(area) / np.sum(np.abs(area))
     power = np.sum(wave**2, axis=1)
     misfit = {name: float(weight @ (1 - (wave @ s) ** 2 / power)) for name, s in TEMPLATES.items()}

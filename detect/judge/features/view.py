@@ -110,8 +110,8 @@ def view_of(loop: Prepared) -> View | None:
     k = max(1, int(min(turn / COARSE, max(turn / FINE, n / POINTS))))
     thin = [_blocks(x, k) for x in (u, y, error)]
     return View(
-        *thin, None if set_point is None else _blocks(set_point, k), max(turn / k, 2.0), k, span, _noise(y), stale, u, y,
-        loop.integrating, u_scale,
+        *thin, None if set_point is None else _blocks(set_point, k), max(turn / k, 2.0), k, span, _noise(y), stale, u,
+        y, loop.integrating, u_scale,
     )  # fmt: skip
 
 

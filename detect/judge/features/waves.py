@@ -53,7 +53,7 @@ def _regularity(acf: Values, turn: float) -> dict[str, float]:
     names = ("acf_peak", "acf_peak2", "acf_trough", "acf_period", "acf_scatter")
     below = np.flatnonzero(acf < 0.0)
     if not len(below):
-        return {name: math.nan for name in names}
+        return dict.fromkeys(names, math.nan)
     zero = int(below[0])
     trough = zero + int(np.argmin(acf[zero : max(3 * zero, zero + 2)]))
     after = acf[trough : min(3 * trough, len(acf))]
@@ -108,8 +108,8 @@ def _shift(cross: Values, power: Values, size: int, n: int, turn: float) -> dict
     middle = reach
     right, left = ccf[middle:], ccf[middle::-1]
     best = int(np.argmax(right))
-    zero = [int(np.flatnonzero(np.sign(side) != np.sign(ccf[middle]))[0]) if np.any(np.sign(side) != np.sign(ccf[middle]))
-            else reach for side in (right, left)]  # fmt: skip
+    other = [np.flatnonzero(np.sign(side) != np.sign(ccf[middle])) for side in (right, left)]
+    zero = [int(at[0]) if len(at) else reach for at in other]
     inside = ccf[middle - zero[1] : middle + zero[0] + 1]
     strongest = inside[int(np.argmax(np.abs(inside)))] if len(inside) else 0.0
     return {
