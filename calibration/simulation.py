@@ -34,7 +34,7 @@ SHORTEST, RATIO = 1000.0, 1.4  # runs last a number of scans on a grid of this r
 COARSEST = 8.0  # scans per natural period, at least
 FOR_EVER = 1e12  # period of a square wave that does not turn [s]
 LOUDEST = 0.08  # of the range of OP: the noise that proportional action hands on to OP, at most
-RTOL, ATOL = 1e-4, 1e-6
+RTOL, ATOL = 1e-4, 1e-9
 
 
 ASLEEP = 0.3  # range of OP over S below which a pilot run has come to rest
