@@ -57,7 +57,8 @@ def _fitted(spec: LoopSpec, seen: Conditions, r: Random) -> LoopSpec:
         return value * math.exp(SPREAD * r.normal())
 
     changes: dict[str, Any] = {
-        "valve": LAW.get(spec.valve, spec.valve), "samples": seen.samples, "points": max(rough(seen.points), 3.0), "dt": seen.dt,
+        "valve": LAW.get(spec.valve, spec.valve),
+        "samples": seen.samples, "points": max(rough(seen.points), 3.0), "dt": seen.dt,
         "noise": min(rough(max(seen.noise, 1e-4)), 0.5), "noise_time": 0.0,
         "step_pv": seen.step_pv, "step_op": seen.step_op,
         "door": 0.0 if not seen.compressed else spec.door or math.exp(r.uniform(math.log(0.005), math.log(0.1))),
