@@ -23,6 +23,7 @@ EXCITED = 0.35  # share of the sticky loops that something else moves
 SPREAD = 0.25  # of what is measured roughly, in the logarithm
 TRIES = 60  # draws for one loop that fits what is known of process and set point
 LIMITED = 0.05  # share of samples at a limit from which OP is saturated
+LAW = {"chen": "kano", "stick_slip": "he"}  # two laws of friction do: each structure is a run of its own
 SLOW = 0.35  # share of OP's range that its moving average covers, from which the load walks
 
 
@@ -56,6 +57,7 @@ def _fitted(spec: LoopSpec, seen: Conditions, r: Random) -> LoopSpec:
         return value * math.exp(SPREAD * r.normal())
 
     changes: dict[str, Any] = {
+        "valve": LAW.get(spec.valve, spec.valve),
         "samples": seen.samples, "points": max(rough(seen.points), 3.0), "dt": seen.dt,
         "noise": min(rough(max(seen.noise, 1e-4)), 0.5), "noise_time": 0.0,
         "step_pv": seen.step_pv, "step_op": seen.step_op,

@@ -142,6 +142,6 @@ def read(known: Table, x: Floats, model: Model) -> Reading:
 
 
 def _limit(travel: Floats, found: NDArray[np.bool_]) -> float:
-    """Return the detection limit [travels of OP]; NaN where it lies above the travel, which no stick of a cycle does."""
+    """Return the detection limit [travels of OP]; NaN where it lies above the travel itself."""
     most = Curve.fitted(travel, found).travel(CHANCE)
     return 1.0 / most if most >= 1.0 else math.nan

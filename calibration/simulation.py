@@ -34,7 +34,7 @@ SHORTEST, RATIO = 1000.0, 1.4  # runs last a number of scans on a grid of this r
 COARSEST = 8.0  # scans per natural period, at least
 FOR_EVER = 1e12  # period of a square wave that does not turn [s]
 LOUDEST = 0.08  # of the range of OP: the noise that proportional action hands on to OP, at most
-RTOL, ATOL = 1e-4, 1e-6
+RTOL, ATOL = 1e-4, 1e-9
 
 
 ASLEEP = 0.3  # range of OP over S below which a pilot run has come to rest
@@ -92,9 +92,9 @@ def simulate(specs: Sequence[LoopSpec], workers: int | None = None, mv: bool = F
     for i, (spec, plan) in enumerate(zip(specs, plans, strict=True)):
         batches[(*structure_of(spec), plan.scans)].append(i)
     found: dict[int, tuple[LoopRecord, Truth]] = {}
-    for members in batches.values():
-        result = _run([specs[i] for i in members], [plans[i] for i in members], workers)
-        for k, i in enumerate(members):
+    for own in batches.values():
+        result = _run([specs[i] for i in own], [plans[i] for i in own], workers)
+        for k, i in enumerate(own):
             found[i] = _told(specs[i], {name: rows[k] for name, rows in result.values.items()}, mv)
     return [found[i] for i in range(len(specs))]
 
@@ -125,18 +125,18 @@ def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
     for i, spec in enumerate(specs):
         batches["kano", spec.process, spec.controller].append(i)
     found: dict[int, Measured] = {}
-    for (valve, process, controller), members in batches.items():
+    for (valve, process, controller), own in batches.items():
         columns, scans = [], []
-        for i in members:
+        for i in own:
             spec = specs[i]
             scan = max(NATURALS * spec.natural, INTEGRALS * spec.T_i) / PILOT
             bare = in_scans(spec if spec.group == "cycling" else replace(spec, S=0.0, J=0.0), scan)
             columns.append({**parameters(bare, "kano", False), **driver(bare, 1.0, PILOT), **QUIET})
             scans.append(scan)
         grid = np.arange(SETTLE, PILOT - 1, dtype=np.float64) + 0.5
-        seeds = [specs[i].seed for i in members]
+        seeds = [specs[i].seed for i in own]
         result = _ensemble((valve, process, controller), PILOT, columns, seeds, grid, workers)
-        for k, i in enumerate(members):
+        for k, i in enumerate(own):
             op, pv = result.values["OP"][k], result.values["PV_m"][k]
             found[i] = Measured(extent(op), extent(pv), period(op) * scans[k])
     return [found[i] for i in range(len(specs))]

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.stats import rankdata
 
 from calibration import LoopSpec, draw, simulate
+from calibration.__main__ import calibration
 from calibration.chunks import read, write
 from calibration.defects import DEFECTS, names
 from calibration.drawing import OTHERS, one
@@ -141,3 +143,13 @@ def test_a_set_is_kept_in_chunks_and_taken_up_again(tmp_path: Path, monkeypatch:
 def test_a_folder_without_loops_says_how_to_make_them(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="python -m calibration simulate"):
         next(read(tmp_path))
+
+
+def test_the_command_writes_a_set_and_refuses_another_in_its_place(tmp_path: Path) -> None:
+    ask = ["simulate", "3", "--seed", "8", "--out", str(tmp_path / "loops")]
+    first = CliRunner().invoke(calibration, ask)
+    assert first.exit_code == 0 and "3 loops simulated, 0 were there already" in first.output
+    assert "0 loops simulated, 3 were there already" in CliRunner().invoke(calibration, ask).output
+    other = CliRunner().invoke(calibration, [*ask, "--setting", "other_physics"])
+    assert other.exit_code == 2 and "give another folder" in other.output
+    assert len(list(read(tmp_path / "loops"))) == 3
