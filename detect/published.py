@@ -101,4 +101,4 @@ def wilson(right: int, of: int, z: float = 1.645) -> tuple[float, float]:
     share, n = right / of, float(of)
     middle = (share + z * z / (2 * n)) / (1 + z * z / n)
     half = z / (1 + z * z / n) * math.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
-    return middle - half, middle + half
+    return max(middle - half, 0.0), min(middle + half, 1.0)
