@@ -116,7 +116,7 @@ PINNED = (
 
 @pytest.mark.parametrize("name", PINNED)
 def test_a_pinned_replay_with_the_true_effect_leaves_noise_and_rounding(name):
-    made = record("ideal", [name], "typical", seed=1, hours=0.4)
+    made = record("ideal", [name], "typical", seed=1, hours=0.25)
     log = Log(t=made.signals["time"], signals={s: made.signals[s] for s in ("SP", "PV", "OP")})
 
     def left(loop):
@@ -141,13 +141,13 @@ def test_the_figure_shows_S_and_J(law, S, J):
 @pytest.mark.parametrize("seed", range(2))
 def test_stiction_of_the_catalogue_is_near_other_laws_of_friction(seed, law):
     given = {"stiction": {"S": 6.0, "J": 2.5, "law": law}}
-    made = record("ideal", ["stiction"], seed=seed, hours=0.5, noise=False, given=given)
+    made = record("ideal", ["stiction"], seed=seed, hours=0.4, noise=False, given=given)
     assert made.effects["stiction"] == pytest.approx({"S": 6.0, "J": 2.5}, rel=0.1)
     op = Recorded("OP", made.signals["time"], made.signals["OP"])
     bench, one = wire([op, ideal_flow()["valve"]]), effect("stiction")
     sticky = one.insert(bench, "valve", **made.effects["stiction"])
     sticky = one.started(sticky, "valve", {"MV": float(made.signals["MV"][0])})
-    log = simulate(sticky, 1800.0, times=made.signals["time"]).log
+    log = simulate(sticky, 1440.0, times=made.signals["time"]).log
     missed = np.abs(log["MV"] - made.signals["MV"])[100:]
     free = np.abs(made.signals["OP"] - made.signals["MV"])[100:]
     # where it slips a second apart from the other law it is wrong until the next slip; bristles slip again and again
@@ -193,13 +193,13 @@ def test_seeds_of_tuning_and_report_are_kept_apart():
 
 def test_sizes_are_in_order_and_visible():
     for name in ("valve_gain", "sensor_bias", "second_lag", "slug"):
-        gaps = [record("ideal", [name], s, seed=2, hours=0.5).gap for s in severities.SEVERITIES]
+        gaps = [record("ideal", [name], s, seed=2, hours=0.25).gap for s in severities.SEVERITIES]
         assert 0.02 < gaps[0] < gaps[1] < gaps[2]
 
 
 @pytest.mark.parametrize("kind", severities.OUTSIDE)
 def test_what_is_outside_the_catalogue_leaves_a_trace(kind):
-    made = record("ideal", severity="gross", seed=2, hours=0.5, outside=kind)
+    made = record("ideal", severity="gross", seed=2, hours=0.25, outside=kind)
     assert made.gap > 0.5 and all(np.isfinite(values).all() for values in made.signals.values())
 
 
