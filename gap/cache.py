@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from diagram.diagram import Diagram
-from gap.floor import Floor, skipped_rows
+from gap.floor import Floor, settling_rows, skipped_rows
 from gap.record import Record
 from logs.files.write import replacing
 
@@ -45,7 +45,7 @@ def kept(model: Diagram, record: Record) -> Floor | None:
             )
     except (OSError, ValueError, KeyError, EOFError):
         return None
-    return replace(floor, skipped=skipped_rows(len(record.log)))
+    return replace(floor, skipped=skipped_rows(len(record.log), settling_rows(model, record)))
 
 
 def keep(model: Diagram, record: Record, floor: Floor) -> None:

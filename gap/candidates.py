@@ -42,7 +42,7 @@ def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> 
 def ranked(legal: Sequence[Candidate], progress: Progress = None, hidden: bool = True) -> list[Fit]:
     """Return the best fit of every candidate that could be replayed, the best explanation first.
 
-    Effects with a hidden mode, which cost most, come last, and only while nothing else explains the record; ``hidden``
+    Effects with a hidden mode, which cost most, come last, the simpler first, and only while nothing else explains the record; ``hidden``
     False leaves them out.
     """
     legal = [one for one in legal if hidden or not (one.effect and one.effect.hidden)]
@@ -50,7 +50,7 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None, hidden: bool =
         return []
     problem = legal[0].problem
     found: list[Fit] = []
-    ordered = sorted(legal, key=lambda one: bool(one.effect and one.effect.hidden))
+    ordered = sorted(legal, key=lambda one: len(one.own) if one.effect and one.effect.hidden else 0)
     with reporting(progress, len(legal), "effects") as tell:
         for done, candidate in enumerate(ordered):
             last = bool(candidate.effect and candidate.effect.hidden)
@@ -78,7 +78,7 @@ def _finished(found: Sequence[Fit]) -> list[Fit]:
     margin = NEAR * max(problem.score - ordered[0].F, 0.0) + 100.0
     done = []
     for k, fit in enumerate(ordered):
-        near = k < FOLLOWED and fit.total <= ordered[0].total + margin
+        near = k < FOLLOWED and fit.present and fit.total <= ordered[0].total + margin
         if near and not fit.followed and (not fit.effect.hidden or problem.free):
             fit = replace(refined(fit), followed=True)
         done.append(fit)

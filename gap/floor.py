@@ -16,10 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
 from gap.offsets import offsets
 from gap.record import Record
+from gap.scales import time_scale
 from logs import Log
 
 Floats = NDArray[np.float64]
@@ -27,6 +29,7 @@ NU = 4.0
 UNIT = 0.8310  # of the loss: with it a normal innovation of standard deviation 1 has the loss least at its own size
 SKIPPED = 0.02  # share of the record at its beginning that is not scored: what the start leaves has died away
 FEWEST_SKIPPED = 20
+SETTLING = 10.0  # time scales until a start is forgotten
 ORDER = 24  # rows that a prediction of the residuals may look back
 WORTH = 0.5  # nats a row that predicting residuals must gain to be done
 GROWTH = 1.5  # a level whose variance grows by this between the thirds of a record has none
@@ -124,14 +127,23 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
     return logs
 
 
-def skipped_rows(rows: int) -> int:
-    """Return how many rows at the beginning of a record are not scored."""
-    return min(max(FEWEST_SKIPPED, int(SKIPPED * rows)), rows // 2)
+def skipped_rows(rows: int, settling: float = 0.0) -> int:
+    """Return how many rows at the beginning of a record are not scored: ``settling`` rows until its start is forgotten.
+
+    At least a fiftieth of the record, at most a tenth.
+    """
+    return min(max(FEWEST_SKIPPED, int(SKIPPED * rows), min(int(settling), rows // 10)), rows // 2)
 
 
-def floor_of(found: Floats) -> Floor:
+def settling_rows(model: Diagram, record: Record) -> float:
+    """Return after how many rows of a record the start is forgotten: ten times the time scale of the loop."""
+    times = [time_scale(model, block.name) for block in model.blocks if block.role is Role.PROCESS]
+    return SETTLING * float(np.median(times)) / record.log.dt if times else 0.0
+
+
+def floor_of(found: Floats, settling: float = 0.0) -> Floor:
     """Return the floor that offsets of runs without a gap have, (runs, rows, signals)."""
-    skipped = skipped_rows(found.shape[1])
+    skipped = skipped_rows(found.shape[1], settling)
     changes = _drifting(found[:, skipped:])
     r = residuals(found, changes)[:, skipped:]
     A, L = _predictor(r)
@@ -176,4 +188,4 @@ def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: in
     """Return the floor of a model for records like this one, and the logs of the runs that showed it."""
     logs = without_gap(model, record, runs, seed)
     found = offsets(quiet, record, logs=logs)
-    return floor_of(found), logs
+    return floor_of(found, settling_rows(model, record)), logs

@@ -20,7 +20,7 @@ def offsets(
     start: Mapping[str, ArrayLike] | None = None,
     logs: Sequence[Log] | None = None,
 ) -> Floats:
-    """Return what the pins add, (runs, rows, pinned signals); NaN where a signal is missing or a run failed.
+    """Return what the pins add, (runs, rows, pinned signals); NaN where any is missing, or a run failed.
 
     ``params``, ``start``: block.name -> one value a run, or one for all.  ``logs``: one a run in place of the record's,
     with the same signals and rows.
@@ -38,8 +38,9 @@ def offsets(
     )
     found = np.stack([many.values[f"{s}:offset"] for s in record.pinned], axis=-1)
     found[~many.ok] = np.nan
-    bad = ~np.stack([record.log.good(s) for s in record.pinned], axis=-1)
-    return np.where(bad[None], np.nan, found)
+    bad = ~np.all([record.log.good(s) for s in record.pinned], axis=0)  # one that is missing misleads all others
+    found[:, bad] = np.nan
+    return found
 
 
 def known_starts(diagram: Diagram, start: Mapping[str, float]) -> dict[str, float]:

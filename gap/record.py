@@ -10,6 +10,7 @@ from logs import Log
 
 Floats = NDArray[np.float64]
 LATTICE = 1e-3  # how far, in steps, values may lie off a lattice that they are said to be on
+FINEST = 1e-12  # of the largest value: numbers themselves are not more exact
 FEWEST = 20  # rows below which a record says too little
 
 
@@ -30,10 +31,10 @@ def rounding(values: ArrayLike) -> float:
     if len(known) < 2:
         return 0.0
     gaps = np.diff(known)
-    noise = 64.0 * np.spacing(np.abs(known).max())
+    noise = FINEST * float(np.abs(known).max())
     step = float(gaps[gaps > noise].min(initial=np.inf))
     for _ in range(24):  # Euclid: what does not divide becomes the next divisor
-        if not noise < step < np.inf:
+        if not noise < LATTICE * step < np.inf:
             return 0.0
         left = np.abs(known - np.round(known / step) * step)
         off = left > max(noise, LATTICE * step)

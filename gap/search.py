@@ -120,6 +120,12 @@ class Fit:
         return replace(self, candidate=candidate, values=candidate.nominal)
 
     @property
+    def present(self) -> bool:
+        """Whether the effect is there at all."""
+        nominal = self.candidate.nominal
+        return any(self.values[name] != nominal[name] for name in self.candidate.own)
+
+    @property
     def total(self) -> float:
         """Score and price, what candidates are compared by [nats]."""
         return self.F + self.price
@@ -169,6 +175,7 @@ def slopes(fit: Fit, names: Sequence[str] | None = None) -> tuple[Floats, list[s
         away = abs(at - nominal) if math.isfinite(nominal) else abs(at)
         span = high - low if math.isfinite(high - low) else max(abs(at), 1.0)
         h = PROBE * max(away, 1e-3 * span, span if name in candidate.problem.free else 0.0)
+        h = max(h, low - at)  # a value between none and the least that an effect can be costs more than it tells
         change = h if at + h <= high else -h
         many.append({**fit.values, name: at + change})
         changes.append(change)
@@ -195,10 +202,14 @@ def refined(fit: Fit, rounds: int = ROUNDS, names: Sequence[str] | None = None) 
             return fit
         at = np.array([fit.values[name] for name in felt])
         low, high = np.array([candidate.bounds[name] for name in felt]).T
+        low, high = np.minimum(low, at) if fit.present else low, np.maximum(high, at)
         d, promised = step(fit.e.ravel(), J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0))
         if fit.F - promised < SETTLED:
             return fit
-        ahead = [{**fit.values, **dict(zip(felt, (at + share * d).tolist(), strict=True))} for share in (1.0, 0.3)]
+        ahead = [
+            {**fit.values, **dict(zip(felt, np.clip(at + share * d, low, high).tolist(), strict=True))}
+            for share in (1.0, 0.3)
+        ]
         best = best_of(candidate.tried(ahead))
         if best is None or best.F >= fit.F:
             return fit

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.role import Role
 from gap.adequacy import EXPLAINED, needed, share
-from gap.floor import scored
+from gap.floor import losses, scored
 from gap.model import nuisances
 from gap.pairs import Pair
 from gap.problem import Problem
@@ -17,6 +18,8 @@ from gap.sizes import SEEN, shares, shrinkage, sizes
 
 Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not tell apart
+ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
+NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
 LISTED = 12  # explanations in the ranking
 SURE, UNSURE = 0.95, 0.9  # probability of a name before anything is known of how often it is right
 
@@ -33,8 +36,8 @@ def no_gap(problem: Problem) -> GapReport:
 def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
     """Return the report of a gap that nothing in the catalogue explains: its segment, and what comes nearest."""
     best = fits[0] if fits else None
-    place = best.place if best else problem.quiet.blocks[0].name
-    near = segment_of(problem, place)
+    near = abnormal_segment(problem)
+    place = best.place if best is not None and best.place in near else near[0]
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
     if best is not None:
         part = 100.0 * share(problem, best)
@@ -141,13 +144,22 @@ def _correlation(a: Floats, b: Floats) -> float:
     return float(a @ b) / size if size > 0.0 else 0.0
 
 
-def segment_of(problem: Problem, place: str) -> tuple[str, ...]:
-    """Return the blocks that the logged signals do not tell apart from one of them, which comes first."""
+def abnormal_segment(problem: Problem) -> tuple[str, ...]:
+    """Return the blocks between logged signals where the gap lies, those at which an effect can be.
+
+    The level of a measurement is wrong only if what drives it is; the change of a controller's output also feels how
+    its measurement has moved since the last row.  So signals that keep their level come first.
+    """
+    floor, e = problem.floor, problem.as_it_is
+    usual = floor.mean / e.shape[1]
+    excess = np.array([float(losses(e[:, k][np.isfinite(e[:, k])]).mean()) / usual - 1.0 for k in range(e.shape[1])])
+    levels = np.where(floor.changes, -np.inf, excess)
+    k = int(np.argmax(levels if levels.max() > ABNORMAL else excess))
+    driver = problem.quiet.blocks[problem.quiet.driven[problem.record.pinned[k]][0]].name
     logged = [s for s in problem.record.log.names if s in problem.quiet.signals]
-    for segment in problem.quiet.segments(logged):
-        if place in segment.blocks:
-            return tuple(sorted(segment.blocks, key=lambda name: name != place))
-    return (place,)
+    blocks = next(one.blocks for one in problem.quiet.segments(logged) if driver in one.blocks)
+    places = tuple(name for name in blocks if problem.quiet[name].role not in NO_PLACE and ":" not in name)
+    return places or (driver,)
 
 
 def ranking(fits: Sequence[Fit], same: Sequence[Fit], sure: float) -> tuple[Rank, ...]:

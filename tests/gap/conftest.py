@@ -1,0 +1,40 @@
+"""Records of the ideal flow loop, with and without an effect."""
+
+import numpy as np
+import pytest
+
+from cases.models import ideal_flow
+from diagram import ensemble
+from gap.effects import effect
+from logs import Log
+
+ROWS = 1801  # half an hour, a row a second
+
+
+@pytest.fixture(scope="session")
+def recorded():
+    """Simulate the ideal flow loop with an effect as its historian would log it."""
+
+    def record(name="", place="", seed=1, **values):
+        t = np.arange(float(ROWS))
+        SP = np.repeat(np.random.default_rng(seed).choice([1.2, 1.35, 1.5, 1.65, 1.8], 10), 200)[:ROWS]
+        SP[:200] = 1.5
+        model = ideal_flow(rest=1.5)
+        if name:
+            one = effect(name)
+            model = one.started(one.insert(model, place, **values), place, {"SP": 1.5, "PV": 1.5, "OP": 0.5})
+        many = ensemble(
+            model, t[-1], times=t, inputs=Log(t, {"SP": SP}), seeds=[seed], signals=["OP", "PV"], progress=False
+        )
+        return Log(t, {"SP": SP, **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+
+    return record
+
+
+@pytest.fixture(autouse=True, scope="session")
+def own_cache(tmp_path_factory):
+    """Keep floors in a folder of the test."""
+    patch = pytest.MonkeyPatch()
+    patch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("cache")))
+    yield
+    patch.undo()

@@ -1,0 +1,95 @@
+"""The whole way from a log to a report, on short records and with a few effects."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cases.models import ideal_flow
+from gap import GapError, diagnose
+from gap.effects import effect
+from logs import Log
+
+FEW = [effect(name) for name in ("valve_gain", "process_gain", "sensor_span", "dead_time", "controller_gain", "sensor_bias")]
+
+
+def test_no_gap_is_said_in_the_words_of_the_document(recorded):
+    report = diagnose(ideal_flow(), recorded(seed=5), catalogue=FEW, progress=False)
+    assert report.to_dict() == {"gap": False, "where": None, "causes": [], "ranking": [], "shrinkage": None}
+    assert str(report).startswith("No gap of relevance")
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "values", "places"),
+    [
+        ("dead_time", "process", {"theta": 0.8}, {"process"}),
+        ("controller_gain", "controller", {"factor": 1.15}, {"controller"}),
+        ("valve_gain", "valve", {"factor": 0.93}, {"valve", "process", "sensor"}),
+    ],
+)
+def test_the_cause_is_named_up_to_what_the_log_tells_apart(recorded, name, place, values, places):
+    report = diagnose(ideal_flow(), recorded(name, place, **values), catalogue=FEW, progress=False)
+    found = report.to_dict()
+    json.dumps(found, allow_nan=False)
+    assert set(found) == {"gap", "where", "causes", "ranking", "shrinkage"} and found["gap"] is True
+    (cause,) = found["causes"]
+    assert set(cause) == {"effect", "place", "probability", "ambiguous_with", "parameters"}
+    assert name in [cause["effect"], *cause["ambiguous_with"]] and set(found["where"]["confidence_set"]) == places
+    assert 1 + len(cause["ambiguous_with"]) == len(places)
+    assert 0.0 < cause["probability"] < 1.0
+    (key,) = values
+    (size,) = [size for k, size in cause["parameters"].items() if k == key]
+    assert size["value"] == pytest.approx(values[key], rel=3e-3) and set(size) == {"value", "low", "high", "unit"}
+    assert found["shrinkage"]["fraction"] > 0.95
+    assert set(found["shrinkage"]) == {"before", "after", "floor", "fraction", "low", "high"}
+
+
+def test_what_the_catalogue_lacks_is_unknown(recorded):
+    without = [one for one in FEW if one.name != "dead_time"]
+    log = recorded("dead_time", "process", theta=2.0)
+    report = diagnose(ideal_flow(), log, catalogue=without, progress=False)
+    assert [cause.effect for cause in report.causes] == ["unknown"] and report.shrinkage is None
+    assert report.where is not None and {"valve", "process", "sensor"} <= set(report.where.confidence_set)
+    assert "controller" not in report.where.confidence_set
+
+
+def test_two_effects_are_both_named(recorded):
+    one, two = effect("controller_gain"), effect("sensor_bias")
+    from diagram import ensemble
+
+    log = recorded()
+    model = two.insert(one.insert(ideal_flow(rest=1.5), "controller", factor=1.2), "sensor", offset=0.05)
+    many = ensemble(
+        model, log.duration, times=log.t, inputs=Log(log.t, {"SP": log["SP"]}), seeds=[2], signals=["OP", "PV"],
+        progress=False,
+    )  # fmt: skip
+    made = Log(log.t, {"SP": log["SP"], **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+    report = diagnose(ideal_flow(), made, catalogue=[one, two, effect("dead_time")], progress=False)
+    assert {cause.effect for cause in report.causes} == {"controller_gain", "sensor_bias"}
+
+
+def test_the_same_seed_gives_the_same_report(recorded):
+    log = recorded("sensor_bias", "sensor", offset=0.03)
+    few = [effect("sensor_bias"), effect("process_gain")]
+    first, second = (diagnose(ideal_flow(), log, catalogue=few, progress=False).to_dict() for _ in range(2))
+    assert first == second and first["causes"][0]["effect"] == "sensor_bias"
+
+
+@pytest.mark.parametrize(
+    ("log", "words"),
+    [
+        (Log(np.arange(5.0), {"PV": np.zeros(5)}), "too few"),
+        (Log(np.arange(50.0), {"PV": np.zeros(50)}), "input 'SP' is not in the log"),
+        (Log(np.arange(50.0), {"SP": np.zeros(50)}), "none of the signals that the model drives"),
+        ([1.0, 2.0], "give a Log"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused(log, words):
+    with pytest.raises(GapError, match=words):
+        diagnose(ideal_flow(), log)
+
+
+def test_the_pictures_show_the_place(recorded):
+    report = diagnose(ideal_flow(), recorded("sensor_bias", "sensor", offset=0.03), catalogue=FEW[-1:], progress=False)
+    assert [ax.get_ylabel().split("\n")[0] for ax in report.plot().axes] == ["residual of OP", "residual of PV"]
+    assert report.plot_diagram().axes

@@ -1,0 +1,84 @@
+"""Residuals without a gap: white where sensor noise is all, innovations of a filter where a load is not measured."""
+
+import numpy as np
+import pytest
+
+from cases.models import ideal_flow, site_flow
+from gap.diagnosis import prepared
+from gap.floor import UNIT, floor_of, losses, residuals, skipped_rows
+from gap.robust import step
+from logs import Log
+
+
+def test_residuals_of_the_right_model_are_the_sensors_noise(recorded):
+    problem = prepared(ideal_flow(), recorded(seed=3))
+    e = problem.as_it_is
+    assert problem.record.pinned == ("OP", "PV") and problem.floor.changes.tolist() == [True, False]
+    assert np.nanstd(e, axis=0) == pytest.approx([1.0, 1.0], abs=0.1)  # analytic: unit variance
+    assert problem.score < problem.limit and not problem.floor.coloured
+    assert problem.floor.L[1, 1] == pytest.approx(0.004, rel=0.05)  # analytic: the model's own noise
+
+
+def test_coloured_residuals_are_whitened():
+    rng = np.random.default_rng(0)
+    runs, rows, a = 12, 3000, 0.9
+    load = np.zeros((runs, rows))
+    for k in range(1, rows):
+        load[:, k] = a * load[:, k - 1] + rng.normal(size=runs)
+    floor = floor_of(load[:, :, None])
+    e = floor.innovations(load[:, :, None])[..., 0]
+    assert floor.coloured and floor.A[0, 0, 0] == pytest.approx(a, abs=0.02)  # analytic: a first-order autoregression
+    assert e.std() == pytest.approx(1.0, abs=0.02)
+    assert abs(np.corrcoef(e[:, 1:].ravel(), e[:, :-1].ravel())[0, 1]) < 0.02
+
+
+def test_a_level_that_wanders_is_differenced():
+    walk = np.cumsum(np.random.default_rng(0).normal(size=(12, 3000, 1)), axis=1)
+    assert floor_of(walk).changes.tolist() == [True]
+    moved = residuals(walk, np.array([True]))
+    assert np.isnan(moved[:, 0]).all() and np.allclose(moved[:, 1:], np.diff(walk, axis=1))
+
+
+def test_the_loss_of_normal_noise_is_least_at_its_own_size():
+    e = np.random.default_rng(0).normal(size=200_000)
+    sizes = np.linspace(0.9, 1.1, 21)
+    cost = [losses(e / f).sum() + len(e) * np.log(f) for f in sizes]
+    assert sizes[int(np.argmin(cost))] == pytest.approx(1.0, abs=0.011) and 0.8 < UNIT < 0.9
+
+
+def test_a_step_finds_the_slope_under_gross_errors():
+    rng = np.random.default_rng(0)
+    J = rng.normal(size=(4000, 2))
+    e = -J @ [300.0, -0.5] + rng.normal(size=4000)
+    e[:400] += 1e4
+    d, promised = step(e, J, np.array([-1e4, -1e4]), np.array([1e4, 1e4]))
+    assert d == pytest.approx([300.0, -0.5], abs=0.1) and promised < losses(e).sum()
+    d, _ = step(e, J, np.array([0.0, 0.0]), np.array([100.0, 1.0]))
+    assert d[0] == pytest.approx(100.0)  # at its bound
+
+
+def test_the_beginning_of_a_record_is_not_scored():
+    assert skipped_rows(7201) == 144 and skipped_rows(1801, 100.0) == 100 and skipped_rows(1801, 4000.0) == 180
+    assert skipped_rows(100) == 20 and skipped_rows(30) == 15
+
+
+def test_missing_samples_are_left_out(recorded):
+    log = recorded(seed=3)
+    PV = log["PV"].copy()
+    PV[500:520] = np.nan
+    problem = prepared(ideal_flow(), Log(log.t, {"SP": log["SP"], "OP": log["OP"], "PV": PV}))
+    assert problem.score < problem.limit and np.isfinite(problem.score)
+
+
+def test_unsure_parameters_settle_within_their_tolerances():
+    from diagram import ensemble
+
+    t, fine = np.arange(0.0, 3601.0, 5.0), np.arange(3601.0)
+    SP = np.where(fine % 1202 < 601, 1.5, 1.6)
+    true = site_flow(rest=1.5).with_params({"process.K": 3.12})
+    many = ensemble(true, 3600.0, times=t, inputs=Log(fine, {"SP": SP}), seeds=[1], signals=["OP", "PV"], progress=False)
+    rounded = {s: np.round(many.values[s][0] / q) * q for s, q in (("OP", 1e-3), ("PV", 1.5e-3))}
+    problem = prepared(site_flow(), Log(t, {"SP": SP[::5], **rounded}))
+    assert problem.floor.coloured and problem.free["process.K"] == pytest.approx((2.85, 3.15))
+    assert problem.settled is not None and problem.settled.values["process.K"] == pytest.approx(3.12, abs=0.04)
+    assert np.nanstd(problem.as_it_is, axis=0) == pytest.approx([1.0, 1.0], abs=0.15)  # analytic

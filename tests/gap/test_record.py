@@ -1,0 +1,40 @@
+"""What a log says of itself: the lattice of its values, straight lines, scans."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gap.record import rounding
+from gap.scans import read_off
+from gap.texture import straight
+
+
+@given(st.sampled_from([1e-6, 1e-3, 0.0015, 0.02, 0.25, 5.0]), st.integers(0, 1000))
+def test_the_rounding_of_a_log_is_read_off_it(step, seed):
+    values = np.round(np.random.default_rng(seed).normal(0.5, 200.0 * step, 400) / step) * step
+    assert rounding(values) == pytest.approx(step, rel=1e-6)  # analytic
+
+
+def test_values_that_are_not_rounded_have_no_lattice():
+    assert rounding(np.random.default_rng(0).normal(size=400)) == 0.0
+    assert rounding([1.0, 1.0]) == 0.0
+
+
+def test_noise_has_no_straight_lines_and_an_interpolated_archive_has():
+    noise = np.random.default_rng(0).normal(size=2000).round(6)
+    assert straight(noise, 1e-6) < 0.01
+    drawn = np.interp(np.arange(2000.0), np.arange(0.0, 2000.0, 5.0), noise[::5])
+    assert straight(drawn, 1e-6) == pytest.approx(0.8, abs=0.02)  # analytic: 4 of 5 triples lie within a line
+
+
+@given(st.integers(2, 9), st.integers(0, 8))
+def test_the_scan_of_a_controller_is_read_off_its_output(period, first):
+    t = np.arange(600.0)
+    scans = np.floor((t - first) / period)
+    (P, at), *_ = read_off(t, np.sin(scans))
+    assert (P, at) == (period, first % period)  # analytic
+
+
+def test_an_output_that_is_always_new_shows_no_scan():
+    assert read_off(np.arange(50.0), np.random.default_rng(0).normal(size=50)) == []

@@ -1,0 +1,86 @@
+"""`stickslip gap`: words, document and exit code for a gap, for none, and for what cannot be read."""
+
+import json
+
+import numpy as np
+import pytest
+
+MODEL = """
+from cases.models import ideal_flow
+
+
+def loop():
+    return ideal_flow()
+
+
+def nothing():
+    return 5
+"""
+
+
+@pytest.fixture
+def model(tmp_path, monkeypatch):
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path / "cache"))
+    path = tmp_path / "model.py"
+    path.write_text(MODEL)
+    return path
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Write ten minutes of the ideal flow loop, measured with a bias."""
+
+    def write(bias):
+        from cases.models import ideal_flow
+        from diagram import ensemble
+        from gap.effects import effect
+        from logs import Log
+
+        t = np.arange(601.0)
+        SP = np.where(t < 300.0, 1.5, 1.6)
+        model = effect("controller_gain").insert(ideal_flow(rest=1.5), "controller", factor=bias)
+        many = ensemble(
+            model, 600.0, times=t, inputs=Log(t, {"SP": SP}), seeds=[1], signals=["OP", "PV"], progress=False
+        )
+        path = tmp_path / "run.csv"
+        columns = np.column_stack([t, SP, many.values["OP"][0], many.values["PV"][0]])
+        np.savetxt(path, columns, fmt="%.6f", delimiter=",", header="time,SP,OP,PV", comments="")
+        return path
+
+    return write
+
+
+def test_a_gap_is_exit_code_one_and_named(call, written, model, tmp_path):
+    page = tmp_path / "gap.html"
+    result = call("gap", written(1.3), "--model", f"{model}:loop", "--json", "-", "--html", page)
+    assert result.exit_code == 1, result.output
+    found = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
+    assert set(found) == {"gap", "where", "causes", "ranking", "shrinkage"}
+    assert found["where"]["place"] == "controller" and found["causes"][0]["effect"] == "controller_gain"
+    assert found["causes"][0]["parameters"]["factor"]["value"] == pytest.approx(1.3, rel=1e-3)
+    assert "Cause: controller_gain at controller" in " ".join(result.stderr.split()) and "<svg" in page.read_text()
+
+
+def test_no_gap_is_exit_code_zero(call, written, model, tmp_path):
+    document = tmp_path / "gap.json"
+    result = call("gap", written(1.0), "--model", f"{model}:loop", "--json", document)
+    assert result.exit_code == 0 and result.stdout.startswith("NO GAP")
+    assert json.loads(document.read_text())["gap"] is False
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--model", "nowhere"], "there is no case 'nowhere'"),
+        (["--model", "nowhere.py:loop"], "there is no file 'nowhere.py'"),
+        (["--model", "{model}:lop"], "has no function 'lop'; did you mean 'loop'"),
+        (["--model", "{model}:nothing"], "returned int"),
+    ],
+)
+def test_bad_input_is_exit_code_two(call, model, good, arguments, words):
+    result = call("gap", good, *[word.format(model=model) for word in arguments])
+    assert result.exit_code == 2 and words in " ".join(result.stderr.split())
+
+
+def test_help_says_that_the_file_is_executed(call):
+    assert "IS EXECUTED" in call("gap", "--help").stdout
