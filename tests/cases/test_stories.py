@@ -55,10 +55,12 @@ def test_never_the_wrong_way_round(again, story, which):
     answer = diagnose(read_loop(story.path if which == "kept" else again / story.file))
     wrong = "no_stiction" if story.truth == "stiction" else "stiction"
     assert answer.verdict != wrong
-    # snapshot: by the area ratio alone, which can accuse a valve but never clear one
-    words = {"FIC-101": "stiction", "TIC-204": "inconclusive", "PIC-305": "inconclusive"}
-    assert answer.verdict == words.get(story.name, "not_applicable")
-    if answer.verdict == "not_applicable":
+    # by how the stories were made; the compressed one may be left open, the tight one cleared only with a size
+    words = {"FIC-101": ("stiction",), "LIC-410": ("stiction",), "PIC-305": ("no_stiction", "inconclusive")}
+    assert answer.verdict in words.get(story.name, (answer.verdict,))
+    causes = {"TIC-204": "tight_tuning", "PIC-305": "external_oscillation"}
+    assert next(iter(answer.causes)) == causes.get(story.name, "stiction")
+    if story.name in ("LIC-410", "FIC-512"):
         assert answer.methods[0].code == {"LIC-410": "wrong_process_type", "FIC-512": "compressed"}[story.name]
 
 

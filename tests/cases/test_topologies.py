@@ -179,10 +179,10 @@ def test_what_the_detector_says_of_the_cascade():
     """The words of docs/topologies.md, and why none of them is 'stiction'."""
     log = find("cascade_flow").run().log
     inner = diagnose(log.loop(sp="cascade/SP_F", pv="cascade/F", op="cascade/OP"))
-    assert inner.verdict == "not_applicable" and "SP moves" in inner.methods[0].reason
+    assert inner.methods[0].verdict == "not_applicable" and "SP moves" in inner.methods[0].reason
     outer = log.loop(sp="SP_L", pv="cascade/L", op="cascade/SP_F")
     assert diagnose(replace(outer, process="integrating")).methods[0].verdict == "not_applicable"
     alone = cascade_flow.cascade_loop().part(["FC", "valve", "pipe"])
     run = simulate(alone, 7200.0, every=1.0, inputs={"SP_F": Step("SP_F", 0.508, 0.5, at=10.0)})
     said = diagnose(run.log.loop(sp="SP_F", pv="F", op="OP"))
-    assert said.verdict == "inconclusive" and "flat-topped" in said.methods[0].reason
+    assert said.methods[0].verdict == "inconclusive" and "flat-topped" in said.methods[0].reason

@@ -88,11 +88,14 @@ def test_json_file_and_report_are_what_they_say(call, exports, tmp_path):
     target, page = tmp_path / "answer.json", tmp_path / "report.html"
     target.write_text("old")
     result = call("check", exports / "LIC410_level.csv", "--json", target, "--html", page)
-    assert result.exit_code == 0
+    assert result.exit_code == 1
     answer = document(target.read_text(encoding="utf-8"))
     assert_form(answer)
-    assert answer["verdict"] == "not_applicable" and answer["methods"][0]["code"] == "wrong_process_type"
-    assert "NOT APPLICABLE" in page.read_text(encoding="utf-8")
+    assert answer["verdict"] == "stiction" and answer["methods"][0]["code"] == "wrong_process_type"
+    assert answer["causes"]["stiction"] == answer["probability"] > 0.5
+    assert answer["amount"]["S"]["low"] < answer["amount"]["S"]["value"] < answer["amount"]["S"]["high"]
+    shown = page.read_text(encoding="utf-8")
+    assert "STICTION" in shown and "a sticky valve" in shown and "valve maintenance" in shown
     assert sorted(path.name for path in tmp_path.iterdir()) == ["answer.json", "report.html"]
 
 
@@ -181,3 +184,14 @@ def test_simulate_of_a_record_that_shows_nothing_is_not_applicable(call, tmp_pat
     (tmp_path / "flat.csv").write_text("time,SP,PV,OP\n" + "".join(f"{i},5,5,50\n" for i in range(300)))
     result = call("check", tmp_path / "flat.csv", "--simulate", "--json", "-")
     assert result.exit_code == 0 and document(result.stdout)["simulation"] is None
+
+
+def test_what_the_user_says_of_pv_is_used(call, exports):
+    file = exports / "FIC101_pi_export.csv"
+    told = document(call("check", file, "--measurement", "level", "--json", "-").stdout)
+    plain = document(call("check", file, "--json", "-").stdout)
+    assert told["probability"] != plain["probability"]  # a level integrates
+    narrow = document(call("check", file, "--span", "0", "1", "--json", "-").stdout)
+    assert narrow["verdict"] == "inconclusive" and "end of its span" in narrow["reason"]
+    wrong = call("check", file, "--span", "5", "1")
+    assert wrong.exit_code == 2 and "--span 5 1" in wrong.stderr
