@@ -22,6 +22,7 @@ from blocks.block import Block
 from blocks.pin import Pin
 from blocks.ports import nearest
 from blocks.recorded import Recorded
+from diagram.branches import Branches
 from diagram.changes import rebuilt
 from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble
@@ -98,12 +99,14 @@ def replay(
     signals: Sequence[str] | None = None,
     params: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
+    branches: Branches | None = None,
     rtol: float = 1e-6,
     atol: float = 1e-9,
 ) -> Run:
     """Simulate the diagram pinned to a log, from its first to its last time, with one row for each of them.
 
-    ``signals``: those to pin, by default all that log and diagram share; the rest as in ``simulate``.
+    ``signals``: those to pin, by default all that log and diagram share; ``branches``: modes of a block to try where a
+    sample does not fit (``diagram.branches``); the rest as in ``simulate``.
 
     >>> from blocks import FirstOrder, Step
     >>> from diagram import wire
@@ -115,8 +118,9 @@ def replay(
     """
     held = pinned(diagram, log, signals)
     return simulate(
-        held, log.duration, times=log.t, t0=float(log.t[0]), params=params, start=start, rtol=rtol, atol=atol
-    )
+        held, log.duration, times=log.t, t0=float(log.t[0]), params=params, start=start, rtol=rtol, atol=atol,
+        branches=branches,
+    )  # fmt: skip
 
 
 def replays(
