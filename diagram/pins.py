@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
+from diagram.branches import Branches
 from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble
 from diagram.ensembles.running import Summary, ensemble
@@ -52,12 +53,14 @@ def replay(
     signals: Sequence[str] | None = None,
     params: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
+    branches: Branches | None = None,
     rtol: float = 1e-6,
     atol: float = 1e-9,
 ) -> Run:
     """Simulate the diagram pinned to a log, from its first to its last time, with one row for each of them.
 
-    ``signals``: those to pin, by default all that log and diagram share; the rest as in ``simulate``.
+    ``signals``: those to pin, by default all that log and diagram share; ``branches``: modes of a block to try where a
+    sample does not fit (``diagram.branches``); the rest as in ``simulate``.
 
     >>> from blocks import FirstOrder, Step
     >>> from diagram import wire
@@ -69,8 +72,9 @@ def replay(
     """
     held = pinned(diagram, log, signals)
     return simulate(
-        held, log.duration, times=log.t, t0=float(log.t[0]), params=params, start=start, rtol=rtol, atol=atol
-    )
+        held, log.duration, times=log.t, t0=float(log.t[0]), params=params, start=start, rtol=rtol, atol=atol,
+        branches=branches,
+    )  # fmt: skip
 
 
 def replays(

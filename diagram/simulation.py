@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from blocks.arguments import by_name
 from blocks.block import Block
 from blocks.ports import nearest, number, shortened
+from diagram.branches import Branches, Taken, branching, taken
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
 from diagram.flatten import DELAY_RECORDS, Ends, Plan
@@ -21,6 +22,7 @@ from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.wiring import WiringError
+from engine.branching import Branching, Kept, run_branching
 from engine.cells import run_windows
 from engine.run import METHODS, Outcome, Settings, prepare, run
 from engine.snapshot import Snapshot, total
@@ -54,6 +56,7 @@ class Run:
     ``notes`` say what to doubt in a run that is OK (``diagram.coarse``).
     ``final`` is the diagram at the end of the run: simulate it, changed or not, with ``t0`` = that time to go on (only
     blocks that run in Python begin anew).  ``ends`` are the engine's arrays there; they are lost in a pickle.
+    ``taken`` tells where another mode was put in place of the run's own (``diagram.branches``).
     ``in_python`` tells which functions could not be compiled and were called in Python, how often and for how long.
     """
 
@@ -66,6 +69,7 @@ class Run:
     ends: Ends
     notes: tuple[str, ...] = ()
     in_python: tuple[InPython, ...] = ()
+    taken: tuple[Taken, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
         """Keep the end as values: the engine's arrays hold addresses of compiled code, good in this process only."""
@@ -123,6 +127,7 @@ def simulate(
     max_steps: int = 20_000_000,
     t0: float = 0.0,
     on_progress: Callable[[float], None] | None = None,
+    branches: Branches | None = None,
 ) -> Run:
     """Simulate ``duration`` seconds and log every signal, or the ``signals`` named.
 
@@ -131,7 +136,8 @@ def simulate(
     table alone for all open inputs that it has; ``params`` as in ``Diagram.with_params``; ``start`` as in
     ``Diagram.starting_at``; ``rtol``, ``atol`` local error per step; ``method`` "auto", "explicit" or "stiff";
     ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
-    ends the run with status INTERRUPTED, and what is simulated so far is kept.
+    ends the run with status INTERRUPTED, and what is simulated so far is kept; ``branches`` of a diagram pinned to a
+    log: modes to try where it does not fit (``diagram.branches``).
 
     A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
 
@@ -156,18 +162,21 @@ def simulate(
     past = resumed(ready.past, ready.blocks, t0)
     records = max(DELAY_RECORDS, 2 * past.records if past else 0)
     before = counts(ready)
-    in_cells = True
+    in_cells = branches is None
+    choice = None if branches is None else branching(ready, branches, t0, t_end)
     while True:
         laid = ready.plan_in_cells(records) if in_cells else ready.plan(records)
         if len(wanted) < len(ready.signals):
             laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
-        outcomes = _run(laid, ready, settings, grid, t0, t_end, on_progress, past)
+        outcomes, kept = _run(laid, ready, settings, grid, t0, t_end, on_progress, past, choice)
         if any(o.status is Status.DELAY_FULL for o in outcomes):
             records *= 4
         elif any(o.status is Status.TIGHT for o in outcomes):
             in_cells = False
         else:
             run = replace(_collect(ready, laid, outcomes, grid, wanted), in_python=spent(ready, before))
+            if choice is not None and kept is not None:
+                run = replace(run, taken=taken(ready, choice, kept))
             return _noted(run, settings.atol)
 
 
@@ -230,8 +239,9 @@ def _run(
     t_end: float,
     on_progress: Callable[[float], None] | None,
     past: Past | None,
-) -> list[Outcome]:
-    """Return what came out of each component: one after the other, or cells together."""
+    choice: Branching | None,
+) -> tuple[list[Outcome], Kept | None]:
+    """Return what came out of each component, one after the other or cells together, and which branches were kept."""
     starts = []
     for component in laid.components:
         I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
@@ -241,11 +251,16 @@ def _run(
             past.put_back(diagram.blocks, laid.delays, start)
         starts.append((I, W))
     if laid.links:
-        return run_windows(laid.components, laid.links, starts, grid, t_end, on_progress)
-    return [
-        run(component, laid.flat, I, W, grid, t_end, on_progress)
-        for component, (I, W) in zip(laid.components, starts, strict=True)
-    ]
+        return run_windows(laid.components, laid.links, starts, grid, t_end, on_progress), None
+    outcomes: list[Outcome] = []
+    kept = None
+    for component, (I, W) in zip(laid.components, starts, strict=True):
+        if choice is not None and choice.block in component.blocks:
+            outcome, kept = run_branching(component, I, W, grid, t_end, choice, on_progress)
+            outcomes.append(outcome)
+        else:
+            outcomes.append(run(component, laid.flat, I, W, grid, t_end, on_progress))
+    return outcomes, kept
 
 
 def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats, wanted: Sequence[str]) -> Run:

@@ -85,9 +85,16 @@ def fire(I, W, EV, row, which):  # type: ignore[no-untyped-def]
     I[EVENTS] += 1
     I[CHAIN] += 1
     happens(I, row, 0)
-    if I[row + LOGGED] and W[d] != before and I[EV_COUNT] < I[EV_ROOM]:
+    if I[row + LOGGED] and W[d] != before:
+        note(I, W, EV, row, before)
+
+
+@njit(cache=True, error_model="numpy")
+def note(I, W, EV, row, before):  # type: ignore[no-untyped-def]
+    """Write a change of mode to the event log."""
+    if I[EV_COUNT] < I[EV_ROOM]:
         at = 4 * I[EV_COUNT]
-        EV[at], EV[at + 1], EV[at + 2], EV[at + 3] = W[T], I[row + GLOBAL], before, W[d]
+        EV[at], EV[at + 1], EV[at + 2], EV[at + 3] = W[T], I[row + GLOBAL], before, W[I[row + D]]
         I[EV_COUNT] += 1
 
 

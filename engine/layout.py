@@ -170,7 +170,9 @@ REPLAYING = (DEAD_TIME, LINK_IN)
 
 # --- programs: one call after the other ------------------------------------------------------------------
 # (kernel, x, d, u, p, out, inputs, where each input comes from ...): everything but the kernel and the number of
-# inputs is a place in W; what is replayed has no kernel, and in place of x its row
+# inputs is a place in W; what is replayed has no kernel, and in place of x its row; a call with the kernel
+# ``SKIPPED`` is left out
+SKIPPED = 1
 
 # --- float header ---------------------------------------------------------------------------------------
 T = 0

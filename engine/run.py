@@ -15,7 +15,7 @@ from engine.status import Status
 from engine.table import Component
 
 METHODS = {"auto": 0, "explicit": 1, "stiff": 2}
-_EVENT_BUFFER = 1024
+EVENT_BUFFER = 1024  # events
 _PAUSE = 5000  # steps after which the run comes back to Python
 
 
@@ -71,7 +71,7 @@ def run(
     interrupted, by Ctrl-C or by a ``KeyboardInterrupt`` from ``on_progress``; what is simulated so far is then kept.
     """
     log = np.empty((len(component.columns), len(times)))
-    buffer = np.empty((_EVENT_BUFFER + 2 * int(I[at.MAX_CHAIN] + I[at.N_EVENTS]), 4))
+    buffer = np.empty((EVENT_BUFFER + 2 * int(I[at.MAX_CHAIN] + I[at.N_EVENTS]), 4))
     events: list[Floats] = []
     hosts = Hosts(component, blocks, W) if component.hosted else None
     try:

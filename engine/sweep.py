@@ -25,6 +25,7 @@ from engine.layout import (
     RATES,
     RATES_NOW,
     RHS,
+    SKIPPED,
     T_LEFT,
     WIRES,
     T,
@@ -63,9 +64,9 @@ def play_calls(I, W, t, at, calls):  # type: ignore[no-untyped-def]
         for i in range(count):
             W[u + i] = W[I[at + i]]
         at += count
-        if where != 0:
+        if where > SKIPPED:
             call(where, t, W, x, d, u, p, out)
-        else:
+        elif where == 0:
             W[out] = delayed(I, W, x, t)
 
 
