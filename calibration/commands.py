@@ -23,7 +23,7 @@ def _table(folder: Path, setting: Setting, seed: int, loops: int, workers: int |
 
 
 @click.command()
-@click.option("--loops", type=click.IntRange(min=500), default=8000, show_default=True, help="to fit the trees on")
+@click.option("--loops", type=click.IntRange(min=500), default=5000, show_default=True, help="to fit the trees on")
 @click.option("--holding", type=click.IntRange(min=500), default=2000, show_default=True, help="to calibrate on")
 @click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
 @click.option(
