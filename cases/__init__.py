@@ -10,7 +10,8 @@
 >>> names()[12:16]
 ('cascade_flow', 'split_range', 'own_map', 'plant_own_map')
 >>> names()[16:]
-('ideal_flow', 'site_flow', 'second_order_flow', 'level_loop', 'level_cascade', 'cascaded_tanks')
+('ideal_flow', 'site_flow', 'second_order_flow', 'level_loop', 'level_cascade', 'cascaded_tanks',
+ 'separator_section', 'full_plant')
 >>> find("sine").duration
 600.0
 """
@@ -26,9 +27,15 @@ class CaseError(ValueError):
 
 
 def _all() -> dict[str, Case]:
-    from cases import ideal, models, production, topologies
+    from cases import ideal, models, plant_models, production, topologies
 
-    return {**ideal.CASES_BY_NAME, **production.CASES_BY_NAME, **topologies.CASES_BY_NAME, **models.CASES_BY_NAME}
+    return {
+        **ideal.CASES_BY_NAME,
+        **production.CASES_BY_NAME,
+        **topologies.CASES_BY_NAME,
+        **models.CASES_BY_NAME,
+        **plant_models.CASES_BY_NAME,
+    }
 
 
 def names() -> tuple[str, ...]:

@@ -69,9 +69,9 @@ def site_flow(rest: float = 0.0) -> "Diagram":
     >>> site_flow().tolerances
     {'process.K': 0.05, 'process.tau': 0.1}
     """
-    from blocks import FirstOrder, SampledPI
+    from blocks import FirstOrder
 
-    controller = SampledPI(K_P, T_I, dt=1.0, anti_windup="conditional", integral="present", start_op=rest / K)
+    controller = _scanning(K_P, T_I, rest / K)
     process = FirstOrder(K, TAU, start=rest, inputs="F", outputs="y")
     return _site(controller, process, rest, NOISE, "site_flow").with_tolerances({"process.K": 0.05, "process.tau": 0.1})
 
@@ -85,12 +85,12 @@ def second_order_flow(rest: float = 0.0) -> "Diagram":
     >>> second_order_flow()["process"].params["theta"]
     2.0
     """
-    from blocks import SampledPI, SecondOrder
+    from blocks import SecondOrder
 
     slow, fast = TAU, 4.0
     omega = 1.0 / math.sqrt(slow * fast)
     process = SecondOrder(K, omega, 0.5 * (slow + fast) * omega, 2.0, start=rest, inputs="F", outputs="y")
-    controller = SampledPI(0.25, 12.0, dt=1.0, anti_windup="conditional", integral="present", start_op=rest / K)
+    controller = _scanning(0.25, 12.0, rest / K)
     model = _site(controller, process, rest, NOISE, "second_order_flow")
     return model.with_tolerances({"process.K": 0.05, "process.omega": 0.1})
 
@@ -104,10 +104,10 @@ def level_loop(rest: float = 0.5) -> "Diagram":
     >>> level_loop().tolerances
     {'process.T': 0.1}
     """
-    from blocks import Integrator, SampledPI
+    from blocks import Integrator
 
     process = Integrator(K=1.0, T=200.0, u_0=OUTFLOW, start=rest, inputs="F", outputs="y")
-    controller = SampledPI(4.0, 400.0, dt=1.0, anti_windup="conditional", integral="present", start_op=OUTFLOW)
+    controller = _scanning(4.0, 400.0, OUTFLOW)
     return _site(controller, process, rest, LEVEL_NOISE, "level_loop").with_tolerances({"process.T": 0.1})
 
 
@@ -120,19 +120,25 @@ def level_cascade(rest: float = 0.5) -> "Diagram":
     >>> level_cascade().open_inputs, level_cascade()["controller"].loop_signal("SP")
     (('SP_L',), 'SP')
     """
-    from blocks import FirstOrder, Integrator, SampledPI, SampledSensor
+    from blocks import FirstOrder, Integrator, SampledSensor
     from diagram import wire
 
-    scan = {"dt": 1.0, "anti_windup": "conditional", "integral": "present", "start_op": OUTFLOW}
     process = FirstOrder(1.0, 3.0, start=OUTFLOW, inputs="F", outputs="y")
-    flow = _site(SampledPI(0.5, 3.0, **scan), process, OUTFLOW, NOISE, "flow")
+    flow = _site(_scanning(0.5, 3.0, OUTFLOW), process, OUTFLOW, NOISE, "flow")
     outer = [
-        SampledPI(4.0, 400.0, **scan, name="level_controller", inputs=["SP_L", "L"], outputs="SP"),
+        _scanning(4.0, 400.0, OUTFLOW).relabelled("level_controller", ["SP_L", "L"], ["SP"]),
         Integrator(K=1.0, T=200.0, u_0=OUTFLOW, start=rest, name="vessel", inputs="y", outputs="h"),
         SampledSensor(dt=1.0, sd=LEVEL_NOISE, start=rest, name="level_sensor", inputs="h", outputs="L"),
     ]
     cascade = wire([*outer, *flow.blocks], inputs=["SP_L"], name="level_cascade")
     return cascade.with_tolerances({"process.K": 0.05, "process.tau": 0.1})
+
+
+def _scanning(K_p: float, T_i: float, opening: float) -> "Block":
+    """Return a controller that scans every second and takes in the present error first, at rest with this OP."""
+    from blocks import SampledPI
+
+    return SampledPI(K_p, T_i, dt=1.0, anti_windup="conditional", integral="present", start_op=opening)
 
 
 def _site(controller: "Block", process: "Block", rest: float, noise: float, name: str) -> "Diagram":

@@ -41,9 +41,10 @@ class Parameter:
     """A parameter of an effect: ``name``, ``unit``, ``neutral`` value, physical bounds ``low`` and ``high``.
 
     ``neutral`` is NaN where it is what the model has.  ``per`` says of what the bounds are multiples: "" of the unit
-    itself, "span" of the span of the measurement at the place, "time" of the time scale of its loop (``gap.scales``).
-    ``spacing``: how a search should go through the range, "linear" or "log" (factors, times).  A ``nuisance`` has to be
-    found for a replay, but is no part of the size of the effect: the phase of a wave, the time of the first scan.
+    itself, "span" of the span of the measurement at the place, "time" of the time scale of its loop, "size" of what a
+    source gives (``gap.scales``).  ``spacing``: how a search should go through the range, "linear" or "log" (factors,
+    times).  A ``nuisance`` has to be found for a replay, but is no part of the size of the effect: the phase of a wave,
+    the time of the first scan.
     """
 
     name: str
@@ -52,7 +53,7 @@ class Parameter:
     low: float
     high: float
     spacing: Literal["linear", "log"] = "linear"
-    per: Literal["", "span", "time"] = ""
+    per: Literal["", "span", "time", "size"] = ""
     nuisance: bool = False
 
     def grid(self, n: int, factor: float = 1.0) -> Floats:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 from blocks.block import Block
+from blocks.role import Role
 from diagram.diagram import Diagram
 from gap.effect import Effect, known_first
 from gap.paths import given, measured, users
@@ -29,9 +30,9 @@ class Inserted(Effect):
         """Return whether one signal goes in or out where the effect lies, and somebody uses it."""
         if self.where == "before":
             return measured(diagram, block) is not None
-        return len(block.output_labels) == 1 and (
-            self.where == "at" or bool(users(diagram, given(diagram, block.name)))
-        )
+        if len(block.output_labels) != 1 or (self.role is Role.VALVE and len(block.input_labels) != 1):
+            return False
+        return self.where == "at" or bool(users(diagram, given(diagram, block.name)))
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with the block of the effect."""

@@ -18,10 +18,23 @@ TIMES = ("tau", "tau_1", "T")  # time constants of processes
 
 
 def scale(diagram: Diagram, place: str, per: str) -> float:
-    """Return what bounds are multiples of at a block: 1 for "", else its "span" or its "time"."""
+    """Return what bounds are multiples of at a block: 1 for "", else its "span", "time" or "size"."""
     if per == "span":
         return span(diagram, diagram[place].output_labels[0]) if diagram[place].output_labels else 1.0
+    if per == "size":
+        return size(diagram[place])
     return time_scale(diagram, place) if per == "time" else 1.0
+
+
+def size(source: Block) -> float:
+    """Return how large the signal of a source is [its unit]: its value or mean, 1 if that is 0 or there is none.
+
+    >>> from blocks import Constant
+    >>> size(Constant("F_in", 8000.0)), size(Constant("load", 0.0))
+    (8000.0, 1.0)
+    """
+    given = [abs(source.params[key]) for key in ("value", "mean") if key in source.param_names]
+    return max(given, default=0.0) or 1.0
 
 
 def span(diagram: Diagram, signal: str) -> float:

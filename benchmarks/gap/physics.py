@@ -311,23 +311,26 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
             if p[OUTSIDE] == INTERMITTENT:
                 back = round(p[SIZE] * steps) if switch[k] > 0.0 else 0
             old = entered[(count - back) % (longest + 1)]
+            during = held  # a stem that moves at a limited rate is half way through its move on average
+            if p[RATE] < math.inf:
+                during += 0.5 * min(max(wanted - held, -p[RATE] * h), p[RATE] * h)
             # --- Runge and Kutta
-            u_0 = slope(t, x, wanted_flow, drawn, load[k], pv, op, held, old[0], way, flags, p, a)
+            u_0 = slope(t, x, wanted_flow, drawn, load[k], pv, op, during, old[0], way, flags, p, a)
             if back == 0:
                 old[0] = u_0
                 old[1] = u_0
-                slope(t, x, wanted_flow, drawn, load[k], pv, op, held, u_0, way, flags, p, a)
+                slope(t, x, wanted_flow, drawn, load[k], pv, op, during, u_0, way, flags, p, a)
             for i in range(STATES):
                 trial[i] = x[i] + 0.5 * h * a[i]
             half = 0.5 * (old[0] + old[1])
-            slope(t + 0.5 * h, trial, wanted_flow, drawn, load[k], pv, op, held, half, way, flags, p, b)
+            slope(t + 0.5 * h, trial, wanted_flow, drawn, load[k], pv, op, during, half, way, flags, p, b)
             for i in range(STATES):
                 trial[i] = x[i] + 0.5 * h * b[i]
-            slope(t + 0.5 * h, trial, wanted_flow, drawn, load[k], pv, op, held, half, way, flags, p, c)
+            slope(t + 0.5 * h, trial, wanted_flow, drawn, load[k], pv, op, during, half, way, flags, p, c)
             for i in range(STATES):
                 trial[i] = x[i] + h * c[i]
             late_t = t + h * (1.0 - 1e-6)  # what switches at the end of the step has not yet
-            u_1 = slope(late_t, trial, wanted_flow, drawn, load[k], pv, op, held, old[1], way, flags, p, d)
+            u_1 = slope(late_t, trial, wanted_flow, drawn, load[k], pv, op, during, old[1], way, flags, p, d)
             for i in range(STATES):
                 x[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i])
             if by_steps:

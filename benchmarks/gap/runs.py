@@ -41,7 +41,7 @@ PLACES = {
 
 @dataclass(frozen=True)
 class Run:
-    """One record to make: setting, effects, severity, seed, an effect ``outside`` the catalogue, whether MV is logged."""
+    """One record to make: setting, effects, severity, seed, an effect ``outside`` the catalogue, MV logged or not."""
 
     family: str
     setting: str

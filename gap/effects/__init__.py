@@ -4,17 +4,25 @@ from collections.abc import Iterable
 
 from blocks.ports import nearest
 from gap.effect import Effect, EffectError
+from gap.effects.boil_off_rate import BoilOffRate
 from gap.effects.compression import Compression
+from gap.effects.compressor_fouling import CompressorFouling
+from gap.effects.compressor_map_shift import CompressorMapShift
 from gap.effects.controller_filter import ControllerFilter
 from gap.effects.controller_gain import ControllerGain
 from gap.effects.controller_integral_time import ControllerIntegralTime
 from gap.effects.controller_limits import ControllerLimits
 from gap.effects.dead_time import DeadTime
 from gap.effects.deadband import Deadband
+from gap.effects.gas_temperature import GasTemperature
+from gap.effects.horizontal_separator import HorizontalSeparator
+from gap.effects.line_friction import LineFriction
 from gap.effects.positioner_lag import PositionerLag
 from gap.effects.process_gain import ProcessGain
 from gap.effects.process_time_constant import ProcessTimeConstant
 from gap.effects.quantisation import Quantisation
+from gap.effects.real_gas import RealGas
+from gap.effects.recycle_leak import RecycleLeak
 from gap.effects.scan_time import ScanTime
 from gap.effects.second_lag import SecondLag
 from gap.effects.sensor_bias import SensorBias
@@ -23,6 +31,7 @@ from gap.effects.sensor_lag import SensorLag
 from gap.effects.sensor_noise import SensorNoise
 from gap.effects.sensor_saturation import SensorSaturation
 from gap.effects.sensor_span import SensorSpan
+from gap.effects.shaft_friction import ShaftFriction
 from gap.effects.sine_disturbance import SineDisturbance
 from gap.effects.slug import Slug
 from gap.effects.step_disturbance import StepDisturbance
@@ -33,6 +42,7 @@ from gap.effects.valve_gain import ValveGain
 from gap.effects.valve_leak import ValveLeak
 from gap.effects.valve_rate_limit import ValveRateLimit
 from gap.effects.valve_saturation import ValveSaturation
+from gap.effects.vapour_pressure import VapourPressure
 
 CATALOGUE: tuple[Effect, ...] = (
     Stiction(), Deadband(), ValveLeak(), ValveSaturation(), ValveRateLimit(), PositionerLag(), ValveCharacteristic(),
@@ -42,6 +52,8 @@ CATALOGUE: tuple[Effect, ...] = (
     Compression(),
     ControllerGain(), ControllerIntegralTime(), ControllerLimits(), ControllerFilter(), ScanTime(),
     SineDisturbance(), StepDisturbance(), Slug(),
+    HorizontalSeparator(), BoilOffRate(), VapourPressure(), RealGas(), GasTemperature(),
+    CompressorFouling(), CompressorMapShift(), RecycleLeak(), ShaftFriction(), LineFriction(),
 )  # fmt: skip
 
 

@@ -1,6 +1,7 @@
 """What the disturbances at a feed share: a wave that is added to what the feed gives.
 
-A feed is a block of the role disturbance whose signal enters a process, directly or through sums and filters.
+A feed is a block of the role disturbance, or a source that a plan gives, whose signal enters a process, directly or
+through sums and filters.
 """
 
 from blocks.arithmetic import Sum
@@ -20,6 +21,10 @@ class Disturbance(Effect):
     def wave(self) -> Block:
         """Return the source of the signal "wave", with any values that it may have."""
         raise NotImplementedError
+
+    def places(self, diagram: Diagram) -> tuple[str, ...]:
+        """Return the disturbances, and sources such as feeds, whose signal enters a process."""
+        return tuple(b.name for b in diagram.blocks if b.role.drives and ":" not in b.name and self.fits(diagram, b))
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
         """Return whether what the block gives enters a process."""

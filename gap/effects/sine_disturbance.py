@@ -26,7 +26,7 @@ class SineDisturbance(Disturbance):
 
     name = "sine_disturbance"
     parameters = (
-        Parameter("amplitude", "process input", 0.0, 0.0005, 0.5, "log"),
+        Parameter("amplitude", "process input", 0.0, 0.0005, 0.5, "log", "size"),
         Parameter("period", "s", 60.0, 0.5, 300.0, "log", "time"),
         Parameter("phase", "-", 0.0, 0.0, 1.0, nuisance=True),
     )

@@ -31,7 +31,7 @@ class Slug(Disturbance):
 
     name = "slug"
     parameters = (
-        Parameter("amplitude", "process input", 0.0, 0.0005, 0.5, "log"),
+        Parameter("amplitude", "process input", 0.0, 0.0005, 0.5, "log", "size"),
         Parameter("period", "s", 600.0, 2.0, 300.0, "log", "time"),
         Parameter("phase", "-", 0.0, 0.0, 1.0, nuisance=True),
     )

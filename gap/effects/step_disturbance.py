@@ -22,7 +22,7 @@ class StepDisturbance(Disturbance):
 
     name = "step_disturbance"
     parameters = (
-        Parameter("amplitude", "process input", 0.0, -0.5, 0.5),
+        Parameter("amplitude", "process input", 0.0, -0.5, 0.5, per="size"),
         Parameter("time", "s", 0.0, 0.0, 86400.0),
     )
 

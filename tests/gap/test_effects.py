@@ -66,7 +66,9 @@ EXACTLY = {"first": {"SP": 1.5, "PV": 1.5, "OP": 0.5}}
 
 
 def test_every_effect_is_tried():
-    assert {one.name for one in CATALOGUE} == {*SIZES, *ELSEWHERE} and len(CATALOGUE) == len({*SIZES, *ELSEWHERE})
+    of_plant = {one.name for one in CATALOGUE if not any(one.places(case.build()) for case in CASES_BY_NAME.values())}
+    assert {one.name for one in CATALOGUE} == {*SIZES, *ELSEWHERE, *of_plant}
+    assert len(of_plant) == 10 and len(CATALOGUE) == len({one.name for one in CATALOGUE})
 
 
 @pytest.mark.parametrize("name", SIZES)
@@ -413,3 +415,22 @@ def test_places_of_the_models():
     tanks = cascaded_tanks()
     assert effect("tank_overflow").places(tanks) == ("tank_1", "tank_2")
     assert effect("sensor_saturation").places(tanks) == ("sensor",) and effect("valve_gain").places(tanks) == ("pump",)
+
+
+def test_effects_go_into_nested_diagrams_and_pairs_too():
+    both = wire([ideal_flow(rest=1.5).named("a", SP="SP"), site_flow(rest=1.5).named("b", SP="SP"), SP])
+    for name, (place, _, plain) in SIZES.items():
+        one = effect(name)
+        assert one.places(both) == (f"a/{place}", f"b/{place}")
+        both_again = one.insert(one.insert(both, f"a/{place}", **plain), f"b/{place}", **plain)
+        assert simulate(both_again, 20.0, every=5.0).ok
+    loop = quiet()
+    for first, then in (("stiction", "valve_gain"), ("valve_gain", "stiction"), ("sensor_lag", "sensor_bias")):
+        once = effect(first).insert(loop, SIZES[first][0], **SIZES[first][2])
+        twice = effect(then).insert(once, SIZES[then][0], **SIZES[then][2])
+        assert simulate(twice, 20.0, every=5.0).ok
+    pair = put("valve_gain", "valve", put("stiction", "valve", S=5.0, J=2.0), factor=1.2)
+    swapped = put("stiction", "valve", put("valve_gain", "valve", factor=1.2), S=5.0, J=2.0)
+    one, other = run(pair), run(swapped)
+    np.testing.assert_allclose(one["PV"], other["PV"], atol=1e-9)  # the stem before, the gain behind it, either way
+    assert (one["MV"] == other["MV"]).all() and np.abs(one["PV"] - run(loop)["PV"]).max() > 0.01

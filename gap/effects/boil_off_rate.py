@@ -1,0 +1,19 @@
+"""Boil-off: gas leaves the liquid of a separator ``factor`` times as fast for the same driving pressure (C_4)."""
+
+from blocks.role import Role
+from gap.effect import Parameter
+from gap.factor import Factor
+
+
+class BoilOffRate(Factor):
+    """A separator that boils off faster or slower.
+
+    >>> from plant import production_plant
+    >>> BoilOffRate().places(production_plant())
+    ('S1', 'S2')
+    """
+
+    name = "boil_off_rate"
+    role = Role.PROCESS
+    key = "C_4"
+    parameters = (Parameter("factor", "-", 1.0, 0.1, 10.0, "log"),)

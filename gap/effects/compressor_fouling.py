@@ -1,0 +1,19 @@
+"""Fouling: a compressor makes ``factor`` times the head of its map at the same corrected flow and speed (h_d)."""
+
+from blocks.role import Role
+from gap.effect import Parameter
+from gap.factor import Factor
+
+
+class CompressorFouling(Factor):
+    """A compressor whose blades are dirty.
+
+    >>> from plant import production_plant
+    >>> CompressorFouling().places(production_plant())
+    ('C3', 'C2')
+    """
+
+    name = "compressor_fouling"
+    role = Role.PROCESS
+    key = "h_d"
+    parameters = (Parameter("factor", "-", 1.0, 0.6, 1.2, "log"),)

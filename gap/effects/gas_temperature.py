@@ -1,0 +1,22 @@
+"""Temperature of a separator: ``factor`` times the model's absolute temperature (T_sep).
+
+No log tells it from a gas that is not ideal.
+"""
+
+from blocks.role import Role
+from gap.effect import Parameter
+from gap.factor import Factor
+
+
+class GasTemperature(Factor):
+    """A separator that is warmer or colder.
+
+    >>> from plant import production_plant
+    >>> GasTemperature().places(production_plant())
+    ('S1', 'S2')
+    """
+
+    name = "gas_temperature"
+    role = Role.PROCESS
+    key = "T_sep"
+    parameters = (Parameter("factor", "-", 1.0, 0.8, 1.25, "log"),)

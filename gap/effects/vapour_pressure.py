@@ -1,0 +1,19 @@
+"""Vapour pressure of methane in a separator: ``factor`` times the model's (p_metV), as another feed would have it."""
+
+from blocks.role import Role
+from gap.effect import Parameter
+from gap.factor import Factor
+
+
+class VapourPressure(Factor):
+    """A separator with a lighter or heavier feed.
+
+    >>> from plant import production_plant
+    >>> VapourPressure().places(production_plant())
+    ('S1', 'S2')
+    """
+
+    name = "vapour_pressure"
+    role = Role.PROCESS
+    key = "p_metV"
+    parameters = (Parameter("factor", "-", 1.0, 0.7, 1.4, "log"),)

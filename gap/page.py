@@ -1,0 +1,76 @@
+"""The page of all effects: ``python -m gap.page > docs/effects.md`` writes it."""
+
+import inspect
+import math
+import sys
+
+from gap.effect import Effect, Parameter
+from gap.effects import CATALOGUE
+
+HEAD = """# The effects
+
+What a model of a plant may lack.  Each effect is one file in ``gap/effects``, is put into any diagram at a block of its
+role by one call, and is not there at its neutral values.  ``python -m gap.page > docs/effects.md`` writes this page.
+
+```python
+import numpy as np
+
+from cases.models import ideal_flow
+from gap.effects import effect
+
+stiction = effect("stiction")
+print(stiction.places(ideal_flow()))
+sticky = stiction.insert(ideal_flow(), "valve", S=5.0, J=2.0)
+print(repr(sticky["valve:stiction"]))
+print(stiction.settings(ideal_flow(), "valve", S=np.array([4.0, 5.0]), J=np.array([1.0, 2.0])))
+```
+
+prints
+
+```
+('valve',)
+<QuasiStaticStem 'valve:stiction': MV:valve -> MV; S = 0.05, J = 0.02, low = -inf, high = inf>
+{'valve:stiction.S': array([0.04, 0.05]), 'valve:stiction.J': array([0.01, 0.02])}
+```
+
+Behind each parameter stand its unit and its neutral value.  ``% OP`` and ``% travel`` are percent of the full span, a
+factor multiplies what the model has, ``PV`` and ``process input`` are the units of these signals.  A parameter in
+brackets has to be found for a replay but is no part of the effect's size.  How to add one is in
+[CONTRIBUTING.md](../CONTRIBUTING.md).
+
+From logged OP, PV and SP alone, with linear blocks, nothing tells apart ``valve_gain``, ``process_gain`` and
+``sensor_span``; ``positioner_lag``, ``second_lag`` and ``sensor_lag``; ``valve_leak``, ``sensor_bias`` and a
+``step_disturbance`` from the start; in a separator ``real_gas`` and ``gas_temperature``.
+
+| effect | at | parameters (unit; neutral) | what |
+|---|---|---|---|
+"""
+
+
+def page() -> str:
+    """Return the page of all effects of the catalogue, in Markdown."""
+    return HEAD + "".join(f"{row(one)}\n" for one in CATALOGUE)
+
+
+def row(effect: Effect) -> str:
+    """Return the row of one effect.
+
+    >>> from gap.effects import effect
+    >>> row(effect("positioner_lag"))[:74]
+    '| [positioner_lag](../gap/effects/positioner_lag.py) | valve | tau (s; 0) '
+    """
+    module = type(effect).__module__
+    said = " ".join((inspect.getdoc(sys.modules[module]) or "").split("\n\n")[0].split())
+    numbers = ", ".join(map(_told, effect.parameters))
+    file = f"../{module.replace('.', '/')}.py"
+    return f"| [{effect.name}]({file}) | {effect.role} | {numbers} | {said.rstrip('.').replace('``', '')} |"
+
+
+def _told(parameter: Parameter) -> str:
+    neutral = "the model's" if math.isnan(parameter.neutral) else f"{parameter.neutral:g}"
+    told = f"{parameter.name} ({parameter.unit}; {neutral})"
+    return f"[{told}]" if parameter.nuisance else told
+
+
+if __name__ == "__main__":
+    print(page(), end="")
