@@ -1,6 +1,6 @@
 """The sim-to-real gap: where a model and a log part, which effect would explain it, and how far it shrinks then.
 
-diagnose   a diagram and a log -> a ``GapReport``          Effect     what an effect is; ``gap.effects`` has the catalogue
+diagnose   a diagram and a log -> a ``GapReport``      Effect     what an effect is; ``gap.effects`` has them all
 """
 
 from gap.diagnosis import diagnose

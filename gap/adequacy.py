@@ -59,5 +59,5 @@ def own_limit(problem: Problem, fit: Fit) -> float:
     scores = scores[np.isfinite(scores)]
     if len(scores) < 2:
         return problem.limit
-    spread = max(float(scores.std(ddof=1)), problem.floor.sd * problem.known**0.5)
+    spread = max(float(scores.std(ddof=1)), problem.floor.sd * float(np.sqrt(problem.known)))
     return float(scores.mean()) + SIGMAS * spread + needed(problem)

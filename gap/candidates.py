@@ -42,8 +42,8 @@ def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> 
 def ranked(legal: Sequence[Candidate], progress: Progress = None, hidden: bool = True) -> list[Fit]:
     """Return the best fit of every candidate that could be replayed, the best explanation first.
 
-    Effects with a hidden mode, which cost most, come last, the simpler first, and only while nothing else explains the record; ``hidden``
-    False leaves them out.
+    Effects with a hidden mode, which cost most, come last, the simpler first, and only while nothing else explains the
+    record; ``hidden`` False leaves them out.
     """
     legal = [one for one in legal if hidden or not (one.effect and one.effect.hidden)]
     if not legal:

@@ -16,6 +16,7 @@ from gap.cache import keep, kept
 from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
+from gap.effects.quantisation import Quantisation
 from gap.floor import Floor, measured
 from gap.instants import with_instants
 from gap.model import read, silenced
@@ -53,9 +54,10 @@ def diagnose(
     problem = prepared(diagram, log, seed)
     fits = ranked(candidates(problem, problem.quiet, catalogue), progress)
     compressed = [found for one in catalogue if one.of_log and (found := _compression(problem, one)) is not None]
-    if compressed:
-        return told(problem, [*compressed, *fits], progress, catalogue, True)
-    return told(problem, fits, progress, catalogue, False)
+    lattices = [fit for fit in fits if isinstance(fit.effect, Quantisation) and fit.F < problem.score]
+    textured = [*compressed, *lattices]
+    others = [fit for fit in fits if fit not in lattices]
+    return told(problem, [*textured, *others], progress, catalogue, bool(textured))
 
 
 def _compression(problem: Problem, effect: Effect) -> Fit | None:
@@ -82,17 +84,20 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
 
 
 def told(
-    problem: Problem, fits: Sequence[Fit], progress: Progress, catalogue: Sequence[Effect], of_log: bool
+    problem: Problem, fits: Sequence[Fit], progress: Progress, catalogue: Sequence[Effect], textured: bool
 ) -> GapReport:
-    """Return the report of a record whose explanations are known, the best first."""
+    """Return the report of a record whose explanations are known, the best first.
+
+    ``textured``: whether the first is told by the digits of the log, which need no other proof.
+    """
     best = fits[0] if fits else None
     gained = problem.score - best.total if best else 0.0
-    if problem.score <= problem.limit and gained <= needed(problem):
+    if not textured and problem.score <= problem.limit and gained <= needed(problem):
         return no_gap(problem)
     if best is None:
         return unknown(problem, fits)
-    if of_log or adequate(problem, best):
-        return named(problem, [best] if of_log else tied(fits), fits)
+    if textured or adequate(problem, best):
+        return named(problem, [best] if textured else tied(fits), fits)
     pair = paired(problem, fits, catalogue, progress)
     if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair):
         return named_pair(problem, pair, fits)

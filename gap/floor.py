@@ -11,6 +11,7 @@ Where loads are not measured the residuals are coloured, and the A_j make of the
 would give; where sensor noise and rounding are all there is, no A_j is needed and none is used.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,7 +68,7 @@ class Floor:
     @property
     def sd(self) -> float:
         """Standard deviation of F without a gap over the square root of the rows [nats]."""
-        return float(self.scores.std(ddof=1)) / self.rows**0.5
+        return float(self.scores.std(ddof=1) / np.sqrt(self.rows))
 
     @property
     def coloured(self) -> bool:
@@ -141,10 +142,13 @@ def settling_rows(model: Diagram, record: Record) -> float:
     return SETTLING * float(np.median(times)) / record.log.dt if times else 0.0
 
 
-def floor_of(found: Floats, settling: float = 0.0) -> Floor:
-    """Return the floor that offsets of runs without a gap have, (runs, rows, signals)."""
+def floor_of(found: Floats, settling: float = 0.0, integrating: Sequence[bool] = ()) -> Floor:
+    """Return the floor that offsets of runs without a gap have, (runs, rows, signals).
+
+    ``integrating``: signals whose changes are the residuals in any case.
+    """
     skipped = skipped_rows(found.shape[1], settling)
-    changes = _drifting(found[:, skipped:])
+    changes = _drifting(found[:, skipped:]) | np.array(integrating or [False] * found.shape[-1])
     r = residuals(found, changes)[:, skipped:]
     A, L = _predictor(r)
     scores = np.sort(scored(whitened(r, A, L)))
@@ -188,4 +192,6 @@ def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: in
     """Return the floor of a model for records like this one, and the logs of the runs that showed it."""
     logs = without_gap(model, record, runs, seed)
     found = offsets(quiet, record, logs=logs)
-    return floor_of(found, settling_rows(model, record)), logs
+    # The integral of a controller runs on freely: its level says nothing, however well the model keeps it.
+    integrating = [model.blocks[model.driven[s][0]].role is Role.CONTROLLER for s in record.pinned]
+    return floor_of(found, settling_rows(model, record), integrating), logs

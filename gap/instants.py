@@ -51,7 +51,7 @@ def with_instants(problem: Problem) -> Problem:
 
 
 def _closed(problem: Problem, diagram: Diagram, leads: dict[str, Floats]) -> Diagram:
-    """Return a diagram with logged inputs driven by the log, each switch so much earlier [s] than the row showing it."""
+    """Return a diagram with inputs driven by the log, each switch so much earlier [s] than the row that shows it."""
     log = problem.record.log
     given = {}
     for s, lead in leads.items():

@@ -1,16 +1,18 @@
-"""Two effects at once: where one alone is not adequate, a second is added, then each is fitted again given the other."""
+"""Two effects at once: where one is not adequate, a second is added, then each is fitted again given the other."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress
+from gap.adequacy import share
 from gap.candidates import PRICE, candidates, ranked
 from gap.effect import Effect
 from gap.problem import Problem
 from gap.search import Candidate, Fit, refined
 
 FIRSTS = 2  # single effects to which a second is added
+ENOUGH = 0.3  # share of the gap that one of two effects explains alone
 TURNS = 2  # times that each is fitted again given the other
 
 
@@ -33,6 +35,8 @@ def paired(
     """Return the best pair of effects; None if none could be replayed."""
     found: list[Pair] = []
     legal = list(catalogue)
+    if not fits or share(problem, fits[0]) < ENOUGH:
+        return None
     for first in [fit for fit in fits if not fit.candidate.noisy][:FIRSTS]:
         base = inserted(problem.quiet, first)
         seconds = [
@@ -40,7 +44,7 @@ def paired(
             for one in candidates(problem, base, legal)
             if not (one.effect is first.effect and one.place == first.place)
         ]
-        ordered = ranked(seconds, progress, hidden=not first.effect.hidden)
+        ordered = ranked(seconds, progress, hidden=False)  # a hidden mode is found as the first or not at all
         if ordered:
             found.append(Pair(first, ordered[0]))
     if not found:

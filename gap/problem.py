@@ -110,4 +110,4 @@ class Problem:
     @property
     def limit(self) -> float:
         """F that records without a gap do not exceed."""
-        return self.level + SIGMAS * self.floor.sd * self.known**0.5
+        return float(self.level + SIGMAS * self.floor.sd * np.sqrt(self.known))

@@ -11,6 +11,8 @@ from logs import Log
 Floats = NDArray[np.float64]
 LATTICE = 1e-3  # how far, in steps, values may lie off a lattice that they are said to be on
 FINEST = 1e-12  # of the largest value: numbers themselves are not more exact
+FEW = 0.1  # distinct values for each row, at most, where a signal has few
+UNEVEN = 0.02  # how far, in steps, they may lie off their lattice
 FEWEST = 20  # rows below which a record says too little
 
 
@@ -36,12 +38,36 @@ def rounding(values: ArrayLike) -> float:
     for _ in range(24):  # Euclid: what does not divide becomes the next divisor
         if not noise < LATTICE * step < np.inf:
             return 0.0
+        step = float(f"{step:.6g}")  # without the digits that are rounding of the numbers themselves
         left = np.abs(known - np.round(known / step) * step)
         off = left > max(noise, LATTICE * step)
         if not off.any():
-            return float(f"{step:.4g}")  # without the digits that are rounding of the numbers themselves
+            return step
         step = float(left[off].min())
     return 0.0
+
+
+def spacing(values: ArrayLike) -> float:
+    """Return the step between the few values that a signal ever has, [unit of the values]; 0 where they are not few.
+
+    Unlike ``rounding`` it bears values that were rounded once more.
+
+    >>> spacing(np.round(0.0223055 * np.random.default_rng(0).integers(40, 90, 5000), 4)).__round__(6)
+    0.022306
+    """
+    known = np.asarray(values, dtype=float)
+    known = known[np.isfinite(known)]
+    levels = np.unique(known)
+    if len(levels) < 3 or len(levels) > FEW * len(known):
+        return 0.0
+    step = float(np.median(np.diff(levels)))
+    for _ in range(3):
+        k = np.round((levels - levels[0]) / step)
+        if k[-1] < 2.0:
+            return 0.0
+        step = float(np.polyfit(k, levels, 1)[0])
+    off = np.abs(levels - np.round(levels / step) * step)
+    return step if float(np.max(off)) < UNEVEN * step else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +90,8 @@ class Record:
 
     def lattice(self, signal: str) -> float:
         """Return the step on whose multiples the values of a signal lie, 0 for none."""
-        return rounding(self.log[signal][self.log.good(signal)])
+        values = self.log[signal][self.log.good(signal)]
+        return max(rounding(values), spacing(values))
 
     @cached_property
     def first(self) -> dict[str, float]:

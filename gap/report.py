@@ -78,7 +78,7 @@ class Shrinkage:
 class GapReport:
     """The outcome of ``diagnose``: words first (``print(report)``), ``plot()``, ``to_dict()``.
 
-    ``gap`` whether there is one; ``where``, ``causes``, ``ranking``, ``shrinkage`` as named; ``words`` one sentence each;
+    ``gap`` whether there is one; ``where``, ``causes``, ``ranking``, ``shrinkage`` as named; ``words`` in sentences;
     ``residuals`` signal -> innovations of the model as it is and with the causes, (2, rows); ``t`` (rows,) [s].
     """
 

@@ -1,7 +1,7 @@
 """What the digits of a log tell before any physics: values on a lattice, values on straight lines.
 
-lattice        values are multiples of a step.  The historian's rounding leaves OP, which saw finer values of PV, at odds
-               with the logged PV; a sensor that gives multiples itself leaves it in accord.
+lattice        values are multiples of a step.  The historian's rounding leaves OP, which saw finer values of PV, at
+               odds with the logged PV; a sensor that gives multiples itself leaves it in accord.
 straight       three values on a line that are not equal: a historian that compresses draws lines between those it kept.
 """
 

@@ -52,7 +52,7 @@ def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
 
 
 def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit]) -> GapReport:
-    """Return the report of a gap with one cause; ``same`` the explanations that cannot be told apart, the best first."""
+    """Return the report of a gap with one cause; ``same`` what cannot be told apart, the best first."""
     best = same[0]
     places = tuple(dict.fromkeys(fit.place for fit in same))
     others = tuple(dict.fromkeys(fit.effect.name for fit in same if fit.effect.name != best.effect.name))
@@ -183,7 +183,8 @@ def _shrunk(found: Shrinkage | None) -> str:
     if found is None:
         return "."
     low, high = 100.0 * found.low, 100.0 * found.high
-    return f"; on rows that the fit has not seen the gap shrinks by {100.0 * found.fraction:.0f} % ({low:.0f} to {high:.0f} %)."
+    by = f"{100.0 * found.fraction:.0f} % ({low:.0f} to {high:.0f} %)"
+    return f"; on rows that the fit has not seen the gap shrinks by {by}."
 
 
 def _report(

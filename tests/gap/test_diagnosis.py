@@ -10,7 +10,8 @@ from gap import GapError, diagnose
 from gap.effects import effect
 from logs import Log
 
-FEW = [effect(name) for name in ("valve_gain", "process_gain", "sensor_span", "dead_time", "controller_gain", "sensor_bias")]
+NAMES = ("valve_gain", "process_gain", "sensor_span", "dead_time", "controller_gain", "sensor_bias")
+FEW = [effect(name) for name in NAMES]
 
 
 def test_no_gap_is_said_in_the_words_of_the_document(recorded):

@@ -76,7 +76,8 @@ def test_unsure_parameters_settle_within_their_tolerances():
     t, fine = np.arange(0.0, 3601.0, 5.0), np.arange(3601.0)
     SP = np.where(fine % 1202 < 601, 1.5, 1.6)
     true = site_flow(rest=1.5).with_params({"process.K": 3.12})
-    many = ensemble(true, 3600.0, times=t, inputs=Log(fine, {"SP": SP}), seeds=[1], signals=["OP", "PV"], progress=False)
+    log = Log(fine, {"SP": SP})
+    many = ensemble(true, 3600.0, times=t, inputs=log, seeds=[1], signals=["OP", "PV"], progress=False)
     rounded = {s: np.round(many.values[s][0] / q) * q for s, q in (("OP", 1e-3), ("PV", 1.5e-3))}
     problem = prepared(site_flow(), Log(t, {"SP": SP[::5], **rounded}))
     assert problem.floor.coloured and problem.free["process.K"] == pytest.approx((2.85, 3.15))
