@@ -12,6 +12,7 @@ from detect.method import Method
 from detect.prepare.fact import Fact
 from detect.prepare.harris import Harris
 from detect.prepare.prepared import Prepared, prepared
+from detect.prepare.process_kind import kind_of_tag
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
 
@@ -184,7 +185,7 @@ def _assumptions(loop: Prepared) -> tuple[str, ...]:
     if record.mode is None:
         found.append("The controller is taken to be in automatic: no mode is logged.")
     if record.process == "unknown":
-        found.append(loop.kind.text)
+        found.append((kind_of_tag(record) if any(f.code == "signal_missing" for f in loop.present) else loop.kind).text)
     if record.op_percent is None:
         found.append("OP is taken to be within its limits: its span is not known.")
     found.append("The oscillation is taken to be the loop's own, not an outside disturbance.")
