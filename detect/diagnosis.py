@@ -13,6 +13,7 @@ from detect.method import Method
 from detect.prepare.fact import Fact
 from detect.prepare.harris import Harris
 from detect.prepare.prepared import Prepared, prepared
+from detect.prepare.process_kind import kind_of_tag
 from detect.verdict import Verdict
 from detect.words import WORDS, Word
 from logs import LoopRecord
@@ -174,7 +175,8 @@ def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:
     if record.mode is None:
         said.append("The controller is taken to be in automatic: no mode is logged.")
     if record.process == "unknown":
-        said.append(loop.kind.text)
+        unreadable = any(fact.code == "signal_missing" for fact in loop.present)
+        said.append((kind_of_tag(record) if unreadable else loop.kind).text)
     if not record.measurement:
         said.append("What is measured is not told by tag or --measurement; the record is judged for any.")
     if record.op_percent is None:

@@ -33,7 +33,7 @@ from 0.3 S; half with a walking load): of the sticky valves 59 of 100 under set-
 set point were found (many of these come to rest and show nothing), none cleared, S 6 % low in the median; called sticky
 2 of 100 under an outside square wave, both levels, and none of 600 healthy, tight, outside sine and stochastic,
 deadband and drift.  Its limits were set on 360 others.  Under other friction laws and every fault of the data
-(``docs/method_rates.md``) 47 of 300 were found, S within 10 % in the median, and 3 of 300 others called sticky.
+(``docs/method_rates.md``) 47 of 300 were found, S within 10 % in the median, and 4 of 300 others called sticky.
 
 Cost: 50 ms for 7,200 samples on one slow core.  Long records are averaged in blocks to ``points`` samples, but for 8
 between two turns, and the search compares 300 to 600 samples; the models are judged by all of them.

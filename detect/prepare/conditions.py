@@ -32,10 +32,11 @@ def examine(record: LoopRecord) -> tuple[Fact, ...]:
     >>> [fact.code for fact in examine(loop) if fact.present]
     ['constant_signal']
     """
+    first = (manual(record), missing(record), beyond_reason(record))
+    if first[-1].present:
+        return first  # of such numbers nothing else can be worked out
     return (
-        manual(record),
-        missing(record),
-        beyond_reason(record),
+        *first,
         constant(record, "PV"),
         constant(record, "OP"),
         asleep(record),

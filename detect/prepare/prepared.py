@@ -113,6 +113,8 @@ class Prepared:
     @property
     def health(self) -> tuple[Fact, ...]:
         """All that is known of the data: the facts, how many cycles there are, and what follows what."""
+        if any(fact.code == "signal_missing" for fact in self.present):
+            return self.facts
         return (*self.facts, self._cycles_fact, self.causality)
 
     @property
