@@ -146,8 +146,9 @@ def measure(floats, before, places, limits, change):  # type: ignore[no-untyped-
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def advance_branching(ints, floats, buffer, grid, rows, stops, row, modes, places, limits, change, share, mode, held,
-                      measures, state):  # type: ignore[no-untyped-def]  # fmt: skip
+def advance_branching(  # type: ignore[no-untyped-def]
+    ints, floats, buffer, grid, rows, stops, row, modes, places, limits, change, share, mode, held, measures, state
+):
     """Advance from stop to stop; ``state[0]`` is the number of the next one.  Resumable like ``advance.advance``."""
     I = pointer_to(ints)
     size, saved = H + I[N_BLOCKS] * R, I[SAVED]
