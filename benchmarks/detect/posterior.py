@@ -19,7 +19,7 @@ from logs import LoopRecord
 
 SEED = 9100
 RECORDS, QUICK = 60, 2
-LOOPS, QUICK_LOOPS = 800, 100
+LOOPS, QUICK_LOOPS = 600, 100
 
 NOTES = {
     "simulate_s": "median time of one record by simulation under its own conditions (goal: at most 10)",
