@@ -144,8 +144,12 @@ def slope(t, x, sp, n, load, pv_held, op_held, held, late, way, flags, p, dx):  
         gain *= 1.0 + p[SIZE] * math.sin(2.0 * math.pi * t / p[OTHER])
     if p[OUTSIDE] == ASYMMETRIC:
         tau *= 1.0 + p[SIZE] if gain * entering > x[Y] else 1.0 - p[SIZE]
-    dx[Y] = (gain * entering - (p[OUTFLOW] if p[INTEGRATING] > 0.0 else x[Y])) / tau
-    dx[LEVEL] = (x[Y] - p[OUTFLOW]) / p[VESSEL] if p[OUTER_K] > 0.0 else 0.0
+    if p[INTEGRATING] > 0.0:
+        dx[Y] = gain * (entering - p[OUTFLOW]) / tau
+    else:
+        dx[Y] = (gain * entering - x[Y]) / tau
+    through = x[Y2] if p[SECOND] > 0.0 else x[Y]
+    dx[LEVEL] = (through - p[OUTFLOW]) / p[VESSEL] if p[OUTER_K] > 0.0 else 0.0
     second = p[OTHER] if p[OUTSIDE] == INVERSE else p[SECOND]
     dx[Y2] = (x[Y] - x[Y2]) / second if second > 0.0 else 0.0
     dx[POS] = (op - x[POS]) / p[POSITIONER] if p[POSITIONER] > 0.0 else 0.0
@@ -231,9 +235,9 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
     x[LEVEL] = rest
     if p[OUTER_K] > 0.0:
         rest = p[OUTFLOW]  # of the flow
-    x[Y] = x[Y2] = rest
-    x[POS] = x[Z] = held = (p[OUTFLOW] if p[INTEGRATING] > 0.0 else rest) / p[K]
-    x[SEEN] = p[SPAN] * rest + p[BIAS]
+    x[Y] = x[Y2] = (rest - p[BIAS]) / p[SPAN] if p[INTEGRATING] > 0.0 else rest  # a level is held where it is seen
+    x[POS] = x[Z] = held = p[OUTFLOW] if p[INTEGRATING] > 0.0 else rest / p[K]
+    x[SEEN] = p[SPAN] * x[Y] + p[BIAS]
     x[E_F] = 0.0
     z_outer, wanted_flow = p[OUTFLOW], 0.0
     a, b, c, d, trial = np.zeros(STATES), np.zeros(STATES), np.zeros(STATES), np.zeros(STATES), np.zeros(STATES)
@@ -260,8 +264,11 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
         level = x[LEVEL] + p[OUTER_NOISE] * noise_2[k]
         if p[OUTER_K] > 0.0:
             e_outer = sp[k] - level
-            z_outer += p[OUTER_K] * e_outer / p[OUTER_T]
-            wanted_flow = min(max(p[OUTER_K] * e_outer + z_outer, 0.0), 1.0)
+            more = p[OUTER_K] * e_outer / p[OUTER_T]
+            v = p[OUTER_K] * e_outer + z_outer + more
+            wanted_flow = min(max(v, 0.0), 1.0)
+            if not ((v >= 1.0 and e_outer > 0.0) or (v <= 0.0 and e_outer < 0.0)):
+                z_outer += more
         else:
             wanted_flow = sp[k]
         for j in range(steps):

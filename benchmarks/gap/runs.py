@@ -21,6 +21,11 @@ CLASSES = (
     ("valve_leak", "sensor_bias"),
 )
 CLASSES_WITH_MV = (CLASSES[0], ("second_lag", "sensor_lag"), CLASSES[2])
+# a level: gain, hold-up and span are one; a flow under a level that is logged: what the sensor does shows in the level
+CLASSES_OF = {
+    "level": (("process_gain", "process_time_constant", "sensor_span"), CLASSES[1]),
+    "cascade": (("valve_gain", "process_gain"), ("positioner_lag", "second_lag")),
+}
 PLACES = {
     **dict.fromkeys(
         ("stiction", "deadband", "valve_leak", "valve_saturation", "valve_rate_limit", "positioner_lag",
@@ -68,13 +73,14 @@ class Run:
         return tuple(PLACES[name] for name in self.effects)
 
 
-def alike(name: str, mv: bool = False) -> tuple[str, ...]:
-    """Return the effects that the same log could come from, itself among them.
+def alike(name: str, mv: bool = False, setting: str = "") -> tuple[str, ...]:
+    """Return the effects that the same log of a setting, by default a flow loop, could come from, itself among them.
 
     >>> alike("sensor_lag", mv=True), alike("stiction")
     (('second_lag', 'sensor_lag'), ('stiction',))
     """
-    return next((group for group in (CLASSES_WITH_MV if mv else CLASSES) if name in group), (name,))
+    classes = CLASSES_OF.get(setting, CLASSES_WITH_MV if mv else CLASSES)
+    return next((group for group in classes if name in group), (name,))
 
 
 def singles(family: str, setting: str, severities: tuple[str, ...], seeds: int, mv: bool = False) -> Iterator[Run]:

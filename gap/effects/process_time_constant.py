@@ -1,6 +1,7 @@
 """Time constant of the process: ``factor`` times the model's.
 
-For a process with a time constant ``tau``, or of second order with a natural frequency ``omega`` (which goes down).
+For a process with a time constant ``tau``, an integrating one with a time ``T``, or one of second order with a natural
+frequency ``omega`` (which goes down).
 """
 
 from collections.abc import Mapping
@@ -26,13 +27,14 @@ class ProcessTimeConstant(Effect):
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
         """Return whether the process has a time constant."""
-        return "tau" in block.param_names or "omega" in block.param_names
+        return any(key in block.param_names for key in ("tau", "T", "omega"))
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the time constant, or the natural frequency."""
         own = diagram[place].params
-        if "tau" in own:
-            return {f"{place}.tau": own["tau"] * values["factor"]}
+        for key in ("tau", "T"):
+            if key in own:
+                return {f"{place}.{key}": own[key] * values["factor"]}
         return {f"{place}.omega": own["omega"] / values["factor"]}
 
     def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:

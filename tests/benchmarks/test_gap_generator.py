@@ -30,14 +30,16 @@ def model(made, name=""):
     loop = MODELS[made.setting](rest=rest)
     quiet = {f"{b.name}.sd": 0.0 for b in loop.blocks if "sd" in b.params}
     loop = loop.with_params({**quiet, **within(made)})
-    opening = (0.5 if made.setting in ("level", "cascade") else rest) / made.numbers["K"]
+    opening = (0.5 if made.setting == "cascade" else rest) / made.numbers["K"]
+    opening = 0.5 if made.setting == "level" else opening
     loop = loop.starting_at({"controller.z": opening})
     if loop["process"].dead_time:
         loop = loop.with_params({"process.theta_start": opening})
     if name:
         one = effect(name)
         place = PLACE[str(one.role)]
-        first = {"SP": rest, "PV": rest, "OP": opening, "MV": opening}
+        seen = 0.5 if made.setting == "cascade" else rest
+        first = {"SP": seen, "PV": seen, "OP": opening, "MV": opening}
         loop = one.started(one.insert(loop, place, **made.effects[name]), place, first)
     sp = Recorded(loop.open_inputs[0], np.arange(float(len(made.set_point))), made.set_point, hold="previous")
     return wire([sp, *loop.blocks])
@@ -181,6 +183,19 @@ def test_compression_and_noise_act_as_the_catalogue_says():
 )
 def test_the_site_s_effects_too(name):
     made = record("site", [name], "gross", seed=7, hours=0.5, noise=False)
+    assert worst(made, name) < 1.6e-3 < worst(made)
+
+
+@pytest.mark.parametrize(
+    ("setting", "name"),
+    [
+        ("second_order", "process_time_constant"), ("second_order", "second_lag"), ("second_order", "dead_time"),
+        ("level", "process_gain"), ("level", "process_time_constant"), ("level", "valve_leak"),
+        ("cascade", "sensor_span"), ("cascade", "valve_gain"), ("cascade", "second_lag"),
+    ],
+)  # fmt: skip
+def test_the_effects_of_other_loops_too(setting, name):
+    made = record(setting, [name], "gross", seed=7, hours=0.5, noise=False)
     assert worst(made, name) < 1.6e-3 < worst(made)
 
 

@@ -10,6 +10,9 @@ def test_places_are_those_of_the_catalogue():
     for name in IDEAL:
         assert effect(name).places(ideal_flow()) == (PLACES[name],)
     assert alike("valve_gain") == CLASSES[0] and alike("positioner_lag", mv=True) == ("positioner_lag",)
+    assert alike("sensor_span", setting="cascade") == ("sensor_span",) and alike("sensor_bias", setting="level") == (
+        "sensor_bias",
+    )
 
 
 def test_there_are_enough_of_each_kind():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from blocks import FirstOrder, Recorded, SampledPI, Staircase
-from cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, site_flow
+from cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, level_cascade, level_loop, site_flow
 from diagram import simulate, wire
 from gap.effect import EffectError
 from gap.effects import CATALOGUE, effect
@@ -315,6 +315,38 @@ def test_a_leak_a_bias_and_a_step_from_the_start_are_one_class():
         put("sensor_bias", "sensor", offset=0.06),
     ]
     assert same(*made) < 1e-12 < 1e-3 < same(up, made[0])
+
+
+@pytest.mark.parametrize(
+    ("model", "group", "other"),
+    [
+        (level_loop, {"process_gain": 1.25, "process_time_constant": 0.8, "sensor_span": 1.25}, {"valve_gain": 1.25}),
+        (level_cascade, {"valve_gain": 1.25, "process_gain": 1.25}, {"sensor_span": 1.25}),
+    ],
+)
+def test_other_loops_have_other_classes(model, group, other):
+    outer = Staircase("SP_L" if model is level_cascade else "SP", [0.5, 0.55, 0.47], dwell=500.0)
+    loop = quiet(model, outer, 0.5)
+    logged = ("SP", "PV", "OP", "L") if model is level_cascade else LOGGED
+
+    def log(name, factor):
+        place = PLACES[name]
+        changed = effect(name).insert(loop, place, factor=factor)
+        if model is level_loop and name == "sensor_span":
+            changed = changed.starting_at({"process.PV": 0.5 / factor})
+        return simulate(changed, 1500.0, every=5.0, **EXACT).log
+
+    logs = [log(*one) for one in group.items()]
+    assert max(np.abs(logs[0][s] - one[s]).max() for one in logs for s in logged) < 1e-9
+    apart = [log(*one) for one in other.items()]
+    assert max(np.abs(logs[0][s] - one[s]).max() for one in apart for s in logged) > 1e-3
+
+
+PLACES = {
+    "valve_gain": "valve",
+    "sensor_span": "sensor",
+    **dict.fromkeys(("process_gain", "process_time_constant"), "process"),
+}
 
 
 # --- in any diagram ---------------------------------------------------------------------------------------------------
