@@ -25,7 +25,7 @@ from gap.search import Candidate, Fit, fitted, refined
 from gap.texture import fitted_lattice
 
 PRICE = 12.0
-FOLLOWED = 6  # candidates that are fitted to the end
+FOLLOWED, FOLLOWED_FREE = 6, 14  # candidates that are fitted to the end; where parameters have tolerances
 NEAR = 0.25  # share of the gap by which a candidate may lag behind the best after a few sizes, to be followed
 
 
@@ -78,7 +78,7 @@ def _finished(found: Sequence[Fit]) -> list[Fit]:
     margin = NEAR * max(problem.score - ordered[0].F, 0.0) + 100.0
     done = []
     for k, fit in enumerate(ordered):
-        near = k < FOLLOWED and fit.present and fit.total <= ordered[0].total + margin
+        near = k < (FOLLOWED_FREE if problem.free else FOLLOWED) and fit.present and fit.total <= ordered[0].total + margin
         if near and not fit.followed and (not fit.effect.hidden or problem.free):
             fit = replace(refined(fit), followed=True)
         done.append(fit)

@@ -7,6 +7,7 @@
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from diagram.diagram import Diagram
@@ -21,15 +22,16 @@ from gap.floor import Floor, measured
 from gap.instants import with_instants
 from gap.model import read, silenced
 from gap.pairs import paired
-from gap.problem import Problem
+from gap.problem import Problem, Settled
 from gap.record import GapError
 from gap.report import GapReport
-from gap.search import Fit, settled
+from gap.search import Candidate, Fit, best_of, refined, settled
 from gap.start import start_values
 from gap.texture import fitted_compression, with_lattices
 from gap.words import adequate_pair, named, named_pair, no_gap, tied, unknown
 from logs import Log
 
+AGAIN = 150.0  # nats by which an explanation may lag behind the best to be fitted again
 RUNS = 40  # of the model without a gap
 
 
@@ -53,11 +55,32 @@ def diagnose(
         raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. logs.read_log('run.csv')")
     problem = prepared(diagram, log, seed)
     fits = ranked(candidates(problem, problem.quiet, catalogue), progress)
+    problem, fits = _instants_again(problem, fits)
     compressed = [found for one in catalogue if one.of_log and (found := _compression(problem, one)) is not None]
     lattices = [fit for fit in fits if isinstance(fit.effect, Quantisation) and fit.F < problem.score]
     textured = [*compressed, *lattices]
     others = [fit for fit in fits if fit not in lattices]
     return told(problem, [*textured, *others], progress, catalogue, bool(textured))
+
+
+def _instants_again(problem: Problem, fits: list[Fit]) -> tuple[Problem, list[Fit]]:
+    """Return the problem with set points switching as suits the best explanation, and the best ones fitted again."""
+    if problem.before is None or not fits or fits[0].candidate.noisy or not fits[0].present:
+        return problem, fits
+    best = fits[0]
+    own = {name: best.values[name] for name in best.candidate.own}
+    explained = best.effect.insert(problem.before.quiet, best.place, **own)
+    held = {key: best.values[key] for key in problem.free if explained.params[key] == problem.quiet.params[key]}
+    again = with_instants(problem.before, explained.with_params(held) if held else explained)
+    again = replace(again, settled=problem.settled or Settled({}, problem.as_it_is))
+    found = []
+    for fit in fits:
+        near = fit.present and fit.total < best.total + AGAIN
+        candidate = Candidate(again, again.quiet, fit.effect, fit.place)
+        new = best_of(candidate.tried([fit.values])) if near else None
+        new = None if new is None else replace(refined(new, 4), price=fit.price, followed=True)
+        found.append(new if new is not None and new.F < fit.F else fit)
+    return again, sorted(found, key=lambda fit: fit.total)
 
 
 def _compression(problem: Problem, effect: Effect) -> Fit | None:

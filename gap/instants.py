@@ -21,9 +21,13 @@ RARE = 0.1  # share of rows at which a signal that switches does so, at most
 MOST = 10  # scans within an interval that are tried
 
 
-def with_instants(problem: Problem) -> Problem:
-    """Return the problem with the switches of its logged inputs at the scans that suit the record best."""
+def with_instants(problem: Problem, explained: Diagram | None = None) -> Problem:
+    """Return the problem with the switches of its logged inputs at the scans that suit the record best.
+
+    ``explained``: the silent model with an effect, if the scans are to suit that.
+    """
     log = problem.record.log
+    seen = problem.quiet if explained is None else explained
     periods = [block.period for block in problem.quiet.blocks if block.sampled and block.ports_in]
     scans = min(round(log.dt / min(periods)), MOST) if periods else 1
     switching = [s for s in problem.record.played if 0.0 < float((np.diff(log[s]) != 0.0).mean()) < RARE]
@@ -31,7 +35,7 @@ def with_instants(problem: Problem) -> Problem:
         return problem
     early = np.arange(scans) * log.dt / scans  # [s] before the row that shows the switch
     tried = [
-        losses(problem.innovations(_closed(problem, problem.quiet, {s: np.full(len(log), lead) for s in switching})))[0]
+        losses(problem.innovations(_closed(problem, seen, {s: np.full(len(log), lead) for s in switching})))[0]
         for lead in early
     ]
     loss = np.array([np.sum(one, axis=-1) for one in tried])  # (scans, rows)
@@ -47,6 +51,7 @@ def with_instants(problem: Problem) -> Problem:
         model=_closed(problem, problem.model, leads),
         quiet=_closed(problem, problem.quiet, leads),
         record=replace(problem.record, played=tuple(s for s in problem.record.played if s not in switching)),
+        before=problem,
     )
 
 

@@ -28,7 +28,8 @@ class Settled:
 @dataclass(frozen=True, eq=False)
 class Problem:
     """``model`` with its nuisances, ``quiet`` without, both starting as the record does; ``record``; ``floor``;
-    ``settled`` the parameters that have tolerances, as they suit the record best without any effect.
+    ``settled`` the parameters that have tolerances, as they suit the record best without any effect; ``before``
+    the problem before the switches of its set points were put at scans.
     """
 
     model: Diagram
@@ -37,6 +38,7 @@ class Problem:
     floor: Floor
     start: Mapping[str, float]
     settled: Settled | None = None
+    before: "Problem | None" = None
 
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:
