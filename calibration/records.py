@@ -7,6 +7,7 @@ every machine but for rounding.  What is kept of a record is its features (``det
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -104,7 +105,8 @@ def parts(folder: Path, setting: Setting, seed: int, count: int, workers: int | 
         if not file.exists():
             made = table(simulate(draw(PART, seed + k, setting), workers))
             part = file.with_suffix(".part.npz")
-            np.savez_compressed(part, names=made.names, x=made.x, unit=made.unit, **made.truth)
+            arrays: dict[str, Any] = {"names": made.names, "x": made.x, "unit": made.unit, **made.truth}
+            np.savez_compressed(part, **arrays)
             part.replace(file)
         with np.load(file) as kept:
             own = {name: kept[name] for name in kept.files}

@@ -117,7 +117,7 @@ def _unit(loop: Prepared) -> tuple[float, str]:
 def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model) -> Answer:
     scale, unit = _unit(loop)
     travel = view.travel * view.op_scale * scale
-    S, J = (Amount(*(share * travel for share in size), unit) for size in (said.S, said.J))
+    S, J = (Amount(value * travel, low * travel, high * travel, unit) for value, low, high in (said.S, said.J))
     hidden = found[f"play_hidden_{model.hidden}"]
     limit = (hidden * travel, unit) if hidden < 0.9 else None
     p, stem = said.probability, loop.record.mv is not None

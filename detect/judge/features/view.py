@@ -108,10 +108,10 @@ def view_of(loop: Prepared) -> View | None:
     turn = _turn(u, span)
     n = len(u)
     k = max(1, int(min(turn / COARSE, max(turn / FINE, n / POINTS))))
-    thin = [_blocks(x, k) for x in (u, y, error)]
     return View(
-        *thin, None if set_point is None else _blocks(set_point, k), max(turn / k, 2.0), k, span, _noise(y), stale, u,
-        y, loop.integrating, u_scale,
+        u=_blocks(u, k), y=_blocks(y, k), e=_blocks(error, k), sp=None if set_point is None else _blocks(set_point, k),
+        turn=max(turn / k, 2.0), block=k, travel=span, noise=_noise(y), stale=stale, raw_u=u, raw_y=y,
+        integrating=loop.integrating, op_scale=u_scale,
     )  # fmt: skip
 
 
