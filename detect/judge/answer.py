@@ -31,6 +31,8 @@ __all__ = ["Amount", "Answer", "answer"]
 CLEARED = 0.5  # of OP's travel: a larger detection limit clears nothing
 FOLLOWS = 0.5  # share of PV's variance that OP through a lag must tell, to clear
 UNLIKE = 0.03  # share of features beyond all simulated ones from which on the model is not asked
+# Facts of the data behind which nothing can be judged, where they forbid it.
+REFUSED = ("manual_mode", "signal_missing", "constant_signal", "frozen_pv")
 SAMPLES = 100  # of a record; the simulated ones have 300 and more
 FEWEST = 2.0  # samples between two turns of OP
 
@@ -85,7 +87,7 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
     >>> answer(Prepared(LoopRecord.from_arrays(t, pv=0 * t + 4, op=50 + np.sin(t / 9)))).word
     'not_applicable'
     """
-    refused = next((f for f in loop.present if f.code in ("manual_mode", "signal_missing", "constant_signal")), None)
+    refused = next((f for f in loop.present if f.code in REFUSED and f.forbids), None)
     if refused is not None:
         return _refusal(refused.text)
     if loop.record.mv is not None:
@@ -94,11 +96,9 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         told = stem_play.detect(loop)
         if told.applicable:
             return _from_stem(told, loop)
-    view = view_of(loop)
-    if view is None or len(loop.whole) < SAMPLES:
-        return _refusal(
-            f"Too little is left to look at: {len(loop.whole)} samples without a gap; {SAMPLES} that move are needed."
-        )
+    view, left = view_of(loop), len(loop.with_stale.whole)
+    if view is None or left < SAMPLES:
+        return _refusal(f"Too little is left to look at: {left} samples without a gap; {SAMPLES} that move are needed.")
     model = model or calibrated()
     found = features_of(view)
     return _judged(loop, view, found, model.judge(found), model)

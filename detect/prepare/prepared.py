@@ -93,10 +93,16 @@ class Prepared:
     (50.3, 38, ())
     """
 
-    def __init__(self, record: LoopRecord) -> None:
-        self.record = without_stale(record)
+    def __init__(self, record: LoopRecord, *, stale_masked: bool = True) -> None:
+        self._logged = record
+        self.record = without_stale(record) if stale_masked else record
         self._waves: dict[tuple[str, float], Values] = {}
         self._halves: dict[str, tuple[HalfWave, ...]] = {}
+
+    @cached_property
+    def with_stale(self) -> Prepared:
+        """The same loop with its stale samples as they were logged, for what sorts them out itself."""
+        return self if self.record is self._logged else Prepared(self._logged, stale_masked=False)
 
     # --- facts ------------------------------------------------------------------------------------------------
     @cached_property

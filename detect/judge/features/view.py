@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from detect.prepare.controller import controller_sign
 from detect.prepare.prepared import Prepared
+from detect.prepare.process_kind import kind_of_tag
 from detect.prepare.stick import turns
 
 __all__ = ["View", "view_of"]
@@ -88,6 +89,7 @@ def view_of(loop: Prepared) -> View | None:
     >>> v.block, round(v.turn), v.cut(v.u).shape
     (2, 25, (3, 166))
     """
+    loop = loop.with_stale  # held samples are taken out below without cutting the record at each
     grid = loop.whole
     if len(grid) < 40:
         return None
@@ -111,7 +113,7 @@ def view_of(loop: Prepared) -> View | None:
     return View(
         u=_blocks(u, k), y=_blocks(y, k), e=_blocks(error, k), sp=None if set_point is None else _blocks(set_point, k),
         turn=max(turn / k, 2.0), block=k, travel=span, noise=_noise(y), stale=stale, raw_u=u, raw_y=y,
-        integrating=loop.integrating, op_scale=u_scale,
+        integrating=kind_of_tag(loop.record).integrating, op_scale=u_scale,
     )  # fmt: skip
 
 
