@@ -28,7 +28,7 @@ def test_every_method_says_what_it_says_alone(record):
     for method, v in zip(METHODS, judged.verdicts, strict=True):
         alone = method.detect(record)
         assert (v.verdict, v.index, v.reason) == (alone.verdict, alone.index, alone.reason), v.method
-    assert judged.combined == diagnose(record).verdict == "stiction"
+    assert judged.combined == diagnose(record).verdict
     assert judged.samples == 600 and judged.preparation > 0.0 and min(judged.milliseconds) > 0.0
     assert all(len(row) == len(COLUMNS) for row in found.rows())
     assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["schema"] == "stickslip.table/1"

@@ -70,7 +70,7 @@ def test_stiction_is_exit_code_1_and_verdict_comes_first(call, exports):
 def test_a_record_that_does_not_tell_is_exit_code_0(call, exports):
     result = call("check", next(exports.glob("TIC204*")))
     assert result.exit_code == 0
-    assert result.stdout.startswith("TIC204: INCONCLUSIVE\n")
+    assert result.stdout.startswith("TIC-204: INCONCLUSIVE\n")
     assert "tight tuning" in result.stdout and "control engineer" in result.stdout
 
 

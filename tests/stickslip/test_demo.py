@@ -21,8 +21,8 @@ def test_without_real_loops(call, alone):
     assert answer["page"] == str(alone / "page" / "index.html")
     scores = {loop["loop"].replace("-", ""): loop["score"] for loop in answer["loops"]}
     assert scores == {
-        "FIC101": "right", "TIC204": "abstained", "PIC305": "abstained", "LIC410": "abstained", "FIC512": "abstained",
-    }  # snapshot: the area ratio alone, which clears no valve  # fmt: skip
+        "FIC101": "right", "TIC204": "abstained", "PIC305": "right", "LIC410": "right", "FIC512": "abstained",
+    }  # snapshot: the calibrated verdict  # fmt: skip
     for loop in answer["loops"]:
         assert {"truth", "score", "title", "verdict", "reason", "methods"} <= set(loop)
     assert [path.name for path in (alone / "page").iterdir()] == ["index.html"]
