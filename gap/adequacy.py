@@ -35,15 +35,15 @@ def scored_alone(fit: Fit) -> float:
     return float(scored(fit.e))
 
 
-def adequate(problem: Problem, fit: Fit) -> bool:
-    """Return whether what a fit leaves is no more than it may leave."""
+def complete(problem: Problem, fit: Fit) -> bool:
+    """Return whether a fit leaves no more than records of the model, or of the model with the effect, leave."""
     left = scored_alone(fit)
-    if left <= problem.limit + needed(problem):
-        return True
-    hidden = fit.effect.hidden
-    if share(problem, fit) >= (EXPLAINED_HIDDEN if hidden else EXPLAINED):
-        return True
-    return left <= own_limit(problem, fit)
+    return left <= problem.limit + needed(problem) or left <= own_limit(problem, fit)
+
+
+def adequate(problem: Problem, fit: Fit) -> bool:
+    """Return whether a fit explains so much of the gap that only its law can be a little different."""
+    return share(problem, fit) >= (EXPLAINED_HIDDEN if fit.effect.hidden else EXPLAINED)
 
 
 def own_limit(problem: Problem, fit: Fit) -> float:

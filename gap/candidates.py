@@ -78,7 +78,9 @@ def _finished(found: Sequence[Fit]) -> list[Fit]:
     margin = NEAR * max(problem.score - ordered[0].F, 0.0) + 100.0
     done = []
     for k, fit in enumerate(ordered):
-        near = k < (FOLLOWED_FREE if problem.free else FOLLOWED) and fit.present and fit.total <= ordered[0].total + margin
+        near = (
+            k < (FOLLOWED_FREE if problem.free else FOLLOWED) and fit.present and fit.total <= ordered[0].total + margin
+        )
         if near and not fit.followed and (not fit.effect.hidden or problem.free):
             fit = replace(refined(fit), followed=True)
         done.append(fit)

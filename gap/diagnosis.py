@@ -12,7 +12,7 @@ from typing import Any
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress
-from gap.adequacy import adequate, needed
+from gap.adequacy import adequate, complete, needed
 from gap.cache import keep, kept
 from gap.candidates import candidates, ranked
 from gap.effect import Effect
@@ -57,7 +57,7 @@ def diagnose(
     fits = ranked(candidates(problem, problem.quiet, catalogue), progress)
     problem, fits = _instants_again(problem, fits)
     compressed = [found for one in catalogue if one.of_log and (found := _compression(problem, one)) is not None]
-    lattices = [fit for fit in fits if isinstance(fit.effect, Quantisation) and fit.F < problem.score]
+    lattices = [fit for fit in fits if isinstance(fit.effect, Quantisation) and problem.score > fit.F]
     textured = [*compressed, *lattices]
     others = [fit for fit in fits if fit not in lattices]
     return told(problem, [*textured, *others], progress, catalogue, bool(textured))
@@ -119,9 +119,14 @@ def told(
         return no_gap(problem)
     if best is None:
         return unknown(problem, fits)
-    if textured or adequate(problem, best):
+    if textured or complete(problem, best):
         return named(problem, [best] if textured else tied(fits), fits)
+    good = adequate(problem, best)
+    if good and best.effect.hidden:
+        return named(problem, tied(fits), fits)
     pair = paired(problem, fits, catalogue, progress)
     if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair):
         return named_pair(problem, pair, fits)
+    if good:
+        return named(problem, tied(fits), fits)
     return unknown(problem, fits)

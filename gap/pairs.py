@@ -66,7 +66,9 @@ def improved(problem: Problem, pair: Pair) -> Pair:
 
 
 def inserted(base: Diagram, fit: Fit) -> Diagram:
-    """Return a diagram with the effect of a fit."""
+    """Return a diagram with the effect of a fit; noise is in no replay."""
+    if fit.candidate.noisy:
+        return base
     return fit.effect.insert(base, fit.place, **{name: fit.values[name] for name in fit.candidate.own})
 
 

@@ -94,7 +94,9 @@ def tied(fits: Sequence[Fit]) -> list[Fit]:
 def adequate_pair(problem: Problem, pair: Pair) -> bool:
     """Return whether two effects explain the gap."""
     left = float(scored(pair.second.e))
-    return left <= problem.limit + needed(problem) or share(problem, pair.second) >= EXPLAINED + 0.03
+    return left <= problem.limit + needed(problem) or (
+        share(problem, pair.second) >= EXPLAINED + 0.03 and share(problem, pair.first) < EXPLAINED
+    )
 
 
 def found_sizes(fit: Fit) -> dict[str, Size]:

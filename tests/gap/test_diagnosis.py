@@ -94,3 +94,17 @@ def test_the_pictures_show_the_place(recorded):
     report = diagnose(ideal_flow(), recorded("sensor_bias", "sensor", offset=0.03), catalogue=FEW[-1:], progress=False)
     assert [ax.get_ylabel().split("\n")[0] for ax in report.plot().axes] == ["residual of OP", "residual of PV"]
     assert report.plot_diagram().axes
+
+
+def test_noise_may_be_one_of_two(recorded):
+    few = [effect("sensor_noise"), effect("controller_gain"), effect("sensor_bias")]
+    one = effect("controller_gain").insert(ideal_flow(rest=1.5), "controller", factor=1.2)
+    noisy = effect("sensor_noise").insert(one, "sensor", factor=3.0)
+    from diagram import ensemble
+
+    log = recorded()
+    inputs = Log(log.t, {"SP": log["SP"]})
+    many = ensemble(noisy, log.duration, times=log.t, inputs=inputs, seeds=[2], signals=["OP", "PV"], progress=False)
+    made = Log(log.t, {"SP": log["SP"], **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+    report = diagnose(ideal_flow(), made, catalogue=few, progress=False)
+    assert {cause.effect for cause in report.causes} == {"controller_gain", "sensor_noise"}
