@@ -33,7 +33,7 @@ def nuisances(diagram: Diagram) -> tuple[Nuisance, ...]:
 
     >>> from blocks import Noise
     >>> from diagram import wire
-    >>> print(*nuisances(wire([Noise("D", sd=0.1, dt=1.0, correlation_time=60.0)])))
+    >>> print(*nuisances(wire([Noise("D", sd=0.1, dt=1.0, correlation_time=60.0)], outputs=["D"])))
     D (standard deviation 0.1, correlation time 60 s)
     """
     found = []

@@ -22,7 +22,7 @@ from logs import Log
 Floats = NDArray[np.float64]
 IN_ACCORD = 0.3  # of the usual size: innovations this small were not made by the historian's rounding
 USUAL = 0.6745  # median of |e| without a gap
-STRAIGHT = 0.05  # share of straight triples that no noise makes
+STRAIGHT = 0.05  # share of straight triples beyond what the model's own runs have
 DEVIATIONS = 13  # sizes of a compression that are tried
 RUNS = 6  # of a compressed model, whose scores tell what is usual
 
@@ -82,6 +82,9 @@ def fitted_compression(problem: Problem, effect: Effect, place: str) -> tuple[Fi
         return None
     wanted = straight(record.log[signal], record.steps[signal])
     plain = without_gap(problem.model, record, RUNS, 1)
+    usual_share = max((straight(log[signal], record.steps[signal]) for log in plain), default=1.0)
+    if wanted < usual_share + STRAIGHT:  # a slow signal, coarsely rounded, has straight lines of its own
+        return None
     deviation = _matching(plain[0], effect, place, signal, record, wanted)
     logs = [effect.on_log(log, place, deviation=deviation) for log in plain]
     usual = problem.floor.score(offsets(problem.quiet, record, logs=logs))

@@ -108,3 +108,18 @@ def test_noise_may_be_one_of_two(recorded):
     made = Log(log.t, {"SP": log["SP"], **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
     report = diagnose(ideal_flow(), made, catalogue=few, progress=False)
     assert {cause.effect for cause in report.causes} == {"controller_gain", "sensor_noise"}
+
+
+def test_a_slow_signal_coarsely_rounded_is_no_compression():
+    from cases.models import site_flow
+    from diagram import ensemble
+
+    t, fine = np.arange(0.0, 7201.0, 5.0), np.arange(7201.0)
+    SP = np.where(fine % 1200 < 600, 1.5, 1.6)
+    log = Log(fine, {"SP": SP})
+    many = ensemble(site_flow(rest=1.5), 7200.0, times=t, inputs=log, seeds=[4], signals=["OP", "PV"], progress=False)
+    rounded = {s: np.round(many.values[s][0] / q) * q for s, q in (("OP", 1e-3), ("PV", 1.5e-2))}
+    report = diagnose(
+        site_flow(), Log(t, {"SP": SP[::5], **rounded}), catalogue=[effect("compression")], progress=False
+    )
+    assert not report.gap

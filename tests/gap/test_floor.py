@@ -83,3 +83,23 @@ def test_unsure_parameters_settle_within_their_tolerances():
     assert problem.floor.coloured and problem.free["process.K"] == pytest.approx((2.85, 3.15))
     assert problem.settled is not None and problem.settled.values["process.K"] == pytest.approx(3.12, abs=0.04)
     assert np.nanstd(problem.as_it_is, axis=0) == pytest.approx([1.0, 1.0], abs=0.15)  # analytic
+
+
+def test_a_model_that_rests_elsewhere_is_started_where_the_record_starts(recorded):
+    from gap.model import read, silenced
+    from gap.start import start_values
+
+    opened, record = read(site_flow(), recorded(seed=3))  # the model's own start is PV = OP = 0, at a limit
+    found = start_values(silenced(opened), record)
+    assert found["controller.z"] == pytest.approx(0.5, abs=0.02)  # analytic: OP at rest is PV / K = 1.5 / 3
+    assert found["process.PV"] == pytest.approx(1.5, abs=0.03)
+
+
+def test_a_controller_at_its_limit_is_replayed_exactly(recorded):
+    from gap.effects import effect
+    from gap.search import Candidate
+
+    problem = prepared(ideal_flow(), recorded("controller_limits", "controller", high=55.0))
+    (fit,) = Candidate(problem, problem.quiet, effect("controller_limits"), "controller").tried([{"high": 55.0}])
+    assert (problem.record.log["OP"] >= 0.55).mean() > 0.02  # the record does reach the limit
+    assert np.nanmax(np.abs(fit.e[:, 0])) < 100.0  # a ride along the limit that ends late costs 1e4
