@@ -17,7 +17,7 @@ import sys
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +28,8 @@ from detect.loop_stream import LoopStream
 from detect.methods import stem_play
 from detect.rates import COMBINED, FILE, SCHEMA, of_counts
 from detect.stream import LoopFacts, Sample
-from detect.verdict import Word
+from detect.words import WORDS as WORDING
+from detect.words import Word
 from logs import LoopRecord
 from logs.files.write import replacing
 
@@ -38,7 +39,7 @@ SETTING = "other_physics"
 STREAMED = 24  # sticky loops that are also fed sample by sample
 CHECKS = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)  # periods after which the twins are asked
 BATCH = 26  # every group without stiction once
-WORDS: tuple[Word, ...] = get_args(Word)
+WORDS: tuple[Word, ...] = tuple(WORDING)
 
 NOTES = {
     "loops": "simulated loops, half of them sticky",

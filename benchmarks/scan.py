@@ -43,6 +43,7 @@ NOTES = {
 
 
 def main() -> None:
+    """Make the plant, scan it, and print the figures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="24 loops of 1,200 samples")
     parser.add_argument("--loops", type=int, default=2000, help="how many (default 2,000)")

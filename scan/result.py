@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     import polars as pl
     from matplotlib.figure import Figure
 
-__all__ = ["ScanResult"]
+__all__ = ["SCHEMA", "ScanResult"]
+
+SCHEMA = "stickslip.scan/1"
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +49,7 @@ class ScanResult:
     def to_dict(self) -> dict[str, Any]:
         """The result as plain values, schema "stickslip.scan/1"."""
         return {
-            "schema": "stickslip.scan/1",
+            "schema": SCHEMA,
             "source": self.source,
             "notes": list(self.notes),
             "counts": self.counts,
@@ -65,6 +67,6 @@ class ScanResult:
 
     def plot(self) -> Figure:
         """How many loops have which verdict, and the periods of those that oscillate."""
-        from scan.figure import plot_scan
+        from scan.figures import plot_scan
 
         return plot_scan(self)

@@ -13,7 +13,7 @@ from scan.changes import changes
 from scan.code import code
 from scan.judge import JOB_ROWS
 from scan.loop_map import read_map
-from scan.result import ScanResult
+from scan.result import SCHEMA, ScanResult
 from scan.sources import Source, source_of
 from scan.table import ranked, table_of
 from scan.workers import on_cluster, on_cores
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["KEPT", "ScanError", "scan"]
 
-SCHEMA = "stickslip.scan/1"
 PHRASES = {"code": "stickslip itself has changed since", "identity": "the files have changed"}
 
 Tell = Callable[[int, int], None]

@@ -90,7 +90,7 @@ def limiting(diagram: Diagram, signals: Sequence[str]) -> dict[str, tuple[str, s
 
     >>> from plant import production_plant
     >>> limiting(production_plant(), ["OP_VPCS1", "p_1"])
-    {'OP_VPCS1': ('VPCS1_PC.low', 'VPCS1_PC.high')}
+    {'OP_VPCS1': ('PCS11.low', 'PCS11.high')}
     """
     found = {}
     for signal in signals:

@@ -32,7 +32,7 @@ CLEARED = 0.5  # of OP's travel: a larger detection limit clears nothing
 FOLLOWS = 0.5  # share of PV's variance that OP through a lag must tell, to clear
 UNLIKE = 0.03  # share of features beyond all simulated ones from which on the model is not asked
 # Facts of the data behind which nothing can be judged, where they forbid it.
-REFUSED = ("manual_mode", "signal_missing", "constant_signal", "frozen_pv")
+REFUSED = ("manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
 SAMPLES = 100  # of a record; the simulated ones have 300 and more
 FEWEST = 2.0  # samples between two turns of OP
 

@@ -141,7 +141,7 @@ class ValveTest:
 
     def plot(self) -> Figure:
         """OP and the answer over time, and the answer over OP."""
-        from detect.valve_test.figure import plot_valve_test
+        from detect.figures.valve_test import plot_valve_test
 
         return plot_valve_test(self)
 

@@ -41,7 +41,7 @@ def workbook_text(raw: bytes) -> tuple[str, tuple[str, ...]]:
                 return _lines(rows), tuple(notes)
     except (CalamineError, OSError, ValueError) as fault:
         raise ReadError(
-            f"the workbook (.xlsx) is damaged or locked ({fault}); save the sheet as CSV and read that"
+            f"the Excel workbook (.xlsx) is damaged or locked ({fault}); save the sheet as CSV and read that"
         ) from None
     raise ReadError(f"no sheet of the workbook holds a table ({', '.join(map(repr, names[:5]))}); export it again")
 

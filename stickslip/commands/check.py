@@ -10,8 +10,6 @@ from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis
-    from logs import LoopRecord
-    from stickslip.report.page import Section
 
 MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 
@@ -66,16 +64,19 @@ def command(
         if file.is_char_device() or file.is_block_device():
             raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
     from stickslip.commands.check_many import check_many, several
+    from stickslip.commands.one_loop import with_told
 
     many = several(files, told)
     if many is not None:
-        raise SystemExit(check_many(many, html, json_file))
+        if simulate or span is not None:
+            raise ValueError(f"--{'simulate' if simulate else 'span'} is of one loop; name it with --loop")
+        raise SystemExit(check_many(many, html, json_file, measurement))
     file = files[0]
     from detect import diagnose
     from logs import read_loop
 
     record = read_loop(file, **{name: value for name, value in told.items() if value is not None})
-    diagnosis = diagnose(_with_told(record, measurement, span, told["process"] is None))
+    diagnosis = diagnose(with_told(record, measurement, span, told["process"] is None))
     say = Speaker(json_file)
     _tell(say, diagnosis)
     beside = _beside(say, diagnosis) if simulate else {}
@@ -105,26 +106,6 @@ def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
         say.paragraph(sentence)
     told = found.to_dict()
     return {"simulation": told, "detection_limit": told["detection_limit"]}
-
-
-def _with_told(
-    record: "LoopRecord", measurement: str | None, span: tuple[float, float] | None, infer: bool
-) -> "LoopRecord":
-    """The record with what the user says of PV; the kind of process follows from it unless it is told, too."""
-    from dataclasses import replace
-
-    from logs.tags import process_of
-
-    if measurement is not None:
-        known = "" if measurement == "other" else measurement
-        process = process_of(known) if infer else record.process
-        record = replace(record, measurement=known, process=process)
-    if span is not None:
-        low, high = span
-        if not low < high:
-            raise ValueError(f"--span {low:g} {high:g}: the first must lie below the second; give the span of PV")
-        record = replace(record, log=replace(record.log, spans={**record.log.spans, record.pv_name: (low, high)}))
-    return record
 
 
 def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
@@ -160,25 +141,9 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     say("The verdict is the calibrated one; the methods stand beside it. --json has the reason of each.")
 
 
-def section_of(diagnosis: "Diagnosis") -> "Section":
-    """Return the article on one loop of a page."""
-    from detect.judge.actions import CAUSES
-    from detect.words import WORDS
-    from stickslip.report.page import Section, figure_to_svg
-
-    word = WORDS[diagnosis.verdict]
-    section = Section(diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason, lesson=diagnosis.action)
-    section.notes.extend(f"{name} {size}." for name, size in (diagnosis.amount or {}).items())
-    if diagnosis.causes:
-        chances = ", ".join(f"{CAUSES[cause].spoken} {p:.1%}" for cause, p in diagnosis.causes.items())
-        section.notes.append(f"Probabilities: {chances}.")
-    section.notes.extend(diagnosis.assumptions)
-    section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
-    return section
-
-
 def _report(diagnosis: "Diagnosis") -> str:
     from detect.words import WORDS
+    from stickslip.commands.one_loop import section_of
     from stickslip.report.page import page
 
     return page(f"{diagnosis.loop}: {WORDS[diagnosis.verdict].spoken}", "", [section_of(diagnosis)])

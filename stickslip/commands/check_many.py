@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from logs import Log, LoopRecord
 
 SCHEMA = "stickslip.check-many/1"
-COLUMNS = ("loop", "verdict", "OP travel [%]", "what the other tags show")
+COLUMNS = ("loop", "verdict", "probability", "OP travel [%]", "what the other tags show")
 OF_ONE = ("pv", "op", "sp", "mv", "mode", "op_span", "loop")  # options that name one loop or its columns
 
 
@@ -46,16 +46,22 @@ def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read] | Non
     return None if len(found) == 1 and len(found[0].records) == 1 else found
 
 
-def check_many(found: "Sequence[Read]", html: Path | None, json_file: str | None) -> int:
+def check_many(
+    found: "Sequence[Read]", html: Path | None, json_file: str | None, measurement: str | None = None
+) -> int:
     """Judge every loop, survey every file with several, say it and write it; return the exit code.
 
     That is 1 where a loop is called sticky, else 0.
     """
     from detect import diagnose
+    from stickslip.commands.one_loop import with_told
 
     check_targets({"--html": html, "--json": json_file})
     say = Speaker(json_file)
-    judged = [(read.file, [diagnose(record) for record in read.records]) for read in found]
+    judged = [
+        (read.file, [diagnose(with_told(record, measurement, None, infer=True)) for record in read.records])
+        for read in found
+    ]
     surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]
     rows = _rows(judged, surveys)
     say(f"{len(rows)} loops, those to look at first on top:", bold=True)
@@ -107,7 +113,8 @@ def _rows(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[S
             travel, why, gain = "-", "OP hardly moves, or its span is not known." if one is not None else "", 0.0
             if suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
-            row = [name, WORDS[answer.verdict].spoken, travel, why.rstrip(".")]
+            chance = "-" if answer.probability is None else f"{answer.probability:.2f}"
+            row = [name, WORDS[answer.verdict].spoken, chance, travel, why.rstrip(".")]
             order.append(((answer.verdict != "stiction", -gain), row))
     return [row for _, row in sorted(order, key=lambda pair: pair[0])]
 
@@ -115,7 +122,7 @@ def _rows(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[S
 def _page(
     judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]", rows: list[list[str]]
 ) -> str:
-    from stickslip.commands.check import section_of
+    from stickslip.commands.one_loop import section_of
     from stickslip.report.page import Section, figure_to_svg, page, table_to_html
 
     table = Section("All loops", f"{len(rows)} loops", "open", "", figures=[table_to_html(COLUMNS, rows)])

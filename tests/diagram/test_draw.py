@@ -78,7 +78,7 @@ def diagrams(draw_from):
 
 def laid_out(diagram):
     plan = grid(diagram)
-    ink = _Ink(diagram, plan)
+    ink = _Ink(diagram, plan, {})
     return plan, sheet(plan, ink.size, ink.label_width, ink.entry_width)
 
 

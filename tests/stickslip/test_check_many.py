@@ -29,7 +29,7 @@ def test_the_plants_own_export(call, plant_file, tmp_path):
         "LCS11", "PCS11", "LCS21", "PCS21", "ASC2", "ASC3", "SC001", "SC002",
     }  # fmt: skip
     assert one["survey"]["suspects"][0]["loop"] == "PCS11" and one["survey"]["groups"][0]["tags"]
-    assert all(loop["schema"] == "stickslip.check/1" for loop in one["loops"])
+    assert all(loop["schema"] == "stickslip.check/2" for loop in one["loops"])
     stuck = [loop for loop in one["loops"] if loop["verdict"] == "stiction"]
     assert done.exit_code == (1 if stuck else 0)
     page = (tmp_path / "all.html").read_text()

@@ -79,7 +79,7 @@ def texts(source):
 
 def test_messages_name_options_that_there_are():
     known = set().union(*map(options, COMMANDS)) | {"--help", "--version"}
-    others = {"--markdown"} | {"--json", "--quick"}  # of `stickslip blocks`, and of benchmarks
+    others = {"--markdown"} | {"--json", "--quick", "--write"}  # of `stickslip blocks`, and of benchmarks
     for room in ("blocks", "cases", "detect", "diagram", "engine", "logs", "plant", "stickslip", "study"):
         for path in (ROOT / room).rglob("*.py"):
             for text in texts(path.read_text()):

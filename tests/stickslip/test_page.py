@@ -64,7 +64,7 @@ def test_no_request_no_script_unique_ids(demo_page):
 
 def test_verdicts_reasons_and_guide_are_words(demo_page):
     words = " ".join(read(demo_page.read_text(encoding="utf-8")).words)
-    for word in ("STICTION", "INCONCLUSIVE", "NOT APPLICABLE", "in truth: stiction", "How to read it", "FIC-101"):
+    for word in ("STICTION", "INCONCLUSIVE", "NO STICTION", "in truth: stiction", "How to read it", "FIC-101"):
         assert word in words
     assert "What was read and assumed" in words
 
@@ -101,7 +101,7 @@ def test_a_browser_shows_it(demo_page, tmp_path):
     shutil.copy(demo_page, alone)
     done = browser("--virtual-time-budget=2000", "--dump-dom", alone.as_uri())
     dom = done.stdout.decode()
-    assert "INCONCLUSIVE" in dom and "NOT APPLICABLE" in dom
+    assert "INCONCLUSIVE" in dom and "NO STICTION" in dom
     assert dom.count("<svg") == dom.count("<figure>") >= 5
     assert "Written by stickslip" in dom
 

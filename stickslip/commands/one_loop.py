@@ -1,0 +1,45 @@
+"""What checks of one loop and of several share: what the user says of PV, and the article on a loop."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from detect import Diagnosis
+    from logs import LoopRecord
+    from stickslip.report.page import Section
+
+
+def with_told(
+    record: "LoopRecord", measurement: str | None, span: tuple[float, float] | None, infer: bool
+) -> "LoopRecord":
+    """Return the record with what the user says of PV; the kind of process follows from it unless it is told, too."""
+    from dataclasses import replace
+
+    from logs.tags import process_of
+
+    if measurement is not None:
+        known = "" if measurement == "other" else measurement
+        process = process_of(known) if infer else record.process
+        record = replace(record, measurement=known, process=process)
+    if span is not None:
+        low, high = span
+        if not low < high:
+            raise ValueError(f"--span {low:g} {high:g}: the first must lie below the second; give the span of PV")
+        record = replace(record, log=replace(record.log, spans={**record.log.spans, record.pv_name: (low, high)}))
+    return record
+
+
+def section_of(diagnosis: "Diagnosis") -> "Section":
+    """Return the article on one loop of a page."""
+    from detect.judge.actions import CAUSES
+    from detect.words import WORDS
+    from stickslip.report.page import Section, figure_to_svg
+
+    word = WORDS[diagnosis.verdict]
+    section = Section(diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason, lesson=diagnosis.action)
+    section.notes.extend(f"{name} {size}." for name, size in (diagnosis.amount or {}).items())
+    if diagnosis.causes:
+        chances = ", ".join(f"{CAUSES[cause].spoken} {p:.1%}" for cause, p in diagnosis.causes.items())
+        section.notes.append(f"Probabilities: {chances}.")
+    section.notes.extend(diagnosis.assumptions)
+    section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
+    return section
