@@ -17,9 +17,9 @@ deviation exactly; 0.20 to 0.30 is left open, and less clears nothing.
 An outside sine that puts OP and PV a quarter of a period apart makes the same movements: rho_3 = 2 asin(0.7 / sqrt 2) /
 pi = 0.33.  So, ours, rho_3 must exceed that of the record's linear twins by 0.05 (``prepare.linear_twins``).
 
-Measured on 311 simulated loops, tight or under an outside sine, square or stochastic wave: 2 called sticky, both under a
-square (16 of 140 without the twins); of 160 sticky ones, many at rest, 22 found.  The margin was chosen after a part of
-these had been seen, so this is partly a fit; ``docs/method_rates.md`` has seeds that served nothing else.
+Measured on 311 simulated loops, tight or under an outside sine, square or stochastic wave: 2 called sticky, both under
+a square (16 of 140 without the twins); of 160 sticky ones, many at rest, 22 found.  The margin was chosen after a part
+of these had been seen, so this is partly a fit; ``docs/method_rates.md`` has seeds that served nothing else.
 
 Not for levels, temperatures or gas pressures without MV.  Cost: about 3 ms for 7,200 samples.
 """
