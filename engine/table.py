@@ -70,6 +70,7 @@ class _Table:
                 self.local[block.first_signal + j] = len(self.local)
         self.shape = analyse(blocks)
         self.late = late(blocks)
+        self.pinned = any(block.kind == at.CONTINUOUS and block.step is not None for block in blocks)
         states = sum(len(b.x0) for b in blocks)
         self.linear = self.shape.linear and states <= at.MOST_STATES
         self.order = eliminate(states, self.shape.entries)
@@ -144,8 +145,8 @@ class _Table:
         zero = self.stretch(1)
         row[at.PERIOD] = row[at.P] + block.period_at if block.period_at >= 0 else zero
         row[at.OFFSET] = row[at.P] + block.offset_at if block.offset_at >= 0 else zero
-        pinned = any(other.kind == at.CONTINUOUS and other.step is not None for other in self.blocks)
-        row[at.TAKES], row[at.LATE] = block.step is not None, block.step is not None and pinned and self.late[number]
+        row[at.TAKES] = block.step is not None
+        row[at.LATE] = block.step is not None and self.pinned and self.late[number]
         row[at.TABLE_WIDTH], row[at.TABLE_VALUES] = block.listed, row[at.P] + len(block.p) - max(0, block.listed - 1)
         if block.kind == at.DEAD_TIME:
             needed = {*self.shape.for_rates, *self.shape.for_events, *self.shape.entering}
