@@ -31,7 +31,7 @@ AT_ONCE = 50  # loops simulated at once
 
 NOTES = {
     "scan_loops": "loops",
-    "scan_s": "seconds for 2,000 loops of 7,200 samples on all cores (required: at most 240)",
+    "scan_s": "seconds for these loops of 7,200 samples on all cores (required: at most 240 for 2,000)",
     "scan_peak_mb": "largest memory of the scan and its processes together [MB] (required: at most 1500)",
     "scan_exponent": "growth of time with the number of loops (required: at most 1.1)",
     "dask_over_local": "time on two Dask workers over time on this machine's processes",
