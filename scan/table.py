@@ -6,6 +6,7 @@ import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from detect.comparison import harmless
 from scan.together import grouped
 
 if TYPE_CHECKING:
@@ -23,7 +24,6 @@ COLUMNS = {
     "phasors": "List",
 }  # fmt: skip
 FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a cell that begins so is run by a spreadsheet
 
 
 def table_of(rows: Sequence[dict[str, Any]]) -> pl.DataFrame:
@@ -53,11 +53,6 @@ def csv_bytes(table: pl.DataFrame) -> bytes:
 
     text = [name for name, kind in table.schema.items() if kind == pl.String]
     content = io.BytesIO()
-    table.with_columns([_harmless(pl.col(name)).alias(name) for name in text]).write_csv(content)
+    safe = [pl.col(name).map_elements(harmless, return_dtype=pl.String) for name in text]
+    table.with_columns(safe).write_csv(content)
     return content.getvalue()
-
-
-def _harmless(column: pl.Expr) -> pl.Expr:
-    import polars as pl
-
-    return pl.when(column.str.slice(0, 1).is_in(list(FORMULA))).then("'" + column).otherwise(column)

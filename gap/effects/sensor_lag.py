@@ -1,17 +1,10 @@
 """Lag of the sensor, of time constant ``tau`` [s]: the logged PV is behind it, its noise is not filtered."""
 
-from collections.abc import Mapping
-from typing import Any
-
-from blocks.block import Block
-from blocks.first_order import FirstOrder
 from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.effect import Parameter, not_below
-from gap.inserted import Inserted
+from gap.lag import Lag
 
 
-class SensorLag(Inserted):
+class SensorLag(Lag):
     """A slow sensor.
 
     >>> from blocks import Sensor
@@ -23,18 +16,4 @@ class SensorLag(Inserted):
 
     name = "sensor_lag"
     role = Role.SENSOR
-    parameters = (Parameter("tau", "s", 0.0, 0.02, 3.0, "log", "time"),)
     where = "before"
-    state = "PV"
-
-    def made(self, diagram: Diagram, place: str) -> Block:
-        """Return the lag."""
-        return FirstOrder(1.0, 1.0, name=self.block(place))
-
-    def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
-        """Return the time constant of the lag."""
-        return {f"{self.block(place)}.tau": values["tau"]}
-
-    def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:
-        """Return what is wrong with the values."""
-        return not_below(values, {"tau": 0.0})
