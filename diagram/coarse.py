@@ -8,7 +8,7 @@ Limits: only what is logged and the states at the start and the end are looked a
 state counts as large.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from blocks.block import Block
 
@@ -21,29 +21,38 @@ class ToleranceWarning(UserWarning):
     """The absolute tolerance of a run is as large as some of its signals."""
 
 
-def too_coarse(blocks: Sequence[Block], sizes: Mapping[str, float], states: Mapping[str, float], atol: float) -> str:
+def too_coarse(
+    blocks: Sequence[Block],
+    logged: Collection[str],
+    size: Callable[[str], float],
+    states: Mapping[str, float],
+    atol: float,
+) -> str:
     """Return a note that names the blocks for which ``atol`` was too large, "" if there are none.
 
-    ``sizes``: largest absolute value by signal, of those logged; ``states``: the same by block, of its states.
+    ``size`` gives the largest absolute value of a ``logged`` signal, and is asked only where ``states``, the same by
+    block, of its states, leaves it open.
 
     >>> from blocks import FirstOrder, Step
     >>> from diagram import wire
     >>> loop = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
-    >>> too_coarse(loop.blocks, {"PV": 2.0}, {"process": 1.9}, 1.0)
+    >>> too_coarse(loop.blocks, ["PV"], {"PV": 2.0}.__getitem__, {"process": 1.9}, 1.0)
     'atol = 1 is not small against process (at most 2 in this run): its error may be as large; give atol = 0.0002'
-    >>> too_coarse(loop.blocks, {"PV": 2.0}, {"process": 1.9}, 1e-3)
+    >>> too_coarse(loop.blocks, ["PV"], {"PV": 2.0}.__getitem__, {"process": 1.9}, 1e-3)
     ''
     """
-    least = ROUNDING * max(sizes.values(), default=0.0)
     reached = {
-        block.name: max([states.get(block.name, 0.0), *(sizes.get(s, 0.0) for s in block.output_labels)])
+        block.name: max([states.get(block.name, 0.0), *(size(s) for s in block.output_labels if s in logged)])
         for block in blocks
-        if len(block.x0)
+        if len(block.x0) and states.get(block.name, 0.0) < SHARE * atol
     }
-    small = {name: size for name, size in reached.items() if least < size < SHARE * atol}
+    small = {name: most for name, most in reached.items() if most < SHARE * atol}
+    if small:
+        least = ROUNDING * max(map(size, logged), default=0.0)
+        small = {name: most for name, most in small.items() if most > least}
     if not small:
         return ""
-    told = ", ".join(f"{name} (at most {size:.2g} in this run)" for name, size in list(small.items())[:6])
+    told = ", ".join(f"{name} (at most {most:.2g} in this run)" for name, most in list(small.items())[:6])
     more = f" and {len(small) - 6} more" if len(small) > 6 else ""
     return (
         f"atol = {atol:g} is not small against {told}{more}: its error may be as large; "

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from diagram.wired import Wired
-from engine.call import in_python
+from engine.call import any_in_python, in_python
 from engine.callback import Callback
 
 Counts = Mapping[Callback, tuple[int, float]]
@@ -28,6 +28,8 @@ class InPython:
 def users(diagram: Wired) -> dict[Callback, tuple[str, ...]]:
     """Return the functions that run in Python, with the blocks that use them."""
     found: dict[Callback, tuple[str, ...]] = {}
+    if not any_in_python():
+        return found
     for block in diagram.blocks:
         for kernel in vars(block.kernels).values():
             callback = in_python(kernel) if callable(kernel) else None

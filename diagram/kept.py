@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,30 +45,31 @@ def log_times(
         )
     rows = math.floor(duration / step + 1e-9) + 1
     check_memory(variants, signals, rows)
-    even: Floats = t0 + np.arange(rows, dtype=np.float64) * step
-    return np.minimum(even, t_end)
+    even: Floats = np.arange(rows, dtype=np.float64)
+    even *= step
+    even += t0
+    even[-1] = min(even[-1], t_end)
+    return even
 
 
 def _asked(times: ArrayLike, t0: float, t_end: float) -> Floats:
     try:
-        grid = np.asarray(times, dtype=float).ravel()
+        grid = np.array(times, dtype=float).ravel()
     except (TypeError, ValueError):
         raise ValueError(f"times = {times!r}, but log times are numbers of seconds; give an array of them") from None
     rounding = 4.0 * np.spacing(max(abs(t0), abs(t_end)))
-    inside = grid.size > 0 and np.all(np.isfinite(grid)) and np.all(np.diff(grid) > 0.0)
-    if not (inside and grid[0] >= t0 - rounding and grid[-1] <= t_end + rounding):
+    inside = grid.size > 0 and grid[0] >= t0 - rounding and grid[-1] <= t_end + rounding
+    if not (inside and (grid[1:] > grid[:-1]).all()):
         raise ValueError(
             f"times = {np.array2string(grid, threshold=6)} s, but they must be finite and increase strictly "
             f"within {t0} .. {t_end} s; leave out those beyond, or give a longer duration"
         )
-    return np.asarray(np.clip(grid, t0, t_end))
+    return grid if t0 <= grid[0] and grid[-1] <= t_end else np.asarray(np.clip(grid, t0, t_end))
 
 
 def check_memory(variants: int, signals: int, rows: int) -> None:
     """Raise ``ValueError`` if the values of so many variants, signals and rows are more than the memory holds."""
-    size = 8.0 * variants * signals * rows
-    known = hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names
-    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if known else math.inf
+    size, memory = 8.0 * variants * signals * rows, _memory()
     if size > MEMORY_SHARE * memory:
         many = f"{variants} variants x " if variants > 1 else ""
         without = ", or keep_logs=False with a summary=" if variants > 1 else ""
@@ -75,6 +77,13 @@ def check_memory(variants: int, signals: int, rows: int) -> None:
             f"{many}{signals} signals x {rows} rows take {size / 1e9:.0f} GB, the machine has "
             f"{memory / 1e9:.0f} GB; log fewer signals=, or a longer every={without}"
         )
+
+
+@cache
+def _memory() -> float:
+    """Return the machine's memory [bytes], infinite where it is not known."""
+    known = hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names
+    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if known else math.inf
 
 
 def wanted_signals(diagram: Wired, signals: Sequence[str] | None) -> tuple[str, ...]:

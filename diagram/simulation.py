@@ -53,7 +53,8 @@ class Run:
     """What a simulation gave: a log, the events in order of time, a status with a hint, what it cost, the end.
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
-    ``notes`` say what to doubt in a run that is OK (``diagram.coarse``).
+    ``raw_events`` (events, 4) are the changes of mode in order of time: t, block, value before, value after; ``events``
+    names them.  ``notes`` say what to doubt in a run that is OK (``diagram.coarse``).
     ``final`` is the diagram at the end of the run: simulate it, changed or not, with ``t0`` = that time to go on (only
     blocks that run in Python begin anew).  ``ends`` are the engine's arrays there; they are lost in a pickle.
     ``taken`` tells where another mode was put in place of the run's own (``diagram.branches``).
@@ -61,7 +62,7 @@ class Run:
     """
 
     log: Log
-    events: tuple[Event, ...]
+    raw_events: Floats
     status: Status
     hint: str
     statistics: Statistics
@@ -76,7 +77,7 @@ class Run:
         return self.__dict__ | ({"final": self.final, "ends": ()} if self.ends else {})
 
     def __repr__(self) -> str:
-        told = [f"{self.status}, {self.log!r}, {len(self.events)} events, {self.statistics.steps} steps"]
+        told = [f"{self.status}, {self.log!r}, {len(self.raw_events)} events, {self.statistics.steps} steps"]
         told += [self.hint] if self.hint else []
         told += [str(entry) for entry in self.in_python[:MOST_BLAMED]]
         return shortened(f"<Run of '{self.diagram.name}': {'; '.join(told)}>")
@@ -93,6 +94,11 @@ class Run:
     def to_polars(self) -> "pl.DataFrame":
         """Return the log as a polars data frame; see ``Log.to_polars``."""
         return self.log.to_polars()
+
+    @cached_property
+    def events(self) -> tuple[Event, ...]:
+        """The changes of mode in order of time, with names."""
+        return named_events(self.diagram, self.raw_events.tolist())
 
     @cached_property
     def final(self) -> Diagram:
@@ -174,7 +180,7 @@ def simulate(
         elif any(o.status is Status.TIGHT for o in outcomes):
             in_cells = False
         else:
-            run = replace(_collect(ready, laid, outcomes, grid, wanted), in_python=spent(ready, before))
+            run = _collect(ready, laid, outcomes, grid, wanted, spent(ready, before))
             if choice is not None and kept is not None:
                 run = replace(run, taken=taken(ready, choice, kept))
             return _noted(run, settings.atol)
@@ -263,9 +269,13 @@ def _run(
     return outcomes, kept
 
 
-def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats, wanted: Sequence[str]) -> Run:
+def _collect(
+    diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Floats, wanted: Sequence[str],
+    in_python: tuple[InPython, ...],
+) -> Run:  # fmt: skip
     columns: dict[str, Floats] = {}
     kept = set(wanted)
+    grid.flags.writeable = False
     for component, outcome in zip(laid.components, outcomes, strict=True):
         outcome.log.flags.writeable = False  # so that the log need not copy it
         columns.update(zip((diagram.signals[c] for c in component.columns), outcome.log, strict=True))
@@ -281,12 +291,13 @@ def _collect(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], grid: Fl
     status, hint = _verdict(diagram, laid, outcomes, ends)
     return Run(
         log=log,
-        events=named_events(diagram, (row for o in outcomes for row in o.events.tolist())),
+        raw_events=in_order([o.events for o in outcomes]),
         status=status,
         hint=hint,
         statistics=total([end.counts for end in ends]),
         diagram=diagram,
         ends=ends,
+        in_python=in_python,
     )
 
 
@@ -294,15 +305,17 @@ def _noted(run: Run, atol: float) -> Run:
     """Return the run with a note, and warn, if its absolute tolerance is too large for some of its blocks."""
     if not run.ok:
         return run
-    sizes = {s: float(max(values.max(), -values.min())) for s, values in run.log.signals.items()}
-    states: dict[str, float] = {}
+    blocks, states = run.diagram.blocks, {}
     for end in run.ends:
         for b in end.component.blocks:
-            if b < len(run.diagram.blocks) and len(run.diagram.blocks[b].x0):
-                x0 = run.diagram.blocks[b].x0
-                x = end.states(b, len(x0))
-                states[run.diagram.blocks[b].name] = float(max(np.abs(x0).max(), np.abs(x).max()))
-    note = too_coarse(run.diagram.blocks, sizes, states, atol)
+            if b < len(blocks) and len(blocks[b].x0):
+                values = (*blocks[b].x0.tolist(), *end.states(b, len(blocks[b].x0)).tolist())
+                states[blocks[b].name] = max(map(abs, values))
+
+    def size(signal: str) -> float:
+        return float(max(run.log[signal].max(), -run.log[signal].min()))
+
+    note = too_coarse(blocks, run.log.names, size, states, atol)
     if not note:
         return run
     warnings.warn(note, ToleranceWarning, stacklevel=3)
@@ -326,8 +339,17 @@ def _verdict(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], ends: En
     return outcome.status, f"{HINTS[outcome.status]} ({when} in {', '.join(culprits[:MOST_BLAMED])}{more})"
 
 
+def in_order(events: Sequence[Floats]) -> Floats:
+    """Return the changes of mode of several components in order of time, (events, 4), read-only."""
+    rows = events[0] if len(events) == 1 else np.concatenate(events)
+    if len(events) > 1:
+        rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    rows.flags.writeable = False
+    return rows
+
+
 def named_events(diagram: Diagram, rows: Iterable[Sequence[float]]) -> tuple[Event, ...]:
-    """Return changes of mode in order of time, with names for the numbers of ``rows``: t, block, before, after."""
+    """Return changes of mode with names for the numbers of ``rows``: t, block, before, after."""
     modes: dict[int, dict[float, str]] = {}
     events = []
     for t, block, before, after in rows:
@@ -336,7 +358,7 @@ def named_events(diagram: Diagram, rows: Iterable[Sequence[float]]) -> tuple[Eve
             modes[b] = {value: name for name, value in diagram.blocks[b].modes.items()}
         names = modes[b]
         events.append(Event(t, diagram.blocks[b].name, names.get(before, str(before)), names.get(after, str(after))))
-    return tuple(sorted(events, key=lambda event: event.t))
+    return tuple(events)
 
 
 def troubles(diagram: Diagram, ends: Ends) -> str:

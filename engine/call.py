@@ -119,6 +119,11 @@ def _first_words(error: Exception) -> str:
     return (told or lines or ["no reason given"])[0].rstrip(".:")
 
 
+def any_in_python() -> bool:
+    """Return whether this process has any kernel that the engine calls in Python."""
+    return Callback.made > 0
+
+
 def in_python(kernel: Kernel | None) -> Callback | None:
     """Return what is known of a kernel that the engine calls in Python, None for a compiled one."""
     found = _compiled.get(kernel) if kernel is not None else None

@@ -18,7 +18,10 @@ _kept = threading.local()  # of the run in each thread
 class Callback:
     """A kernel called in Python: its ``address``, why (``reason``), how often and for how long [s] so far."""
 
+    made = 0  # in this process
+
     def __init__(self, kernel: Any, reason: str) -> None:
+        Callback.made += 1
         self.kernel, self.reason = kernel, reason
         self.calls, self.seconds = 0, 0.0
         self._function = _PROTOTYPE(self._call)  # must live as long as its address is used

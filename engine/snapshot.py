@@ -19,6 +19,7 @@ from engine.table import Component
 COUNTERS = {
     "steps": at.STEPS, "rejected": at.REJECTED, "rhs": at.RHS, "jacobians": at.JACOBIANS, "events": at.EVENTS,
 }  # fmt: skip
+_COUNTED = np.array(list(COUNTERS.values()))
 
 
 class Snapshot(NamedTuple):
@@ -91,7 +92,7 @@ class Snapshot(NamedTuple):
     @property
     def counts(self) -> NDArray[np.int64]:
         """What the run cost so far, in the order of ``COUNTERS``."""
-        return self.I[list(COUNTERS.values())]
+        return self.I[_COUNTED]
 
     def _rows(self, kind: int) -> Iterator[tuple[int, int]]:
         for number, f in enumerate(self.component.blocks):
@@ -121,5 +122,5 @@ def total(counts: Sequence[NDArray[np.int64]]) -> Statistics:
     >>> total([np.array([10, 1, 60, 0, 2]), np.array([5, 0, 30, 0, 0])])
     Statistics(steps=15, rejected=1, rhs=90, jacobians=0, events=2, components=2)
     """
-    sums = dict(zip(COUNTERS, np.stack(counts).sum(axis=0).tolist(), strict=True))
-    return Statistics(components=len(counts), **sums)
+    sums = [sum(column) for column in zip(*(one.tolist() for one in counts), strict=True)]
+    return Statistics(*sums, components=len(counts))

@@ -80,8 +80,9 @@ def within(loops: Mapping[str, LoopSignals], signals: Container[str]) -> dict[st
     {'PCS11': LoopSignals(pv='p', op='u', sp=None, mv=None, mode=None, process='unknown', measurement='')}
     """
     return {
-        tag: loop.with_parts({part: None for part, signal in loop.parts.items() if signal not in signals})
+        tag: loop.with_parts(gone) if gone else loop
         for tag, loop in loops.items()
+        for gone in [{part: None for part, signal in loop.parts.items() if signal not in signals}]
         if loop.pv in signals and loop.op in signals
     }
 

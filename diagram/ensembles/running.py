@@ -26,7 +26,7 @@ from diagram.kept import logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.progress import Progress, reporting
-from diagram.simulation import check_settings, set_up, troubles
+from diagram.simulation import check_settings, in_order, set_up, troubles
 from engine.run import Outcome, Settings, prepare, run
 from engine.snapshot import COUNTERS, Snapshot, total
 from engine.status import Status
@@ -208,7 +208,7 @@ class _Runs:
         if self.summary is not None and failed is None:
             self.summaries[i] = self.summary(self.times(i), {signal: rows[signal] for signal in self.wanted})
         if self.keep_logs:
-            self.events[i] = np.concatenate([o.events for o in outcomes])
+            self.events[i] = in_order([o.events for o in outcomes])
         ends = tuple(Snapshot(part.component, o.I, o.W) for part, o in zip(layout.parts, outcomes, strict=True))
         self.counts[i] = sum(end.counts for end in ends)
         self.ended[i] = min(o.t for o in outcomes)
@@ -242,9 +242,13 @@ class _Runs:
         whole = self.status == Status.OK
         if not (self.keep_logs and whole.any()):
             return
-        sizes = {s: float(max(v[whole].max(), -v[whole].min())) for s, v in self.values.items()}
-        read = [block for block in self.variants.diagram.blocks if not sizes.keys().isdisjoint(block.output_labels)]
-        note = too_coarse(read, sizes, {}, self.settings.atol)
+
+        def size(signal: str) -> float:
+            kept = self.values[signal][whole]
+            return float(max(kept.max(), -kept.min()))
+
+        read = [b for b in self.variants.diagram.blocks if not self.values.keys().isdisjoint(b.output_labels)]
+        note = too_coarse(read, self.values.keys(), size, {}, self.settings.atol)
         if note:
             warnings.warn(note, ToleranceWarning, stacklevel=3)
 

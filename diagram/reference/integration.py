@@ -20,7 +20,7 @@ from diagram.kept import log_times
 from diagram.past import resumed
 from diagram.playback import check_logged
 from diagram.reference.interpreter import Interpreter
-from diagram.simulation import Event, Run, set_up
+from diagram.simulation import Run, in_order, set_up
 from engine.status import HINTS, Statistics, Status
 from logs import Log
 from logs.loop_signals import within
@@ -116,9 +116,8 @@ def simulate_reference(
         origin=f"reference ({backend}): {ready.name}",
         loops=within(ready.loops, ready.signals),
     )
-    events = tuple(Event(t, block, before, after) for t, block, before, after in world.events)
     statistics = Statistics(steps=settings.steps, rhs=world.n_rates, events=world.n_fired, components=1)
-    return Run(log, events, status, HINTS[status], statistics, ready, ())
+    return Run(log, in_order([np.array(world.events).reshape(-1, 4)]), status, HINTS[status], statistics, ready, ())
 
 
 def _run(world: Interpreter, grid: Floats, t_end: float, settings: Settings) -> tuple[Status, Floats]:

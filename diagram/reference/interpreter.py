@@ -62,7 +62,7 @@ class Interpreter:
         self.chain = 0
         self.n_fired = 0
         self.n_rates = 0
-        self.events: list[tuple[float, str, str, str]] = []
+        self.events: list[tuple[float, int, float, float]] = []  # t, block, value of the mode before and after
         self.behind_jumps = self._behind_jumps()
         self._enter_breaks(t0, 0)
         self.first = True  # nothing went before the first instant, so nothing can have jumped
@@ -243,8 +243,7 @@ class Interpreter:
         self.n_fired += 1
         self.chain += 1
         if block.modes and self.d[b][0] != before:
-            names = {value: name for name, value in block.modes.items()}
-            self.events.append((self.t, block.name, names[float(before)], names[float(self.d[b][0])]))  # type: ignore[arg-type]
+            self.events.append((self.t, b, float(before), float(self.d[b][0])))
 
     def _due(self, b: int) -> float:
         block = self.blocks[b]

@@ -14,6 +14,7 @@ from diagram.coarse import ToleranceWarning
 from diagram.ensembles import ensemble
 from diagram.reference import simulate_reference
 from engine.advance import advance
+from plant.loops import self_regulating_loop
 
 
 def _lotka_out(t, x, d, u, p, y):
@@ -186,3 +187,19 @@ def test_an_ensemble_warns_too():
 
 
 # --- wrong calls --------------------------------------------------------------------------------------------------
+
+
+def test_events_are_named_when_asked_for_and_in_order_of_time():
+    loops = wire([self_regulating_loop(F_s=F_s, name=f"loop{F_s:g}") for F_s in (1750.0, 2250.0)])
+    run = simulate(loops, 300.0)
+    assert run.statistics.components == 2 and "events" not in vars(run)
+    assert len(run.events) == len(run.raw_events) > 10
+    assert {e.block for e in run.events} == {"loop1750/valve", "loop2250/valve"}
+    assert [e.t for e in run.events] == run.raw_events[:, 0].tolist() == sorted(e.t for e in run.events)
+
+
+def test_log_times_given_stay_the_callers_own():
+    asked = np.array([0.0, 1.0, 2.5])
+    run = simulate(wire([Step("SP", 1.0)]), 2.5, times=asked)
+    asked[1] = 2.0
+    assert run.log.t.tolist() == [0.0, 1.0, 2.5]
