@@ -200,6 +200,6 @@ def test_events_are_named_when_asked_for_and_in_order_of_time():
 
 def test_log_times_given_stay_the_callers_own():
     asked = np.array([0.0, 1.0, 2.5])
-    run = simulate(wire([Step("SP", 1.0)]), 2.5, times=asked)
+    run = simulate(wire([Step("SP", 1.0)], outputs=["SP"]), 2.5, times=asked)
     asked[1] = 2.0
     assert run.log.t.tolist() == [0.0, 1.0, 2.5]
