@@ -38,11 +38,11 @@ CYCLE = (0.9, 1.9)  # range of OP over S in a loop that cycles by stiction, as s
 TRAVEL = (0.8, 6.0)  # the same where something else moves OP
 
 _VALVES = {
-    "training": (("kano", 0.35), ("chen", 0.25), ("he", 0.25), ("stick_slip", 0.15)),
+    "training": (("kano", 0.25), ("chen", 0.25), ("he", 0.25), ("stick_slip", 0.25)),
     "other_physics": (("stribeck", 0.75), ("lugre", 0.25)),
 }
 _CONTROLLERS = {
-    "training": (("pi", 0.45), ("pi_filtered", 0.3), ("pid_weighted", 0.25)),
+    "training": (("pi", 0.35), ("pi_filtered", 0.25), ("pid_weighted", 0.4)),
     "other_physics": (("pid_series", 1.0),),
 }
 _PROCESSES = (("one_lag", 0.35), ("two_lags", 0.4), ("integrating", INTEGRATING))
@@ -113,13 +113,11 @@ def _loop(r: Random, group: str, law: str, setting: Setting) -> dict[str, Any]:
     if process == "integrating" and group == "deadband":
         process = "two_lags"  # with an integrating process a deadband makes a cycle of its own
     tau1 = 10.0
-    theta = tau1 * (_log(r, 0.15, 2.0) if setting == "training" else _log(r, 0.3, 4.0))
+    theta = tau1 * (_log(r, 0.1, 5.0) if setting == "training" else _log(r, 0.3, 4.0))
     tau2 = tau1 * r.uniform(0.1, 1.0) if process != "one_lag" else 0.0
     K = _log(r, 0.3, 3.0) * (1.0 if r.random() < 0.5 else -1.0)
     K /= tau1 if process == "integrating" else 1.0
     kind = _pick(r, _CONTROLLERS[setting])
-    if law == "stick_slip" and kind == "pid_weighted":
-        kind = "pi"  # two continuous blocks in a row cost five times as much
     tight = group == "tight_tuning"
     share = r.uniform(0.8, 0.97) if tight else _log(r, 0.12, 0.55)
     T_i = (tau1 + theta) * _log(r, 0.4, 2.0) * (4.0 if group == "dead_loop" else 1.0)  # or it winds up
@@ -155,7 +153,8 @@ def _valve(r: Random, group: str, law: str, scan: float) -> dict[str, Any]:
     S, share = _log(r, 2.0, 15.0), float(r.uniform(0.3, 1.0))
     sticky = group in ("cycling", "excited")
     bands = {"S": S, "J": S * share} if sticky else {"S": 0.0, "J": 0.0}
-    return {"valve": law, "valve_lag": scan * _log(r, 0.15, 0.6)} | bands
+    slowest = 1.5 if law == "stick_slip" else 0.6
+    return {"valve": law, "valve_lag": scan * _log(r, 0.15, slowest)} | bands
 
 
 def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> dict[str, Any]:
@@ -181,7 +180,7 @@ def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> di
     elif group == "cycling":
         driver = "none"
     if driver in ("stochastic", "moves"):
-        time *= 0.3 if setting == "training" else 0.15
+        time *= _log(r, 0.1, 0.5) if setting == "training" else 0.15
     virtual = loop["S"] if loop["J"] > 0.0 else _log(r, 2.0, 15.0)  # so that the range of OP tells no cause
     free = group == "excited" or (group != "cycling" and r.random() < NOT_CYCLING)
     swing = 0.0 if group == "cycling" else min(virtual * _log(r, *(TRAVEL if free else CYCLE)), 85.0)

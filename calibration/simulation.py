@@ -18,9 +18,10 @@ from calibration.crossings import even, extent, period
 from calibration.defects import names, record
 from calibration.excitation import SHAPES
 from calibration.loops import Structure, diagram, parameters, structure_of
+from calibration.sampled import CONTROLLERS, VALVES
+from calibration.sampled import run as sampled
 from calibration.spec import LoopSpec, Truth
 from diagram import ensemble
-from diagram.ensembles import Ensemble
 from logs import LoopRecord
 
 Floats = NDArray[np.float64]
@@ -95,7 +96,7 @@ def simulate(specs: Sequence[LoopSpec], workers: int | None = None, mv: bool = F
     for own in batches.values():
         result = _run([specs[i] for i in own], [plans[i] for i in own], workers)
         for k, i in enumerate(own):
-            found[i] = _told(specs[i], {name: rows[k] for name, rows in result.values.items()}, mv)
+            found[i] = _told(specs[i], {name: rows[k] for name, rows in result.items()}, mv)
     return [found[i] for i in range(len(specs))]
 
 
@@ -137,12 +138,12 @@ def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
         seeds = [specs[i].seed for i in own]
         result = _ensemble((valve, process, controller), PILOT, columns, seeds, grid, workers)
         for k, i in enumerate(own):
-            op, pv = result.values["OP"][k], result.values["PV_m"][k]
+            op, pv = result["OP"][k], result["PV_m"][k]
             found[i] = Measured(extent(op), extent(pv), period(op) * scans[k])
     return [found[i] for i in range(len(specs))]
 
 
-def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) -> Ensemble:
+def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) -> Mapping[str, Floats]:
     """Run loops of one structure and length."""
     rows = max(plan.samples for plan in plans)
     columns = []
@@ -158,7 +159,21 @@ def _run(specs: Sequence[LoopSpec], plans: Sequence[Plan], workers: int | None) 
 def _ensemble(
     structure: Structure, scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Floats,
     workers: int | None,
-) -> Ensemble:  # fmt: skip
+) -> Mapping[str, Floats]:  # fmt: skip
+    """Return the signals (n, rows) of loops of one structure: in sampled time where that is exact, else by the engine."""
+    if structure[0] in VALVES and structure[2] in CONTROLLERS:
+        return sampled(structure, scans, columns, seeds, times)
+    return by_engine(structure, scans, columns, seeds, times, workers)
+
+
+def by_engine(
+    structure: Structure, scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Floats,
+    workers: int | None = None,
+) -> Mapping[str, Floats]:  # fmt: skip
+    """Return the signals (n, rows) of loops of one structure, by the engine; arguments as in ``sampled.run``.
+
+    Raises ``RuntimeError`` if a loop cannot be simulated.
+    """
     params = {key: np.array([own[key] for own in columns]) for key in columns[0]}
     result = ensemble(
         diagram(structure), float(scans), params=params, seeds=seeds, times=times, rtol=RTOL, atol=ATOL,
@@ -167,7 +182,7 @@ def _ensemble(
     if not result.ok.all():
         i = int(np.argmin(result.ok))
         raise RuntimeError(f"loop with seed {seeds[i]} on {structure}: {result.hint(i)}")
-    return result
+    return result.values
 
 
 def in_scans(spec: LoopSpec, scan: float) -> LoopSpec:

@@ -1,7 +1,7 @@
 """The stems of a sticky valve behind the OP of a record, for every size, jump and start that the features try.
 
-Each stretch of the record has its own OP, so the recursion of ``prepare.stick`` runs over stretches and candidates side
-by side.  The last record's stems are kept, because two families of features look at them.
+Each stretch of the record has its own OP.  The last record's stems are kept, because two families of features look at
+them.
 """
 
 from __future__ import annotations
@@ -37,25 +37,11 @@ def stems_of(v: View) -> tuple[Values, float]:
 
 def stick_lanes(u: Values, S: Values, J: Values, start: Values) -> Values:
     """``prepare.stick.stick`` with an OP of its own for every stretch u (s, m): stems (m, s, c)."""
+    from detect.prepare.kernels import sticks
+
     s, m = u.shape
-    static, kinetic = 0.5 * (S + J), 0.5 * (S - J)
     eps = 1e-9 * float(np.ptp(u))
-    x = np.empty((m, s, len(S)))
-    here = u[:, :1] - start * static
-    way = np.ones_like(here)
-    shape = here.shape
-    stuck, moving = np.broadcast_to(static + eps, shape), np.broadcast_to(kinetic + eps, shape)
-    limit, push = stuck, way * kinetic
-    for k in range(m):
-        op = u[:, k : k + 1]
-        over = way * (op - here)
-        back = over < -stuck
-        if back.any():
-            way = np.where(back, -way, way)
-            push = way * kinetic
-            over = np.where(back, -over, over)
-        go = back | (over > limit)
-        here = np.where(go, op - push, here)
-        limit = np.where(go, moving, stuck)
-        x[k] = here
-    return x
+    x = np.empty((s, len(S), m))
+    for own, stems in zip(u, x, strict=True):
+        sticks(np.ascontiguousarray(own), S, J, start, eps, stems)
+    return np.ascontiguousarray(x.transpose(2, 0, 1))

@@ -1,0 +1,82 @@
+"""Loops in sampled time against the engine, which shares no code with them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from calibration import LoopSpec
+from calibration.drawing import one
+from calibration.loops import parameters
+from calibration.sampled import CONTROLLERS, VALVES, run
+from calibration.simulation import QUIET, by_engine, driver, in_scans
+
+SCANS = 400
+PROCESSES = ("one_lag", "two_lags", "integrating")
+
+
+def column(spec: LoopSpec, **more: float) -> dict[str, float]:
+    """Return the parameters of a loop as both simulators get them, a scan of a sixteenth of its natural period."""
+    own = in_scans(spec, spec.natural / 16.0)
+    return {**parameters(own, own.valve, True), **driver(own, 15.0, SCANS), **QUIET, **more}
+
+
+def both(specs: list[LoopSpec], structure: tuple[str, str, str], **more: float) -> tuple[dict, dict]:
+    """Return the signals of both, at the middle of each scan."""
+    columns, seeds = [column(spec, **more) for spec in specs], [spec.seed for spec in specs]
+    times = np.arange(SCANS - 1) + 0.5
+    return run(structure, SCANS, columns, seeds, times), dict(by_engine(structure, SCANS, columns, seeds, times, 1))
+
+
+def drawn(group: str, structure: tuple[str, str, str], count: int, **more: object) -> list[LoopSpec]:
+    """Return loops of a group with the process and controller asked for, wherever the draw has them."""
+    found: list[LoopSpec] = []
+    k = 0
+    while len(found) < count:
+        spec = one(group, (9, k))
+        k += 1
+        if (spec.process, spec.controller) == structure[1:]:
+            found.append(replace(spec, valve=structure[0], **more))  # type: ignore[arg-type]
+    return found
+
+
+@pytest.mark.parametrize("valve", VALVES)
+def test_a_sine_through_a_sticky_valve_is_what_the_engine_gives(valve: str) -> None:
+    structure = (valve, "two_lags", "pi")
+    specs = drawn("excited", structure, 3, driver="sine", driver_on="load", S=3.0, J=1.5)
+    specs = [replace(spec, driver_time=5.0 * spec.natural) for spec in specs]
+    fast, slow = both(specs, structure)
+    assert np.ptp(slow["MV"], axis=1).min() > 1.0
+    for name in ("OP", "MV", "PV_m"):
+        apart = np.median(np.abs(fast[name] - slow[name]), axis=1) / np.ptp(slow[name], axis=1)
+        assert apart.max() < (0.02 if valve == "stick_slip" else 1e-4), name
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("process", PROCESSES)
+def test_every_process_and_controller_is_what_the_engine_gives(process: str, controller: str) -> None:
+    structure = ("chen", process, controller)
+    specs = drawn("external_square", structure, 2)
+    fast, slow = both(specs, structure)
+    # the engine's continuous PID moves OP within a scan, that of sampled time does not
+    limit = 0.1 if controller == "pid_weighted" else 1e-3
+    for name in ("OP", "PV_m"):
+        apart = np.sqrt(np.mean((fast[name] - slow[name]) ** 2, axis=1)) / np.std(slow[name], axis=1)
+        assert apart.max() < limit, name
+
+
+def test_noise_and_walk_have_their_sizes() -> None:
+    structure = ("chen", "one_lag", "pi")
+    spec = drawn("external_sine", structure, 1)[0]
+    own = column(spec) | {"sensor.sd": 0.7, "sensor.correlation_time": 5.0, "load.amplitude": 0.0, "controller.K_p": 1e-9}
+    times = np.arange(20_000.0)
+    noise = run(structure, 20_000, [own] * 2, [1, 2], times)["PV_m"]
+    assert noise.std(axis=1) == pytest.approx([0.7, 0.7], rel=0.06)
+    assert np.corrcoef(noise[0, :-5], noise[0, 5:])[0, 1] == pytest.approx(np.exp(-1.0), abs=0.06)  # analytic
+    assert abs(np.corrcoef(noise)[0, 1]) < 0.1  # seeds differ
+    again = run(structure, 20_000, [own], [1], times)["PV_m"][0]
+    assert np.array_equal(again, noise[0])
+    gain = abs(own["process.K"])
+    walk = run(structure, 2000, [own | {"sensor.sd": 0.0, "load.walk": 0.1}] * 200, range(200), np.array([1999.0]))
+    # analytic: a walk of 0.1 a scan is 0.1 sqrt(2000) = 4.5 wide after 2,000 scans; the lag takes little of it
+    assert walk["PV_m"].std() / gain == pytest.approx(4.5, rel=0.2)
