@@ -40,9 +40,12 @@ class Card:
     process : tuple of {"self_regulating", "integrating"}
         Processes it works on.
     streams : str
-        "exact", "window" or "no".
+        "exact": a twin that follows every sample; "pooled": a window, and what was found in those before it; "window":
+        the last samples alone, as many as ``window_twin.WINDOW``; "no".
     stream_bound : float
         Largest relative difference of the index between batch and stream on a stationary record [-].
+    stream_note : str
+        Why it streams on a window alone, or not at all; a sentence.
     pros, cons : tuple of str
     cost : str
         Order of the work for n samples.
@@ -63,8 +66,9 @@ class Card:
     finds: str
     index: tuple[float, float]
     process: tuple[str, ...]
-    streams: Literal["exact", "window", "no"]
+    streams: Literal["exact", "pooled", "window", "no"]
     stream_bound: float = 0.0
+    stream_note: str = ""
     pros: tuple[str, ...] = ()
     cons: tuple[str, ...] = ()
     cost: str = "O(n)"

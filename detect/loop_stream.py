@@ -79,15 +79,28 @@ class LoopStream:
         """The stream after one more sample at time t [s]; raises ValueError when t does not advance."""
         buffer = self.buffer.append(t, sample)
         states = list(self.states)
-        full = len(buffer) >= self.window
-        loop = Prepared(buffer.record(self.facts)) if full else None
-        for k, way in enumerate(self.ways):
-            if way == "twin":
-                states[k] = self.methods[k].update(self.methods[k].Params(), states[k], t, sample)
-            elif way == "memory" and loop is not None:
-                states[k] = self.methods[k].remember(self.methods[k].Params(), states[k], loop)
-        kept = buffer.last(self.window // 2) if full else buffer
-        return replace(self, buffer=kept, states=tuple(states))
+        for k, update, p in self._twins:
+            states[k] = update(p, states[k], t, sample)
+        if len(buffer) >= self.window:
+            loop = Prepared(buffer.record(self.facts))
+            for k, way in enumerate(self.ways):
+                if way == "memory":
+                    states[k] = self.methods[k].remember(self.methods[k].Params(), states[k], loop)
+            buffer = buffer.last(self.window // 2)
+        return self._next(buffer, tuple(states))
+
+    @cached_property
+    def _twins(self) -> tuple[tuple[int, Any, Any], ...]:
+        """Place, function and parameters of each method that follows every sample."""
+        twins = ((k, self.methods[k]) for k, way in enumerate(self.ways) if way == "twin")
+        return tuple((k, method.update, method.Params()) for k, method in twins)
+
+    def _next(self, buffer: Buffer, states: tuple[Any, ...]) -> LoopStream:
+        """The same stream with other rows and states; ``dataclasses.replace`` costs more than all else a sample."""
+        following = object.__new__(type(self))
+        kept = {name: value for name, value in self.__dict__.items() if name != "loop"}
+        following.__dict__.update(kept, buffer=buffer, states=states)
+        return following
 
     @cached_property
     def loop(self) -> Prepared:

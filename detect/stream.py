@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -59,9 +58,10 @@ class Buffer:
 
     chunks: tuple[Values, ...] = ()
     recent: tuple[tuple[float, ...], ...] = ()
+    held: int = 0  # rows in the chunks
 
     def __len__(self) -> int:
-        return sum(len(chunk) for chunk in self.chunks) + len(self.recent)
+        return self.held + len(self.recent)
 
     @property
     def last_time(self) -> float:
@@ -76,12 +76,15 @@ class Buffer:
             raise ValueError(f"t = {t} s follows {self.last_time} s; time must increase, drop repeated samples")
         recent = (*self.recent, (t, *sample))
         if len(recent) < _CHUNK:
-            return Buffer(self.chunks, recent)
-        return Buffer((*self.chunks, np.array(recent)), ())
+            return Buffer(self.chunks, recent, self.held)
+        return Buffer((*self.chunks, np.array(recent)), (), self.held + len(recent))
 
     def last(self, n: int) -> Buffer:
         """The last n rows."""
-        return Buffer((self.rows()[-n:],), ()) if n else Buffer()
+        if not n:
+            return Buffer()
+        rows = self.rows()[-n:]
+        return Buffer((rows,), (), len(rows))
 
     def rows(self) -> Values:
         """All rows, shape (n, 5)."""
@@ -103,12 +106,12 @@ class Buffer:
         return replace(record, process=facts.process, measurement=facts.measurement)  # type: ignore[arg-type]
 
 
-def replay(method: ModuleType, record: LoopRecord, p: Any) -> Any:
-    """Feed a record sample by sample to the streaming twin of a method and return its final state.
+def replay(twin: Any, record: LoopRecord, p: Any) -> Any:
+    """Feed a record sample by sample to a streaming twin (``window_twin.twin_of``) and return its final state.
 
     Bad samples go in as NaN, as a gateway would deliver them.
     """
-    state = method.init(p, LoopFacts.of(record))
+    state = twin.init(p, LoopFacts.of(record))
     log: Log = record.log
     pv = np.where(log.good(record.pv_name), record.pv, np.nan)
     op = np.where(log.good(record.op_name), record.op, np.nan)
@@ -117,5 +120,5 @@ def replay(method: ModuleType, record: LoopRecord, p: Any) -> Any:
         sp = np.where(log.good(record.sp_name), record.sp, np.nan)
     mode = np.ones(len(record)) if record.mode is None else record.mode
     for t, *row in zip(record.t, pv, op, sp, mode, strict=True):
-        state = method.update(p, state, float(t), Sample(*map(float, row)))
+        state = twin.update(p, state, float(t), Sample(*map(float, row)))
     return state

@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime, timedelta
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -111,7 +112,7 @@ class Log:
         """Time from the first to the last sample [s]."""
         return float(self.t[-1] - self.t[0])
 
-    @property
+    @cached_property
     def dt(self) -> float:
         """Median sampling interval [s]; NaN for a single sample."""
         return float(np.median(np.diff(self.t))) if len(self.t) > 1 else float("nan")

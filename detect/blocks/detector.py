@@ -22,6 +22,7 @@ from blocks import Block, Kernels, Labels, Port
 from blocks.ports import BlockError, require
 from blocks.role import Role
 from detect.stream import LoopFacts, Sample
+from detect.window_twin import twin_of
 from detect.words import WORDS
 
 PROCESSES = ("self_regulating", "integrating", "unknown")
@@ -37,7 +38,7 @@ class DetectorState(NamedTuple):
 
 @dataclass(frozen=True)
 class DetectorHost:
-    """Runs one streaming method: ``init``, ``update``, ``verdict`` of its module."""
+    """Runs the streaming twin of one method (``detect.window_twin``)."""
 
     method: ModuleType
     params: Any
@@ -56,17 +57,18 @@ class DetectorHost:
 
     def init(self, p: NDArray[np.float64]) -> DetectorState:
         """Return the state before the first sample."""
-        return DetectorState(self.method.init(self.params, self.facts), 0, (np.nan, 0.0))
+        return DetectorState(twin_of(self.method).init(self.params, self.facts), 0, (np.nan, 0.0))
 
     def step(
         self, t: float, state: DetectorState, u: NDArray[np.float64], p: NDArray[np.float64]
     ) -> tuple[DetectorState, tuple[float, float]]:
         """Take one sample; return the next state and (index, verdict)."""
         sample = Sample(pv=float(u[1]), op=float(u[2]), sp=float(u[0]))
-        inner = self.method.update(self.params, state.method, t, sample)
+        twin = twin_of(self.method)
+        inner = twin.update(self.params, state.method, t, sample)
         taken, said = state.taken + 1, state.said
         if taken % self.verdict_every == 0:
-            verdict = self.method.verdict(self.params, inner)
+            verdict = twin.verdict(self.params, inner)
             said = (np.nan if verdict.index is None else verdict.index, WORDS[verdict.verdict].number)
         return DetectorState(inner, taken, said), said
 
@@ -90,18 +92,24 @@ def _check_method(method: Any) -> None:
     if not hasattr(method, "CARD"):
         raise BlockError(f"method = {method!r} is no detector; give a module of detect with a CARD, e.g. area_ratio")
     card = method.CARD
-    missing = [part for part in ("Params", "init", "update", "verdict") if not hasattr(method, part)]
-    if card.streams in ("exact", "window") and not missing:
+    if card.kind == "gate":
+        why = "It is an oscillation detector, and gives no verdict."
+    elif card.streams == "no":
+        why = card.stream_note
+    elif not hasattr(method, "Params"):
+        why = "It has no Params."
+    else:
         return
-    why = "its card says so" if card.streams not in ("exact", "window") else f"it has no {' and no '.join(missing)}"
     raise BlockError(
-        f"{card.name}: method = {card.name!r}; this method does not stream ({why}), so it cannot be a block; give one "
+        f"{card.name}: method = {card.name!r}; this method does not stream, so it cannot be a block: {why} Give one "
         f"that does, e.g. area_ratio, or judge the log after the run: diagnose(run.log.loop(), [{card.name}])"
     )
 
 
 class DetectorBlock(Block):
-    """A streaming method (a module of ``detect`` with ``init``, ``update``, ``verdict``) sampled every ``dt`` [s].
+    """A method (a module of ``detect``) that follows its loop, sampled every ``dt`` [s].
+
+    How it follows is on its card: sample by sample, or in a window of the last samples (``detect.window_twin``).
 
     Raises ``BlockError`` if the method is none or does not stream, the process is of no known kind, or ``dt`` is
     not positive.

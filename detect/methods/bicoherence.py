@@ -71,7 +71,8 @@ CARD = Card(
     finds="whether the loop is non-linear (NLI), and the apparent stiction [% of OP]",
     index=(0.0, 1.0),
     process=("self_regulating",),
-    streams="no",
+    streams="window",
+    stream_note="The spectra are averages over segments of one record, whose length follows from its period.",
     pros=(
         "tells a linear loop from a non-linear one",
         "sizes what it finds",

@@ -25,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
+from detect.pool import Pool, pooled
 from detect.prepare.play import travel_of
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
@@ -37,7 +38,7 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Params", "Stuck", "detect", "draw", "stuck"]
+__all__ = ["CARD", "Params", "Stuck", "detect", "draw", "recall", "remember", "stuck"]
 
 Values = npt.NDArray[np.float64]
 NAME = "change_no_change"
@@ -51,7 +52,8 @@ CARD = Card(
     finds="stiction, from the time that the stem stands while OP travels; the travel in % of OP",
     index=(0.0, 1.0),
     process=("self_regulating",),
-    streams="no",
+    streams="pooled",
+    stream_bound=0.1,
     pros=("simple", "no oscillation needed", "gives the travel"),
     cons=("limits belong to each loop", "noise hides it", "slow processes without MV"),
     experimental=True,
@@ -118,6 +120,20 @@ def stuck(u: Values, y: Values, k: int, sigma: float, reach: float, p: Params = 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
+    found = _seen(p, loop)
+    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+
+
+def _look(p: Params, loop: Prepared) -> tuple[Stuck, int, npt.NDArray[np.intp]]:
+    """The intervals of a window, the k of its differences, and the samples at which OP turns."""
+    grid = loop.whole
+    at, turn = turn_time(grid.op, loop.period / grid.dt)
+    y, k = stem_signal(grid)[1], max(1, round(turn / 15.0))
+    return stuck(grid.op, y, k, noise_std(grid.t, y), travel_of(grid.op, turn), p), k, np.asarray(at, dtype=np.intp)
+
+
+def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
+    """The intervals (samples and travel of OP over each) and the turns of OP (no samples, no travel)."""
     refusal = refused(CARD, loop, p.rho_stiction)
     if refusal is not None:
         return refusal
@@ -125,33 +141,46 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     if len(grid) < p.samples:
         reason = f"The longest piece has {len(grid)} samples; {p.samples} are needed."
         return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.rho_stiction)
+    found, k, turns = _look(p, loop)
+    at = np.concatenate([0.5 * (grid.t[found.first] + grid.t[found.last]), grid.t[turns]])
+    rows = np.zeros((len(at), 2))
+    rows[: len(found.travel)] = np.column_stack([found.last - found.first + k, found.travel])
+    order = np.argsort(at, kind="stable")
+    return Pool(at[order], rows[order], float(grid.t[0]))
+
+
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    grid = loop.whole
     name, y = stem_signal(grid)
-    u = grid.op
-    at, turn = turn_time(u, loop.period / grid.dt)
-    found = stuck(u, y, max(1, round(turn / 15.0)), noise_std(grid.t, y), travel_of(u, turn), p)
-    m = len(found.travel)
-    enough = min(m, len(at)) >= p.intervals
-    word: Word = "stiction" if found.rho >= p.rho_stiction and enough else "inconclusive"
-    amount = loop.op_percent(float(np.mean(found.travel))) if word == "stiction" else None
+    found, _, _ = _look(p, loop)
+    stood = pool.rows[:, 0] > 0.0
+    travel, turns = pool.rows[stood, 1], int((~stood).sum())
+    samples = (grid.t[-1] - pool.since) / grid.dt + 1.0
+    rho = min(float(pool.rows[:, 0].sum()) / samples, 1.0)
+    m = len(travel)
+    enough = min(m, turns) >= p.intervals
+    word: Word = "stiction" if rho >= p.rho_stiction and enough else "inconclusive"
+    amount = loop.op_percent(float(np.mean(travel))) if word == "stiction" else None
     size = "" if amount is None else f", on average by {amount:.3g} % of OP"
     why = (
         f"{name} stands while OP travels{size}" if word == "stiction"
-        else f"fewer than {p.intervals} intervals or turns of OP ({len(at)})" if found.rho >= p.rho_stiction
+        else f"fewer than {p.intervals} intervals or turns of OP ({turns})" if rho >= p.rho_stiction
         else "which clears nothing, because noise and lag break the intervals up too"
     )  # fmt: skip
-    reason = f"rho = {found.rho:.2f} of the time in {m} intervals ({p.rho_stiction:g} for stiction): {why}."
+    reason = f"rho = {rho:.2f} of the time in {m} intervals ({p.rho_stiction:g} for stiction): {why}."
     evidence: dict[str, Values | float] = {
-        "t": grid.t, "u": u, "y": y, "first": grid.t[found.first], "last": grid.t[found.last], "travel": found.travel,
+        "t": grid.t, "u": grid.op, "y": y, "first": grid.t[found.first], "last": grid.t[found.last], "travel": travel,
         "eps": found.eps, "mv": float(name == "MV"),
     }  # fmt: skip
     if m > 1:
-        half = 1.645 * float(np.std(found.travel, ddof=1)) / np.sqrt(m)
-        mean = float(np.mean(found.travel))
+        half = 1.645 * float(np.std(travel, ddof=1)) / np.sqrt(m)
+        mean = float(np.mean(travel))
         for key, value in (("S_low", mean - half), ("S_high", mean + half)):
             evidence[key] = loop.op_percent(value) or value
-    return Verdict(
-        NAME, word, found.rho, p.rho_stiction, reason, amount_percent_op=amount, evidence=evidence, draw=draw
-    )
+    return Verdict(NAME, word, rho, p.rho_stiction, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+
+
+remember, recall = pooled(_seen, _judged, most=800)
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:

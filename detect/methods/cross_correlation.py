@@ -30,6 +30,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
+from detect.pool import Pool, pooled
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
 from detect.verdict import Verdict, Word
@@ -38,10 +39,13 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Params", "Symmetry", "detect", "draw", "symmetry"]
+__all__ = [
+    "CARD", "Params", "Symmetry", "correlation", "detect", "draw", "of_correlation", "recall", "remember", "symmetry",
+]  # fmt: skip
 
 Values = npt.NDArray[np.float64]
 NAME = "cross_correlation"
+LAGS: Values = np.linspace(-1.0, 1.0, 401)  # of the period, at which r is kept
 
 CARD = Card(
     name=NAME,
@@ -52,7 +56,8 @@ CARD = Card(
     finds="stiction against outside sines and tight tuning, from the phase between OP and PV; no amount",
     index=(0.0, 1.0),
     process=("self_regulating",),
-    streams="no",
+    streams="pooled",
+    stream_bound=0.05,
     pros=("routine data only", "shrugs off noise", "no shape needed"),
     cons=("blind on levels", "turned by dead time and strong P or D action", "outside waves that are no sines"),
     cost="O(n log n)",
@@ -96,11 +101,23 @@ def symmetry(op: Values, pv: Values, period: float) -> Symmetry | None:
     >>> round(found.d_tau, 2), round(found.d_rho, 2)
     (0.67, 0.33)
     """
+    r = correlation(op, pv, period)
+    return of_correlation(r)
+
+
+def correlation(op: Values, pv: Values, period: float) -> Values:
+    """r at lags -P..P of two waves (n,) of mean zero, (2 P + 1,), P the ``period`` rounded up [samples]."""
     n, reach = len(op), math.ceil(period)
     size = 2 * n
     product = np.fft.irfft(np.conj(np.fft.rfft(op, size)) * np.fft.rfft(pv, size), size)
     lags = np.arange(-reach, reach + 1)
     r = product[lags] / (n - np.abs(lags)) / (np.std(op) * np.std(pv))  # unbiased: a cut record bends nothing
+    return np.asarray(r)
+
+
+def of_correlation(r: Values) -> Symmetry | None:
+    """How odd r at lags -P..P, (2 P + 1,), is; None where it never crosses zero."""
+    reach = (len(r) - 1) // 2
     right, left = _first_crossing(r[reach:]), _first_crossing(r[reach::-1])
     if right is None or left is None or left + right == 0.0:
         return None
@@ -130,22 +147,40 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
+    found = _seen(p, loop)
+    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+
+
+def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
+    """r at ``LAGS`` of the period, once for the stretch, and its length [s]."""
     refusal = refused(CARD, loop, p.tau_stiction)
     if refusal is not None:
         return refusal
-    found = symmetry(loop.wave("OP"), loop.wave("PV"), loop.samples_per_period)
+    t, period = loop.stretch.t, loop.samples_per_period
+    r = correlation(loop.wave("OP"), loop.wave("PV"), period)
+    reach = (len(r) - 1) // 2
+    at = np.interp(LAGS * period, np.arange(-reach, reach + 1.0), r)
+    length = float(t[-1] - t[0])
+    return Pool(np.array([t[0] + 0.5 * length]), np.append(at, length)[None, :], float(t[0]), 0.5 * length)
+
+
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    r = np.average(pool.rows[:, :-1], axis=0, weights=pool.rows[:, -1])
+    found = of_correlation(r)
     if found is None:
         reason = "The cross-correlation of OP and PV does not cross zero within a period: they do not swing together."
         return Verdict(NAME, "inconclusive", None, p.tau_stiction, reason)
     word, why = _word(found, p)
     reason = f"d_tau = {found.d_tau:.2f}, d_rho = {found.d_rho:.2f}: {why} (period {loop.period:.4g} s)."
-    dt = loop.stretch.dt
-    reach = (len(found.r) - 1) // 2
+    step = loop.period * float(LAGS[1] - LAGS[0])
     evidence: dict[str, Values | float] = {
-        "lag": dt * np.arange(-reach, reach + 1.0), "r": found.r, "tau_l": dt * found.tau_l, "tau_r": dt * found.tau_r,
+        "lag": loop.period * LAGS, "r": found.r, "tau_l": step * found.tau_l, "tau_r": step * found.tau_r,
         "d_tau": found.d_tau, "d_rho": found.d_rho,
     }  # fmt: skip
     return Verdict(NAME, word, found.d_tau, p.tau_stiction, reason, evidence=evidence, draw=draw)
+
+
+remember, recall = pooled(_seen, _judged)
 
 
 def _word(found: Symmetry, p: Params) -> tuple[Word, str]:

@@ -26,9 +26,9 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
-from detect.prepare.bootstrap import interval
-from detect.prepare.half_wave_fits import Samples, folded, free_triangle, gather, sine
-from detect.prepare.preconditions import refused
+from detect.pool import pooled
+from detect.prepare.against_sine import AgainstSine
+from detect.prepare.half_wave_fits import Samples, free_triangle, sine
 from detect.prepare.prepared import Prepared, Signal, prepared
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
@@ -36,7 +36,7 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Errors", "Params", "detect", "draw", "errors"]
+__all__ = ["CARD", "Errors", "Params", "detect", "draw", "errors", "recall", "remember"]
 
 Values = npt.NDArray[np.float64]
 NAME = "curve_fit"
@@ -50,7 +50,8 @@ CARD = Card(
     finds="whether a square wave of the valve is behind the signal after the first integrator; no amount",
     index=(0.0, 1.0),
     process=("self_regulating", "integrating"),
-    streams="no",
+    streams="pooled",
+    stream_bound=0.05,
     pros=("levels too", "waves with a late apex", "each half wave by itself, so the period may drift"),
     cons=("the kind of process must be known", "outside squares and triangles look the same", "rounded by dead time"),
     cost="O(n)",
@@ -110,30 +111,26 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.SI_stiction)
-    if refusal is not None:
-        return refusal
+    return _frame(p, loop).detect(loop)
+
+
+def _frame(p: Params, loop: Prepared) -> AgainstSine:
+    """The method on the signal behind the first integrator after the valve."""
     signal: Signal = "PV" if loop.integrating else "OP"
-    halves = loop.half_waves(signal)
-    if len(halves) < p.half_waves_min:
-        reason = f"{len(halves)} half waves of {signal} are whole and high enough; {p.half_waves_min} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.SI_stiction)
-    found = errors(gather(halves))
-    low, high = interval(_index, np.column_stack([found.sine, found.triangle]))
-    word, why = _word(found.SI, low, p)
-    reason = (
-        f"SI = {found.SI:.2f} (90 % interval {low:.2f} to {high:.2f}, {len(halves)} half waves of {signal}, period "
-        f"{loop.period:.4g} s): {why}."
-    )
-    phase, waves = folded(halves)
-    apex = float(np.median(found.apex))
-    bent = np.minimum(phase / apex, (1.0 - phase) / (1.0 - apex))
-    evidence: dict[str, Values | float] = {
-        "phase": phase, "waves": waves, "sine": np.sin(np.pi * phase),
-        "other": bent * (waves.mean(0) @ bent) / (bent @ bent),
-        "error_sine": found.sine, "error_other": found.triangle, "apex": found.apex, "of_pv": float(signal == "PV"),
-    }  # fmt: skip
-    return Verdict(NAME, word, found.SI, p.SI_stiction, reason, interval=(low, high), evidence=evidence, draw=draw)
+    return AgainstSine(
+        CARD, "SI", p.SI_stiction, p.half_waves_min, signal, errors, _index, lambda index, low: _word(index, low, p),
+        _bent, draw,
+    )  # fmt: skip
+
+
+def _bent(phase: Values, apex: float) -> Values:
+    """The triangle of height 1 with its apex at a phase."""
+    return np.minimum(phase / apex, (1.0 - phase) / (1.0 - apex))
+
+
+remember, recall = pooled(
+    lambda p, loop: _frame(p, loop).seen(loop), lambda p, loop, pool: _frame(p, loop).judged(loop, pool)
+)
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:

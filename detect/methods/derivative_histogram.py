@@ -36,6 +36,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
+from detect.pool import Pool, pooled
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
 from detect.prepare.smoothing import moving_average
@@ -45,7 +46,7 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Humps", "Params", "bell_or_humps", "detect", "draw", "noise_share"]
+__all__ = ["CARD", "Humps", "Params", "bell_or_humps", "detect", "draw", "fitted", "noise_share", "recall", "remember"]
 
 Values = npt.NDArray[np.float64]
 NAME = "derivative_histogram"
@@ -60,7 +61,8 @@ CARD = Card(
     finds="whether PV (level: its rate) jumps and stays, as behind a sticky valve, or swings like a sine; no amount",
     index=(0.0, 1.0),
     process=("self_regulating", "integrating"),
-    streams="no",
+    streams="pooled",
+    stream_bound=0.1,
     pros=("needs no OP", "levels too", "no crossings needed"),
     cons=(
         "hangs on its filter",
@@ -128,7 +130,11 @@ def bell_or_humps(x: Values) -> Humps:
     True
     """
     z = (x - x.mean()) / x.std()
-    density = np.histogram(z, EDGES)[0] / len(z) / (EDGES[1] - EDGES[0])
+    return fitted(np.histogram(z, EDGES)[0] / len(z) / (EDGES[1] - EDGES[0]))
+
+
+def fitted(density: Values) -> Humps:
+    """The best bell and the best humps for a density (40,) over ``EDGES``."""
     bells, humps, settings = _shapes()
     of_bell, of_humps = ((bells - density) ** 2).mean(axis=1), ((humps - density) ** 2).mean(axis=1)
     bell, hump = int(np.argmin(of_bell)), int(np.argmin(of_humps))
@@ -146,18 +152,41 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     'stiction'
     """
     loop = prepared(record)
+    found = _seen(p, loop)
+    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+
+
+def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
+    """How many values of the derivative fall into each bin, and the share of noise, for each period."""
     refusal = refused(CARD, loop, p.q_stiction)
     if refusal is not None:
         return refusal
-    x = loop.wave("PV", p.cut)
-    order = 2 if loop.integrating else 1
+    x, t = loop.wave("PV", p.cut), loop.stretch.t
+    order = _order(loop)
     for _ in range(order):
         x = np.gradient(x, loop.stretch.dt)
     share = noise_share(loop, p.cut, order, float(np.var(x)))
     if p.even_out:
-        x = x / np.sqrt(moving_average(loop.stretch.t, x * x, loop.period, ends="hold"))
+        x = x / np.sqrt(moving_average(t, x * x, loop.period, ends="hold"))
     edge = round(0.5 * loop.samples_per_period)
-    found = bell_or_humps(x[edge:-edge])
+    x, t = x[edge:-edge], t[edge:-edge]
+    z = (x - x.mean()) / x.std()
+    parts = max(round((t[-1] - t[0]) / loop.period), 1)
+    counts = [np.histogram(part, EDGES)[0] for part in np.array_split(z, parts)]
+    at = np.array([0.5 * (part[0] + part[-1]) for part in np.array_split(t, parts)])
+    sizes = [len(part) for part in np.array_split(z, parts)]
+    return Pool(at, np.column_stack([counts, sizes, np.full(parts, share)]), float(t[0]), loop.period)
+
+
+def _order(loop: Prepared) -> int:
+    """How often PV is differentiated."""
+    return 2 if loop.integrating else 1
+
+
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    order, share = _order(loop), float(pool.rows[:, -1].mean())
+    counts = pool.rows[:, :-2].sum(axis=0)
+    found = fitted(counts / pool.rows[:, -2].sum() / (EDGES[1] - EDGES[0]))
     word, why = _word(found, share, p)
     reason = (
         f"q = {found.q:.2f} for {'the second derivative' if order == 2 else 'the derivative'} of PV, cut at {p.cut:g} "
@@ -168,6 +197,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         "A": found.amplitude, "s": found.noise, "order": float(order), "noise_share": share,
     }  # fmt: skip
     return Verdict(NAME, word, found.q, p.q_stiction, reason, evidence=evidence, draw=draw)
+
+
+remember, recall = pooled(_seen, _judged, most=100)
 
 
 def noise_share(loop: Prepared, cut: float, order: int, variance: float) -> float:

@@ -25,7 +25,6 @@ oscillation besides.  Measured: 6 ms for 7,200 samples and 120 half waves; 5 us 
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
@@ -143,15 +142,25 @@ def measure(t: Values, e: Values, sp: Values, start: float, end: float, block: i
     >>> round(one.iae, 2), round(one.shape_index, 3)
     (95.49, -1.0)
     """
-    from detect.prepare.half_cycle_kernels import half_wave
+    return measure_all(t, e, sp, np.array([start, end]), block)[0]
 
-    shape = np.empty(len(_PHASE))
-    iae, v_sine, v_square, peak, step, span = half_wave(
-        *(np.ascontiguousarray(x) for x in (t, e, sp)), start, end, _PHASE, shape
-    )
-    T = end - start
-    fault = "long" if len(t) > block else "sp" if span > 0.0 else "gap" if step > 0.25 * T else ""
-    return HalfWave(start, T, iae, v_sine, v_square, peak, len(t), shape / max(iae / T, 1e-300), fault)
+
+def measure_all(t: Values, e: Values, sp: Values, cuts: Values, block: int = 4096) -> list[HalfWave]:
+    """The half waves between neighbouring ``cuts`` [s] that have samples inside, as ``measure`` gives one by one."""
+    from detect.prepare.half_cycle_kernels import half_waves
+
+    m = max(len(cuts) - 1, 0)
+    sums, shapes = np.zeros((m, 7)), np.zeros((m, len(_PHASE)))
+    half_waves(*(np.ascontiguousarray(x) for x in (t, e, sp, cuts)), _PHASE, sums, shapes)
+    lengths = np.diff(cuts)
+    shapes /= np.maximum(sums[:, :1] / lengths[:, None], 1e-300)
+    found = []
+    rows = zip(cuts.tolist(), lengths.tolist(), sums.tolist(), shapes, strict=False)
+    for start, T, (iae, v_sine, v_square, peak, step, span, samples), shape in rows:
+        fault = "long" if samples > block else "sp" if span > 0.0 else "gap" if step > 0.25 * T else ""
+        if samples:
+            found.append(HalfWave(start, T, iae, v_sine, v_square, peak, int(samples), shape, fault))
+    return found
 
 
 # ---- batch -------------------------------------------------------------------------------------------------
@@ -190,13 +199,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     t, sp = record.t[good], record.sp[good]
     e = sp - record.pv[good]
     cut = crossings(t, e, p.band * _mean_abs(e, p.memory))
-    cut = cut[-(p.half_waves_max + 1) :]
-    at = np.searchsorted(t, cut, side="left")
-    found = [
-        measure(t[a:b], e[a:b], sp[a:b], float(cut[k]), float(cut[k + 1]), p.block)
-        for k, (a, b) in enumerate(itertools.pairwise(at))
-        if b > a
-    ]
+    found = measure_all(t, e, sp, cut[-(p.half_waves_max + 1) :], p.block)
     return _judge(tuple(found), LoopFacts.of(record), p)
 
 

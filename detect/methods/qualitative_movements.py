@@ -34,6 +34,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
+from detect.pool import Pool, pooled
 from detect.prepare.controller import controller_sign
 from detect.prepare.linear_twins import linear_twins
 from detect.prepare.preconditions import refused
@@ -45,7 +46,7 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Movements", "Params", "detect", "draw", "movements"]
+__all__ = ["CARD", "Movements", "Params", "detect", "draw", "movements", "recall", "remember"]
 
 Values = npt.NDArray[np.float64]
 NAME = "qualitative_movements"
@@ -59,7 +60,8 @@ CARD = Card(
     finds="stiction, from the order in which OP and the stem move; S and J in % of OP",
     index=(0.0, 1.0),
     process=("self_regulating",),
-    streams="no",
+    streams="pooled",
+    stream_bound=0.1,
     pros=("simple", "sees irregular cycles", "gives S and J"),
     cons=("finds about half of the sticky valves", "a sine a quarter of a period behind looks the same", "noise"),
     experimental=True,
@@ -106,10 +108,19 @@ def movements(u: Values, x: Values, level: float = 0.7) -> Movements:
     >>> round(found.rho_1, 2), round(found.rho_3, 2)
     (0.33, 0.33)
     """
+    found, pairs, _ = _runs(u, x, level)
+    return _counted(found, pairs)
+
+
+def _runs(u: Values, x: Values, level: float) -> tuple[Values, npt.NDArray[np.int_], npt.NDArray[np.int_]]:
+    """The runs of equal movements (r, 6), the movements themselves, and the sample at which each run starts (r,).
+
+    Of each run: its samples; whether the stem stands, and is followed rightly or wrongly (0 or 1); travels S and J.
+    """
     du, dx = _symbols(np.diff(u), level), _symbols(np.diff(x), level)
     kept = np.flatnonzero((du != 0) | (dx != 0))
     if not len(kept):
-        return Movements(0.0, 0.0, 0.0, np.empty(0), np.empty(0), np.empty(0, dtype=int))
+        return np.empty((0, 6)), np.empty(0, dtype=int), np.empty(0, dtype=int)
     pair = 3 * du[kept] + dx[kept]
     starts = np.concatenate([[0], np.flatnonzero(np.diff(pair)) + 1])
     ends = np.concatenate([starts[1:], [len(pair)]])
@@ -119,13 +130,21 @@ def movements(u: Values, x: Values, level: float = 0.7) -> Movements:
     right = stands & (after_x == way) & (after_u != -way)
     wrong = stands & ~right
     wrong[-1] = False  # nothing follows the last run
-    length, total = ends - starts, len(pair)
-    rho_1 = float(np.sum(length[stands])) / total
-    good = np.flatnonzero(right)
-    S = np.abs(u[kept[ends[good] - 1] + 1] - u[kept[starts[good]]])
-    J = np.abs(x[kept[ends[good + 1] - 1] + 1] - x[kept[starts[good + 1]]])
-    rho_2 = float(np.sum(length[right])) / total
-    return Movements(rho_1, rho_2, rho_1 - float(np.sum(length[wrong])) / total, S, J, 3 * du + dx)
+    following = np.minimum(np.arange(len(starts)) + 1, len(starts) - 1)
+    S = np.abs(u[kept[ends - 1] + 1] - u[kept[starts]])
+    J = np.abs(x[kept[ends[following] - 1] + 1] - x[kept[starts[following]]])
+    rows = np.column_stack([ends - starts, stands, right, wrong, S, J])
+    return rows, 3 * du + dx, kept[starts]
+
+
+def _counted(runs: Values, pairs: npt.NDArray[np.int_]) -> Movements:
+    """The numbers of the paper for runs (r, 6)."""
+    if not len(runs):
+        return Movements(0.0, 0.0, 0.0, np.empty(0), np.empty(0), pairs)
+    length, stands, right, wrong, S, J = runs.T
+    of_all = [float(length @ which) / float(length.sum()) for which in (stands, right, wrong)]
+    good = right > 0.0
+    return Movements(of_all[0], of_all[1], of_all[0] - of_all[2], S[good], J[good], pairs)
 
 
 def _symbols(d: Values, level: float) -> npt.NDArray[np.int_]:
@@ -137,16 +156,33 @@ def _symbols(d: Values, level: float) -> npt.NDArray[np.int_]:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.rho)
-    if refusal is not None:
-        return refusal
+    found = _seen(p, loop)
+    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+
+
+def _signals(p: Params, loop: Prepared) -> tuple[Values, Values, Values, float, str]:
+    """Times, OP and the stem at ``per_period`` samples a period, (n,), the sign of the latter and its name."""
     grid = loop.stretch
     name = stem_signal(grid)[0]
     sign = 1.0 if name == "MV" else controller_sign(grid.op, grid.e)
     n = min(len(grid), math.ceil((grid.t[-1] - grid.t[0]) / loop.period * p.per_period) + 1)
     t = np.linspace(grid.t[0], grid.t[-1], n)
-    u, x = np.interp(t, grid.t, loop.wave("OP")), sign * np.interp(t, grid.t, loop.wave(name))
-    found = movements(u, x, p.level)
+    return t, np.interp(t, grid.t, loop.wave("OP")), sign * np.interp(t, grid.t, loop.wave(name)), sign, name
+
+
+def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
+    """The runs of equal movements."""
+    refusal = refused(CARD, loop, p.rho)
+    if refusal is not None:
+        return refusal
+    t, u, x, _, _ = _signals(p, loop)
+    runs, _, starts = _runs(u, x, p.level)
+    return Pool(t[starts], runs, float(t[0]))
+
+
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    t, u, x, sign, name = _signals(p, loop)
+    found = _counted(pool.rows, _runs(u, x, p.level)[1])
     twins = linear_twins(u, x, 0.5 * p.per_period, 1.0)
     chance = max(movements(u, twin, p.level).rho_3 for twin in twins)
     word, why = _word(found, chance, p)
@@ -167,6 +203,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
         evidence["S_low"] = loop.op_percent(S - half) or S - half
         evidence["S_high"] = loop.op_percent(S + half) or S + half
     return Verdict(NAME, word, found.rho_3, p.rho, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
+
+
+remember, recall = pooled(_seen, _judged, most=1200)
 
 
 def _word(found: Movements, chance: float, p: Params) -> tuple[Word, str]:

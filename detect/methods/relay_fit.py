@@ -26,9 +26,9 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
-from detect.prepare.bootstrap import interval
-from detect.prepare.half_wave_fits import Samples, folded, gather, relay, relay_wave, sine, triangle
-from detect.prepare.preconditions import refused
+from detect.pool import pooled
+from detect.prepare.against_sine import AgainstSine
+from detect.prepare.half_wave_fits import Samples, relay, relay_wave, sine, triangle
 from detect.prepare.prepared import Prepared, prepared
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
@@ -36,7 +36,7 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Errors", "Params", "detect", "draw", "errors"]
+__all__ = ["CARD", "Errors", "Params", "detect", "draw", "errors", "recall", "remember"]
 
 Values = npt.NDArray[np.float64]
 NAME = "relay_fit"
@@ -50,7 +50,8 @@ CARD = Card(
     finds="whether a relay, as a sticky valve is one, could have made the wave of PV; no amount",
     index=(-1.0, 1.0),
     process=("self_regulating", "integrating"),
-    streams="no",
+    streams="pooled",
+    stream_bound=0.05,
     pros=("any process", "needs no OP", "each half wave by itself, so the period may drift"),
     cons=("noise draws it to 0", "outside squares and triangles look the same", "blind to waves with a late apex"),
     cost="O(25 n)",
@@ -114,22 +115,22 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
-    refusal = refused(CARD, loop, p.S_stiction)
-    if refusal is not None:
-        return refusal
-    halves = loop.half_waves("PV")
-    if len(halves) < p.half_waves_min:
-        reason = f"{len(halves)} half waves of PV are whole and high enough; {p.half_waves_min} are needed."
-        return Verdict.not_applicable(NAME, "too_few_cycles", reason, p.S_stiction)
-    found = errors(gather(halves))
-    low, high = interval(_index, np.column_stack([found.sine, found.relay]))
-    word, why = _word(found.S_I, low, p)
-    reason = (
-        f"S_I = {found.S_I:.2f} (90 % interval {low:.2f} to {high:.2f}, {len(halves)} half waves of PV, period "
-        f"{loop.period:.4g} s): {why}."
-    )
-    evidence = {"error_sine": found.sine, "error_other": found.relay, "ratio": found.ratio, **_shown(loop, found)}
-    return Verdict(NAME, word, found.S_I, p.S_stiction, reason, interval=(low, high), evidence=evidence, draw=draw)
+    return _frame(p).detect(loop)
+
+
+def _frame(p: Params) -> AgainstSine:
+    return AgainstSine(
+        CARD, "S_I", p.S_stiction, p.half_waves_min, "PV", errors, _index, lambda index, low: _word(index, low, p),
+        _shape, draw,
+    )  # fmt: skip
+
+
+def _shape(phase: Values, ratio: float) -> Values:
+    """The relay wave of a ratio of dead time to time constant; the triangle for 0."""
+    return relay_wave(phase, ratio) if ratio > 0.0 else 1.0 - np.abs(2.0 * phase - 1.0)
+
+
+remember, recall = pooled(lambda p, loop: _frame(p).seen(loop), lambda p, loop, pool: _frame(p).judged(loop, pool))
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:
@@ -141,19 +142,6 @@ def _word(index: float, low: float, p: Params) -> tuple[Word, str]:
             "noise hides a sticky valve behind such a wave too, so it is not cleared"
         )
     return "inconclusive", f"neither shape fits the half waves much better (limits {p.S_sine:g} and {p.S_stiction:g})"
-
-
-def _shown(loop: Prepared, found: Errors) -> dict[str, Values | float]:
-    phase, waves = folded(loop.half_waves("PV"))
-    q = float(np.median(found.ratio))
-    other = relay_wave(phase, q) if q > 0.0 else 1.0 - np.abs(2.0 * phase - 1.0)
-    half_sine = np.sin(np.pi * phase)
-    return {
-        "phase": phase,
-        "waves": waves,
-        "sine": half_sine,
-        "other": other * (waves.mean(0) @ other) / (other @ other),
-    }
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:

@@ -25,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
+from detect.pool import Pool, pooled
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import CUT, Prepared, prepared
 from detect.verdict import Verdict, Word
@@ -33,7 +34,7 @@ from logs import LoopRecord
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
 
-__all__ = ["CARD", "Params", "detect", "draw", "excess", "noise_share"]
+__all__ = ["CARD", "Params", "detect", "draw", "excess", "noise_share", "recall", "remember"]
 
 Values = npt.NDArray[np.float64]
 NAME = "second_difference_kurtosis"
@@ -47,7 +48,8 @@ CARD = Card(
     finds="stiction in levels, from corners in PV; no amount",
     index=(-2.0, math.inf),
     process=("integrating",),
-    streams="no",
+    streams="pooled",
+    stream_bound=0.1,
     pros=("made for levels", "PV alone", "no phase needed"),
     cons=("any other stepping flow bends the level in corners", "noise", "needs smoothing"),
     experimental=True,
@@ -92,19 +94,45 @@ def noise_share(d: Values, sigma: float, samples_per_period: float) -> float:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop."""
     loop = prepared(record)
+    found = _seen(p, loop)
+    return found if isinstance(found, Verdict) else _judged(p, loop, found)
+
+
+def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
+    """Number of values of d, means of d, d^2, d^3 and d^4 and the share of noise, in ``parts`` of the stretch."""
     refusal = refused(CARD, loop, p.kurtosis)
     if refusal is not None:
         return refusal
-    y = loop.wave("PV")
+    y, t = loop.wave("PV"), loop.stretch.t
     d = np.diff(y, 2)
-    K = excess(d)
-    left_out = np.array([excess(np.delete(d, part)) for part in np.array_split(np.arange(len(d)), p.parts)])
-    half = 1.645 * math.sqrt((p.parts - 1) / p.parts * float(np.sum((left_out - np.mean(left_out)) ** 2)))
     share = noise_share(d, loop.noise("PV"), loop.samples_per_period)
+    parts = np.array_split(np.arange(len(d)), p.parts)
+    sums = [[len(k), *((d[k] ** power).mean() for power in (1, 2, 3, 4)), share] for k in parts if len(k)]
+    at = np.array([0.5 * (t[k[0]] + t[k[-1] + 2]) for k in parts if len(k)])
+    return Pool(at, np.array(sums), float(t[0]), float(t[-1] - t[0]) / p.parts)
+
+
+def _of_sums(rows: Values) -> float:
+    """K of values whose number and mean powers (m, 5) are known in parts; 0 where all are equal."""
+    m1, m2, m3, m4 = np.average(rows[:, 1:5], axis=0, weights=rows[:, 0])
+    square = m2 - m1**2
+    fourth = m4 - 4.0 * m1 * m3 + 6.0 * m1**2 * m2 - 3.0 * m1**4
+    return float(fourth / square**2 - 3.0) if square > 0.0 else 0.0
+
+
+def _judged(p: Params, loop: Prepared, pool: Pool) -> Verdict:
+    K, m = _of_sums(pool.rows), len(pool.rows)
+    left_out = np.array([_of_sums(np.delete(pool.rows, k, axis=0)) for k in range(m)])
+    half = 1.645 * math.sqrt((m - 1) / m * float(np.sum((left_out - np.mean(left_out)) ** 2)))
+    share = float(np.average(pool.rows[:, 5], weights=pool.rows[:, 0]))
     word, why = _word(K, half, share, p)
     reason = f"K = {K:.2f}, 90 % interval {K - half:.2f} to {K + half:.2f}, {min(share, 1.0):.0%} noise: {why}."
-    evidence: dict[str, Values | float] = {"t": loop.stretch.t, "y": y, "d": d, "noise": share}
+    y = loop.wave("PV")
+    evidence: dict[str, Values | float] = {"t": loop.stretch.t, "y": y, "d": np.diff(y, 2), "noise": share}
     return Verdict(NAME, word, K, p.kurtosis, reason, interval=(K - half, K + half), evidence=evidence, draw=draw)
+
+
+remember, recall = pooled(_seen, _judged, most=100)
 
 
 def _word(K: float, half: float, share: float, p: Params) -> tuple[Word, str]:

@@ -57,6 +57,7 @@ CARD = Card(
     index=(0.0, math.inf),
     process=("self_regulating", "integrating"),
     streams="no",
+    stream_note="A stream brings PV, OP, SP and the mode, not the stem position that this method reads.",
     pros=("nothing of the process matters", "S and J with intervals", "tells a deadband from a stick"),
     cons=("few plants log the stem",),
     cost="O(n)",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,7 @@ import numpy.typing as npt
 __all__ = ["interval"]
 
 Values = npt.NDArray[np.float64]
+DRAWN = 256  # half waves whose weights are drawn at least
 
 
 def interval(
@@ -25,8 +27,16 @@ def interval(
     True
     """
     n = len(rows)
-    weights = np.random.default_rng(seed).standard_exponential((resamples, n))
-    weights /= weights.sum(axis=1, keepdims=True)
+    weights = _drawn(max(DRAWN, 1 << (n - 1).bit_length()), resamples, seed)[:, :n]
+    columns = np.ascontiguousarray(np.column_stack([rows, np.ones(n)]).T)
+    *sums, total = (np.einsum("rn,n->r", weights, column) for column in columns)  # one by one: many times as quick
+    means = np.stack(sums, axis=1) / total[:, None]
     tail = 0.5 * (1.0 - coverage)
-    low, high = np.quantile(of(np.einsum("rn,nk->rk", weights, rows)), [tail, 1.0 - tail])
+    low, high = np.quantile(of(means), [tail, 1.0 - tail])
     return float(low), float(high)
+
+
+@lru_cache(maxsize=4)
+def _drawn(n: int, resamples: int, seed: int) -> Values:
+    """Weights (resamples, n), drawn once for all records of up to n half waves; a record takes the first of each."""
+    return np.random.default_rng(seed).standard_exponential((resamples, n))

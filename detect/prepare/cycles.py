@@ -10,9 +10,8 @@ mean of PV stands for it, so that the sign of e stays that of -PV.
 
 from __future__ import annotations
 
-import itertools
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +21,7 @@ from detect.oscillation import acf_crossings as oscillation
 from detect.prepare import conditions
 from detect.prepare.fact import Fact
 from detect.prepare.gaps import SINGLE, Gap, falls_into, gaps_in
-from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure
+from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure_all
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.smoothing import moving_average, noise_std
 from detect.verdict import Code
@@ -236,18 +235,9 @@ def prepare(t: Values, x: Values, period: float, p: Params) -> tuple[Values, flo
 def half_cycles_in(t: Values, e: Values, noise: float, period: float, gaps: tuple[Gap, ...] = ()) -> list[HalfCycle]:
     """Half cycles of the prepared e between neighbouring crossings, faults marked, gaps in t among them."""
     std = float(np.std(e))
-    c = crossings(t, e, max(0.1 * std, min(3 * noise, 0.5 * std)))
-    found = []
-    for start, end in itertools.pairwise(c):
-        lo, hi = np.searchsorted(t, [start, end])
-        margin = 4
-        a, b = max(int(lo) - margin, 0), min(int(hi) + margin, len(t))
-        half = measure(t[a:b], e[a:b], float(start), float(end), noise)
-        if not half.fault and not 0.25 * period <= half.length <= period:
-            half = replace(half, fault="length")
-        if not half.fault and abs(half.peak) < 0.5 * std:
-            half = replace(half, fault="low")
-        if not half.fault and falls_into(gaps, half.peak_time):
-            half = replace(half, fault="gap")
-        found.append(half)
-    return found
+    cuts = crossings(t, e, max(0.1 * std, min(3 * noise, 0.5 * std)))
+    found = measure_all(t, e, cuts, noise, period, 0.5 * std)
+    if not gaps:
+        return found
+    hidden = (not half.fault and falls_into(gaps, half.peak_time) for half in found)
+    return [half._replace(fault="gap") if gone else half for half, gone in zip(found, hidden, strict=True)]

@@ -1,6 +1,7 @@
-"""One half cycle measured, compiled: ``half_cycles.measure`` and ``crossings``, and the sums of ``hagglund2011``.
+"""Half cycles measured, compiled: ``half_cycles.measure`` and ``crossings``, and the sums of ``hagglund2011``.
 
-Loaded when first called.  A record has hundreds of half cycles of a few dozen samples, for which arrays are too dear.
+Loaded when first called.  A record has hundreds of half cycles of a few dozen samples, for which arrays are too dear,
+and so is a call for each: ``half_cycles`` and ``half_waves`` go through all of a record.
 """
 
 import math
@@ -9,9 +10,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-__all__ = ["FAULTS", "flips", "half_cycle", "half_wave"]
+__all__ = ["FAULTS", "flips", "half_cycle", "half_cycles", "half_waves"]
 
-FAULTS = ("", "short", "two_peaks", "flat")
+FAULTS = ("", "short", "two_peaks", "flat", "length", "low")
+MARGIN = 4  # samples beyond a half cycle that help to place its peak
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
@@ -158,7 +160,31 @@ def half_cycle(
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def half_wave(t: Any, e: Any, sp: Any, start: float, end: float, phase: Any, shape: Any) -> tuple[Any, ...]:
+def half_cycles(
+    t: Any, x: Any, cuts: Any, noise: float, period: float, low: float, least: int, flat_share: float,
+    two_peaks: float, kink: float, out: Any,
+) -> None:  # fmt: skip
+    """What ``half_cycle`` says of x between neighbouring ``cuts`` (m + 1,), into out (m, 8).
+
+    One that is not a quarter to a whole ``period`` [s] long, or whose peak is below ``low``, has a fault of its own.
+    """
+    for i in range(len(cuts) - 1):
+        start, end = cuts[i], cuts[i + 1]
+        a = max(np.searchsorted(t, start) - MARGIN, 0)
+        b = min(np.searchsorted(t, end) + MARGIN, len(t))
+        fault, when, peak, before, after, n, sine, triangle = half_cycle(
+            t[a:b], x[a:b], start, end, noise, least, flat_share, two_peaks, kink
+        )
+        if fault == 0 and not 0.25 * period <= end - start <= period:
+            fault = 4
+        elif fault == 0 and abs(peak) < low:
+            fault = 5
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = fault, when, peak, before
+        out[i, 4], out[i, 5], out[i, 6], out[i, 7] = after, n, sine, triangle
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _half_wave(t: Any, e: Any, sp: Any, start: float, end: float, phase: Any, shape: Any) -> tuple[Any, ...]:
     """IAE, misfits of sine and square, peak, longest step [s], span of sp; |e| at ``phase`` into ``shape`` (m,)."""
     n, T = len(t), end - start
     iae, longest, peak, seen, value = 0.0, 0.0, 0.0, start, 0.0
@@ -181,3 +207,17 @@ def half_wave(t: Any, e: Any, sp: Any, start: float, end: float, phase: Any, sha
         v_square += (x - a_square) ** 2
         low, high = min(low, sp[k]), max(high, sp[k])
     return iae, v_sine / n, v_square / n, peak, longest, high - low
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def half_waves(t: Any, e: Any, sp: Any, cuts: Any, phase: Any, out: Any, shapes: Any) -> None:
+    """What ``_half_wave`` says between neighbouring ``cuts`` (m + 1,), and the samples inside, into out (m, 7)."""
+    for i in range(len(cuts) - 1):
+        a, b = np.searchsorted(t, cuts[i]), np.searchsorted(t, cuts[i + 1])
+        out[i, 6] = b - a
+        if b > a:
+            iae, v_sine, v_square, peak, longest, span = _half_wave(
+                t[a:b], e[a:b], sp[a:b], cuts[i], cuts[i + 1], phase, shapes[i]
+            )
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = iae, v_sine, v_square, peak
+            out[i, 4], out[i, 5] = longest, span

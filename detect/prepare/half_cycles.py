@@ -10,12 +10,12 @@ crossings and the interpolated peak.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["HalfCycle", "crossings", "measure"]
+__all__ = ["HalfCycle", "crossings", "measure", "measure_all"]
 
 Values = npt.NDArray[np.float64]
 
@@ -25,8 +25,7 @@ KINK = 1.8  # slope break at a corner over the break that smooth curvature besid
 SAMPLES_MIN = 5
 
 
-@dataclass(frozen=True)
-class HalfCycle:
+class HalfCycle(NamedTuple):
     """One half cycle between two zero crossings.
 
     start, peak_time, end : float [s]
@@ -39,7 +38,7 @@ class HalfCycle:
     sine_misfit, triangle_misfit : float
         Squared distance to the best sine and the best triangle on the same base [unit^2 s].
     fault : str
-        "" or why it cannot be used: "short", "flat", "two_peaks".
+        "" or why it cannot be used: "short", "flat", "two_peaks", "length", "low", "gap".
     """
 
     start: float
@@ -93,3 +92,23 @@ def measure(t: Values, x: Values, start: float, end: float, noise: float = 0.0) 
         np.ascontiguousarray(t), np.ascontiguousarray(x), start, end, noise, SAMPLES_MIN, FLAT_SHARE, TWO_PEAKS, KINK
     )
     return HalfCycle(start, peak_time, end, peak, before, after, samples, sine, triangle, FAULTS[fault])
+
+
+def measure_all(t: Values, x: Values, cuts: Values, noise: float, period: float, low: float) -> list[HalfCycle]:
+    """The half cycles of x between neighbouring ``cuts`` [s], as ``measure`` gives one by one.
+
+    One that is not a quarter to a whole ``period`` [s] long has the fault "length", one whose peak lies below ``low``
+    [unit of x] the fault "low".
+    """
+    from detect.prepare.half_cycle_kernels import FAULTS, half_cycles
+
+    found = np.empty((max(len(cuts) - 1, 0), 8))
+    t, x = np.ascontiguousarray(t), np.ascontiguousarray(x)
+    half_cycles(t, x, cuts, noise, period, low, SAMPLES_MIN, FLAT_SHARE, TWO_PEAKS, KINK, found)
+    at = cuts.tolist()
+    return [
+        HalfCycle(start, when, end, peak, before, after, int(n), sine, triangle, FAULTS[int(fault)])
+        for start, end, (fault, when, peak, before, after, n, sine, triangle) in zip(
+            at[:-1], at[1:], found.tolist(), strict=True
+        )
+    ]

@@ -2,20 +2,22 @@
 
     R = sum A1 / sum A2
 
-A1 and A2 are the areas before and after the peak of each half cycle. Half cycles are resampled for the interval.
+A1 and A2 are the areas before and after the peak of each half cycle. The half cycles are weighed anew for the interval.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from detect.prepare.bootstrap import interval
 from detect.prepare.half_cycles import HalfCycle
+
+Values = npt.NDArray[np.float64]
 
 __all__ = ["Lateness", "Side", "closed_form", "lag_of", "lateness"]
 
@@ -49,20 +51,17 @@ def lateness(half_cycles: Sequence[HalfCycle], resamples: int, seed: int, covera
     before = np.array([half.area_before for half in half_cycles])
     after = np.array([half.area_after for half in half_cycles])
     peak = np.array([half.peak for half in half_cycles])
-    draws = _draws(len(before), resamples, seed)
-    tail = 50 * (1 - coverage)
-    low, high = np.percentile(before[draws].sum(axis=1) / after[draws].sum(axis=1), [tail, 100 - tail])
+    low, high = interval(_ratio, np.column_stack([before, after]), coverage, resamples, seed)
     sides = {
         name: Side(float(before[side].sum() / after[side].sum()), int(side.sum()))
         for name, side in (("above", peak < 0), ("below", peak > 0))
         if side.any()
     }
-    return Lateness(float(before.sum() / after.sum()), float(low), float(high), sides)
+    return Lateness(float(before.sum() / after.sum()), low, high, sides)
 
 
-@lru_cache(maxsize=8)
-def _draws(n: int, resamples: int, seed: int) -> npt.NDArray[np.int64]:
-    return np.random.default_rng(seed).integers(0, n, (resamples, n))
+def _ratio(means: Values) -> Values:
+    return np.asarray(means[..., 0] / means[..., 1])
 
 
 def closed_form(h: float) -> float:

@@ -48,11 +48,11 @@ def moving_average(t: Values, x: Values, width: float, ends: Literal["shrink", "
 
 
 def _area_to(t: Values, x: Values, area: Values, q: Values) -> Values:
-    """Area under the polygon (t, x) from its start to the times q."""
-    k = np.clip(np.searchsorted(t, q, side="right") - 1, 0, len(t) - 2)
-    s = q - t[k]
-    slope = (x[k + 1] - x[k]) / (t[k + 1] - t[k])
-    result: Values = area[k] + s * (x[k] + 0.5 * slope * s)
+    """Area under the polygon (t, x) from its start to the times q, which increase."""
+    from detect.prepare.smoothing_kernels import areas_to
+
+    result = np.empty(len(q))
+    areas_to(t, np.ascontiguousarray(x, dtype=np.float64), area, q, result)
     return result
 
 
@@ -71,16 +71,8 @@ def noise_std(t: Values, x: Values) -> float:
     """
     if len(t) < 7:
         return 0.0
-    nodes = [t[0:-4], t[1:-3], t[3:-1], t[4:]]
-    values = [x[0:-4], x[1:-3], x[3:-1], x[4:]]
-    middle = t[2:-2]
-    prediction = np.zeros_like(middle)
-    spread = np.ones_like(middle)
-    for i, ti in enumerate(nodes):
-        weight = np.ones_like(middle)
-        for j, tj in enumerate(nodes):
-            if j != i:
-                weight *= (middle - tj) / (ti - tj)
-        prediction += weight * values[i]
-        spread += weight**2
-    return float(np.median(np.abs(x[2:-2] - prediction) / np.sqrt(spread)) / 0.6744897501960817)
+    from detect.prepare.smoothing_kernels import off_cubic
+
+    off = np.empty(len(t) - 4)
+    off_cubic(np.ascontiguousarray(t, dtype=np.float64), np.ascontiguousarray(x, dtype=np.float64), off)
+    return float(np.median(off) / 0.6744897501960817)

@@ -8,7 +8,7 @@ import pytest
 
 from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip, Sum
 from detect.blocks import DetectorBlock
-from detect.methods import area_ratio
+from detect.methods import area_ratio, harmonics, play_fit, stem_play
 from detect.oscillation import acf_crossings as oscillation
 from detect.oscillation import hagglund1995
 from detect.stream import LoopFacts, Sample
@@ -128,7 +128,7 @@ def test_fed_back_at_once_it_is_an_algebraic_loop():
 
 def method_that_streams(how):
     """A card alone, which says whether the method streams."""
-    return SimpleNamespace(CARD=SimpleNamespace(name="x", streams=how))
+    return SimpleNamespace(CARD=SimpleNamespace(name="x", streams=how, kind="detector", stream_note="It is not told."))
 
 
 @pytest.mark.parametrize(
@@ -140,12 +140,10 @@ def method_that_streams(how):
         ({"dt": 1.0, "verdict_every": 0}, r"verdict_every = 0.*1 or more"),
         ({"dt": 1.0, "process": "runaway"}, r"process = 'runaway'.*self_regulating"),
         ({"dt": 1.0, "method": np}, "no detector.*area_ratio"),
-        ({"dt": 1.0, "method": method_that_streams("no")}, r"x: .*does not stream \(its card.*diagnose\(run.log.loop"),
-        (
-            {"dt": 1.0, "method": method_that_streams("exact")},
-            r"no Params and no init and no update and no verdict",
-        ),
-        ({"dt": 1.0, "method": hagglund1995}, r"hagglund1995: .*does not stream \(it has no verdict\)"),
+        ({"dt": 1.0, "method": method_that_streams("no")}, r"x: .*does not stream.*It is not told.*diagnose\(run.log"),
+        ({"dt": 1.0, "method": method_that_streams("exact")}, r"x: .*It has no Params"),
+        ({"dt": 1.0, "method": stem_play}, r"stem_play: .*not the stem position"),
+        ({"dt": 1.0, "method": hagglund1995}, r"hagglund1995: .*It is an oscillation detector"),
         ({"dt": 1.0, "method": oscillation}, r"acf_crossings: .*does not stream"),
     ],
     ids=lambda value: str(value)[:40],
@@ -153,3 +151,16 @@ def method_that_streams(how):
 def test_refusals(options, words):
     with pytest.raises(BlockError, match=words):
         DetectorBlock(**({"method": area_ratio} | options))
+
+
+@pytest.mark.parametrize("method", [harmonics, play_fit], ids=lambda method: method.CARD.name)
+def test_any_method_that_streams_can_be_wired(method):
+    """Pooled or in a window: the block says at the end what batch says of the samples, which fit the window."""
+    block = DetectorBlock(method, dt=1.0, verdict_every=300, inputs={"PV": "PV_m"})
+    log = simulate(sticky_loop(block), 899.0, every=1.0).log
+    record = LoopRecord.from_arrays(
+        log.t, pv=log["PV_m"], op=log["OP"], sp=log["SP"], op_span=(0.0, 1.0), process="self_regulating"
+    )
+    batch = method.detect(record)
+    assert len(log.t) == 900 and log["verdict"][-1] == WORDS[batch.verdict].number
+    assert log["index"][-1] == pytest.approx(batch.index, rel=1e-9)

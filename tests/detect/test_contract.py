@@ -2,6 +2,7 @@
 
 import importlib
 import pkgutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 import detect.methods
 import detect.oscillation
 from detect import GATES, METHODS, stream
+from detect.window_twin import WINDOW, twin_of
 from logs import LoopRecord
 
 # The loop in which a method can see a sticky valve at all, where its card asks for a special one.
@@ -50,7 +52,6 @@ def test_card_is_complete(page):
     assert card.title and card.source and card.finds and card.assumes and card.pros and card.cons
     assert set(card.signals) <= {"SP", "PV", "OP", "MV"}
     assert card.index[0] < card.index[1]
-    assert card.streams == "no" or hasattr(page, "update")
 
 
 def noise(seed):
@@ -129,14 +130,47 @@ def test_abstains_on_awkward_data(method, loop, case):
 
 
 @by_name
+def test_the_card_says_how_it_streams(method):
+    own = all(hasattr(method, part) for part in ("init", "update", "verdict"))
+    pools = hasattr(method, "remember") and hasattr(method, "recall")
+    says = method.CARD.streams
+    assert says == ("exact" if own else "pooled" if pools else says if says in ("window", "no") else "neither")
+    if says in ("window", "no"):  # a twin of its own is owed, or a sentence why there is none
+        assert method.CARD.stream_note.endswith(".") and len(method.CARD.stream_note.split()) > 8
+    else:
+        assert not method.CARD.stream_note
+
+
+@by_name
 def test_stream_agrees_with_batch(method, sticky):
     if method.CARD.streams == "no":
         pytest.skip("does not stream")
-    record = seen(sticky, method, method.CARD.process[0], noise=0.1, n=6000)
-    p = method.Params()
-    batch, twin = method.detect(record, p), method.verdict(p, stream.replay(method, record, p))
-    assert twin.verdict == batch.verdict
-    assert twin.index == pytest.approx(batch.index, rel=max(method.CARD.stream_bound, 1e-9))
+    record = replace(seen(sticky, method, method.CARD.process[0], noise=0.1, n=6000), mv_name=None)  # no stream has it
+    p, twin = method.Params(), twin_of(method)
+    said = twin.verdict(p, stream.replay(twin, record, p))
+    if method.CARD.streams == "window":  # that of batch on the last samples
+        record = last_of(record, WINDOW // 2 + (len(record) - WINDOW) % (WINDOW // 2))
+    batch = method.detect(record, p)
+    assert said.verdict == batch.verdict, (said.reason, batch.reason)
+    near = max(method.CARD.stream_bound, 1e-9)
+    assert said.index == (None if batch.index is None else pytest.approx(batch.index, rel=near, abs=near))
+
+
+def last_of(record, last):
+    """The last samples of a record."""
+    return LoopRecord.from_arrays(
+        record.t[-last:], pv=record.pv[-last:], op=record.op[-last:], sp=record.sp[-last:], process=record.process,
+        op_span=record.op_span, name=record.name,
+    )  # fmt: skip
+
+
+@by_name
+def test_a_stream_never_accuses_noise_or_a_sine(method, loop, wave):
+    if method.CARD.streams == "no":
+        pytest.skip("does not stream")
+    p, twin, t = method.Params(), twin_of(method), np.arange(4500.0)
+    for e in (np.random.default_rng(5).normal(size=4500), wave("sine", t, 47.0) + 0.1 * noise(1).repeat(5)[:4500]):
+        assert twin.verdict(p, stream.replay(twin, loop(t, e), p)).verdict != "stiction"
 
 
 @by_name

@@ -7,7 +7,8 @@ import pytest
 
 from detect import METHODS
 from detect.loop_stream import LoopStream
-from detect.methods import area_ratio, cross_correlation, hagglund2011, harmonics
+from detect.methods import area_ratio, cross_correlation, hagglund2011, hammerstein, harmonics
+from detect.pool import Pool, joined
 from detect.prepare.prepared import Prepared
 from detect.stream import LoopFacts, Sample, replay
 
@@ -48,15 +49,24 @@ def test_a_long_record_is_judged_as_by_the_twin_of_each_method(make):
 
 def test_window_methods_judge_the_window(make):
     record = make(3000)
-    stream = fed(record, methods=(harmonics,), window=1024)
+    stream = fed(record, methods=(hammerstein,), window=1024)
     rows = stream.buffer.rows()
     assert 512 <= len(rows) <= 1024 and rows[-1, 0] == record.t[-1]
-    assert stream.verdicts()[0].index == harmonics.detect(stream.buffer.record(stream.facts)).index
+    assert stream.verdicts()[0].index == hammerstein.detect(stream.buffer.record(stream.facts)).index
 
 
 def test_memory_is_bounded(make):
-    sizes = [len(pickle.dumps(fed(make(n)))) for n in (4000, 8000)]
+    """Pieces are kept up to a number, so the state grows to a bound."""
+    sizes = [len(pickle.dumps(fed(make(n)))) for n in (6000, 12_000)]
     assert max(sizes) < 1_000_000 and sizes[1] < 1.5 * sizes[0]
+
+
+def test_pieces_are_kept_up_to_a_number():
+    past = None
+    for k in range(50):
+        now = Pool(np.arange(100.0) + 100.0 * k, np.full((100, 2), float(k)), 100.0 * k)
+        past = joined(past, now, most=400)
+    assert len(past.at) == 400 and past.at[0] == 4600.0 and past.since == 4599.0 and past.rows[-1, 0] == 49.0
 
 
 def test_the_window_is_prepared_once(make, monkeypatch):
