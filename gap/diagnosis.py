@@ -125,7 +125,7 @@ def told(
     if good and best.effect.hidden:
         return named(problem, tied(fits), fits, "adequate")
     pair = paired(problem, fits, catalogue, progress)
-    if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair):
+    if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair, best):
         return named_pair(problem, pair, fits)
     if good:
         return named(problem, tied(fits), fits, "adequate")

@@ -100,11 +100,11 @@ def tied(fits: Sequence[Fit]) -> list[Fit]:
     return [fit for fit in fits if fit.F <= best.F + TIE and abs(fit.total - best.total) <= TIE]
 
 
-def adequate_pair(problem: Problem, pair: Pair) -> bool:
-    """Return whether two effects explain the gap."""
+def adequate_pair(problem: Problem, pair: Pair, best: Fit) -> bool:
+    """Return whether two effects explain the gap, which the best single one does not."""
     left = float(scored(pair.second.e))
     return left <= problem.limit + needed(problem) or (
-        share(problem, pair.second) >= EXPLAINED + 0.03 and share(problem, pair.first) < EXPLAINED
+        share(problem, pair.second) >= EXPLAINED + 0.03 and share(problem, best) < EXPLAINED
     )
 
 
