@@ -11,6 +11,7 @@ import numpy as np
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
+from gap.adequacy import needed
 from gap.effect import Effect
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
@@ -20,12 +21,15 @@ from gap.limits import fitted_limits
 from gap.loads import fitted_load, is_load
 from gap.noise import fitted_noise
 from gap.problem import Problem
+from gap.ranges import fitted
 from gap.scans import fitted_scan
-from gap.search import Candidate, Fit, fitted, refined
+from gap.search import Candidate, Fit, refined
+from gap.sensitivity import promised
 from gap.texture import fitted_lattice
 
 PRICE = 12.0
 FOLLOWED, FOLLOWED_FREE = 6, 14  # candidates that are fitted to the end; where parameters have tolerances
+HOPE = 0.3  # share of the nats that an effect needs to be named, which its slope must promise
 NEAR = 0.25  # share of the gap by which a candidate may lag behind the best after a few sizes, to be followed
 
 
@@ -56,12 +60,23 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None, hidden: bool =
             last = bool(candidate.effect and candidate.effect.hidden)
             if last and not followed(found):
                 found = _finished(found)
-            if not (last and found and problem.limit >= found[0].F):
+            if not (last and found and problem.limit >= found[0].F) and _hopeful(candidate):
                 fit = way(candidate)(candidate)
                 if fit is not None and np.isfinite(fit.F):
                     found.append(replace(fit, price=price(fit)))
             tell(done + 1, len(legal))
     return _finished(found)
+
+
+def _hopeful(candidate: Candidate) -> bool:
+    """Return whether an effect may gain something worth a word, where all that is missing is little.
+
+    A gap that does not show in the score by itself is of small effects only, and slopes tell what these can gain.
+    """
+    problem = candidate.problem
+    if problem.score > problem.limit or way(candidate) is not fitted:
+        return True
+    return promised(candidate) > HOPE * needed(problem)
 
 
 def followed(found: Sequence[Fit]) -> bool:

@@ -120,13 +120,13 @@ def told(
     if best is None:
         return unknown(problem, fits)
     if textured or complete(problem, best):
-        return named(problem, [best] if textured else tied(fits), fits)
+        return named(problem, [best] if textured else tied(fits), fits, "digits" if textured else "complete")
     good = adequate(problem, best)
     if good and best.effect.hidden:
-        return named(problem, tied(fits), fits)
+        return named(problem, tied(fits), fits, "adequate")
     pair = paired(problem, fits, catalogue, progress)
-    if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair):
+    if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair, best):
         return named_pair(problem, pair, fits)
     if good:
-        return named(problem, tied(fits), fits)
+        return named(problem, tied(fits), fits, "adequate")
     return unknown(problem, fits)

@@ -8,7 +8,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.search import Candidate, Fit, best_of, between
+from gap.ranges import between
+from gap.search import Candidate, Fit, best_of
 
 Floats = NDArray[np.float64]
 QUANTILES = (1.0, 0.995, 0.98, 0.94, 0.85, 0.7, 0.5)  # of the signal, at which an upper limit is tried

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from blocks.arithmetic import Sum
 from blocks.recorded import Recorded
 from diagram import wire
+from gap.adequacy import needed
 from gap.effect import Effect
 from gap.floor import NU
 from gap.search import Candidate, Fit, best_of, refined
@@ -25,6 +26,8 @@ SHORTEST = 6.0  # period, in rows
 TRIED = 4  # shapes that are replayed
 HARMONICS = 8
 PHASES = 32  # begins of a period that are looked at
+HINT = 0.1  # share of the gap that a shape explains before it is refined
+HOPE = 0.5  # share of the nats that an effect needs to be named, which a filter must promise
 FINER = 4  # frequencies for each one that the record resolves
 
 
@@ -47,7 +50,9 @@ def fitted_load(candidate: Candidate) -> Fit | None:
         if min(abs(low), abs(high)) * 0.2 <= abs(guess["amplitude"]) or low < 0.0
     ]
     fits = sorted(candidate.tried(many), key=lambda fit: fit.F)
-    return best_of([refined(fit, 3) for fit in fits[:2] if math.isfinite(fit.F)])
+    problem = candidate.problem
+    worth = problem.score - HINT * (problem.score - problem.level)
+    return best_of([refined(fit, 3) if worth > fit.F or problem.free else fit for fit in fits[:2]])
 
 
 def _trimmed(e: Floats) -> Floats:
@@ -86,6 +91,8 @@ def _steps(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float]]
     gain = hit**2 / np.maximum(power, 1e-300)
     gain[power < 0.001 * power[0]] = 0.0
     t = problem.record.log.t[problem.floor.skipped :]
+    if not _hopeful(candidate, gain):
+        return []
     found = [{"amplitude": hit[k] / power[k], "time": float(t[k])} for k in _peaks(gain, n // 50 + 1)]
     early = problem.record.log.t[0]
     return [*found, {"amplitude": hit[0] / power[0], "time": float(early)}]
@@ -111,13 +118,21 @@ def _periods(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float
     best = np.argmax(total, axis=1)
     rows = np.arange(len(k))
     gain = np.maximum(total[rows, best], 0.0) ** 2 / norm
-    found = []
+    found: list[dict[str, float]] = []
+    if not _hopeful(candidate, gain):
+        return found
     for i in _peaks(gain, 2 * FINER):
         period = size * dt / k[i]
         # Rows count from where scoring begins; a sample that is held stands half an interval later.
         phase = (turns[best[i]] - (float(log.t[skipped]) + 0.5 * dt) / period) % 1.0
         found.append({"amplitude": total[i, best[i]] / norm[i], "period": period, "phase": phase})
     return found
+
+
+def _hopeful(candidate: Candidate, gain: Floats) -> bool:
+    """Return whether a load promises half of the nats of a name, where the gap does not show by itself."""
+    problem = candidate.problem
+    return problem.score > problem.limit or 0.5 * float(gain.max(initial=0.0)) > HOPE * needed(problem)
 
 
 def _harmonics(candidate: Candidate) -> list[complex]:

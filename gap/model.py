@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blocks.noise import Seeded
+from blocks.noise import Noise, Seeded
 from blocks.role import Role
+from blocks.sources import Constant
 from diagram.diagram import Diagram
 from gap.record import FEWEST, GapError, Record
 from logs import Log
@@ -45,8 +46,21 @@ def nuisances(diagram: Diagram) -> tuple[Nuisance, ...]:
 
 
 def silenced(diagram: Diagram) -> Diagram:
-    """Return the diagram without the random numbers of its nuisances."""
-    quiet = {f"{nuisance.block}.sd": 0.0 for nuisance in nuisances(diagram)}
+    """Return the diagram without the random numbers of its nuisances, and without blocks that only look on.
+
+    A noise that is a block of its own becomes its mean, which costs a replay nothing.
+    """
+    quiet = {}
+    for nuisance in nuisances(diagram):
+        block = diagram[nuisance.block]
+        if isinstance(block, Noise):
+            mean = Constant(str(block.output_labels[0]), block.params["mean"], name=block.name).with_role(block.role)
+            diagram = diagram.replace(block.name, mean)
+        else:
+            quiet[f"{nuisance.block}.sd"] = 0.0
+    watching = [block.name for block in diagram.blocks if block.role is Role.HISTORIAN]
+    if watching:
+        diagram = diagram.without(*watching)
     return diagram.with_params(quiet) if quiet else diagram
 
 

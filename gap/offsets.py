@@ -1,11 +1,13 @@
 """Pinned replays side by side: what each pin had to add at each row (``diagram.pins``)."""
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from diagram.diagram import Diagram
+from diagram.ensembles.running import ensemble
 from diagram.pins import replays
 from gap.record import Record
 from logs import Log
@@ -25,22 +27,29 @@ def offsets(
     ``params``, ``start``: block.name -> one value a run, or one for all.  ``logs``: one a run in place of the record's,
     with the same signals and rows.
     """
-    if logs is None and not params and not start:
-        logs = [record.log]
-    many = replays(
-        diagram,
-        record.log if logs is None else list(logs),
-        signals=[*record.played, *record.pinned],
-        keep=[f"{s}:offset" for s in record.pinned],
-        params={key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()},
-        start=start,
-        progress=False,
-    )
+    keep = [f"{s}:offset" for s in record.pinned]
+    given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
+    if logs is None:
+        log = record.log
+        t0 = np.full(1 if not given and not start else (), log.t[0])  # an array says that there is one run
+        many = ensemble(
+            held(diagram, record), log.duration, t0=t0, times=log.t, params=given, start=start,
+            signals=keep, progress=False,
+        )  # fmt: skip
+    else:
+        signals = [*record.played, *record.pinned]
+        many = replays(diagram, list(logs), signals=signals, keep=keep, params=given, start=start, progress=False)
     found = np.stack([many.values[f"{s}:offset"] for s in record.pinned], axis=-1)
     found[~many.ok] = np.nan
     bad = ~np.all([record.log.good(s) for s in record.pinned], axis=0)  # one that is missing misleads all others
     found[:, bad] = np.nan
     return found
+
+
+@lru_cache(maxsize=16)
+def held(diagram: Diagram, record: Record) -> Diagram:
+    """Return the diagram pinned to a record; the same one again for the next replays of it."""
+    return diagram.pinned(record.log, [*record.played, *record.pinned])
 
 
 def known_starts(diagram: Diagram, start: Mapping[str, float]) -> dict[str, float]:

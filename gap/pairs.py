@@ -1,18 +1,22 @@
-"""Two effects at once: where one is not adequate, a second is added, then each is fitted again given the other."""
+"""Two effects at once, where one is not adequate: pairs that lines propose, then a second effect beside the best."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress
-from gap.adequacy import share
-from gap.candidates import PRICE, candidates, ranked
+from gap.adequacy import needed, share
+from gap.candidates import PRICE, candidates, price, ranked
 from gap.effect import Effect
+from gap.inserting import inserted
 from gap.problem import Problem
-from gap.search import Candidate, Fit, refined
+from gap.proposals import proposed, smooth
+from gap.search import Candidate, Fit, best_of, refined
+from gap.together import Together, together, values_of
 
 FIRSTS = 2  # single effects to which a second is added
 ENOUGH = 0.3  # share of the gap that one of two effects explains alone
+JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to the end
 TURNS = 2  # times that each is fitted again given the other
 
 
@@ -32,24 +36,63 @@ class Pair:
 def paired(
     problem: Problem, fits: Sequence[Fit], catalogue: Iterable[Effect], progress: Progress = None
 ) -> Pair | None:
-    """Return the best pair of effects; None if none could be replayed."""
-    found: list[Pair] = []
-    legal = list(catalogue)
+    """Return the best pair of effects; None if none could be replayed.
+
+    Pairs that lines propose are fitted at once; where none of them explains the record, an effect that has no slope is
+    searched for in the presence of the best single ones, or any beside one with a hidden mode.
+    """
     if not fits or share(problem, fits[0]) < ENOUGH:
         return None
-    for first in [fit for fit in fits if not fit.candidate.noisy][:FIRSTS]:
-        base = inserted(problem.quiet, first)
-        seconds = [
-            one
-            for one in candidates(problem, base, legal)
-            if not (one.effect is first.effect and one.place == first.place)
-        ]
-        ordered = ranked(seconds, progress, hidden=False)  # a hidden mode is found as the first or not at all
-        if ordered:
-            found.append(Pair(first, ordered[0]))
-    if not found:
-        return None
-    return improved(problem, min(found, key=lambda pair: pair.total))
+    found = joined(problem, fits)
+    if not found or problem.limit + needed(problem) < found[0].second.F:
+        legal = list(catalogue)
+        for first in [fit for fit in fits if not fit.candidate.noisy][:FIRSTS]:
+            base = inserted(problem.quiet, first)
+            seconds = [
+                one
+                for one in candidates(problem, base, legal)
+                if not (one.effect is first.effect and one.place == first.place)
+                and (first.effect.hidden or not smooth(one))
+            ]
+            ordered = ranked(seconds, progress, hidden=False)  # a hidden mode is found as the first or not at all
+            if ordered:
+                found.append(improved(problem, Pair(first, ordered[0])))
+    return min(found, key=lambda pair: pair.total, default=None)
+
+
+def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
+    """Return pairs that lines propose, the sizes of both effects fitted at once, the best pair first."""
+    found: list[Fit] = []
+    for one in proposed(problem, fits)[:JOINED]:
+        candidate = together(one.first, one.second)
+        if candidate is not None:
+            best = best_of(candidate.tried(one.starts))
+            if best is not None:
+                found.append(refined(best, 3))
+                if problem.limit >= found[-1].F:
+                    break
+    found.sort(key=lambda fit: fit.F)
+    done = [refined(fit) for fit in found[:FOLLOWED]]
+    return sorted((_apart(problem, fit) for fit in done), key=lambda pair: pair.total)
+
+
+def _apart(problem: Problem, fit: Fit) -> Pair:
+    """Return the two effects of a joint fit, each as a fit in the presence of the other."""
+    both = fit.effect
+    if not isinstance(both, Together):
+        raise TypeError(f"{both!r} is one effect, not two")
+    (_, one, first_place), (_, two, second_place) = both.parts
+    values = values_of(fit, "1."), values_of(fit, "2.")
+    bases = (
+        two.insert(problem.quiet, second_place, **values[1]),
+        one.insert(problem.quiet, first_place, **values[0]),
+    )
+    made = [
+        Fit(Candidate(problem, base, effect, place), own, fit.F, fit.e)
+        for base, effect, place, own in zip(bases, (one, two), (first_place, second_place), values, strict=True)
+    ]
+    first, second = (replace(part, price=price(part)) for part in made)
+    return Pair(first, second)
 
 
 def improved(problem: Problem, pair: Pair) -> Pair:
@@ -63,13 +106,6 @@ def improved(problem: Problem, pair: Pair) -> Pair:
             return new if new.total < before else pair
         pair = new
     return pair
-
-
-def inserted(base: Diagram, fit: Fit) -> Diagram:
-    """Return a diagram with the effect of a fit; noise is in no replay."""
-    if fit.candidate.noisy:
-        return base
-    return fit.effect.insert(base, fit.place, **{name: fit.values[name] for name in fit.candidate.own})
 
 
 def _again(problem: Problem, base: Diagram, fit: Fit) -> Fit:

@@ -1,19 +1,22 @@
 """One record and one model, and what every candidate explanation of their gap is measured with."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from diagram.diagram import Diagram
-from gap.floor import Floor, scored
+from gap.floor import Floor, losses, scored
 from gap.offsets import known_starts, offsets
 from gap.record import Record
 
 Floats = NDArray[np.float64]
 AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
+EARLY = 0.2  # share of the record on which sizes are tried first
+SHOWN = 600.0  # nats by which the gap must show there
+FAIR = 0.4  # of its share by rows, at least
 SIGMAS = 4.5  # by which F may exceed its mean without a gap
 
 
@@ -56,7 +59,7 @@ class Problem:
         record: Record | None = None,
     ) -> Floats:
         """Return the innovations of a diagram, one run for each entry of the parameters, (runs, rows, signals)."""
-        ready = diagram.starting_at(known_starts(diagram, self.start))
+        ready = _started(diagram, self)
         e = self.floor.innovations(offsets(ready, record or self.record, params))
         if self.floor.coloured:
             e[:, self.at_limit[: e.shape[1]]] = np.nan
@@ -94,6 +97,23 @@ class Problem:
         """F of the model as it is."""
         return float(scored(self.as_it_is))
 
+    @cached_property
+    def early(self) -> "Problem":
+        """The problem of the first part of the record where that shows the gap as well as the whole, else this one.
+
+        Sizes are tried there first, at a fifth of the cost.
+        """
+        if self.floor.coloured or self.free:
+            return self
+        rows = round(EARLY * len(self.record.log))
+        head = replace(self, record=self.record.first_part(EARLY))
+        scored_rows = rows - self.floor.skipped
+        e = self.as_it_is[:scored_rows]
+        excess = float(losses(e).sum()) - self.floor.mean * scored_rows
+        share = scored_rows / self.rows
+        enough = excess > SHOWN and excess > FAIR * share * (self.score - self.level)
+        return head if enough else self
+
     @property
     def rows(self) -> int:
         """How many rows are scored."""
@@ -113,3 +133,9 @@ class Problem:
     def limit(self) -> float:
         """F that records without a gap do not exceed."""
         return float(self.level + SIGMAS * self.floor.sd * np.sqrt(self.known))
+
+
+@lru_cache(maxsize=16)
+def _started(diagram: Diagram, problem: Problem) -> Diagram:
+    """Return a diagram that starts as the record of a problem does; the same one again for its next replays."""
+    return diagram.starting_at(known_starts(diagram, problem.start))

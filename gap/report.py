@@ -74,12 +74,28 @@ class Shrinkage:
     high: float
 
 
+@dataclass(frozen=True)
+class Evidence:
+    """What an answer rests on: ``kind`` of the answer, ``gap`` [nats] to be explained, ``share`` of it that is,
+    ``margin`` [nats] by which the best explanation outside the named set is worse.
+
+    Kinds: "none" (no gap), "digits" (told by the digits of the log), "complete" (nothing is left), "adequate" (nearly
+    nothing), "pair", "unknown".
+    """
+
+    kind: str
+    gap: float
+    share: float = 0.0
+    margin: float = 0.0
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class GapReport:
     """The outcome of ``diagnose``: words first (``print(report)``), ``plot()``, ``to_dict()``.
 
     ``gap`` whether there is one; ``where``, ``causes``, ``ranking``, ``shrinkage`` as named; ``words`` in sentences;
-    ``residuals`` signal -> innovations of the model as it is and with the causes, (2, rows); ``t`` (rows,) [s].
+    ``residuals`` signal -> innovations of the model as it is and with the causes, (2, rows); ``t`` (rows,) [s];
+    ``evidence`` what the answer rests on.
     """
 
     gap: bool
@@ -92,6 +108,7 @@ class GapReport:
     t: Floats
     residuals: Mapping[str, Floats]
     diagram: "Diagram"
+    evidence: Evidence | None = None
 
     def __str__(self) -> str:
         return "\n".join([*self.words, *(f"  - {note}" for note in self.notes)])

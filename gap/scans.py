@@ -11,7 +11,8 @@ from gap.search import Candidate, Fit, best_of
 
 Floats = NDArray[np.float64]
 STILL = 0.05  # share of rows at which OP stands still, from which on its scans can be read off
-FASTER = (0.1, 0.2, 0.5, 1.0, 2.0)  # periods in intervals of the log that are tried where they cannot
+# periods in intervals of the log that are tried where they cannot
+FASTER = (0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 1.0)
 OTHERS = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)  # and where the controller scans already, in its own period
 
 
@@ -20,10 +21,12 @@ def fitted_scan(candidate: Candidate) -> Fit | None:
     log = candidate.problem.record.log
     signal = str(candidate.base[candidate.place].output_labels[0])
     own = candidate.nominal["period"]
-    guesses = [(own * factor, 0.0) for factor in OTHERS] if own > 0.0 else [(log.dt * f, 0.0) for f in FASTER]
-    if signal in log:
-        good = log.good(signal)
-        guesses = [*read_off(log.t[good], log[signal][good]), *guesses]
+    good = log.good(signal) if signal in log else np.zeros(0, dtype=bool)
+    guesses = read_off(log.t[good], log[signal][good]) if good.any() else []
+    if own > 0.0:
+        guesses += [(own * factor, 0.0) for factor in OTHERS]
+    elif not guesses:
+        guesses = [(log.dt * factor, 0.0) for factor in FASTER]
     low, high = candidate.bounds["period"]
     many = [
         {"period": float(period), "offset": float(offset % period), "present": present}
@@ -41,23 +44,39 @@ def read_off(t: Floats, values: Floats) -> list[tuple[float, float]]:
     []
     >>> [(round(P, 6), round(first, 6)) for P, first in read_off(np.arange(40.0), np.arange(40.0) // 4)]
     [(4.0, 0.0), (4.0, 3.5), (4.0, 3.001)]
+    >>> round(read_off(np.arange(400.0), np.arange(400.0) // 1.8)[0][0], 3)
+    1.8
     """
     moved = np.flatnonzero(np.diff(values) != 0.0) + 1
     if len(moved) < 5 or len(moved) > (1.0 - STILL) * len(values):
         return []
     at = t[moved]
     dt = float(np.median(np.diff(t)))
-    period = float(np.median(np.diff(at)))
+    guesses = (float(np.median(np.diff(at))), float((at[-1] - at[0]) / (len(at) - 1)))
+    period = min((_settled(at, one, dt) for one in guesses), key=lambda one: _spread(at, one))
+    k = np.round((at - at[0]) / period)
+    latest = round(float(np.quantile(at - k * period, 0.02)), 9)
+    earliest = min(float(np.quantile(at - k * period, 0.98)) - dt, latest)
+    first = [latest, 0.5 * (latest + earliest), earliest + 1e-3 * dt]
+    return [(period, float(one % period)) for one in first]
+
+
+def _settled(at: Floats, period: float, dt: float) -> float:
+    """Return the slope of the times over the number of the scan, whole rows where it nearly is."""
     for _ in range(4):
         k = np.round((at - at[0]) / period)
         new = float(np.polyfit(k, at, 1)[0])
         if abs(new - period) < 1e-9:
             break
         period = new
-    if abs(period / dt - round(period / dt)) < 0.02:
-        period = dt * round(period / dt)
-    k = np.round((at - at[0]) / period)
-    latest = float(np.quantile(at - k * period, 0.02))
-    earliest = latest - dt
-    first = [latest, 0.5 * (latest + earliest), earliest + 1e-3 * dt]
-    return [(period, float(one % period)) for one in first]
+    for digits in range(4):  # a scan that meets a row now and then does so exactly
+        plain = dt * round(period / dt, digits)
+        if plain > 0.0 and _spread(at, plain) < dt * (1.0 - 1e-6):
+            return float(plain)
+    return period
+
+
+def _spread(at: Floats, period: float) -> float:
+    """Return how far the times lie from a comb of the period [s]: less than a row if it is right."""
+    off = at - np.round((at - at[0]) / period) * period
+    return float(np.ptp(off))

@@ -1,15 +1,12 @@
-"""Fit an effect to a record: a few sizes over its whole range first, then steps along the slopes of the innovations.
+"""Fit an effect to a record by steps along the slopes of the innovations, from sizes that ``ranges`` has found.
 
-Innovations are smooth functions of an effect's size where their score is not: between neighbouring sizes they are
-interpolated, so that the narrow trough of the score is found from few replays.  Parameters of the model that are known
-within a tolerance only are free in every fit, within it.
+Parameters of the model that are known within a tolerance only are free in every fit, within it.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from itertools import pairwise
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +14,11 @@ from numpy.typing import NDArray
 from diagram.diagram import Diagram
 from gap.effect import Effect
 from gap.effects.sensor_noise import SensorNoise
-from gap.floor import losses, scored
+from gap.floor import scored
 from gap.problem import Problem, Settled
 from gap.robust import step
 
 Floats = NDArray[np.float64]
-NODES = 6  # sizes of a parameter that are replayed first
-BETWEEN = 8  # sizes looked at between two that were replayed
 ROUNDS = 6  # steps along the slopes
 SETTLED = 0.2  # nats that a step must promise to be taken
 PROBE = 1e-3  # of the distance from neutral, or of the range: change of a parameter that shows a slope
@@ -97,7 +92,7 @@ class Candidate:
     @cached_property
     def absent(self) -> "Fit":
         """The fit without the effect, the model's own parameters nominal."""
-        return replace(self, effect=None, place="").tried([{}])[0].of(self)
+        return _alone(self.problem, self.base).of(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +139,12 @@ class Fit:
     def place(self) -> str:
         """The block at which the effect is."""
         return self.candidate.place
+
+
+@lru_cache(maxsize=8)
+def _alone(problem: Problem, base: Diagram) -> Fit:
+    """Return the fit of a diagram without any effect more, the same for all candidates."""
+    return Candidate(problem, base).tried([{}])[0]
 
 
 def narrowed(fit: Fit) -> Fit:
@@ -225,60 +226,3 @@ def settled(problem: Problem) -> Problem:
         return problem
     fit = refined(Candidate(problem, problem.quiet).absent)
     return replace(problem, settled=Settled({key: fit.values[key] for key in problem.free}, fit.e))
-
-
-def between(fits: Sequence[Fit], name: str) -> tuple[float, float]:
-    """Return (value, F) where interpolated innovations of fits that differ in one parameter score best."""
-    ordered = sorted(fits, key=lambda fit: fit.values[name])
-    best = min((fit.F, fit.values[name]) for fit in ordered)
-    for one, other in pairwise(ordered):
-        a, b = one.values[name], other.values[name]
-        if min(one.F, other.F) > 3.0 * best[0] or not math.isfinite(b - a):
-            continue
-        for share in np.linspace(0.0, 1.0, BETWEEN + 2)[1:-1]:
-            F = float(losses(one.e + share * (other.e - one.e)).sum())
-            if best[0] > F:
-                best = F, a + share * (b - a)
-    return best[1], best[0]
-
-
-def fitted(candidate: Candidate, nodes: int = NODES) -> Fit | None:
-    """Return the fit of an effect over the whole range of each size, one after the other; None if no run succeeded.
-
-    Signed ranges that are linear are gone through in both directions from neutral, near it in smaller steps.
-    """
-    effect = candidate.effect
-    if effect is None:
-        return candidate.absent
-    values = dict(candidate.nominal)
-    best: Fit | None = None
-    for p in effect.parameters:
-        if p.nuisance:
-            continue
-        low, high = candidate.bounds[p.name]
-        nominal = candidate.nominal[p.name]
-        grid = _grid(p.spacing, low, high, nominal, nodes)
-        fits = [fit for fit in candidate.tried([{**values, p.name: size} for size in grid]) if math.isfinite(fit.F)]
-        if best is not None:
-            fits.append(best)
-        elif math.isfinite(nominal):
-            fits.append(candidate.absent)
-        if not fits:
-            continue
-        size, F = between(fits, p.name)
-        best = best_of(fits)
-        if best is not None and F < best.F - SETTLED:
-            best = best_of([best, *candidate.tried([{**values, p.name: size}])])
-        if best is not None:
-            values = dict(best.values)
-    return best
-
-
-def _grid(spacing: str, low: float, high: float, nominal: float, nodes: int) -> list[float]:
-    """Return sizes to try first: evenly in their logarithm, or to both sides of neutral in a geometric series."""
-    if spacing == "log":
-        return [float(v) for v in np.geomspace(low, high, nodes) if v != nominal]
-    if math.isfinite(nominal) and low < nominal < high:
-        share = np.geomspace(0.01, 1.0, (nodes + 1) // 2)
-        return [*(nominal + share * (high - nominal)).tolist(), *(nominal + share * (low - nominal)).tolist()]
-    return [float(v) for v in np.linspace(low, high, nodes) if v != nominal]

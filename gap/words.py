@@ -12,7 +12,7 @@ from gap.floor import losses, scored
 from gap.model import nuisances
 from gap.pairs import Pair
 from gap.problem import Problem
-from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
+from gap.report import UNKNOWN, Cause, Evidence, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.search import Fit, best_of, refined
 from gap.sizes import SEEN, shares, shrinkage, sizes
 
@@ -30,7 +30,7 @@ def no_gap(problem: Problem) -> GapReport:
         "No gap of relevance: the log is as the model with its nuisances would write it "
         f"(score {problem.score:.0f}, without a gap {problem.level:.0f} on average and {problem.limit:.0f} at most).",
     )
-    return _report(problem, words, problem.as_it_is)
+    return _report(problem, words, problem.as_it_is, rests=Evidence("none", problem.score - problem.level))
 
 
 def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
@@ -47,11 +47,11 @@ def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
     where = Where(place, 0.7, near, {name: explained.get(name, 0.0) for name in near})
     return _report(
         problem, words, best.e if best else problem.as_it_is, where, (Cause(UNKNOWN, place, UNSURE),),
-        ranking(fits, [], UNSURE), None,
+        ranking(fits, [], UNSURE), None, evidence(problem, "unknown", fits[:1], fits),
     )  # fmt: skip
 
 
-def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit]) -> GapReport:
+def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit], kind: str = "complete") -> GapReport:
     """Return the report of a gap with one cause; ``same`` what cannot be told apart, the best first."""
     best = same[0]
     places = tuple(dict.fromkeys(fit.place for fit in same))
@@ -65,7 +65,8 @@ def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit]) -> GapRepo
     words.append(f"It explains {100.0 * share(problem, best):.1f} % of the gap" + _shrunk(shrunk))
     cause = Cause(best.effect.name, best.place, SURE, others, found)
     where = Where(best.place, SURE, places, {name: explained.get(name, 0.0) for name in places})
-    return _report(problem, words, best.e, where, (cause,), ranking(fits, same, SURE), shrunk)
+    rests = evidence(problem, kind, same, fits)
+    return _report(problem, words, best.e, where, (cause,), ranking(fits, same, SURE), shrunk, rests)
 
 
 def named_pair(problem: Problem, pair: Pair, fits: Sequence[Fit]) -> GapReport:
@@ -79,7 +80,15 @@ def named_pair(problem: Problem, pair: Pair, fits: Sequence[Fit]) -> GapReport:
     words += [f"{cause.effect} at {cause.place}, {_sizes(cause.parameters)}." for cause in causes]
     words.append(f"Together they explain {100.0 * share(problem, pair.second):.1f} % of the gap" + _shrunk(shrunk))
     where = Where(places[0], UNSURE, places, {name: explained.get(name, 0.0) for name in places})
-    return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], UNSURE), shrunk)
+    rests = Evidence("pair", problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total)
+    return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], UNSURE), shrunk, rests)
+
+
+def evidence(problem: Problem, kind: str, same: Sequence[Fit], fits: Sequence[Fit]) -> Evidence:
+    """Return what a name rests on; ``same`` the fits that it stands for, the best first."""
+    others = [fit.total for fit in fits if fit not in same]
+    margin = min(others) - same[0].total if others and same else 0.0
+    return Evidence(kind, problem.score - problem.level, share(problem, same[0]) if same else 0.0, margin)
 
 
 def tied(fits: Sequence[Fit]) -> list[Fit]:
@@ -91,11 +100,11 @@ def tied(fits: Sequence[Fit]) -> list[Fit]:
     return [fit for fit in fits if fit.F <= best.F + TIE and abs(fit.total - best.total) <= TIE]
 
 
-def adequate_pair(problem: Problem, pair: Pair) -> bool:
-    """Return whether two effects explain the gap."""
+def adequate_pair(problem: Problem, pair: Pair, best: Fit) -> bool:
+    """Return whether two effects explain the gap, which the best single one does not."""
     left = float(scored(pair.second.e))
     return left <= problem.limit + needed(problem) or (
-        share(problem, pair.second) >= EXPLAINED + 0.03 and share(problem, pair.first) < EXPLAINED
+        share(problem, pair.second) >= EXPLAINED + 0.03 and share(problem, best) < EXPLAINED
     )
 
 
@@ -197,11 +206,14 @@ def _report(
     causes: tuple[Cause, ...] = (),
     ranks: tuple[Rank, ...] = (),
     shrunk: Shrinkage | None = None,
+    rests: Evidence | None = None,
 ) -> GapReport:
     both = np.stack([problem.as_it_is, after])
     shown = {s: both[:, :, k] for k, s in enumerate(problem.record.pinned)}
     t = problem.record.log.t[problem.floor.skipped :]
-    return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes(problem), t, shown, problem.quiet)
+    return GapReport(
+        bool(causes), where, causes, ranks, shrunk, tuple(words), notes(problem), t, shown, problem.model, rests
+    )
 
 
 def notes(problem: Problem) -> tuple[str, ...]:

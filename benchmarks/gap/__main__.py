@@ -7,6 +7,7 @@ import argparse
 import json
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -73,10 +74,12 @@ def _row(run: Run, first: set[str]) -> dict[str, Any]:
     record = run.made()
     signals = {s: v for s, v in record.signals.items() if s != "time" and (run.mv or s != "MV")}
     begin = time.perf_counter()
-    report = diagnose(model(run.setting), Log(record.signals["time"], signals), progress=False).to_dict()
+    found = diagnose(model(run.setting), Log(record.signals["time"], signals), progress=False)
     seconds = time.perf_counter() - begin
+    report = found.to_dict()
     truth = {"gap": record.gap, "effects": {k: dict(v) for k, v in record.effects.items()}}
     row = judged(run, truth, report, seconds) | baselines(record)
+    row |= {"evidence": found.evidence and asdict(found.evidence)}
     row |= {"setting": run.setting, "severity": run.severity, "mv": run.mv, "effects": list(run.effects),
             "outside": run.outside, "first": run.setting not in first, "family": run.family}  # fmt: skip
     first.add(run.setting)

@@ -1,0 +1,53 @@
+"""Two effects at once in one segment, where no single one shows the way to the other."""
+
+import numpy as np
+import pytest
+
+from cases.models import ideal_flow
+from diagram import ensemble
+from gap import diagnose
+from gap.candidates import candidates, ranked
+from gap.diagnosis import prepared
+from gap.effects import effect
+from gap.proposals import proposed
+from gap.together import together
+from logs import Log
+
+NAMES = ("dead_time", "second_lag", "process_gain", "controller_gain", "sensor_bias", "process_time_constant")
+FEW = [effect(name) for name in NAMES]
+
+
+@pytest.fixture(scope="module")
+def log(recorded):
+    """A record of a process with a dead time and a second lag, of which the model has neither."""
+    model = effect("second_lag").insert(
+        effect("dead_time").insert(ideal_flow(rest=1.5), "process", theta=1.3), "process", tau=2.2
+    )
+    plain = recorded(seed=3)
+    many = ensemble(
+        model, plain.duration, times=plain.t, inputs=Log(plain.t, {"SP": plain["SP"]}), seeds=[3],
+        signals=["OP", "PV"], progress=False,
+    )  # fmt: skip
+    return Log(plain.t, {"SP": plain["SP"], **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+
+
+def test_two_effects_of_one_segment_are_both_named(log):
+    report = diagnose(ideal_flow(), log, catalogue=FEW, progress=False)
+    sizes = {cause.effect: cause.parameters for cause in report.causes}
+    assert set(sizes) == {"dead_time", "second_lag"}
+    assert sizes["dead_time"]["theta"].value == pytest.approx(1.3, rel=0.01)
+    assert sizes["second_lag"]["tau"].value == pytest.approx(2.2, rel=0.01)
+
+
+def test_the_right_pair_is_proposed_first(log):
+    problem = prepared(ideal_flow(), log)
+    fits = ranked(candidates(problem, problem.quiet, FEW), False)
+    first = proposed(problem, fits)[0]
+    assert {first.first.effect.name, first.second.effect.name} == {"dead_time", "second_lag"}
+    assert np.isfinite(first.F) and first.starts
+
+
+def test_two_effects_that_set_the_same_parameter_are_no_candidate(log):
+    problem = prepared(ideal_flow(), log)
+    gain, other = (candidates(problem, problem.quiet, [effect("process_gain")])[0] for _ in range(2))
+    assert together(gain, other) is None
