@@ -10,7 +10,7 @@ here and computed where a log is filtered.  Between scans nothing but continuous
 matrices are exact (matrix exponential); what passes a dead time while it still moves is held at its mean.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +34,8 @@ class Scanned:
 
     ``F`` next z; ``v`` what the controller would give without limits; ``told`` the opening that the valve is told, none
     without a cut there; ``H`` logged signals; ``Q``; ``limits`` of OP; ``beyond`` rows of F for the ``memory`` of the
-    controller while it is at a limit: (high or low, pushed further or not, memories, columns); ``start`` z at first.
+    controller while it is at a limit: (high or low, pushed further or not, memories, columns); ``slow`` what stands
+    still at scans that the controller leaves out; ``start`` z at first.
     """
 
     names: tuple[str, ...]
@@ -47,6 +48,7 @@ class Scanned:
     limits: tuple[float, float]
     memory: NDArray[np.int64]
     beyond: Floats
+    slow: NDArray[np.int64]
     start: Floats
 
     @property
@@ -61,32 +63,33 @@ def base_period(diagram: Diagram) -> float:
 
 
 def scanned(
-    quiet: Diagram,
+    blocks: Sequence[Block],
     noise: Sequence[Nuisance],
     controller: str,
     logged: Sequence[str],
     inputs: Sequence[str],
-    seen: dict[str, float],
+    near: Mapping[str, float],
     valve_signal: str = "",
     load_signal: str = "",
-    period: float = 0.0,
+    period: float = 1.0,
 ) -> Scanned:
-    """Return the matrices of a silent diagram.
+    """Return the matrices of the blocks of a silent diagram.
 
     ``noise`` its nuisances with their sizes; ``controller`` the block whose output is cut; ``logged`` signals to
-    observe, ``inputs`` open inputs; ``seen`` signal -> value near which limits are not reached; ``valve_signal``: where
-    a law acts on the opening; ``load_signal``: to which planned loads are added; ``period`` of a scan [s].
+    observe, ``inputs`` open inputs; ``near`` the value of each signal (``operating``), at no limit; ``valve_signal``:
+    where a law acts on the opening; ``load_signal``: to which planned loads are added; ``period`` of a scan [s].
     Raises ``NotAffine`` if a block bends.
     """
-    h = period or base_period(quiet)
-    blocks = [b for b in quiet.blocks if b.role not in ONLOOKERS]
+    h = period
+    blocks = [b for b in blocks if b.role not in ONLOOKERS]
+    named = {b.name: b for b in blocks}
     signals = [*(str(s) for b in blocks for s in b.output_labels), *inputs]
     place = {s: i for i, s in enumerate(signals)}
     if len(place) < len(signals) or any(str(s) not in place for b in blocks for s in b.input_labels):
         raise NotAffine("an input is not logged")
-    op = str(quiet[controller].output_labels[0])
-    operating = _operating(blocks, place, seen, quiet[controller])
-    tables = [affine(b, operating[[place[str(s)] for s in b.input_labels]]) for b in blocks]
+    op = str(named[controller].output_labels[0])
+    at = np.array([near[s] for s in signals])
+    tables = [affine(b, at[[place[str(s)] for s in b.input_labels]]) for b in blocks]
 
     # --- columns of what everything is made of
     own = [(b.name, s) for b, a in zip(blocks, tables, strict=True) for s in a.states]
@@ -184,7 +187,7 @@ def scanned(
         grown = _held(A, h)
         F[index] = unit[index] + grown @ rate
     for name, i, first, length, rest in lines:
-        b = quiet[name]
+        b = named[name]
         source = place[str(b.input_labels[i])]
         now = s_now[source]
         if index:
@@ -213,21 +216,28 @@ def scanned(
     beyond = np.empty((2, 2, k, N))
     for side, sign in enumerate((1.0, -1.0)):
         for push, way in enumerate((1.0, -1.0)):
-            a = _beyond(block, operating[[place[str(s)] for s in block.input_labels]], sign, sign * way)
+            a = _beyond(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
             beyond[side, push] = (
                 _moved(block, a, first, s_now, unit, place, delayed, at_in + len(inputs)) if a else F[memory]
             )
+    slow = [
+        j
+        for b in blocks
+        if b.sampled and b.period > 1.5 * h
+        for j in range(rows_of[b.name][0], sum(rows_of[b.name][:2]))
+    ]
     start = np.zeros(n)
     for b in blocks:
         first, k, a, _ = rows_of[b.name]
         values = dict(zip(b.seen_states(), b.seen_start(), strict=True))
         start[first : first + k] = [values[s] for s in a.states]
     for name, i, first, length, _ in lines:
-        start[first : first + length] = operating[place[str(quiet[name].input_labels[i])]]
-    start[n - 1] = operating[place[op]]
+        start[first : first + length] = at[place[str(named[name].input_labels[i])]]
+    start[n - 1] = at[place[op]]
     H = np.stack([given[place[s]] if s == op else s_now[place[s]] for s in logged])
     told = given[place[valve_signal]] if valve_signal else None
-    return Scanned(tuple(names), kinds, F, given[place[op]], told, H, Q, (low, high), memory, beyond, start)
+    return Scanned(tuple(names), kinds, F, given[place[op]], told, H, Q, (low, high), memory, beyond,
+                   np.array(slow, dtype=np.int64), start)  # fmt: skip
 
 
 def _moved(
@@ -254,42 +264,33 @@ def _held(A: Floats, t: float) -> Floats:
 
 def _beyond(block: Block, u: Floats, sign: float, push: float) -> Affine | None:
     """Return a controller far beyond its limit on one side, its error pushing upwards or downwards."""
-    names = [s for s in block.seen_states()]
+    names = block.seen_states()
     if not block.sampled or not names:
         return None
-    parts = {part: block.input_labels.index(block.loop_signal(part)) for part in ("SP", "PV")}
-    far = block.starting_at(**{names[0]: sign * FAR})
-    up = block.output(0.0, block.seen_start(), _moved_input(u, parts["SP"], 0.01))
-    down = block.output(0.0, block.seen_start(), _moved_input(u, parts["SP"], -0.01))
-    way = 1.0 if float(up[0]) >= float(down[0]) else -1.0
+    sp, pv = (block.input_labels.index(block.loop_signal(part)) for part in ("SP", "PV"))
+    up, down = u.copy(), u.copy()
+    up[sp], down[sp] = u[sp] + 0.01, u[sp] - 0.01
+    x = np.asarray(block.seen_start(), dtype=float)
+    way = 1.0 if block.output(0.0, x, up)[0] >= block.output(0.0, x, down)[0] else -1.0
     at = u.copy()
-    at[parts["SP"]] = at[parts["PV"]] + way * push * 0.1
-    return affine(far, at)
+    at[sp] = at[pv] + way * push * 0.1
+    return affine(block.starting_at(**{names[0]: sign * FAR}), at)
 
 
-def _moved_input(u: Floats, j: int, by: float) -> Floats:
-    other = u.copy()
-    other[j] += by
-    return other
+def operating(diagram: Diagram, seen: Mapping[str, float], inputs: Sequence[str], controller: str) -> dict[str, float]:
+    """Return the values of all signals near which blocks are looked at: those seen, the others as they follow.
 
-
-def _operating(blocks: Sequence[Block], place: dict[str, int], seen: dict[str, float], controller: Block) -> Floats:
-    """Return the values of all signals near which the blocks are looked at: those known, the others as they follow."""
-    s = np.zeros(len(place))
-    for name, value in seen.items():
-        if name in place:
-            s[place[name]] = value
+    The controller's error is 0 there.
+    """
+    blocks = [b for b in diagram.blocks if b.role not in ONLOOKERS]
+    found = {str(s): 0.0 for b in blocks for s in b.output_labels} | dict.fromkeys(inputs, 0.0) | dict(seen)
     for _ in range(len(blocks)):
-        before = s.copy()
+        before = dict(found)
         for b in blocks:
-            out = np.asarray(
-                b.output(0.0, b.seen_start(), s[[place[str(x)] for x in b.input_labels]]), dtype=float
-            )
-            for value, name in zip(out, b.output_labels, strict=True):
-                if str(name) not in seen:
-                    s[place[str(name)]] = value
-        if np.array_equal(before, s, equal_nan=True):
+            u = np.array([found.get(str(s), 0.0) for s in b.input_labels])
+            out = np.asarray(b.output(0.0, b.seen_start(), u), dtype=float)
+            found |= {str(s): float(y) for s, y in zip(b.output_labels, out, strict=True) if str(s) not in seen}
+        if before == found:
             break
-    sp, pv = (controller.input_labels.index(controller.loop_signal(part)) for part in ("SP", "PV"))
-    s[place[str(controller.input_labels[pv])]] = s[place[str(controller.input_labels[sp])]]
-    return s
+    sp, pv = (str(diagram[controller].loop_signal(part)) for part in ("SP", "PV"))
+    return found | {pv: found[sp]}
