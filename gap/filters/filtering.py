@@ -12,11 +12,13 @@ from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
 from gap.effect import Effect
+from gap.effects.deadband import Deadband
 from gap.effects.disturbance import Disturbance
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
 from gap.effects.step_disturbance import StepDisturbance
+from gap.effects.stiction import Stiction
 from gap.effects.valve_characteristic import ValveCharacteristic
 from gap.effects.valve_rate_limit import ValveRateLimit
 from gap.effects.valve_saturation import ValveSaturation
@@ -31,6 +33,7 @@ from gap.record import Record
 Floats = NDArray[np.float64]
 FINER = 8  # points of a scan at which a planned load is averaged
 SKIPPED = 60  # rows at the beginning, and at least the time in which a start is forgotten
+UNCHANGED = (SensorNoise, Quantisation)  # effects that change no path of a signal
 LAWS = {ValveSaturation: kalman.STOPS, ValveCharacteristic: kalman.CURVED, ValveRateLimit: kalman.SLOW}
 
 
@@ -156,10 +159,15 @@ class Explanation:
         return isinstance(self.effect, Disturbance)
 
     @cached_property
+    def sticks(self) -> bool:
+        """Whether the effect needs a bank of stems."""
+        return isinstance(self.effect, Stiction | Deadband)
+
+    @cached_property
     def changed(self) -> Diagram:
         """The silent diagram with the blocks of the effect."""
         base = self.filtering.quiet
-        if self.effect is None or self.law or self.load or isinstance(self.effect, SensorNoise | Quantisation):
+        if self.law or self.load or self.effect is None or self.sticks or isinstance(self.effect, UNCHANGED):
             return base
         return self.effect.put(base, self.place)
 
@@ -194,9 +202,9 @@ class Explanation:
             noise = tuple(
                 replace(n, sd=math.sqrt(n.sd**2 + own["step"] ** 2 / 12.0)) if n.block == noisy else n for n in noise
             )
-        elif self.effect is not None and not self.law and not self.load:
+        elif self.effect is not None and not (self.law or self.load or self.sticks):
             params |= self.effect.settings(f.quiet, self.place, **own)
-        valve = given(f.quiet, self.place) if self.law else ""
+        valve = given(f.quiet, self.place) if self.law or self.sticks else ""
         load = str(f.quiet[self.place].output_labels[0]) if self.load else ""
         blocks = self._blocks(params)
         return scanned(blocks, noise, f.controller, f.signals, f.record.played, self.near, valve, load, f.period)
@@ -264,7 +272,7 @@ class Explanation:
 @dataclass(frozen=True, eq=False)
 class Filtered:
     """What an explanation with certain ``values`` leaves: innovations ``e`` (rows, signals) of unit variance if it is
-    right, their variances ``S``, and ``OP`` at each scan.
+    right, their variances ``S``, and ``OP`` at each scan; ``mixed`` the loss of each row where many filters are one.
     """
 
     explanation: Explanation
@@ -272,11 +280,19 @@ class Filtered:
     e: Floats
     S: Floats
     OP: Floats
+    mixed: Floats | None = None
+
+    @cached_property
+    def losses(self) -> Floats:
+        """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]."""
+        if self.mixed is not None:
+            return self.mixed
+        return np.asarray(0.5 * np.nansum(self.e**2 + np.log(self.S), axis=1))
 
     @cached_property
     def nll(self) -> float:
-        """Negative logarithm of the likelihood, without its constant [nats]."""
-        value = kalman.nll(self.e, self.S, self.explanation.filtering.skipped)
+        """Negative logarithm of the likelihood of the rows that count [nats]."""
+        value = float(self.losses[self.explanation.filtering.skipped :].sum())
         return value if math.isfinite(value) else math.inf
 
     @cached_property

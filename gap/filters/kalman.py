@@ -219,12 +219,3 @@ def filtered(F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, s
                     A[i, n - 1] += held_F[i, n] + (held_F[i, n + 1] * slope * told[n] if law else 0.0)
             spread(P, A, Q, W)
         z[:] = new
-
-
-def nll(e: Any, S: Any, first: int = 0) -> float:
-    """Return the negative logarithm of the likelihood of the rows from ``first`` on, without its constant [nats].
-
-    >>> nll(np.array([[1.0], [np.nan]]), np.array([[1.0], [np.nan]]))
-    0.5
-    """
-    return 0.5 * float(np.nansum(e[first:] ** 2) + np.nansum(np.log(S[first:])))

@@ -4,9 +4,9 @@
     z_k+1 = F z_k + F_in u_k + F_op OP_k + F_mv MV_k + w_k          w_k ~ N(0, Q), independent
 
 z: states of continuous blocks, memories of sampled ones, loads and noise in force, values on their way through dead
-times, the last OP.  u: logged inputs, the time, 1, and planned loads (means over the interval).  OP is what a controller
-gives within its limits, MV what the valve makes of the opening that it is told: neither is linear, so both are inputs
-here and computed where a log is filtered.  Between scans nothing but continuous blocks moves, under held inputs, so the
+times, the last OP.  u: logged inputs, the time, 1, and planned loads (means over the interval).  OP is what a
+controller gives within its limits, MV what the valve makes of the opening that it is told: neither is linear, so both
+are inputs here and computed where a log is filtered.  Between scans nothing but continuous blocks moves, under held inputs, so the
 matrices are exact (matrix exponential); what passes a dead time while it still moves is held at its mean.
 """
 
@@ -98,7 +98,7 @@ def scanned(
     lines = []
     for b, whole, rest in late:
         for i in range(len(b.input_labels)):
-            length = int(round(whole)) + (1 if rest > 1e-9 else 0)
+            length = round(whole) + (1 if rest > 1e-9 else 0)
             lines.append((b.name, i, len(names), length, rest if rest > 1e-9 else 0.0))
             names += [f"{b.name} input {i} late {j + 1}" for j in range(length)]
     names.append("last OP")
