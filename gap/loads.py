@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from blocks.arithmetic import Sum
 from blocks.recorded import Recorded
 from diagram import wire
+from diagram.diagram import Diagram
 from gap.adequacy import needed
 from gap.effect import Effect
 from gap.floor import NU
@@ -42,7 +43,10 @@ def fitted_load(candidate: Candidate) -> Fit | None:
     if response is None:
         return None
     e = _trimmed(candidate.absent.e)
-    guesses = (_steps if "time" in candidate.own else _periods)(candidate, e, response)
+    t = candidate.problem.record.log.t[candidate.problem.floor.skipped :]
+    problem = candidate.problem
+    least = 0.0 if problem.score > problem.limit else HOPE * needed(problem)  # where the gap does not show by itself
+    guesses = planned(candidate.effect, candidate.base, candidate.place, t, e, response, least)
     (low, high), span = candidate.bounds["amplitude"], candidate.bounds
     many = [
         {k: float(np.clip(v, *span[k])) for k, v in guess.items()}
@@ -50,9 +54,23 @@ def fitted_load(candidate: Candidate) -> Fit | None:
         if min(abs(low), abs(high)) * 0.2 <= abs(guess["amplitude"]) or low < 0.0
     ]
     fits = sorted(candidate.tried(many), key=lambda fit: fit.F)
-    problem = candidate.problem
     worth = problem.score - HINT * (problem.score - problem.level)
     return best_of([refined(fit, 3) if worth > fit.F or problem.free else fit for fit in fits[:2]])
+
+
+def planned(
+    effect: Effect | None, base: Diagram, place: str, t: Floats, e: Floats, h: Floats, least: float = 0.0
+) -> list[dict[str, float]]:
+    """Return the sizes of a planned load that suit innovations ``e`` (rows, signals) at the times ``t`` [s] best.
+
+    ``h`` (rows, signals): what a load of 1 in the first interval of the model changes in its innovations; ``least`` nats
+    that a load has to promise, or there is none.
+    """
+    if effect is None:
+        return []
+    if "time" in [p.name for p in effect.parameters]:
+        return _steps(t, e, h, least)
+    return _periods(t, e, h, _harmonics(effect, base, place), least)
 
 
 def _trimmed(e: Floats) -> Floats:
@@ -78,9 +96,9 @@ def _response(candidate: Candidate) -> Floats | None:
     return h if np.abs(h).max(initial=0.0) > 0.0 else None
 
 
-def _steps(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float]]:
-    """Return amplitude and time of the best steps."""
-    n, problem = len(e), candidate.problem
+def _steps(t: Floats, e: Floats, h: Floats, least: float) -> list[dict[str, float]]:
+    """Return amplitude and time of the best steps, and of one before the first row."""
+    n = len(e)
     H = np.zeros((n, h.shape[1]))
     H[: len(h)] = np.cumsum(h, axis=0)[:n]
     H[len(h) :] = H[len(h) - 1]
@@ -90,18 +108,15 @@ def _steps(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float]]
     power = np.cumsum((H**2).sum(axis=1))[::-1]  # of a step at row k: what of H lies inside the record
     gain = hit**2 / np.maximum(power, 1e-300)
     gain[power < 0.001 * power[0]] = 0.0
-    t = problem.record.log.t[problem.floor.skipped :]
-    if not _hopeful(candidate, gain):
+    if 0.5 * float(gain.max(initial=0.0)) < least:
         return []
     found = [{"amplitude": hit[k] / power[k], "time": float(t[k])} for k in _peaks(gain, n // 50 + 1)]
-    early = problem.record.log.t[0]
-    return [*found, {"amplitude": hit[0] / power[0], "time": float(early)}]
+    return [*found, {"amplitude": hit[0] / power[0], "time": 0.0}]
 
 
-def _periods(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float]]:
-    """Return amplitude, period and phase of the best periodic loads."""
-    log, skipped = candidate.problem.record.log, candidate.problem.floor.skipped
-    n, dt = len(e), log.dt
+def _periods(t: Floats, e: Floats, h: Floats, harmonics: list[complex], least: float) -> list[dict[str, float]]:
+    """Return amplitude, period and phase of the best periodic loads with these harmonics."""
+    n, dt = len(e), float(np.median(np.diff(t)))
     size = FINER * (1 << (n - 1).bit_length())
     E, H = np.fft.rfft(e, size, axis=0), np.fft.rfft(h[: n // 2], size, axis=0)
     hit, power = -(np.conj(H) * E).sum(axis=1), (np.abs(H) ** 2).sum(axis=1)
@@ -109,7 +124,7 @@ def _periods(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float
     k = np.arange(max(1, math.ceil(size * dt / longest)), min(int(size * dt / shortest), len(hit) - 1))
     turns = np.arange(PHASES) / PHASES
     total, norm = np.zeros((len(k), PHASES)), np.full(len(k), 1e-300)
-    for j, b in enumerate(_harmonics(candidate), start=1):
+    for j, b in enumerate(harmonics, start=1):
         inside = j * k < len(hit)
         at = np.where(inside, j * k, 0)
         seen = np.where(inside, hit[at], 0.0)
@@ -119,29 +134,20 @@ def _periods(candidate: Candidate, e: Floats, h: Floats) -> list[dict[str, float
     rows = np.arange(len(k))
     gain = np.maximum(total[rows, best], 0.0) ** 2 / norm
     found: list[dict[str, float]] = []
-    if not _hopeful(candidate, gain):
+    if 0.5 * float(gain.max(initial=0.0)) < least:
         return found
     for i in _peaks(gain, 2 * FINER):
         period = size * dt / k[i]
         # Rows count from where scoring begins; a sample that is held stands half an interval later.
-        phase = (turns[best[i]] - (float(log.t[skipped]) + 0.5 * dt) / period) % 1.0
+        phase = (turns[best[i]] - (float(t[0]) + 0.5 * dt) / period) % 1.0
         found.append({"amplitude": total[i, best[i]] / norm[i], "period": period, "phase": phase})
     return found
 
 
-def _hopeful(candidate: Candidate, gain: Floats) -> bool:
-    """Return whether a load promises half of the nats of a name, where the gap does not show by itself."""
-    problem = candidate.problem
-    return problem.score > problem.limit or 0.5 * float(gain.max(initial=0.0)) > HOPE * needed(problem)
-
-
-def _harmonics(candidate: Candidate) -> list[complex]:
+def _harmonics(effect: Effect, base: Diagram, place: str) -> list[complex]:
     """Return the Fourier coefficients of one period of the plan of amplitude 1, phase 0."""
-    effect, place = candidate.effect, candidate.place
-    if effect is None:
-        return []
     values = {"amplitude": 1.0, "period": 1.0, "phase": 0.0}
-    changed = effect.put(candidate.base, place).with_params(effect.settings(candidate.base, place, **values))
+    changed = effect.put(base, place).with_params(effect.settings(base, place, **values))
     wave = changed[f"{effect.block(place)}/wave"]
     phase = (np.arange(256) + 0.5) / 256
     shape = np.array([float(wave.output(t, [], [])[0]) for t in phase])

@@ -1,0 +1,89 @@
+"""A block as what it is between its limits: affine in its states, its inputs and the time.
+
+    one scan later, or the rate    A x + B u + a_t t + a_0          outputs    C x + D u + c_t t + c_0
+
+Differences are exact for such a block; one that is not says so, and has no filter.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.block import Block
+from blocks.noise import seeded
+
+Floats = NDArray[np.float64]
+STEP = 1e-3  # of a state or an input
+STRAIGHT = 1e-6  # by how much, in its own size, a block may bend over the step
+RANDOM = frozenset(seeded(0))
+
+
+class NotAffine(ValueError):
+    """A block bends, or is at a limit, where it is looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Affine:
+    """``states`` that count; next states (or rates) and outputs, (rows, states + inputs + 2): columns x, u, t and 1."""
+
+    states: tuple[str, ...]
+    moved: Floats
+    given: Floats
+
+
+def affine(block: Block, u: Floats) -> Affine:
+    """Return a block near its start values and the inputs ``u``; without its dead time.
+
+    Raises ``NotAffine`` for a block that bends there.
+    """
+    if block.dead_time_param and block.dead_time > 0.0:
+        block = block.with_params(**{block.dead_time_param: 0.0})
+    key = block.p.tobytes(), tuple(np.round(u, 9).tolist())
+    return _affine(_Named(block), key)
+
+
+class _Named:
+    """A block that is the same for the cache as one of its name, class and start values."""
+
+    def __init__(self, block: Block) -> None:
+        self.block = block
+        self.key = type(block), block.name, block.x0.tobytes(), block.d0.tobytes()
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Named) and self.key == other.key
+
+
+@lru_cache(maxsize=4096)
+def _affine(named: _Named, key: tuple[bytes, tuple[float, ...]]) -> Affine:
+    block, u = named.block, np.array(key[1])
+    names = block.seen_states()
+    x = np.array(block.seen_start(), dtype=float)
+    kept = [i for i, name in enumerate(names) if name not in RANDOM]
+
+    def f(z: Floats, t: float = 0.0) -> Floats:
+        full = x.copy()
+        full[kept] = z[: len(kept)]
+        rates = np.asarray(block.dynamics(t, full, z[len(kept) :]), dtype=float)
+        return np.concatenate([rates[kept], np.asarray(block.output(t, full, z[len(kept) :]), dtype=float)])
+
+    z = np.concatenate([x[kept], u])
+    base = f(z)
+    if not np.isfinite(base).all():
+        raise NotAffine(f"'{block.name}' gives no number where it is looked at")
+    slope = np.empty((len(base), len(z)))
+    for j in range(len(z)):
+        up, down = z.copy(), z.copy()
+        up[j] += STEP
+        down[j] -= STEP
+        rise, fall = f(up) - base, base - f(down)
+        if np.abs(rise - fall).max() > STRAIGHT * max(STEP, float(np.abs(rise).max())):
+            raise NotAffine(f"'{block.name}' is not straight where it is looked at")
+        slope[:, j] = (rise + fall) / (2.0 * STEP)
+    in_time = f(z, 1.0) - base if block.kernels.timed else np.zeros(len(base))
+    table = np.column_stack([slope, in_time, base - slope @ z])
+    return Affine(tuple(names[i] for i in kept), table[: len(kept)], table[len(kept) :])

@@ -1,0 +1,211 @@
+"""The best values of every effect at every place, by likelihood."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagram.progress import Progress, reporting
+from gap.effect import Effect
+from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
+from gap.effects.sensor_saturation import SensorSaturation
+from gap.filters.filtering import Explanation, Filtered, Filtering
+from gap.filters.fitting import Found, best_of, grid, refined, tried
+from gap.filters.switches import with_switches
+from gap.loads import planned
+
+PERIODS = (2, 3, 4, 5, 6, 8, 10, 12)  # scans of a slower controller that are tried
+QUANTILES = (1.0, 0.995, 0.98, 0.95, 0.9)  # of OP, at which an upper limit is tried
+FOLLOWED = 9  # explanations that are fitted to the end
+LAGGING, BEHIND = 60.0, 0.7  # nats, or share of the gap, by which a few sizes may lag behind a fit to be fitted too
+NEAR = 60.0  # nats by which a fit may lag behind the best to be fitted again
+SWITCHED = 3  # times that switches are looked for again
+IRREGULAR = 0.2  # nats a row
+PRICES = {"step_disturbance": 6.0, "sine_disturbance": 9.0, "slug": 10.0}  # what noise alone gains by these
+
+
+def settled(f: Filtering) -> Found:
+    """Return the model as it is, its unsure parameters and the switches of its inputs as suits the record best."""
+    return _both(with_switches(Explanation(f).filtered({})), tuple(f.free))
+
+
+def coarse(plain: Found, effect: Effect, place: str) -> Filtered | None:
+    """Return the best of a few sizes of an effect at a place; None if no filter has it.
+
+    ``plain`` the model as it is, settled.
+    """
+    f = plain.best.explanation.filtering
+    one = Explanation(f, effect, place)
+    free = {key: plain.best.values[key] for key in f.free}
+    if isinstance(effect, ScanTime):
+        return best_of([tried(one, {**free, **values}) for values in _scans(one)]) if _irregular(plain) else None
+    if one.load:
+        return _load(plain, one)
+    if one.own == ("low", "high"):
+        return _limited(plain, one)
+    start, values = None, dict(free)
+    for name in one.own:
+        start = best_of([start, *(tried(one, {**values, name: size}) for size in grid(one, name))])
+        if start is not None:
+            values = dict(start.values)
+    return start
+
+
+def ranked(plain: Found, catalogue: Iterable[Effect], progress: Progress = None) -> list[Found]:
+    """Return the best fit of every effect that a filter has, at every place, the likeliest first.
+
+    All are looked at in a few sizes; the likeliest of these are fitted to the end, and the likeliest of those once more
+    from where the best one ended: explanations that leave the same log must not differ by where a search stopped.
+    """
+    model = plain.best.explanation.filtering.model
+    legal = [
+        (effect, place)
+        for effect in catalogue
+        if not (effect.of_log or effect.hidden or isinstance(effect, Quantisation | SensorSaturation))
+        for place in effect.places(model)
+    ]
+    looked = []
+    with reporting(progress, len(legal), "effects") as tell:
+        for done, (effect, place) in enumerate(legal):
+            start = coarse(plain, effect, place)
+            if start is not None:
+                looked.append(start)
+            tell(done + 1, len(legal))
+    looked.sort(key=lambda one: one.nll)
+    found: list[Found] = []
+    for k, start in enumerate(looked):
+        best = min((one.nll for one in found), default=math.inf)
+        gained = plain.nll - best
+        if k < FOLLOWED and (start.nll < best + max(LAGGING, BEHIND * gained)):
+            found.append(followed(start))
+        else:
+            found.append(Found(start, (), np.zeros((0, 0))))
+    found.sort(key=total)
+    return sorted((_again(one, found[0]) for one in found), key=total) if found else []
+
+
+def _again(one: Found, best: Found) -> Found:
+    """Return a fit that comes near the best, fitted once more with that one's switches and unsure parameters."""
+    if one is best or not one.names or one.nll > best.nll + NEAR:
+        return one
+    f = best.best.explanation.filtering
+    start = tried(
+        replace(one.best.explanation, filtering=f),
+        {**one.best.values, **{key: best.best.values[key] for key in f.free}},
+    )
+    same = tried(replace(one.best.explanation, filtering=f), one.best.values)
+    found = best_of([start, same])
+    if found is None:
+        return one
+    again = refined(found, free_names(found.explanation))
+    return again if again.nll < one.nll else one
+
+
+def total(one: Found) -> float:
+    """Return the nll and the price of what an effect leaves free beyond its size [nats]."""
+    effect = one.best.explanation.effect
+    return one.nll + (PRICES.get(effect.name, 0.0) if effect else 0.0)
+
+
+def free_names(one: Explanation) -> tuple[str, ...]:
+    """Return the parameters that a fit varies."""
+    own = () if isinstance(one.effect, ScanTime) else one.own
+    return (*own, *one.filtering.free)
+
+
+def _irregular(plain: Found) -> bool:
+    """Return whether the innovations are far too large: a controller that scans more slowly leaves nothing as it was."""
+    e = plain.best.judged
+    return 0.5 * float(np.nansum(e**2 - 1.0)) > IRREGULAR * len(e)
+
+
+def followed(start: Filtered) -> Found:
+    """Return the fit from a start, with switches where they suit it; from the middle of tolerances if it hit them."""
+    names = free_names(start.explanation)
+    found = _both(start, names)
+    one = start.explanation
+    walls = [
+        key for key, (low, high) in one.filtering.free.items()
+        if min(found.best.values[key] - low, high - found.best.values[key]) < 1e-6 * (high - low)
+    ]  # fmt: skip
+    if walls:
+        middle = {key: one.nominal[key] for key in one.filtering.free}
+        other = tried(found.best.explanation, {**found.best.values, **middle})
+        if other is not None:
+            again = _both(other, names)
+            found = min(found, again, key=lambda one: one.nll)
+    return found
+
+
+def _both(start: Filtered, names: Sequence[str]) -> Found:
+    found = refined(start, names)
+    for _ in range(SWITCHED):
+        switched = with_switches(found.best)
+        if switched is found.best:
+            break
+        found = refined(switched, names)
+    return found
+
+
+def _scans(one: Explanation) -> list[dict[str, float]]:
+    """Return periods, first scans and kinds of integral to try."""
+    h = one.filtering.period
+    return [
+        {"period": h * period, "offset": h * offset, "present": present}
+        for period in PERIODS
+        for offset in range(period)
+        for present in (1.0, 0.0)
+    ]
+
+
+def _limited(plain: Found, one: Explanation) -> Filtered | None:
+    """Return the best of some upper and lower limits within what OP reached."""
+    OP, f = plain.best.OP, one.filtering
+    percent = 100.0 if one.effect and one.effect.parameters[0].unit.startswith("%") else 1.0
+    logged = f.record.log[f.op] if f.op in f.record.log else OP
+    free = {key: plain.best.values[key] for key in f.free}
+    found = None
+    values: dict[str, float] = dict(free)
+    for name in ("high", "low"):
+        quantiles = QUANTILES if name == "high" else [1.0 - q for q in QUANTILES]
+        sizes = np.unique(np.nanquantile(logged, quantiles)) * percent
+        found = best_of([found, *(tried(one, {**values, name: float(size)}) for size in sizes)])
+        if found is not None:
+            values = dict(found.values)
+    return found
+
+
+def _load(plain: Found, one: Explanation) -> Filtered | None:
+    """Return the best planned load that the innovations of the model as it is propose."""
+    f, base = one.filtering, plain.best
+    rows = f.time[:: f.every]
+    at = f.skipped + (len(rows) - f.skipped) // 4
+    pulse = _Pulse(f, one.effect, one.place, at)
+    kicked = tried(pulse, base.values)
+    if kicked is None or one.effect is None:
+        return None
+    h = np.nan_to_num((kicked.e - base.e)[at:] / _Pulse.size)
+    low, high = one.bounds["amplitude"]
+    found: list[Filtered | None] = []
+    free = {key: base.values[key] for key in f.free}
+    for guess in planned(one.effect, f.quiet, one.place, rows[f.skipped :], np.nan_to_num(base.judged), h):
+        values = {k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds}
+        found.append(tried(one, {**free, **values}))
+    return best_of(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pulse(Explanation):
+    """A load of 1 for one interval of the log, times ``size``."""
+
+    row: int = 0
+    size = 1e-3
+
+    def wave(self, values):  # type: ignore[no-untyped-def]
+        """Return the pulse."""
+        f = self.filtering
+        found = np.zeros(f.scans)
+        found[self.row * f.every : (self.row + 1) * f.every] = self.size
+        return found

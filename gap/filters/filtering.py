@@ -1,0 +1,339 @@
+"""A record as a filter reads it, and what one explanation of it leaves: innovations and their likelihood."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Effect
+from gap.effects.deadband import Deadband
+from gap.effects.disturbance import Disturbance
+from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
+from gap.effects.sensor_noise import SensorNoise
+from gap.effects.step_disturbance import StepDisturbance
+from gap.effects.stiction import Stiction
+from gap.effects.valve_characteristic import ValveCharacteristic
+from gap.effects.valve_rate_limit import ValveRateLimit
+from gap.effects.valve_saturation import ValveSaturation
+from gap.filters import kalman
+from gap.filters.affine import NotAffine
+from gap.filters.scanned import Scanned, base_period, operating, scanned
+from gap.inserted import percent_out
+from gap.model import Nuisance, nuisances
+from gap.paths import given, noise_of
+from gap.record import Record
+
+Floats = NDArray[np.float64]
+FINER = 8  # points of a scan at which a planned load is averaged
+SKIPPED = 60  # rows at the beginning, and at least the time in which a start is forgotten
+UNCHANGED = (SensorNoise, Quantisation)  # effects that change no path of a signal
+LAWS = {ValveSaturation: kalman.STOPS, ValveCharacteristic: kalman.CURVED, ValveRateLimit: kalman.SLOW}
+
+
+@dataclass(frozen=True, eq=False)
+class Filtering:
+    """``model`` with its nuisances, ``quiet`` without, started as the record starts; ``record``; ``leads`` scans by
+    which each switch of an input comes before the row that shows it, (inputs, rows).
+    """
+
+    model: Diagram
+    quiet: Diagram
+    record: Record
+    leads: NDArray[np.int64]
+
+    @cached_property
+    def noise(self) -> tuple[Nuisance, ...]:
+        """Sources of random numbers."""
+        return nuisances(self.model)
+
+    @cached_property
+    def period(self) -> float:
+        """Scan period [s]."""
+        return base_period(self.quiet)
+
+    @cached_property
+    def every(self) -> int:
+        """Scans between two rows."""
+        return round(self.record.log.dt / self.period)
+
+    @cached_property
+    def controller(self) -> str:
+        """The block whose output acts on the process."""
+        found = [b for b in self.quiet.blocks if b.role is Role.CONTROLLER and b.sampled]
+        inner = [b for b in found if not any({*b.output_labels} & {*c.input_labels} for c in found)]
+        if len(inner) != 1:
+            raise NotAffine("the diagram has no single controller that scans and acts on a valve")
+        return inner[0].name
+
+    @cached_property
+    def op(self) -> str:
+        """The output of the controller."""
+        return str(self.quiet[self.controller].output_labels[0])
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """Logged signals in the order in which they are taken in: measurements first."""
+        return tuple(sorted(self.record.pinned, key=lambda s: s == self.op))
+
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """Parameters of the model that are known within a tolerance only, with (low, high)."""
+        found = {}
+        for key, share in self.quiet.tolerances.items():
+            value = float(self.quiet.params[key])
+            found[key] = (value - share * abs(value), value + share * abs(value))
+        return found
+
+    @cached_property
+    def Y(self) -> Floats:
+        """Logged values, (rows, signals); NaN where they are not good."""
+        log = self.record.log
+        return np.stack([np.where(log.good(s), log[s], np.nan) for s in self.signals], axis=1)
+
+    @cached_property
+    def r(self) -> Floats:
+        """Variance of the log's rounding of each signal, not quite 0 where it does not round."""
+        steps = np.array([self.record.steps[s] for s in self.signals])
+        return np.maximum(steps**2 / 12.0, 1e-12 * np.nanvar(self.Y, axis=0))
+
+    @cached_property
+    def skipped(self) -> int:
+        """Rows at the beginning that are not judged."""
+        return min(SKIPPED, len(self.Y) // 4)
+
+    @cached_property
+    def scans(self) -> int:
+        """Scans of the whole record."""
+        return (len(self.Y) - 1) * self.every + 1
+
+    @cached_property
+    def time(self) -> Floats:
+        """Time of each scan [s]."""
+        return float(self.record.log.t[0]) + self.period * np.arange(self.scans)
+
+    @cached_property
+    def played(self) -> Floats:
+        """Logged inputs at each scan, (scans, inputs)."""
+        log = self.record.log
+        found = np.empty((self.scans, len(self.record.played)))
+        for j, s in enumerate(self.record.played):
+            value = log[s]
+            for row in range(len(value)):
+                begin = row * self.every - (int(self.leads[j, row]) if row else 0)
+                found[begin : (row + 1) * self.every, j] = value[row]
+        return found
+
+    @cached_property
+    def seen(self) -> dict[str, float]:
+        """Mean of each logged signal."""
+        return {s: float(np.nanmean(self.record.log[s])) for s in (*self.record.played, *self.record.pinned)}
+
+    def with_leads(self, leads: NDArray[np.int64]) -> "Filtering":
+        """Return the same record with other scans at which its inputs switch."""
+        return replace(self, leads=leads)
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """An effect at a place, or none, as a filter sees it."""
+
+    filtering: Filtering
+    effect: Effect | None = None
+    place: str = ""
+
+    @cached_property
+    def law(self) -> int:
+        """Which law of the valve the effect is (``kalman``)."""
+        return LAWS.get(type(self.effect), kalman.NONE)  # type: ignore[arg-type]
+
+    @cached_property
+    def load(self) -> bool:
+        """Whether the effect is a load that follows a plan."""
+        return isinstance(self.effect, Disturbance)
+
+    @cached_property
+    def sticks(self) -> bool:
+        """Whether the effect needs a bank of stems."""
+        return isinstance(self.effect, Stiction | Deadband)
+
+    @cached_property
+    def changed(self) -> Diagram:
+        """The silent diagram with the blocks of the effect."""
+        base = self.filtering.quiet
+        if self.law or self.load or self.effect is None or self.sticks or isinstance(self.effect, UNCHANGED):
+            return base
+        return self.effect.put(base, self.place)
+
+    @cached_property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Parameter -> (low, high): those of the effect, then those of the model that are not exactly known."""
+        own = dict(self.effect.bounds(self.filtering.model, self.place)) if self.effect else {}
+        return own | self.filtering.free
+
+    @cached_property
+    def nominal(self) -> dict[str, float]:
+        """Parameter -> its value without the effect."""
+        own = self.effect.nominal(self.filtering.model, self.place) if self.effect else {}
+        return own | {key: float(self.filtering.quiet.params[key]) for key in self.filtering.free}
+
+    @cached_property
+    def own(self) -> tuple[str, ...]:
+        """Parameters of the effect."""
+        return tuple(p.name for p in self.effect.parameters) if self.effect else ()
+
+    def matrices(self, values: Mapping[str, float]) -> Scanned:
+        """Return the matrices of the diagram with these values."""
+        f = self.filtering
+        own = {name: values[name] for name in self.own}
+        params = {key: values[key] for key in f.free}
+        noise = f.noise
+        if isinstance(self.effect, SensorNoise):
+            noisy = str(noise_of(f.model, f.model[self.place]))
+            noise = tuple(replace(n, sd=n.sd * own["factor"]) if n.block == noisy else n for n in noise)
+        elif isinstance(self.effect, Quantisation):
+            noisy = str(noise_of(f.model, f.model[self.place]))
+            noise = tuple(
+                replace(n, sd=math.sqrt(n.sd**2 + own["step"] ** 2 / 12.0)) if n.block == noisy else n for n in noise
+            )
+        elif self.effect is not None and not (self.law or self.load or self.sticks):
+            params |= self.effect.settings(f.quiet, self.place, **own)
+        valve = given(f.quiet, self.place) if self.law or self.sticks else ""
+        load = str(f.quiet[self.place].output_labels[0]) if self.load else ""
+        blocks = self._blocks(params)
+        return scanned(blocks, noise, f.controller, f.signals, f.record.played, self.near, valve, load, f.period)
+
+    @cached_property
+    def near(self) -> dict[str, float]:
+        """A value of each signal at which nothing is at a limit."""
+        f = self.filtering
+        return operating(self.changed, f.seen, f.record.played, f.controller)
+
+    def _blocks(self, params: Mapping[str, float]) -> list[Block]:
+        """Return the blocks of the changed diagram with these parameters, by ``block.name``."""
+        grouped: dict[str, dict[str, float]] = {}
+        for key, value in params.items():
+            block, _, name = key.rpartition(".")
+            grouped.setdefault(block, {})[name] = float(value)
+        return [b.with_params(**grouped[b.name]) if b.name in grouped else b for b in self.changed.blocks]
+
+    def numbers(self, values: Mapping[str, float]) -> tuple[float, float]:
+        """Return the numbers of the valve's law."""
+        f = self.filtering
+        if self.law == kalman.NONE:
+            return 0.0, 0.0
+        percent = percent_out(f.quiet, self.place)
+        if self.law == kalman.STOPS:
+            low, high = values["low"], values["high"]
+            return (low * percent if low > 0.0 else -math.inf), (high * percent if high < 100.0 else math.inf)
+        if self.law == kalman.SLOW:
+            return values["rate"] * percent * f.period, 0.0
+        if abs(100.0 * percent - 1.0) > 1e-9:
+            raise NotAffine("a characteristic needs an opening from 0 to 1")
+        return values["rangeability"], 0.0
+
+    def wave(self, values: Mapping[str, float]) -> Floats:
+        """Return the planned load at each scan, its mean until the next, (scans,)."""
+        f = self.filtering
+        if not self.load or values["amplitude"] == 0.0:
+            return np.zeros(f.scans)
+        if isinstance(self.effect, StepDisturbance):
+            share = np.clip((f.time + f.period - values["time"]) / f.period, 0.0, 1.0)
+            return np.asarray(values["amplitude"] * share)
+        t = f.time[:, None] + f.period * (np.arange(FINER) + 0.5) / FINER
+        turns = t / values["period"] + values["phase"]
+        plan = self.effect.plan(turns)  # type: ignore[union-attr]
+        return np.asarray(values["amplitude"] * plan.mean(axis=1))
+
+    def filtered(self, values: Mapping[str, float], exact: bool | None = None) -> "Filtered":
+        """Return what a filter of the diagram with these values leaves of the record.
+
+        Raises ``NotAffine`` where there is no such filter.
+        """
+        f = self.filtering
+        full = {**self.nominal, **values}
+        one = self.matrices(full)
+        a, b = self.numbers(full)
+        period = offset = 0
+        if isinstance(self.effect, ScanTime):
+            period, offset = round(full["period"] / f.period), round(full["offset"] / f.period)
+        period = max(period, 1)
+        U = np.column_stack([f.played, f.time, np.ones(f.scans), self.wave(full)])
+        exact = (self.law != kalman.NONE or period > 1) if exact is None else exact
+        return run(f, one, U, self.law, a, b, period, offset, exact, self, full)
+
+
+@dataclass(frozen=True, eq=False)
+class Filtered:
+    """What an explanation with certain ``values`` leaves: innovations ``e`` (rows, signals) of unit variance if it is
+    right, their variances ``S``, and ``OP`` at each scan; ``mixed`` the loss of each row where many filters are one.
+    """
+
+    explanation: Explanation
+    values: Mapping[str, float]
+    e: Floats
+    S: Floats
+    OP: Floats
+    mixed: Floats | None = None
+
+    @cached_property
+    def losses(self) -> Floats:
+        """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]."""
+        if self.mixed is not None:
+            return self.mixed
+        return np.asarray(0.5 * np.nansum(self.e**2 + np.log(self.S), axis=1))
+
+    @cached_property
+    def nll(self) -> float:
+        """Negative logarithm of the likelihood of the rows that count [nats]."""
+        value = float(self.losses[self.explanation.filtering.skipped :].sum())
+        return value if math.isfinite(value) else math.inf
+
+    @cached_property
+    def judged(self) -> Floats:
+        """The innovations that count."""
+        return self.e[self.explanation.filtering.skipped :]
+
+
+def run(
+    f: Filtering, one: Scanned, U: Floats, law: int, a: float, b: float, period: int, offset: int, exact: bool,
+    explanation: Explanation, values: Mapping[str, float],
+) -> Filtered:  # fmt: skip
+    """Return what a filter with these matrices leaves of a record."""
+    n, m = one.n, len(f.signals)
+    op_row = f.signals.index(f.op) if f.op in f.signals else -1
+    held = one.F.copy()
+    held[one.slow] = np.eye(n, one.F.shape[1])[one.slow]
+    skip = np.zeros(f.Y.shape, dtype=bool)
+    if period > 1 and op_row >= 0:
+        scans = (np.arange(len(f.Y)) * f.every - offset) // period
+        skip[1:, op_row] = np.diff(scans) == 0
+    told = one.told if one.told is not None else np.zeros(one.F.shape[1])
+    H = one.H
+    K, s, r = np.zeros((m, n)), np.ones(m), f.r
+    if not exact:
+        A = np.empty((n, n))
+        kalman.closed(one.F, one.v, told, n, True, 1.0, law > 0, A)
+        kalman.steady(A, one.Q, _looks(one, op_row, n), r, f.every, np.eye(n) * 1e-4, K, s)
+    e, S = np.empty(f.Y.shape), np.empty(f.Y.shape)
+    path = np.empty(f.scans)
+    kalman.filtered(
+        one.F, held, one.v, told, H, one.Q, *one.limits, one.memory, one.beyond, one.start, U, f.Y, r, skip, op_row,
+        f.every, period, offset, law, a, b, exact, K, s, e, S, path,
+    )  # fmt: skip
+    return Filtered(explanation, values, e, S, path)
+
+
+def _looks(one: Scanned, op_row: int, n: int) -> Floats:
+    """Return the rows of z with which signals are seen."""
+    H = one.H[:, :n].copy()
+    for j in range(len(H)):
+        if j != op_row:
+            H[j] += one.H[j, n] * one.v[:n]
+    return H

@@ -1,0 +1,296 @@
+"""A diagram from one scan to the next: what is linear in it as matrices, cut where the controller and the valve act.
+
+    s_k  = S z_k + S_in u_k + S_op OP_k + S_mv MV_k                signals just after scan k
+    z_k+1 = F z_k + F_in u_k + F_op OP_k + F_mv MV_k + w_k          w_k ~ N(0, Q), independent
+
+z: states of continuous blocks, memories of sampled ones, loads and noise in force, values on their way through dead
+times, the last OP.  u: logged inputs, the time, 1, and planned loads (means over the interval).  OP is what a
+controller gives within its limits, MV what the valve makes of the opening that it is told: neither is linear, so both
+are inputs here and computed where a log is filtered.  Between scans nothing but continuous blocks moves, under held inputs, so the
+matrices are exact (matrix exponential); what passes a dead time while it still moves is held at its mean.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.filters.affine import Affine, NotAffine, affine
+from gap.model import Nuisance
+
+Floats = NDArray[np.float64]
+ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
+FAR = 50.0  # of OP's unit: how far beyond its limit a controller is looked at
+
+
+@dataclass(frozen=True, eq=False)
+class Scanned:
+    """Matrices over the columns [z, OP, MV, u]: ``n`` of z, then 1, 1, then the inputs by name.
+
+    ``F`` next z; ``v`` what the controller would give without limits; ``told`` the opening that the valve is told, none
+    without a cut there; ``H`` logged signals; ``Q``; ``limits`` of OP; ``beyond`` rows of F for the ``memory`` of the
+    controller while it is at a limit: (high or low, pushed further or not, memories, columns); ``slow`` what stands
+    still at scans that the controller leaves out; ``start`` z at first.
+    """
+
+    names: tuple[str, ...]
+    inputs: tuple[str, ...]
+    F: Floats
+    v: Floats
+    told: Floats | None
+    H: Floats
+    Q: Floats
+    limits: tuple[float, float]
+    memory: NDArray[np.int64]
+    beyond: Floats
+    slow: NDArray[np.int64]
+    start: Floats
+
+    @property
+    def n(self) -> int:
+        """Length of z."""
+        return len(self.names)
+
+
+def base_period(diagram: Diagram) -> float:
+    """Return the shortest scan period of a diagram's blocks [s], 0 where nothing scans."""
+    return min((b.period for b in diagram.blocks if b.sampled), default=0.0)
+
+
+def scanned(
+    blocks: Sequence[Block],
+    noise: Sequence[Nuisance],
+    controller: str,
+    logged: Sequence[str],
+    inputs: Sequence[str],
+    near: Mapping[str, float],
+    valve_signal: str = "",
+    load_signal: str = "",
+    period: float = 1.0,
+) -> Scanned:
+    """Return the matrices of the blocks of a silent diagram.
+
+    ``noise`` its nuisances with their sizes; ``controller`` the block whose output is cut; ``logged`` signals to
+    observe, ``inputs`` open inputs; ``near`` the value of each signal (``operating``), at no limit; ``valve_signal``:
+    where a law acts on the opening; ``load_signal``: to which planned loads are added; ``period`` of a scan [s].
+    Raises ``NotAffine`` if a block bends.
+    """
+    h = period
+    blocks = [b for b in blocks if b.role not in ONLOOKERS]
+    named = {b.name: b for b in blocks}
+    signals = [*(str(s) for b in blocks for s in b.output_labels), *inputs]
+    place = {s: i for i, s in enumerate(signals)}
+    if len(place) < len(signals) or any(str(s) not in place for b in blocks for s in b.input_labels):
+        raise NotAffine("an input is not logged")
+    op = str(named[controller].output_labels[0])
+    at = np.array([near[s] for s in signals])
+    tables = [affine(b, at[[place[str(s)] for s in b.input_labels]]) for b in blocks]
+
+    # --- columns of what everything is made of
+    own = [(b.name, s) for b, a in zip(blocks, tables, strict=True) for s in a.states]
+    late = [(b, *divmod(b.dead_time, h)) for b in blocks if b.dead_time > 0.0]
+    names = [*(f"{b}.{s}" for b, s in own), *(f"{one.block} noise" for one in noise)]
+    lines = []
+    for b, whole, rest in late:
+        for i in range(len(b.input_labels)):
+            length = round(whole) + (1 if rest > 1e-9 else 0)
+            lines.append((b.name, i, len(names), length, rest if rest > 1e-9 else 0.0))
+            names += [f"{b.name} input {i} late {j + 1}" for j in range(length)]
+    names.append("last OP")
+    n, kinds = len(names), (*inputs, "t", "1", "load")
+    N = n + 2 + len(kinds)
+    at_op, at_mv, at_in = n, n + 1, n + 2
+    unit = np.eye(N)
+    in_force = {one.block: unit[len(own) + j] for j, one in enumerate(noise)}
+    delayed = {(name, i): unit[first + length - 1] for name, i, first, length, _ in lines}
+
+    # --- signals just after a scan: s = G s + r
+    G, r = np.zeros((len(signals), len(signals))), np.zeros((len(signals), N))
+    first = 0
+    rows_of = {}
+    for b, a in zip(blocks, tables, strict=True):
+        k, m = len(a.states), len(b.input_labels)
+        rows_of[b.name] = first, k, a, b
+        for row, s in zip(a.given, b.output_labels, strict=True):
+            i = place[str(s)]
+            r[i] += row[:k] @ unit[first : first + k] + row[k + m] * unit[at_in + len(inputs)]
+            r[i] += row[k + m + 1] * unit[at_in + len(inputs) + 1]
+            for j, source in enumerate(b.input_labels):
+                if (b.name, j) in delayed:
+                    r[i] += row[k + j] * delayed[b.name, j]
+                else:
+                    G[i, place[str(source)]] += row[k + j]
+            if b.name in in_force:
+                r[i] += in_force[b.name]
+        first += k
+    for j, s in enumerate(inputs):
+        r[place[s]] = unit[at_in + j]
+    if load_signal:
+        r[place[load_signal]] += unit[N - 1]
+    raw_G, raw_r = G.copy(), r.copy()
+    for s, column in ((op, at_op), (valve_signal, at_mv)):
+        if s:
+            G[place[s]], r[place[s]] = 0.0, unit[column]
+    s_now = np.linalg.solve(np.eye(len(signals)) - G, r)
+    given = raw_G @ s_now + raw_r  # what blocks give, before it is cut
+    F = np.zeros((n, N))
+    for b in blocks:
+        first, k, a, _ = rows_of[b.name]
+        if b.sampled and k:
+            F[first : first + k] = _moved(b, a, first, s_now, unit, place, delayed, at_in + len(inputs))
+
+    # --- between scans: continuous states under held inputs
+    moving = [(b, *rows_of[b.name][:2]) for b in blocks if not b.sampled and rows_of[b.name][1]]
+    index = [first + j for _, first, k in moving for j in range(k)]
+    still = s_now.copy()
+    free = np.zeros((len(signals), len(index)))  # of a signal to continuous states, sampled outputs held
+    G_c = G.copy()
+    for b in blocks:
+        if b.sampled:
+            for s in b.output_labels:
+                G_c[place[str(s)]] = 0.0
+    direct = np.zeros((len(signals), len(index)))
+    for b, first, k in moving:
+        a = rows_of[b.name][2]
+        for row, s in zip(a.given, b.output_labels, strict=True):
+            if str(s) not in (op, valve_signal):
+                for j in range(k):
+                    direct[place[str(s)], index.index(first + j)] = row[j]
+    free = np.linalg.solve(np.eye(len(signals)) - G_c, direct)
+    # a signal between scans = still + free (x - x_k)
+    A = np.zeros((len(index), len(index)))
+    rate = np.zeros((len(index), N))  # at x = x_k, delayed inputs as at the scan
+    late_part: dict[tuple[str, int], Floats] = {}
+    row0 = 0
+    for b, first, k in moving:
+        a = rows_of[b.name][2]
+        m = len(b.input_labels)
+        for i in range(k):
+            row = a.moved[i]
+            rate[row0 + i] = row[:k] @ unit[first : first + k] + row[k + m] * unit[at_in + len(inputs)]
+            rate[row0 + i] += row[k + m + 1] * unit[at_in + len(inputs) + 1]
+            A[row0 + i, [index.index(first + j) for j in range(k)]] += row[:k]
+            for j, source in enumerate(b.input_labels):
+                if (b.name, j) in delayed:
+                    rate[row0 + i] += row[k + j] * delayed[b.name, j]
+                    late_part.setdefault((b.name, j), np.zeros(len(index)))[row0 + i] += row[k + j]
+                else:
+                    rate[row0 + i] += row[k + j] * still[place[str(source)]]
+                    A[row0 + i] += row[k + j] * free[place[str(source)]]
+        row0 += k
+    if index:
+        grown = _held(A, h)
+        F[index] = unit[index] + grown @ rate
+    for name, i, first, length, rest in lines:
+        b = named[name]
+        source = place[str(b.input_labels[i])]
+        now = s_now[source]
+        if index:
+            at_end = now + free[source] @ (F[index] - unit[index])
+            now = 0.5 * (now + at_end)
+        F[first] = now
+        for j in range(1, length):
+            F[first + j] = unit[first + j - 1]
+        if rest > 0.0 and (name, i) in late_part:  # after the rest of the scan the next value arrives
+            newer = unit[first + length - 2] if length > 1 else now
+            F[index] += np.outer(_held(A, h - rest) @ late_part[name, i], newer - unit[first + length - 1])
+        elif rest == 0.0 and (name, i) not in late_part:
+            raise NotAffine(f"the dead time in '{name}' passes on to nothing that moves")
+    Q = np.zeros((n, n))
+    for j, one in enumerate(noise):
+        phi = float(np.exp(-h / one.correlation_time)) if one.correlation_time > 0.0 else 0.0
+        k = len(own) + j
+        F[k, k] = phi
+        Q[k, k] = (1.0 - phi**2) * one.sd**2
+    F[n - 1, at_op] = 1.0
+
+    # --- the controller at a limit
+    first, k, _, block = rows_of[controller]
+    low, high = block.limits if block.limit_params else (-np.inf, np.inf)
+    memory = np.arange(first, first + k)
+    beyond = np.empty((2, 2, k, N))
+    for side, sign in enumerate((1.0, -1.0)):
+        for push, way in enumerate((1.0, -1.0)):
+            a = _beyond(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
+            beyond[side, push] = (
+                _moved(block, a, first, s_now, unit, place, delayed, at_in + len(inputs)) if a else F[memory]
+            )
+    slow = [
+        j
+        for b in blocks
+        if b.sampled and b.period > 1.5 * h
+        for j in range(rows_of[b.name][0], sum(rows_of[b.name][:2]))
+    ]
+    start = np.zeros(n)
+    for b in blocks:
+        first, k, a, _ = rows_of[b.name]
+        values = dict(zip(b.seen_states(), b.seen_start(), strict=True))
+        start[first : first + k] = [values[s] for s in a.states]
+    for name, i, first, length, _ in lines:
+        start[first : first + length] = at[place[str(named[name].input_labels[i])]]
+    start[n - 1] = at[place[op]]
+    H = np.stack([given[place[s]] if s == op else s_now[place[s]] for s in logged])
+    told = given[place[valve_signal]] if valve_signal else None
+    return Scanned(tuple(names), kinds, F, given[place[op]], told, H, Q, (low, high), memory, beyond,
+                   np.array(slow, dtype=np.int64), start)  # fmt: skip
+
+
+def _moved(
+    b: Block, a: Affine, first: int, s: Floats, unit: Floats, place: dict[str, int],
+    delayed: dict[tuple[str, int], Floats], at_t: int,
+) -> Floats:  # fmt: skip
+    """Return the next memories of a sampled block as rows over all columns."""
+    k, m = len(a.states), len(b.input_labels)
+    inputs = np.array(
+        [delayed[b.name, j] if (b.name, j) in delayed else s[place[str(one)]] for j, one in enumerate(b.input_labels)]
+    ).reshape(m, unit.shape[1])
+    found: Floats = a.moved[:, :k] @ unit[first : first + k] + a.moved[:, k : k + m] @ inputs
+    return found + np.outer(a.moved[:, k + m], unit[at_t]) + np.outer(a.moved[:, k + m + 1], unit[at_t + 1])
+
+
+def _held(A: Floats, t: float) -> Floats:
+    """Return the integral of exp(A s) from 0 to t."""
+    n = len(A)
+    both = np.zeros((2 * n, 2 * n))
+    both[:n, :n], both[:n, n:] = A * t, np.eye(n) * t
+    found: Floats = expm(both)[:n, n:]
+    return found
+
+
+def _beyond(block: Block, u: Floats, sign: float, push: float) -> Affine | None:
+    """Return a controller far beyond its limit on one side, its error pushing upwards or downwards."""
+    names = block.seen_states()
+    if not block.sampled or not names:
+        return None
+    sp, pv = (block.input_labels.index(block.loop_signal(part)) for part in ("SP", "PV"))
+    up, down = u.copy(), u.copy()
+    up[sp], down[sp] = u[sp] + 0.01, u[sp] - 0.01
+    x = np.asarray(block.seen_start(), dtype=float)
+    way = 1.0 if block.output(0.0, x, up)[0] >= block.output(0.0, x, down)[0] else -1.0
+    at = u.copy()
+    at[sp] = at[pv] + way * push * 0.1
+    return affine(block.starting_at(**{names[0]: sign * FAR}), at)
+
+
+def operating(diagram: Diagram, seen: Mapping[str, float], inputs: Sequence[str], controller: str) -> dict[str, float]:
+    """Return the values of all signals near which blocks are looked at: those seen, the others as they follow.
+
+    The controller's error is 0 there.
+    """
+    blocks = [b for b in diagram.blocks if b.role not in ONLOOKERS]
+    found = {str(s): 0.0 for b in blocks for s in b.output_labels} | dict.fromkeys(inputs, 0.0) | dict(seen)
+    for _ in range(len(blocks)):
+        before = dict(found)
+        for b in blocks:
+            u = np.array([found.get(str(s), 0.0) for s in b.input_labels])
+            out = np.asarray(b.output(0.0, b.seen_start(), u), dtype=float)
+            found |= {str(s): float(y) for s, y in zip(b.output_labels, out, strict=True) if str(s) not in seen}
+        if before == found:
+            break
+    sp, pv = (str(diagram[controller].loop_signal(part)) for part in ("SP", "PV"))
+    return found | {pv: found[sp]}

@@ -1,0 +1,166 @@
+"""A bank of stems: the likelihood of a log whose valve sticks, where no log shows the stem.
+
+Each stem of the bank has its own path and, given that path, its own Kalman mean; all share one gain, for which the
+opening is known.  At a row
+
+    w_i <- w_i N(e_i; 0, 1),      likelihood of the row = sum w_i N(e_i; 0, 1)
+
+and stems are drawn again where the weights are uneven.  Between rows nobody knows what the valve was told: each stem
+sees its own mean of OP with a random part of the size that the filter gives it; at a row all see the logged OP.  With
+the same random numbers for all sizes the likelihood is smooth in them.
+
+    a stem sticks at x until |OP - x| > (S + J)/2, and then stands at OP -+ (S - J)/2          (``quasi_static_stem``)
+
+A mixture's innovation is the normal deviate of its distribution function, sum w_i Phi(e_i): of unit variance if it is
+right, like those of a single filter.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from gap.filters.kalman import along, looked, spread
+
+EVEN = 0.5  # share of the stems that must count
+
+
+@njit(cache=True)
+def normal(x: float) -> float:
+    """Return the distribution function of a normal deviate."""
+    return 0.5 * math.erfc(-x / math.sqrt(2.0))
+
+
+@njit(cache=True)
+def stuck(x: float, told: float, S: float, J: float) -> float:
+    """Return where a stem stands after it was told an opening."""
+    pull = told - x
+    if abs(pull) > 0.5 * (S + J):
+        return told - math.copysign(0.5 * (S - J), pull)
+    return x
+
+
+@njit(cache=True)
+def unsure(A, Q, v, P, every, out):  # type: ignore[no-untyped-def]
+    """Write the standard deviation of OP at each scan behind a row; P is that after the row."""
+    n = len(P)
+    W, h = np.empty((n, n)), np.empty(n)
+    for k in range(every):
+        total = 0.0
+        for i in range(n):
+            h[i] = 0.0
+            for j in range(n):
+                h[i] += P[i, j] * v[j]
+            total += v[i] * h[i]
+        out[k] = math.sqrt(max(total, 0.0))
+        spread(P, A, Q, W)
+
+
+@njit(cache=True)
+def settled_gains(A, Q, H, r, every, K, s):  # type: ignore[no-untyped-def]
+    """Write the gains and variances of all signals; return the covariance behind a row."""
+    n, m = len(Q), len(H)
+    P, W = np.eye(n) * 1e-4, np.empty((n, n))
+    for _ in range(80):
+        for _ in range(every):
+            spread(P, A, Q, W)
+        for j in range(m):
+            s[j] = looked(P, H[j], r[j], K[j])
+    return P
+
+
+@njit(cache=True)
+def banked(F, v, told, H, lo, hi, memory, beyond, start, U, Y, op_row, every, K, s, jitter, S, J, draws, turns,
+           e, loss):  # type: ignore[no-untyped-def]  # fmt: skip
+    """Write innovations ``e`` (rows, signals) and the loss of each row [nats].
+
+    ``draws`` (scans, stems) and ``turns`` (rows,) random numbers; ``jitter`` (every,) of OP behind a row.
+    """
+    n, N, M, m = len(start), F.shape[1], draws.shape[1], len(H)
+    z = np.empty((M, n))
+    x = np.empty(M)
+    row, new, w = np.zeros(N), np.empty(n), np.full(M, 1.0 / M)
+    miss, other_z, other_x = np.empty(M), np.empty((M, n)), np.empty(M)
+    for i in range(M):
+        z[i] = start
+        row[:n] = start
+        row[n] = start[n - 1]
+        row[n + 2 :] = U[0]
+        x[i] = along(told, row) + 0.45 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
+    seen = np.nan
+    for k in range(len(U)):
+        row[n + 2 :] = U[k]
+        phase = k % every
+        if phase == 0:
+            at = k // every
+            loss[at] = 0.0
+            seen = np.nan
+            for j in range(m):
+                e[at, j] = np.nan
+                if not np.isfinite(Y[at, j]):
+                    continue
+                if j == op_row:
+                    seen = Y[at, j]
+                    if seen >= hi - 0.002 * (hi - lo) or seen <= lo + 0.002 * (hi - lo):
+                        continue
+                below, total, largest = 0.0, 0.0, -np.inf
+                for i in range(M):
+                    row[:n] = z[i]
+                    row[n] = 0.0
+                    row[n + 1] = x[i]
+                    guess = along(v if j == op_row else H[j], row)
+                    miss[i] = (Y[at, j] - guess) / math.sqrt(s[j])
+                    below += w[i] * normal(miss[i])
+                    largest = max(largest, -0.5 * miss[i] ** 2)
+                for i in range(M):
+                    for q in range(n):
+                        z[i, q] += K[j, q] * miss[i] * math.sqrt(s[j])
+                    w[i] *= math.exp(-0.5 * miss[i] ** 2 - largest)
+                    total += w[i]
+                for i in range(M):
+                    w[i] /= total
+                loss[at] += 0.5 * math.log(s[j]) - largest - math.log(total)
+                e[at, j] = below
+            even = 0.0
+            for i in range(M):
+                even += w[i] ** 2
+            if 1.0 / even < EVEN * M:
+                passed, i = w[0], 0
+                for q in range(M):
+                    wanted = (q + turns[at]) / M
+                    while passed < wanted and i < M - 1:
+                        i += 1
+                        passed += w[i]
+                    other_z[q] = z[i]
+                    other_x[q] = x[i]
+                z[:] = other_z
+                x[:] = other_x
+                w[:] = 1.0 / M
+        for i in range(M):
+            row[:n] = z[i]
+            row[n] = 0.0
+            row[n + 1] = 0.0
+            value = along(v, row)
+            op = min(max(value, lo), hi)
+            row[n] = op
+            known = phase == 0 and np.isfinite(seen)
+            row[n] = seen if known else min(max(op + jitter[phase] * draws[k, i], lo), hi)
+            x[i] = stuck(x[i], along(told, row), S, J)
+            row[n] = op
+            row[n + 1] = x[i]
+            for q in range(n):
+                new[q] = along(F[q], row)
+            if op != value and len(memory):
+                side = 0 if value > op else 1
+                push = 0 if (new[memory[0]] - z[i, memory[0]] > 0.0) == (side == 0) else 1
+                for q in range(len(memory)):
+                    new[memory[q]] = along(beyond[side, push, q], row)
+            z[i] = new
+
+
+def deviates(below: Any) -> Any:
+    """Return the normal deviates of shares below them."""
+    from scipy.special import ndtri
+
+    return ndtri(np.clip(below, 1e-15, 1.0 - 1e-15))

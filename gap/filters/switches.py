@@ -1,0 +1,42 @@
+"""When an input switched: the log says between which two rows, a filter says at which scan.
+
+One filter a scan tries the same scan for all switches; each switch takes the scan that is likeliest in the rows behind.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from gap.filters.filtering import Filtered
+from gap.filters.fitting import tried
+
+BEHIND = 5  # rows in which a switch shows
+RARE = 0.1  # share of rows at which an input that switches does so, at most
+MOST = 12  # scans within an interval that are tried
+
+
+def with_switches(now: Filtered) -> Filtered:
+    """Return the explanation with its inputs switching at the likeliest scans; the same object if none is likelier."""
+    f = now.explanation.filtering
+    log = f.record.log
+    switching = [j for j, s in enumerate(f.record.played) if 0.0 < float((np.diff(log[s]) != 0.0).mean()) < RARE]
+    if f.every < 2 or not switching:
+        return now
+    leads = f.leads.copy()
+    options = range(min(f.every, MOST))
+    loss = []
+    for lead in options:
+        trial = leads.copy()
+        trial[switching] = lead
+        found = tried(replace(now.explanation, filtering=f.with_leads(trial)), now.values)
+        if found is None:
+            return now
+        loss.append(np.nansum(found.e**2 + np.log(found.S), axis=1))
+    cost = np.array(loss)
+    for j in switching:
+        for row in np.flatnonzero(np.diff(log[f.record.played[j]]) != 0.0) + 1:
+            leads[j, row] = int(np.argmin(cost[:, row : row + BEHIND].sum(axis=1)))
+    if np.array_equal(leads, f.leads):
+        return now
+    new = tried(replace(now.explanation, filtering=f.with_leads(leads)), now.values)
+    return new if new is not None and new.nll < now.nll else now
