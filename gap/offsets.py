@@ -25,6 +25,10 @@ def offsets(
     ``params``, ``start``: block.name -> one value a run, or one for all.  ``logs``: one a run in place of the record's,
     with the same signals and rows.
     """
+    if record.filter is not None:
+        found = record.filter.residuals(diagram, record, params, logs)
+        found[:, _missing(record)] = np.nan
+        return found
     if logs is None and not params and not start:
         logs = [record.log]
     many = replays(
@@ -38,9 +42,13 @@ def offsets(
     )
     found = np.stack([many.values[f"{s}:offset"] for s in record.pinned], axis=-1)
     found[~many.ok] = np.nan
-    bad = ~np.all([record.log.good(s) for s in record.pinned], axis=0)  # one that is missing misleads all others
-    found[:, bad] = np.nan
+    found[:, _missing(record)] = np.nan
     return found
+
+
+def _missing(record: Record) -> NDArray[np.bool_]:
+    """Return the rows at which a signal is missing: one that is misleads all others, (rows,)."""
+    return np.asarray(~np.all([record.log.good(s) for s in record.pinned], axis=0))
 
 
 def known_starts(diagram: Diagram, start: Mapping[str, float]) -> dict[str, float]:

@@ -26,7 +26,7 @@ def judged(run: Run, truth: Mapping[str, Any], report: Mapping[str, Any], second
     }  # fmt: skip
     if len(run.effects) == 1:
         name = run.effects[0]
-        group = _group(name, run.mv)
+        group = _group(name, run)
         found["cause"] = bool(sets) and name in sets[0] and len(sets[0]) <= len(group)
         found["strict"] = bool(names) and names[0] == name
         wanted = {PLACES[one] for one in group}
@@ -43,8 +43,8 @@ def judged(run: Run, truth: Mapping[str, Any], report: Mapping[str, Any], second
     return found
 
 
-def _group(name: str, mv: bool) -> set[str]:
-    return STEP_AT_START if name in ("valve_leak", "sensor_bias") else set(alike(name, mv))
+def _group(name: str, run: Run) -> set[str]:
+    return STEP_AT_START if name in ("valve_leak", "sensor_bias") else set(alike(name, run.mv, run.setting))
 
 
 def _error(name: str, truth: Mapping[str, float], report: Mapping[str, Any]) -> float | None:
