@@ -18,6 +18,7 @@ from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
 from gap.effects.quantisation import Quantisation
+from gap.filtered import filter_of, floor_of_record
 from gap.floor import Floor, measured
 from gap.instants import with_instants
 from gap.model import read, silenced
@@ -96,8 +97,12 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     """Return the problem that a model and a log pose; ``floor`` if it is known from an equal record."""
     model, record = read(diagram, log)
     quiet = silenced(model)
-    start = start_values(quiet, record)
+    filtered = filter_of(model, quiet, record)
+    record = record if filtered is None else filtered
+    start = start_values(quiet, record) if filtered is None else {}
     model, quiet = model.starting_at(start), quiet.starting_at(start)
+    if filtered is not None:
+        record, floor = floor_of_record(model, quiet, record, RUNS, seed + 1)
     floor = floor or kept(model, record)
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)

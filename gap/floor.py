@@ -108,7 +108,7 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
 
     ``seed``: the first of ``runs`` consecutive seeds.
     """
-    log = record.log
+    log, driven = record.log, [*record.pinned, *record.used]
     many = ensemble(
         model,
         log.duration,
@@ -116,14 +116,14 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
         times=log.t,
         inputs=Log(log.t, {s: log[s] for s in record.played}) if record.played else None,
         seeds=np.arange(seed, seed + runs),
-        signals=list(record.pinned),
+        signals=driven,
         progress=False,
     )
     played = {s: log[s] for s in record.played}
     logs = []
     for i in np.flatnonzero(many.ok):
-        values = record.rounded({s: many.values[s][i] for s in record.pinned})
-        quality = {s: log.good(s) for s in record.pinned}
+        values = record.rounded({s: many.values[s][i] for s in driven})
+        quality = {s: log.good(s) for s in driven}
         logs.append(Log(log.t, {**played, **values}, quality=quality))
     return logs
 
@@ -142,13 +142,15 @@ def settling_rows(model: Diagram, record: Record) -> float:
     return SETTLING * float(np.median(times)) / record.log.dt if times else 0.0
 
 
-def floor_of(found: Floats, settling: float = 0.0, integrating: Sequence[bool] = ()) -> Floor:
+def floor_of(found: Floats, settling: float = 0.0, integrating: Sequence[bool] = (), steady: bool = False) -> Floor:
     """Return the floor that offsets of runs without a gap have, (runs, rows, signals).
 
-    ``integrating``: signals whose changes are the residuals in any case.
+    ``integrating``: signals whose changes are the residuals in any case; ``steady``: all others have a level.
     """
     skipped = skipped_rows(found.shape[1], settling)
-    changes = _drifting(found[:, skipped:]) | np.array(integrating or [False] * found.shape[-1])
+    changes = np.array(integrating or [False] * found.shape[-1])
+    if not steady:
+        changes |= _drifting(found[:, skipped:])
     r = residuals(found, changes)[:, skipped:]
     A, L = _predictor(r)
     scores = np.sort(scored(whitened(r, A, L)))

@@ -63,8 +63,8 @@ def planned(
 ) -> list[dict[str, float]]:
     """Return the sizes of a planned load that suit innovations ``e`` (rows, signals) at the times ``t`` [s] best.
 
-    ``h`` (rows, signals): what a load of 1 in the first interval of the model changes in its innovations; ``least`` nats
-    that a load has to promise, or there is none.
+    ``h`` (rows, signals): what a load of 1 in the first interval of the model changes in its innovations; ``least``
+    nats that a load has to promise, or there is none.
     """
     if effect is None:
         return []

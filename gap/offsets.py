@@ -27,6 +27,10 @@ def offsets(
     ``params``, ``start``: block.name -> one value a run, or one for all.  ``logs``: one a run in place of the record's,
     with the same signals and rows.
     """
+    if record.filter is not None:
+        found = record.filter.residuals(diagram, record, params, logs)
+        found[:, _missing(record)] = np.nan
+        return found
     keep = [f"{s}:offset" for s in record.pinned]
     given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
     if logs is None:
@@ -41,8 +45,7 @@ def offsets(
         many = replays(diagram, list(logs), signals=signals, keep=keep, params=given, start=start, progress=False)
     found = np.stack([many.values[f"{s}:offset"] for s in record.pinned], axis=-1)
     found[~many.ok] = np.nan
-    bad = ~np.all([record.log.good(s) for s in record.pinned], axis=0)  # one that is missing misleads all others
-    found[:, bad] = np.nan
+    found[:, _missing(record)] = np.nan
     return found
 
 
@@ -50,6 +53,11 @@ def offsets(
 def held(diagram: Diagram, record: Record) -> Diagram:
     """Return the diagram pinned to a record; the same one again for the next replays of it."""
     return diagram.pinned(record.log, [*record.played, *record.pinned])
+
+
+def _missing(record: Record) -> NDArray[np.bool_]:
+    """Return the rows at which a signal is missing: one that is misleads all others, (rows,)."""
+    return np.asarray(~np.all([record.log.good(s) for s in record.pinned], axis=0))
 
 
 def known_starts(diagram: Diagram, start: Mapping[str, float]) -> dict[str, float]:

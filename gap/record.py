@@ -1,11 +1,14 @@
 """What a log says about itself: which signals of a diagram it has, how they are rounded, and where each is good."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from diagram.diagram import Diagram
 from logs import Log
 
 Floats = NDArray[np.float64]
@@ -70,23 +73,35 @@ def spacing(values: ArrayLike) -> float:
     return step if float(np.max(off)) < UNEVEN * step else 0.0
 
 
+class Residuals(Protocol):
+    """What makes residuals of a diagram and a log in place of a pinned replay (``gap.filtered``)."""
+
+    def residuals(
+        self, diagram: Diagram, record: "Record", params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None
+    ) -> Floats:
+        """Return (runs, rows, pinned signals)."""
+
+
 @dataclass(frozen=True, eq=False)
 class Record:
     """A log as a diagnosis reads it: the signals that the diagram has too, in the diagram's order.
 
     ``log``; ``played`` the logged open inputs; ``pinned`` the other logged signals, those that blocks drive;
-    ``lattices`` those whose lattice is the sensor's own, not the log's rounding.
+    ``lattices`` those whose lattice is the sensor's own, not the log's rounding; ``used`` logged signals that the model
+    drives and that are taken as they are, not judged; ``filter`` what makes residuals of it where no replay does.
     """
 
     log: Log
     played: tuple[str, ...]
     pinned: tuple[str, ...]
     lattices: tuple[str, ...] = ()
+    used: tuple[str, ...] = ()
+    filter: "Residuals | None" = None
 
     @cached_property
     def steps(self) -> dict[str, float]:
-        """Rounding of each pinned signal [its unit], 0 for none."""
-        return {s: 0.0 if s in self.lattices else self.lattice(s) for s in self.pinned}
+        """Rounding of each signal that the model drives [its unit], 0 for none."""
+        return {s: 0.0 if s in self.lattices else self.lattice(s) for s in (*self.pinned, *self.used)}
 
     def lattice(self, signal: str) -> float:
         """Return the step on whose multiples the values of a signal lie, 0 for none."""

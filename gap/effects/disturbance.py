@@ -1,7 +1,7 @@
 """What the disturbances at a feed share: a wave that is added to what the feed gives.
 
-A feed is a block of the role disturbance, or a source that a plan gives, whose signal enters a process, directly or
-through sums and filters.
+A feed is a block of the role disturbance whose signal enters a process, directly or through sums and filters; in a
+diagram that says of none that it is one, any source that does.
 """
 
 from blocks.arithmetic import Sum
@@ -23,8 +23,10 @@ class Disturbance(Effect):
         raise NotImplementedError
 
     def places(self, diagram: Diagram) -> tuple[str, ...]:
-        """Return the disturbances, and sources such as feeds, whose signal enters a process."""
-        return tuple(b.name for b in diagram.blocks if b.role.drives and ":" not in b.name and self.fits(diagram, b))
+        """Return the disturbances whose signal enters a process; where there is none, the sources."""
+        found = [b for b in diagram.blocks if b.role.drives and ":" not in b.name and self.fits(diagram, b)]
+        stated = [b.name for b in found if b.role is Role.DISTURBANCE]
+        return tuple(stated or [b.name for b in found])
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
         """Return whether what the block gives enters a process."""
