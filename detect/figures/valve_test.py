@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logs.figures import time_unit
 from logs.style import COLOURS, GREEN, PALE, tidy
+from logs.time_axis import time_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,8 +13,8 @@ from diagram.figures.panels import choose, heading, parts_played
 from diagram.simulation import Run
 from engine.status import Status
 from logs import Log
-from logs.figures import time_unit
 from logs.style import COLOURS, CYCLE, EVENT, OUTSIDE, PALE, RED, SOFT, STUCK, tidy
+from logs.time_axis import time_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
