@@ -37,6 +37,11 @@ class StemTrend:
     better: float
 
     @property
+    def slips(self) -> Values:
+        """When the stem leaves a stick (k,) [s]."""
+        return self.sticks[:, 1]
+
+    @property
     def share(self) -> float:
         """Share of the time in which the stem stood while OP moved [-]."""
         span = float(self.t[-1] - self.t[0])

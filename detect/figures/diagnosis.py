@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_diagnosis"]
 
+POINTS = 4000  # of PV against OP: more is a blot
+
 
 def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     """Trend, PV-OP curve and the first evidence that can be drawn, a voter if possible; ``words`` adds the reason."""
@@ -42,10 +44,13 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     good = record.good
     pv, op = np.where(good, record.pv, np.nan), np.where(good, record.op, np.nan)
     tidy(curve)
+    if len(op) > POINTS:
+        op, pv = op[-POINTS:], pv[-POINTS:]
     curve.plot(op, pv, color=COLOURS["PV"], lw=0.6, alpha=0.7)
     curve.set_xlabel(named(record, record.op_name, "OP"))
     curve.set_ylabel(named(record, record.pv_name, "PV"))
-    curve.set_title("PV against OP", fontsize=9, loc="left")
+    last = f" (last {POINTS:,} samples)" if len(record) > POINTS else ""
+    curve.set_title(f"PV against OP{last}", fontsize=9, loc="left")
     if words:
         trend.suptitle("\n".join(textwrap.wrap(answer.reason, 150)), fontsize=8.5, x=0.01, ha="left")
     if shown is not None:

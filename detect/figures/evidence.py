@@ -41,7 +41,7 @@ def plot_pv_op(record: LoopRecord, period: float, stem: StemTrend | None) -> Fig
     good = record.good
     step = max(1, int(good.sum()) // POINTS)
     op, pv = record.op[good][::step], record.pv[good][::step]
-    ax.plot(op, pv, ".", color=PALE, ms=1.6, alpha=0.35, label="whole record", rasterized=False)
+    ax.plot(op, pv, ".", color=PALE, ms=1.6, alpha=0.35, label="whole record")
     inside = (record.t >= t0) & (record.t <= t1)
     x, y = (np.where(good, values, np.nan)[inside] for values in (record.op, record.pv))
     ax.plot(x, y, color=COLOURS["PV"], lw=0.9, label="the cycles shown")
@@ -88,9 +88,11 @@ def plot_spectrum(found: Spectrum) -> Figure:
         ax.plot(found.f[shown] * scale, np.maximum(values[shown], 1e-5), color=COLOURS[part], lw=1.0, label=part)
     ax.set_yscale("log")
     ax.set_ylim(2e-3, 2.0)
+    ax.set_yticks([0.01, 0.1, 1.0], ["1 %", "10 %", "100 %"])
+    ax.minorticks_off()
     ax.set_xlim(0.0, float(found.f[shown][-1]) * scale)
     ax.set_xlabel(f"frequency [1/{unit}]")
-    ax.set_ylabel("amplitude, largest line = 1 [-]")
+    ax.set_ylabel("amplitude over the largest line")
     legend(ax)
     tidy(ax)
     return figure

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from detect.figures.verdict import legend
-from logs.style import COLOURS, STUCK
+from logs.style import COLOURS, EVENT
 from logs.time_axis import TimeAxis
 from logs.trend import draw_signal, finish_panel, mark_gaps, shade_bad
 
@@ -42,16 +42,21 @@ def draw_trends(record: LoopRecord, upper: Axes, lower: Axes, *, sticks: StemTre
         shade_bad(panel, axis, log, record.good)
         panel.set_ylabel(named(record, name, part))
         finish_panel(panel, [log[name][record.good]])
-    if sticks is not None and len(sticks.sticks):
-        bars = axis.at(sticks.sticks)
-        lower.broken_barh(
-            [(a, b - a) for a, b in bars.tolist()], (0.0, 0.045), transform=lower.get_xaxis_transform(),
-            facecolor=COLOURS["OP"], alpha=0.75, linewidth=0, label="stem stands while OP moves",
-        )  # fmt: skip
+    if sticks is not None:
+        _mark_sticks(lower, axis, sticks)
     for panel in (upper, lower):
         legend(panel)
     axis.finish(lower, float(log.t[0]), float(log.t[-1]))
     upper.tick_params(labelbottom=False)
+
+
+def _mark_sticks(ax: Axes, axis: TimeAxis, stem: StemTrend) -> None:
+    """A bar at the foot of the panel wherever the stem stood while OP moved."""
+    if len(stem.sticks):
+        ax.broken_barh(
+            [(a, b - a) for a, b in axis.at(stem.sticks).tolist()], (0.0, 0.045), transform=ax.get_xaxis_transform(),
+            facecolor=EVENT, alpha=0.8, linewidth=0, label="stem stands while OP moves",
+        )  # fmt: skip
 
 
 def plot_trend(record: LoopRecord, stem: StemTrend | None = None) -> Figure:
@@ -72,7 +77,7 @@ def shown_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> t
 
 
 def plot_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> Figure:
-    """The last few cycles: PV with SP, and OP with the stem; shaded where the stem stands while OP moves."""
+    """The last few cycles: PV with SP, and OP with the stem; dotted where it slips, a bar where it stands."""
     from dataclasses import replace
 
     from logs.picture import Picture
@@ -94,17 +99,12 @@ def plot_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> Fi
             said = "MV" if stem.logged else "stem, reconstructed"
             lower.plot(axis.at(stem.t[inside]), mv, color=COLOURS["MV"], lw=1.4, label=said, drawstyle="steps-post")
             beside.append(mv)
-        first = True
-        for a, b in axis.at(stem.sticks).tolist():
-            ends = axis.at(np.array([t0, t1]))
-            if b < ends[0] or a > ends[1]:
-                continue
-            for panel in (upper, lower):
-                panel.axvspan(
-                    max(a, float(ends[0])), min(b, float(ends[1])), color=STUCK, alpha=0.55, lw=0, zorder=0.5,
-                    label="stem stands while OP moves" if first and panel is lower else None,
-                )  # fmt: skip
-            first = False
+        _mark_sticks(lower, axis, stem)
+        for panel in (upper, lower):
+            panel.vlines(
+                axis.at(stem.slips[(stem.slips > t0) & (stem.slips < t1)]), 0.0, 1.0, color=EVENT, lw=0.8, ls=":",
+                transform=panel.get_xaxis_transform(), zorder=0.9, label="stem slips" if panel is upper else None,
+            )  # fmt: skip
     for panel, name, known in ((upper, "PV", [log[part.pv_name][part.good]]), (lower, "OP", beside)):
         mark_gaps(panel, axis, log)
         panel.set_ylabel(named(part, part.pv_name if name == "PV" else part.op_name, name))

@@ -50,7 +50,9 @@ def _lead(diagnosis: "Diagnosis") -> str:
     since = "" if log.start is None else f" from {log.start + timedelta(seconds=float(record.t[0])):%Y-%m-%d %H:%M:%S}"
     every = f", one every {record.dt:.3g} s" if len(record) > 1 else ""
     what = record.measurement or "loop"
-    return f"{what.capitalize()}: {len(record):,} samples{every}, {long}{since}. {log.origin}".strip()
+    return (
+        f"{what.capitalize()}: {len(record):,} samples{every}, {long}{since}{f'; {log.origin}' if log.origin else ''}."
+    )
 
 
 def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
@@ -176,8 +178,9 @@ def _trend(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") ->
     record, period = diagnosis.record, loop.period
     section = Section("The trend", "", "open", "")
     gaps = record.log.gaps()
-    told = f"{len(gaps)} gaps are shaded grey" if len(gaps) > 1 else "the gap is shaded grey" if gaps else "no gaps"
-    caption = f"The whole record; {told}, samples that do not count red."
+    shaded = [f"{len(gaps)} gap{'s' * (len(gaps) > 1)} grey"] * bool(gaps)
+    shaded += ["samples that do not count red"] * (not record.good.all())
+    caption = f"The whole record{'; shaded: ' if shaded else ''}{', '.join(shaded)}."
     section.figures.append(captioned(figure_to_svg(plot_trend(record, seen)), caption))
     if diagnosis.verdict == "not_applicable" and seen is None:
         return section

@@ -73,7 +73,8 @@ figcaption b { color: var(--ink); font-weight: 600; }
 table { border-collapse: collapse; margin: 6px 0 0; font-size: 14.5px; width: 100%; }
 th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th { color: var(--soft); font-weight: 600; overflow-wrap: normal; }
-td { min-width: 5.5em; } td.long { min-width: 17em; } th:first-child, td:first-child { min-width: 7.5em; }
+td { min-width: 5.5em; } td.long { min-width: 17em; } th:first-child:not(.num), td:first-child:not(.num) {
+  min-width: 7.5em; }
 .num { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; min-width: 0; }
 tr.missed td { background: var(--missed); }
 tr.missed td.mark { color: var(--bad_ink); font-weight: 650; white-space: nowrap; }
@@ -101,6 +102,7 @@ a { color: var(--link); } footer { color: var(--soft); font-size: 13.5px; margin
   article { break-inside: auto; border: 0; padding: 0; } tr, svg, .grid > div { break-inside: avoid; }
   h2, .label, header.row { break-after: avoid; } thead { display: table-header-group; }
   .scroll { overflow: visible; background: none; } figure.scroll svg { min-width: 0; } .orders { display: none; }
-  table { font-size: 9pt; } td, td.long, th:first-child, td:first-child { min-width: 0; }
+  table { font-size: 9pt; } td, td.long, td:first-child:not(.num), th:first-child:not(.num) {
+  min-width: 0; }
   .num { white-space: normal; } }
 """).substitute(day=_variables(PAGE, {colour: colour for colour in AT_NIGHT}), night=_variables(NIGHT, AT_NIGHT))
