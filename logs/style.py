@@ -15,7 +15,7 @@ BLUE, ORANGE, GREEN, VIOLET, TEAL, OLIVE, RED = (
 COLOURS = {"SP": "#7f7f7f", "PV": BLUE, "OP": ORANGE, "MV": GREEN, "bad": RED}
 CYCLE = (BLUE, ORANGE, GREEN, VIOLET, TEAL, OLIVE)  # of signals without a part
 OUTSIDE = "#555555"  # a signal of no nested diagram, beside some that are
-STUCK, EVENT = "#f3d9b8", "#8a5a2b"  # where a stem is stuck; other changes of mode
+STUCK, EVENT = "#d8a566", "#8a5a2b"  # where a stem is stuck; other changes of mode
 # Half cycles before and after a turn: a dark and a light one, which mean no signal; those that do not count; a fit.
 BEFORE, AFTER, UNUSED, FIT = "#7b5ea7", "#f0c05a", "#e6e6e6", "#333333"
 # Sizes of stiction from light to dark, so that grey paper keeps the order, and OP beside them.
@@ -50,7 +50,7 @@ AT_NIGHT = {
     "#000000": NIGHT["ink"], PAPER: NIGHT["paper"], INK: NIGHT["ink"], WIRE: "#c3cdd8", SOFT: "#a3afbb",
     GRID: "#2c353f", SHADE: "#212b35", BLUE: "#7fb2e5", ORANGE: "#f0985a", GREEN: "#7cc680", VIOLET: "#b79ae0",
     TEAL: "#4fc0d2", OLIVE: "#d0b04a", RED: "#ff7a85", COLOURS["SP"]: "#a8a8a8", OUTSIDE: "#b0b0b0",
-    STUCK: "#5f4726", EVENT: "#d29a63", BEFORE: "#a58bd0", AFTER: "#8a6a1c", UNUSED: "#3d4650", FIT: "#d5dbe2",
+    STUCK: "#9a7440", EVENT: "#d29a63", BEFORE: "#a58bd0", AFTER: "#8a6a1c", UNUSED: "#3d4650", FIT: "#d5dbe2",
     STICTION["high"]: "#e8695a", FILL["source"]: "#1f3327", FILL["controller"]: "#1c2f45", FILL["valve"]: "#3d2f1c",
     FILL["python"]: "#30273f", FRAME: "#1e262f", FRAME_EDGE: "#46515d",
 }  # fmt: skip

@@ -87,7 +87,8 @@ input.order { position: absolute; opacity: 0; pointer-events: none; }
 .orders, input.order { display: none; }
 @supports (grid-template-columns: subgrid) {
   .orders { display: flex; } input.order { display: inline; }
-  table.ordered { display: grid; }
+  table.ordered { display: grid; width: max-content; min-width: 100%; max-width: 1900px; }
+  table.ordered th { white-space: nowrap; }
   table.ordered thead, table.ordered tbody, table.ordered tr { display: grid; grid-column: 1 / -1;
     grid-template-columns: subgrid; }
   table.ordered tr { border-bottom: 1px solid var(--line); } table.ordered th, table.ordered td { border: 0; }
@@ -104,5 +105,7 @@ a { color: var(--link); } footer { color: var(--soft); font-size: 13.5px; margin
   .scroll { overflow: visible; background: none; } figure.scroll svg { min-width: 0; } .orders { display: none; }
   table { font-size: 9pt; } td, td.long, td:first-child:not(.num), th:first-child:not(.num) {
   min-width: 0; }
-  .num { white-space: normal; } }
+  .num { white-space: normal; } table.ordered { display: table; width: 100%; }
+  table.ordered thead { display: table-header-group; } table.ordered tbody { display: table-row-group; }
+  table.ordered tr { display: table-row; } table.ordered th { white-space: normal; } }
 """).substitute(day=_variables(PAGE, {colour: colour for colour in AT_NIGHT}), night=_variables(NIGHT, AT_NIGHT))

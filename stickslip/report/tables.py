@@ -65,8 +65,8 @@ def ordered_table(
             f"#{name}{k}:checked ~ .orders label[for={name}{k}] {{ background: var(--open); color: var(--open_ink); }}"
             f"#{name}{k}:focus-visible ~ .orders label[for={name}{k}] {{ outline: 2px solid var(--link); }}"
         )
-    rules.append(f"@supports (grid-template-columns: subgrid) {{ #{name} {{ grid-template-columns: "
-                 f"{_widths(columns, rows)}; }} }}")  # fmt: skip
+    widths = _widths(columns, rows, badges or {})
+    rules.append(f"@supports (grid-template-columns: subgrid) {{ #{name} {{ grid-template-columns: {widths}; }} }}")
     lines = ""
     for i, (kind, cells) in enumerate(body):
         places = ";".join(f"--o{k}:{place[i]}" for k, place in enumerate(orders.values()))
@@ -115,6 +115,14 @@ def _kinds(rows: Sequence[Sequence[str]], columns: int) -> list[str]:
     return found
 
 
-def _widths(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Widths of the columns of a grid: as wide as the cells, long ones share what is left."""
-    return " ".join("minmax(17em, 1fr)" if "long" in kind else "auto" for kind in _kinds(rows, len(columns)))
+def _widths(columns: Sequence[str], rows: Sequence[Sequence[str]], badges: Mapping[int, Sequence[str]]) -> str:
+    """Widths of the columns of a grid: numbers and badges in one line, texts at least ten letters, long ones more."""
+    widths = []
+    for k, kind in enumerate(_kinds(rows, len(columns))):
+        if "long" in kind:
+            widths.append("minmax(18em, 3fr)")
+        elif "num" in kind or k in badges or k == 0:
+            widths.append("minmax(max-content, auto)" if k else "minmax(9em, auto)")
+        else:
+            widths.append("minmax(10em, 1fr)")
+    return " ".join(widths)
