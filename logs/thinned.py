@@ -52,6 +52,7 @@ def envelope(t: Values, x: Values, stretches: int = 400) -> tuple[Values, Values
     high = np.maximum.reduceat(np.where(known, x, -np.inf), edges)
     empty = low > high
     at = 0.5 * (t[edges] + t[np.append(edges[1:], len(t)) - 1])
+    at[0], at[-1] = t[0], t[-1]  # the band reaches as far as the signal
     return at, np.where(empty, np.nan, low), np.where(empty, np.nan, high)
 
 
