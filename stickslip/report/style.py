@@ -60,7 +60,7 @@ figure svg { width: 100%; height: auto; display: block; }
 figure svg text { fill: var(--ink); }
 figure.scroll svg { min-width: 680px; }
 .grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 10px 24px; }
-.grid > div { min-width: 0; }
+.grid > div { min-width: 0; max-width: 600px; }
 figcaption { color: var(--soft); font-size: 14.5px; max-width: 80ch; margin: 4px 0 18px; position: sticky; left: 0;
   width: fit-content; }
 figcaption b { color: var(--ink); font-weight: 600; }
