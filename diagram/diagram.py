@@ -63,11 +63,15 @@ class Diagram(Wired):
             self._plan = self._cells
         return self._cells
 
-    def plot(self) -> "Figure":
-        """Draw the diagram: one box per block, one arrow per signal."""
+    def plot(self, units: Mapping[str, Sequence[str]] | None = None) -> "Figure":
+        """Draw the diagram: one box per block, one arrow per signal.
+
+        ``units``: name -> names of the blocks that are drawn as one box, for a diagram that is too large to read.
+        Raises ``WiringError`` for a block that is not there.
+        """
         from diagram.figures.drawing import draw
 
-        return draw(self)
+        return draw(self, units=units)
 
     # --- change -------------------------------------------------------------------------------------------
     def with_params(self, values: Mapping[str, float]) -> Self:

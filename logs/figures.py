@@ -8,7 +8,8 @@ import numpy as np
 
 from logs.errors import LogError
 from logs.style import COLOURS, CYCLE, tidy
-from logs.thinned import thinned
+from logs.time_axis import TimeAxis
+from logs.trend import broken_at_gaps, draw_signal, finish_panel, mark_gaps, shade_bad
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,13 +17,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from logs.arrays import Mask, Values
     from logs.log import Log
     from logs.loop import LoopRecord
 
-__all__ = ["COLOURS", "plot_log", "plot_loop", "time_unit"]
+__all__ = ["COLOURS", "plot_log", "plot_loop"]
 
-_LINE = 0.9
 _MANY = 20_000  # points above which a line is drawn as pixels inside the vector file
 
 
@@ -49,14 +48,14 @@ def plot_log(log: Log, names: str | Sequence[str] | None = None) -> Figure:
         log[name]
     figure = Picture(figsize=(9.0, 0.9 + 1.6 * len(shown)), layout="constrained")
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-    scale, unit = time_unit(log.duration)
+    axis = TimeAxis(log)
     for i, (panel, name) in enumerate(zip(panels, shown, strict=True)):
-        _trend(panel, log, name, COLOURS.get(name, CYCLE[i % len(CYCLE)]), scale)
-        _shade_bad(panel, log.t, log.good(name), log.dt, scale)
+        draw_signal(panel, axis, log, name, COLOURS.get(name, CYCLE[i % len(CYCLE)]))
+        shade_bad(panel, axis, log, log.good(name))
+        mark_gaps(panel, axis, log)
         panel.set_ylabel(_label(log, name))
-        _tidy(panel)
-    panels[-1].set_xlabel(_time_label(log, unit))
-    panels[-1].set_xlim(*_limits(log, scale))
+        finish_panel(panel, [log[name]])
+    axis.finish(panels[-1], float(log.t[0]), float(log.t[-1]))
     if log.origin:
         figure.suptitle(log.origin, fontsize=10, x=0.01, ha="left")
     return figure
@@ -82,21 +81,21 @@ def plot_loop(loop: LoopRecord) -> Figure:
     grid = figure.add_gridspec(2, 2, width_ratios=(2.1, 1.0))
     upper = figure.add_subplot(grid[0, 0])
     lower = figure.add_subplot(grid[1, 0], sharex=upper)
-    scale, unit = time_unit(log.duration)
+    axis = TimeAxis(log)
     if loop.sp_name is not None:
-        _trend(upper, log, loop.sp_name, COLOURS["SP"], scale, label="SP", step=True)
-    _trend(upper, log, loop.pv_name, COLOURS["PV"], scale, label="PV")
-    _trend(lower, log, loop.op_name, COLOURS["OP"], scale, label="OP")
+        draw_signal(upper, axis, log, loop.sp_name, COLOURS["SP"], "SP", drawstyle="steps-post")
+    draw_signal(upper, axis, log, loop.pv_name, COLOURS["PV"], "PV")
+    draw_signal(lower, axis, log, loop.op_name, COLOURS["OP"], "OP")
     if loop.mv_name is not None:
-        _trend(lower, log, loop.mv_name, COLOURS["MV"], scale, label="MV (stem)")
+        draw_signal(lower, axis, log, loop.mv_name, COLOURS["MV"], "MV (stem)")
     for panel, name, part in ((upper, loop.pv_name, "PV"), (lower, loop.op_name, "OP")):
-        _shade_bad(panel, log.t, loop.good, log.dt, scale)
+        shade_bad(panel, axis, log, loop.good)
+        mark_gaps(panel, axis, log)
         panel.set_ylabel(_label(log, name, part))
-        _tidy(panel)
-        panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=9, borderpad=0.1)
+        finish_panel(panel, [log[name]])
+        panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=5, frameon=False, fontsize=9, borderpad=0.1)
     upper.tick_params(labelbottom=False)
-    lower.set_xlabel(_time_label(log, unit))
-    lower.set_xlim(*_limits(log, scale))
+    axis.finish(lower, float(log.t[0]), float(log.t[-1]))
     if loop.mv_name is None:
         _phase(figure.add_subplot(grid[:, 1]), loop, loop.pv_name, "PV")
     else:
@@ -109,64 +108,13 @@ def plot_loop(loop: LoopRecord) -> Figure:
     return figure
 
 
-def time_unit(duration: float) -> tuple[float, str]:
-    """Seconds in the unit that suits a record of ``duration`` [s], and its name.
-
-    >>> time_unit(90.0), time_unit(7200.0), time_unit(3e5)
-    ((1.0, 's'), (60.0, 'min'), (3600.0, 'h'))
-    """
-    if duration < 600:
-        return 1.0, "s"
-    if duration < 6 * 3600:
-        return 60.0, "min"
-    return (3600.0, "h") if duration < 10 * 86400 else (86400.0, "d")
-
-
-def _trend(panel: Axes, log: Log, name: str, colour: str, scale: float, label: str = "", *, step: bool = False) -> None:
-    good = log.good(name)
-    x, y = thinned(*_broken_at_gaps(log, log.t / scale, np.where(good, log[name], np.nan)))
-    panel.plot(
-        x,
-        y,
-        color=colour,
-        linewidth=_LINE,
-        label=label or None,
-        drawstyle="steps-post" if step else "default",
-        marker="." if len(log) < 2 else "",
-    )
-    doubtful = ~good & np.isfinite(log[name])
-    if doubtful.any():
-        t, values = log.t[doubtful] / scale, log[name][doubtful]
-        panel.plot(t, values, linestyle="", marker="x", markersize=3.5, color=COLOURS["bad"])
-
-
-def _broken_at_gaps(log: Log, x: Values, y: Values) -> tuple[Values, Values]:
-    """A missing point after the last sample before each gap, so that the line is not drawn across it."""
-    after = np.searchsorted(log.t, [t1 for _, t1 in log.gaps()])
-    return np.insert(x, after, x[after - 1]), np.insert(y, after, np.nan)
-
-
-def _shade_bad(panel: Axes, t: Values, good: Mask, dt: float, scale: float) -> None:
-    edges = np.flatnonzero(np.diff(np.concatenate([[True], good, [True]]).astype(np.int8)))
-    reach = 0.5 * dt if np.isfinite(dt) else 0.0
-    for i, (first, stop) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
-        panel.axvspan(
-            (t[first] - reach) / scale,
-            (t[stop - 1] + reach) / scale,
-            color=COLOURS["bad"],
-            alpha=0.10,
-            linewidth=0,
-            label="not good" if i == 0 else None,
-        )
-
-
 def _phase(panel: Axes, loop: LoopRecord, name: str, part: str) -> None:
     log = loop.log
     good = loop.good
     x = np.where(good, loop.op, np.nan)
     y = np.where(good, log[name], np.nan)
     panel.plot(
-        *_broken_at_gaps(log, x, y),
+        *broken_at_gaps(log, x, y),
         color=COLOURS[part],
         linewidth=0.6,
         alpha=0.75,
@@ -188,14 +136,3 @@ def _label(log: Log, name: str, part: str = "") -> str:
     unit = log.units.get(name, "")
     shown = part or name
     return f"{shown} [{unit}]" if unit else shown
-
-
-def _time_label(log: Log, unit: str) -> str:
-    if log.start is None:
-        return f"time [{unit}]"
-    return f"time [{unit}] from {log.start.isoformat(sep=' ', timespec='seconds')}"
-
-
-def _limits(log: Log, scale: float) -> tuple[float, float]:
-    low, high = float(log.t[0]) / scale, float(log.t[-1]) / scale
-    return (low, high) if high > low else (low - 0.5, high + 0.5)

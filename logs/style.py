@@ -15,7 +15,7 @@ BLUE, ORANGE, GREEN, VIOLET, TEAL, OLIVE, RED = (
 COLOURS = {"SP": "#7f7f7f", "PV": BLUE, "OP": ORANGE, "MV": GREEN, "bad": RED}
 CYCLE = (BLUE, ORANGE, GREEN, VIOLET, TEAL, OLIVE)  # of signals without a part
 OUTSIDE = "#555555"  # a signal of no nested diagram, beside some that are
-STUCK, EVENT = "#f3d9b8", "#8a5a2b"  # where a stem is stuck; other changes of mode
+STUCK, EVENT = "#d8a566", "#8a5a2b"  # where a stem is stuck; other changes of mode
 # Half cycles before and after a turn: a dark and a light one, which mean no signal; those that do not count; a fit.
 BEFORE, AFTER, UNUSED, FIT = "#7b5ea7", "#f0c05a", "#e6e6e6", "#333333"
 # Sizes of stiction from light to dark, so that grey paper keeps the order, and OP beside them.
@@ -25,6 +25,9 @@ COMMAND = "#8a97a5"
 FILL = {"source": "#e9f4ec", "controller": "#e7f0fb", "valve": "#fdf0e1", "python": "#f1eafa", "plain": "#ffffff"}
 EDGE = {"source": "#4d8f63", "controller": "#3f73b0", "valve": "#c07a22", "python": "#7d5bb0", "plain": "#54616e"}
 FRAME, FRAME_EDGE = "#f4f6f9", "#c3ccd6"
+# Numbers on a scale of colours, which is the same day and night.
+ON_DARK, ON_LIGHT = "#fefefe", "#101010"
+PAPER = "#ffffff"  # behind a picture, and letters on a strong colour
 # Pages.
 PAGE = {
     "ink": INK, "soft": SOFT, "line": "#dfe4ea", "ground": "#f6f8fa", "card": "#ffffff", "link": "#1f5fa8",
@@ -33,13 +36,23 @@ PAGE = {
     "good": "#e8f5ec", "good_ink": "#1c6b38", "good_line": "#bfe2cb",
     "open": "#fff6e0", "open_ink": "#7a5600", "open_line": "#f0dca8",
 }  # fmt: skip
-# The same at night; pictures keep their white ground.
+# The same at night.
 NIGHT = {
     "ink": "#e6ebf1", "soft": "#a3afbb", "line": "#333d48", "ground": "#12171d", "card": "#1a2129", "link": "#8cb8ee",
-    "missed": "#3a2c1a", "paper": "#ffffff", "hint": "#55626f",
+    "missed": "#3a2c1a", "paper": "#1a2129", "hint": "#55626f",
     "bad": "#47201d", "bad_ink": "#ffb4ab", "bad_line": "#6d322d",
     "good": "#1b3a26", "good_ink": "#9fd8b0", "good_line": "#2e5b3d",
     "open": "#40320f", "open_ink": "#f2d58a", "open_line": "#665122",
+}  # fmt: skip
+
+# What becomes of the colours of a picture on a page at night; those that are not here suit both.
+AT_NIGHT = {
+    "#000000": NIGHT["ink"], PAPER: NIGHT["paper"], INK: NIGHT["ink"], WIRE: "#c3cdd8", SOFT: "#a3afbb",
+    GRID: "#2c353f", SHADE: "#212b35", BLUE: "#7fb2e5", ORANGE: "#f0985a", GREEN: "#7cc680", VIOLET: "#b79ae0",
+    TEAL: "#4fc0d2", OLIVE: "#d0b04a", RED: "#ff7a85", COLOURS["SP"]: "#a8a8a8", OUTSIDE: "#b0b0b0",
+    STUCK: "#9a7440", EVENT: "#d29a63", BEFORE: "#a58bd0", AFTER: "#8a6a1c", UNUSED: "#3d4650", FIT: "#d5dbe2",
+    STICTION["high"]: "#e8695a", FILL["source"]: "#1f3327", FILL["controller"]: "#1c2f45", FILL["valve"]: "#3d2f1c",
+    FILL["python"]: "#30273f", FRAME: "#1e262f", FRAME_EDGE: "#46515d",
 }  # fmt: skip
 
 

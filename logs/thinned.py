@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["POINTS", "thinned"]
+__all__ = ["POINTS", "envelope", "thinned"]
 
 Values = npt.NDArray[np.float64]
 
@@ -33,6 +33,27 @@ def thinned(t: Values, x: Values, points: int = POINTS) -> tuple[Values, Values]
     gap = edges[:-1] + _arg(holes.astype(np.float64), edges, np.argmax)
     kept = np.unique(np.concatenate([low, high, gap[holes[gap]], [0, n - 1]]))
     return t[kept], x[kept]
+
+
+def envelope(t: Values, x: Values, stretches: int = 400) -> tuple[Values, Values, Values]:
+    """Middle, lowest and highest value of stretches of a signal, each (at most ``stretches``,).
+
+    ``t`` (n,) increasing, ``x`` (n,); a stretch without a finite value gives NaN.
+
+    >>> t = np.arange(1000.0)
+    >>> at, low, high = envelope(t, np.sin(t), 10)
+    >>> len(at), bool(low.max() < -0.99), bool(high.min() > 0.99)
+    (10, True, True)
+    """
+    count = min(stretches, len(t))
+    edges = np.linspace(0, len(t), count + 1).astype(np.int64)[:-1]
+    known = np.isfinite(x)
+    low = np.minimum.reduceat(np.where(known, x, np.inf), edges)
+    high = np.maximum.reduceat(np.where(known, x, -np.inf), edges)
+    empty = low > high
+    at = 0.5 * (t[edges] + t[np.append(edges[1:], len(t)) - 1])
+    at[0], at[-1] = t[0], t[-1]  # the band reaches as far as the signal
+    return at, np.where(empty, np.nan, low), np.where(empty, np.nan, high)
 
 
 def _arg(x: Values, edges: npt.NDArray[np.int64], which: object) -> npt.NDArray[np.int64]:

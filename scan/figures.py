@@ -19,7 +19,7 @@ __all__ = ["plot_scan"]
 
 def plot_scan(result: ScanResult) -> Figure:
     """Bars of the verdicts beside a histogram of the periods [s] on a logarithmic axis."""
-    from matplotlib.ticker import LogLocator, NullFormatter
+    from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
     from logs.picture import Picture
 
@@ -30,10 +30,10 @@ def plot_scan(result: ScanResult) -> Figure:
     if counts.get("error"):
         rows.append(("could not be judged", PALE, counts["error"]))
     names, colours, numbers = zip(*rows, strict=True) if rows else ((), (), ())
-    left.barh(names, numbers, color=colours)
+    left.barh(names, numbers, color=colours, height=0.6)
     left.invert_yaxis()
     for i, number in enumerate(numbers):
-        left.text(number, i, f" {number}", va="center")
+        left.text(number, i, f"  {number}", va="center")
     left.set_xlabel("loops")
     left.margins(x=0.12)
     periods = result.table["period_s"].drop_nulls().to_numpy()
@@ -46,6 +46,8 @@ def plot_scan(result: ScanResult) -> Figure:
         right.xaxis.set_minor_formatter(NullFormatter())
     right.set_xlabel("period of the oscillation [s]")
     right.set_ylabel("loops")
+    left.xaxis.set_major_locator(MaxNLocator(integer=True))
+    right.yaxis.set_major_locator(MaxNLocator(integer=True))
     for ax in (left, right):
         tidy(ax)
     total = len(result.table)

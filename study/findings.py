@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+MOVES = 1e-3  # % of the operating point: a run whose signals move less, in the median along the chain, is at rest
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Findings:
@@ -75,3 +77,11 @@ class Findings:
         amplitude, mean = self.column(f"{signal}.amplitude"), np.abs(self.column(f"{signal}.mean"))
         known = np.isfinite(mean)
         return bool(known.any() and np.median(mean[known]) <= np.median(amplitude[known]))
+
+    def swings(self) -> NDArray[np.bool_]:
+        """Return which runs reached their end and still move there, (runs,): the median signal by ``MOVES`` or more."""
+        ok = np.asarray((self.table["status"] == "OK").to_numpy())
+        percent = np.stack([self.percent(signal) for signal in self.signals])
+        known = np.isfinite(percent)
+        middle = np.array([np.median(x[k]) if k.any() else 0.0 for x, k in zip(percent.T, known.T, strict=True)])
+        return ok & (middle >= MOVES)

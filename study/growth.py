@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from logs.style import CYCLE, tidy
+from logs.style import CYCLE, SOFT, tidy
 from study.axes import Axis
 from study.findings import Findings
 from study.frame import DECADES, head, plain_numbers
-from study.groups import groups
+from study.groups import Group, groups
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +30,9 @@ def draw_growth(result: Findings) -> "Figure | None":
         return None
     figure = Picture(figsize=(9.0, 6.2), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(1.6, 1.0))
-    found = [group for group in groups(result, axis, SLICES, DRAWN) if group.runs.any()]
+    swings = result.swings()
+    every = [group for group in groups(result, axis, SLICES, DRAWN) if group.runs.any()]
+    found = [Group(group.label, group.at, group.runs & swings) for group in every]
     at = np.array([group.at for group in found])
     top = 0.0
     signals = chosen(result.signals)
@@ -46,6 +48,10 @@ def draw_growth(result: Findings) -> "Figure | None":
             ax.plot(at, middle, color=colour, linewidth=1.5, marker="o", markersize=3.0, label=signal)
             if ax is upper and np.isfinite(middle).any():
                 top = max(top, float(np.nanmax(middle)))
+    still = [group.at for group, moving in zip(every, found, strict=True) if not moving.runs.any()]
+    if still:
+        upper.plot(still, np.full(len(still), 0.03), "x", color=SOFT, ms=6, transform=upper.get_xaxis_transform(),
+                   clip_on=False)  # fmt: skip
     for ax in (upper, lower):
         tidy(ax)
     if top > 0.0:
@@ -59,10 +65,11 @@ def draw_growth(result: Findings) -> "Figure | None":
     upper.set_ylabel("amplitude\n[% of the operating point]", fontsize=9)
     lower.set_ylabel("period [s]", fontsize=9)
     lower.set_xlabel(axis.name, fontsize=9)
-    lines = sorted(upper.lines, key=lambda line: -_last(line.get_ydata()))  # as they stand at the right edge
+    named = [line for line in upper.lines if not str(line.get_label()).startswith("_")]
+    lines = sorted(named, key=lambda line: -_last(line.get_ydata()))  # as they stand at the right edge
     figure.legend(lines, [str(line.get_label()) for line in lines], loc="outside right upper", frameon=False,
                   fontsize=8.5)  # fmt: skip
-    head(figure, result, "medians; bars: 5 to 95 %")
+    head(figure, result, "runs that oscillate: medians; bars: 5 to 95 %" + ("; x: all at rest" if still else ""))
     return figure
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logs.style import INK, RED, tidy
+from logs.style import ON_DARK, ON_LIGHT, RED, SHADE, SOFT, tidy
 from study.axes import Axis
 from study.findings import Findings
 from study.frame import head, plain_numbers
@@ -36,8 +36,10 @@ def draw_maps(result: Findings) -> "Figure | None":
         return None
     y, x = two
     signals = chosen(result.signals, MAPS)
-    figure = Picture(figsize=(10.0, 3.9 * -(-len(signals) // 2)), layout="constrained")
-    axes = figure.subplots(-(-len(signals) // 2), 2, sharex=True, sharey=True, squeeze=False).ravel()
+    wide = 3 if len(signals) == 3 else 2
+    tall = -(-len(signals) // wide)
+    figure = Picture(figsize=(10.0, (3.9 if wide == 2 else 3.4) * tall), layout="constrained")
+    axes = figure.subplots(tall, wide, sharex=True, sharey=True, squeeze=False).ravel()
     for ax, signal in zip(axes, signals, strict=False):
         drawn = _dots(result, ax, x, y, signal) if x.law or y.law else _cells(result, ax, x, y, signal)
         bar = figure.colorbar(drawn, ax=ax, aspect=30, pad=0.02)
@@ -49,13 +51,13 @@ def draw_maps(result: Findings) -> "Figure | None":
     for ax in axes[len(signals) :]:
         ax.set_visible(False)
     for k, ax in enumerate(axes[: len(signals)]):
-        if k % 2 == 0:
+        if k % wide == 0:
             ax.set_ylabel(y.name, fontsize=9)
-        if k >= len(signals) - 2:
+        if k >= len(signals) - wide:
             ax.set_xlabel(x.name, fontsize=9)
             ax.tick_params(labelbottom=True)
     drawn_singly = "every run" if x.law or y.law else "median"
-    head(figure, result, f"amplitude [% of the operating point], {drawn_singly}")
+    head(figure, result, f"amplitude [% of the operating point], {drawn_singly} of the runs that oscillate")
     return figure
 
 
@@ -63,22 +65,29 @@ def _cells(result: Findings, ax: "Axes", x: Axis, y: Axis, signal: str) -> "Scal
     """Draw a cell for every pair of values; equal cells, because the values need not be even."""
     values = result.percent(signal)
     rows, columns = groups(result, y, SLICES), groups(result, x, SLICES)
+    swings = result.swings()
     grid = np.full((len(rows), len(columns)), np.nan)
     for i, row in enumerate(rows):
         for j, column in enumerate(columns):
-            found = values[row.runs & column.runs]
+            both = row.runs & column.runs
+            found = values[both & swings]
             found = found[np.isfinite(found)]
             if len(found):
                 grid[i, j] = np.median(found)
+            elif both.any() and len(rows) * len(columns) <= WRITTEN:
+                ax.text(j + 0.5, i + 0.5, "at rest", ha="center", va="center", fontsize=8, color=SOFT)
     _ticks(ax.set_xticks, columns)
     _ticks(ax.set_yticks, rows)
+    ax.set_facecolor(SHADE)
+    ax.set_xlim(0, len(columns))
+    ax.set_ylim(0, len(rows))
     drawn = ax.pcolormesh(grid, cmap="viridis", edgecolors="white", linewidth=0.4)
     if grid.size <= WRITTEN and np.isfinite(grid).any():
         bottom = float(np.nanmin(grid))
         for i, j in zip(*np.nonzero(np.isfinite(grid)), strict=True):
             dark = grid[i, j] < bottom + 0.6 * (float(np.nanmax(grid)) - bottom)
             ax.text(j + 0.5, i + 0.5, f"{grid[i, j]:.3g}", ha="center", va="center", fontsize=8,
-                    color="white" if dark else INK)  # fmt: skip
+                    color=ON_DARK if dark else ON_LIGHT)  # fmt: skip
     return drawn
 
 

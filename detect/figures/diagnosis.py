@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from detect.figures.verdict import draw_evidence, legend
+from detect.figures.loop_trend import draw_trends, named
+from detect.figures.verdict import draw_evidence
 from detect.words import WORDS
-from logs.figures import COLOURS, time_unit
-from logs.style import tidy
+from logs.style import COLOURS, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from detect.diagnosis import Diagnosis
 
 __all__ = ["plot_diagnosis"]
+
+POINTS = 4000  # of PV against OP: more is a blot
 
 
 def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
@@ -38,36 +40,19 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     below = trend.add_subplot(grid[1, 0], sharex=top)
     curve = trend.add_subplot(grid[:, 1])
     record = answer.record
+    draw_trends(record, top, below)
     good = record.good
-    scale, unit = time_unit(float(record.t[-1] - record.t[0]))
-    t, pv, op = record.t / scale, np.where(good, record.pv, np.nan), np.where(good, record.op, np.nan)
-    if record.sp is not None:
-        top.plot(t, record.sp, color=COLOURS["SP"], lw=1.1, ls=(0, (4, 2)), label="SP", zorder=3)
-    top.plot(t, pv, color=COLOURS["PV"], lw=0.9, label="PV")
-    below.plot(t, op, color=COLOURS["OP"], lw=0.9, label="OP")
-    for axes in (top, below, curve):
-        tidy(axes)
-    legend(top)
-    legend(below)
-    of_pv, of_op = (
-        _named("PV", record.log.units.get(record.pv_name)),
-        _named("OP", record.log.units.get(record.op_name)),
-    )
-    top.set_ylabel(of_pv)
-    below.set_ylabel(of_op)
-    below.set_xlabel(f"time [{unit}]")
-    below.set_xlim(t[0], t[-1] if t[-1] > t[0] else None)
-    top.tick_params(labelbottom=False)
+    pv, op = np.where(good, record.pv, np.nan), np.where(good, record.op, np.nan)
+    tidy(curve)
+    if len(op) > POINTS:
+        op, pv = op[-POINTS:], pv[-POINTS:]
     curve.plot(op, pv, color=COLOURS["PV"], lw=0.6, alpha=0.7)
-    curve.set_xlabel(of_op)
-    curve.set_ylabel(of_pv)
-    curve.set_title("PV against OP", fontsize=9, loc="left")
+    curve.set_xlabel(named(record, record.op_name, "OP"))
+    curve.set_ylabel(named(record, record.pv_name, "PV"))
+    last = f" (last {POINTS:,} samples)" if len(record) > POINTS else ""
+    curve.set_title(f"PV against OP{last}", fontsize=9, loc="left")
     if words:
         trend.suptitle("\n".join(textwrap.wrap(answer.reason, 150)), fontsize=8.5, x=0.01, ha="left")
     if shown is not None:
         draw_evidence(shown, parts[1])
     return figure
-
-
-def _named(part: str, unit: str | None) -> str:
-    return f"{part} [{unit}]" if unit else part

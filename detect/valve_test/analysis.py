@@ -5,16 +5,17 @@
     resolution   the same behind a move in the same direction: the smallest travel on that the valve answers
     gain         slope of the line through places that were approached from the same side
     Td           time from a step to the first move beyond the noise
-    T86          time from a step to 86.5 % of the final change, two time constants of a first-order lag
+    T63, T86     time from a step to 63.2 and to 86.5 % of the final change: one and two time constants of a lag
     overshoot    largest excursion beyond the final change, share of it
 
 A record without steps and with a logged stem is handed to the method ``stem_play``, which reads the deadband and the
-jump off routine moves.
+jump off routine moves; moves of OP that stand alone in it (``routine``) tell the step response.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.methods import stem_play
+from detect.valve_test.routine import routine_steps
 from detect.valve_test.steps import Step, noise_of, steps_of
 from logs import LogError, LoopRecord
 
@@ -32,8 +34,10 @@ __all__ = ["SCHEMA", "Size", "StepResponse", "ValveTest", "analyse"]
 
 SCHEMA = "stickslip.valve-test/1"
 STEPS_MIN = 4
+HELD = 0.5  # of the record: where OP is held less, it is no step test
 LARGE = 2.0  # % of OP span: steps from this size on are timed
-T86 = 0.865
+PLACES = stem_play.Params()  # how many reversals, and how alike, a deadband is read from
+T63, T86 = 0.632, 0.865
 NO_STEM = "No stem is logged: PV is taken as the answer, so the dynamics of the process count as the valve's."
 
 
@@ -61,17 +65,22 @@ class StepResponse:
         When OP stepped [s].
     size : float
         Step of OP [% of span].
-    dead_time, T86 : float or None
+    dead_time, T63, T86 : float or None
         [s]; None where the answer did not come within the hold.
     overshoot : float
         Share of the final change [-].
+    place_before, place_after : float
+        Where the answer rested before and after [its unit].
     """
 
     time: float
     size: float
     dead_time: float | None
+    T63: float | None
     T86: float | None
     overshoot: float
+    place_before: float
+    place_after: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,12 +124,15 @@ class ValveTest:
             if size is not None:
                 places = f"{size.count} place{'s' * (size.count > 1)}"
                 said.append(f"{what} {size.value:.2g} % of OP ({size.low:.2g} to {size.high:.2g}, {places}).")
-        times = [response.T86 for response in self.responses if response.T86 is not None]
-        dead = [response.dead_time for response in self.responses if response.dead_time is not None]
-        if times:
-            said.append(
-                f"Steps of {LARGE:g} % and more: Td {np.median(dead):.3g} s, T86 {np.median(times):.3g} s (median)."
-            )
+        if self.responses:
+            times = {
+                name: _median(getattr(response, field) for response in self.responses)
+                for name, field in (("Td", "dead_time"), ("T63", "T63"), ("T86", "T86"))
+            }
+            count = len(self.responses)
+            told = ", ".join(f"{name} {value:.3g} s" for name, value in times.items() if value is not None)
+            of = f"{count} step{'s' * (count > 1)} of {LARGE:g} % and more" + (" (median)" if count > 1 else "")
+            said.append(f"{of}: {told}." if told else f"{of}: the answer did not come within the hold.")
             worst = max(response.overshoot for response in self.responses)
             said.append(f"Largest overshoot {100.0 * worst:.0f} % of the step.")
         return tuple(said) or ("The record tells neither deadband nor resolution.",)
@@ -144,6 +156,12 @@ class ValveTest:
         from detect.figures.valve_test import plot_valve_test
 
         return plot_valve_test(self)
+
+    def plot_responses(self) -> Figure | None:
+        """The answers to the timed steps on one another; None without any."""
+        from detect.figures.valve_test import plot_responses
+
+        return plot_responses(self)
 
 
 def analyse(record: LoopRecord) -> ValveTest:
@@ -169,27 +187,34 @@ def analyse(record: LoopRecord) -> ValveTest:
     good = np.isfinite(op) & np.isfinite(answer)
     t, op, answer = record.t[good], op[good], answer[good]
     steps = steps_of(t, op, answer)
-    if len(steps) < STEPS_MIN:
-        return _from_routine(record, len(steps))
-    notes = (
-        []
-        if named == "MV"
-        else ["No stem is logged: PV is taken as the answer, so its own dynamics count as the valve's."]
-    )
+    noise = noise_of(t, answer)
+    held = sum(step.stop - step.start for step in steps) / max(len(t), 1)
+    if len(steps) < STEPS_MIN or held < HELD:
+        alone = routine_steps(t, op, answer, noise)
+        return _from_routine(record, len(steps), tuple(_response(t, answer, step, noise) for step in alone))
+    notes = [] if named == "MV" else [NO_STEM]
     brackets = _brackets(steps)
     sizes = {kind: _size(found) for kind, found in brackets.items()}
     for kind, size in sizes.items():
         if size is None:
             notes.append(f"The steps do not tell the {kind}: {_wanted(kind, steps)}.")
-    noise = noise_of(t, answer)
-    timed = tuple(_response(t, answer, step, noise) for step in steps if step.moved and abs(step.size) >= LARGE)
+    timed = tuple(
+        _response(t, answer, step, noise)
+        for step in steps
+        if step.moved and abs(step.size) >= LARGE and _at_once(op, step)
+    )
     return ValveTest(
         record.name, named, "steps", sizes["deadband"], sizes["resolution"], None, _gain(steps), timed, steps,
         tuple(notes), record,
     )  # fmt: skip
 
 
-def _from_routine(record: LoopRecord, count: int) -> ValveTest:
+def _from_routine(record: LoopRecord, count: int, timed: tuple[StepResponse, ...]) -> ValveTest:
+    """What routine moves tell: deadband and jump from a logged stem, the step response from moves that stand alone."""
+    few = f"Fewer than {STEPS_MIN} steps held at rest: read off the routine moves."
+    if record.mv is None and timed:
+        notes = (few, NO_STEM, "Deadband and resolution need the stem position, or a step test.")
+        return ValveTest(record.name, "PV", "routine moves", None, None, None, None, timed, (), notes, record)
     if record.mv is None:
         raise LogError(
             f"the record has {count} steps of OP and no stem position; step OP at least {STEPS_MIN} times and hold "
@@ -197,14 +222,19 @@ def _from_routine(record: LoopRecord, count: int) -> ValveTest:
         )
     verdict = stem_play.detect(record)
     told = {name: float(verdict.array(name)[0]) for name in _READ if len(verdict.array(name))}
-    note = f"Fewer than {STEPS_MIN} steps: read off the routine moves. {verdict.reason}"
+    notes = [f"{few} {verdict.reason}"]
+    if not timed:
+        notes.append(
+            f"No step response: no move of OP of {LARGE:g} % or more stands alone, with OP steady before and after."
+        )
     deadband = jump = None
-    if len(told) == len(_READ):
-        count = len(verdict.array("S_each"))
+    count = len(verdict.array("S_each"))
+    agree = float(np.max(verdict.array("scatter"), initial=0.0)) <= PLACES.scatter
+    if len(told) == len(_READ) and count >= PLACES.reversals and agree:
         least, most = told["S_low"] - told["J_high"], told["S_high"] - told["J_low"]
         deadband = Size(told["deadband"], max(least, 0.0), most, count)
         jump = Size(told["J"], told["J_low"], told["J_high"], count)
-    return ValveTest(record.name, "MV", "routine moves", deadband, None, jump, None, (), (), (note,), record)
+    return ValveTest(record.name, "MV", "routine moves", deadband, None, jump, None, timed, (), tuple(notes), record)
 
 
 Bracket = tuple[float, float]
@@ -262,7 +292,18 @@ def _response(t: npt.NDArray[np.float64], answer: npt.NDArray[np.float64], step:
     since = t[step.start : step.stop] - step.time
     band = max(3.0 * noise / abs(step.answer), 0.01)
     overshoot = max(float(np.max(part)) - 1.0 - band, 0.0)
-    return StepResponse(step.time, step.size, _first(since, part, band), _first(since, part, T86), overshoot)
+    reached = (_first(since, part, level) for level in (band, T63, T86))
+    return StepResponse(step.time, step.size, *reached, overshoot, step.place_before, step.place_after)
+
+
+def _at_once(op: npt.NDArray[np.float64], step: Step) -> bool:
+    """Whether OP stepped, and did not wander from one hold to the next."""
+    return abs(float(op[max(step.start - 3, 0)]) - step.before) <= 0.1 * abs(step.size)
+
+
+def _median(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else None
 
 
 def _first(since: npt.NDArray[np.float64], part: npt.NDArray[np.float64], level: float) -> float | None:

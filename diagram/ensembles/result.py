@@ -147,7 +147,7 @@ class Ensemble:
 
     def plot(self, signal: str) -> "Figure":
         """Plot a signal over all variants that reached their end: median, 5 to 95 % band, some variants."""
-        from diagram.figures.trends import plot_ensemble
+        from diagram.figures.spread import plot_ensemble
 
         return plot_ensemble(self, signal)
 

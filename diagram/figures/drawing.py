@@ -2,14 +2,15 @@
 
 import math
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from blocks.block import Block
 from blocks.role import Role
 from diagram.figures.placement import Arrow, Grid, Node, common, grid
 from diagram.figures.routes import Box, Sheet, sheet
+from diagram.figures.strokes import HEAD_LENGTH, branches, strokes
 from diagram.wired import Wired
 from logs.style import EDGE, FILL, FRAME, FRAME_EDGE, INK, RED, SOFT, WIRE
 
@@ -42,16 +43,19 @@ GREEK = (
 NAME_SIZE, WORD_SIZE, VALUE_SIZE, SIGNAL_SIZE = 9.5, 7.5, 7.5, 8.0
 LINE = 10.5  # height of a line of small text [points]
 MARGIN = 16.0
-HEAD_LENGTH = 7.0
 HEADING = 26.0
 
 
-def draw(diagram: Wired, marks: Mapping[str, float] | None = None) -> "Figure":
+def draw(
+    diagram: Wired, marks: Mapping[str, float] | None = None, units: Mapping[str, Sequence[str]] | None = None
+) -> "Figure":
     """Return a figure of the diagram, as large as it needs to be at the size of its text.
 
     A box shows the name of its block, the word of its class and up to three main parameters.  Green: sources;
     blue: controllers; orange: valves; violet: blocks that run in Python.  ``marks``: block -> 0 to 1, how red and thick
-    its frame is.
+    its frame is.  ``units``: name -> names of the blocks that are drawn as one box, with what runs between the units.
+
+    Raises ``WiringError`` if a unit names a block that is not there.
 
     >>> from blocks.sources import Step
     >>> from diagram import wire
@@ -61,7 +65,10 @@ def draw(diagram: Wired, marks: Mapping[str, float] | None = None) -> "Figure":
     """
     from logs.picture import Picture
 
-    plan = grid(diagram)
+    for members in (units or {}).values():
+        for member in members:
+            diagram[member]
+    plan = grid(diagram, units)
     ink = _Ink(diagram, plan, marks or {})
     laid = sheet(plan, ink.size, ink.label_width, ink.entry_width)
     width = max(laid.width, _width(diagram.name, 12.0, "bold")) + 2 * MARGIN
@@ -116,9 +123,14 @@ def main_parameters(block: Block) -> list[str]:
     >>> main_parameters(Step("SP", after=0.5, at=60.0))
     ['after = 0.5', 'at = 60']
     """
-    finite = [n for n in block.param_names if math.isfinite(block.params[n])]
+    finite = [n for n in block.param_names if math.isfinite(block.params[n]) and not n.startswith("w_")]
     known = [n for n in MAIN if n in finite and block.params[n] != 0.0]
     return [f"{symbol(n)} = {block.params[n]:.4g}" for n in (known or finite[: SHOWN - 1])[:SHOWN]]
+
+
+def _listed(names: Sequence[str]) -> list[str]:
+    """Return the names of a unit's blocks, a few in a line."""
+    return textwrap.wrap(", ".join(names), 30)
 
 
 def _width(text: str, size: float, weight: str = "normal") -> float:
@@ -136,7 +148,9 @@ class _Ink:
     def __init__(self, diagram: Wired, plan: Grid, marks: Mapping[str, float]) -> None:
         self.diagram, self.plan, self.marks = diagram, plan, marks
         self.lines = {
-            v: main_parameters(diagram.blocks[node.block]) for v, node in enumerate(plan.nodes) if node.block >= 0
+            v: _listed(node.members) if node.members else main_parameters(diagram.blocks[node.block])
+            for v, node in enumerate(plan.nodes)
+            if node.kind == "block"
         }
 
     def size(self, v: int, least: float) -> tuple[float, float]:
@@ -144,10 +158,12 @@ class _Ink:
         node = self.plan.nodes[v]
         if node.kind != "block":
             return _width(self._signal(node.name), SIGNAL_SIZE) + 18.0, max(least, 18.0)
-        block = self.diagram.blocks[node.block]
-        widths = [_width(node.name, NAME_SIZE, "bold"), _width(word(block), WORD_SIZE)]
+        widths = [_width(node.name, NAME_SIZE, "bold"), _width(self._word(node), WORD_SIZE)]
         widths += [_width(line, VALUE_SIZE) for line in self.lines[v]]
         return max(64.0, max(widths) + 16.0), max(least, 32.0 + LINE * len(self.lines[v]))
+
+    def _word(self, node: Node) -> str:
+        return f"{len(node.members)} blocks" if node.members else word(self.diagram.blocks[node.block])
 
     def label_width(self, arrow: Arrow) -> float:
         """Return the width of the label where an arrow begins."""
@@ -174,7 +190,22 @@ class _Ink:
         unit = self.diagram.signal_units.get(signal, "")
         return f"{signal} [{unit}]" if unit not in ("", "1") else signal
 
+    def _sign(self, arrow: Arrow) -> str:
+        """Return what a signal is multiplied by where it enters a sum: its sign, with the factor if that is not one."""
+        node = self.plan.nodes[arrow.target]
+        if node.kind != "block" or node.members:
+            return ""
+        block = self.diagram.blocks[node.block]
+        weight = block.params.get(f"w_{block.ports_in[arrow.into].name}")
+        if weight is None or block.role is not Role.ARITHMETIC:
+            return ""
+        size = "" if abs(weight) == 1.0 else f" {abs(weight):.3g} ×"
+        return f"{'+' if weight >= 0.0 else '−'}{size}"
+
     def _entry(self, arrow: Arrow) -> str:
+        return f"{self._sign(arrow)} {self._name_there(arrow)}".strip()
+
+    def _name_there(self, arrow: Arrow) -> str:
         home = "/".join(common(self.plan.nodes[arrow.source].group, self.plan.nodes[arrow.target].group))
         return arrow.signal.removeprefix(f"{home}/") if home else arrow.signal
 
@@ -221,33 +252,51 @@ class _Ink:
                 ax.text(line[0][0] + 5.0, line[0][1] - 2.0, self._label(arrow), color=INK, **text)
             if not close and self._enters_labelled(arrow):
                 ax.text(tip - 9.0, y - 2.0, self._entry(arrow), color=SOFT, ha="right", **text)
+            elif self._sign(arrow):
+                ax.text(tip - 9.0, y - 2.0, self._sign(arrow), color=SOFT, ha="right", **text)
         for x, y in branches(self.plan, laid):
             ax.plot([x], [y], marker="o", markersize=3.6, color=WIRE, zorder=2.2)
 
     def _box(self, ax: "Axes", v: int, node: Node, box: Box) -> None:
         from matplotlib.patches import FancyBboxPatch
 
-        block = self.diagram.blocks[node.block]
-        kind = colour(block)
+        kind = "plain" if node.members else colour(self.diagram.blocks[node.block])
+        mark = max(self.marks.get(name, 0.0) for name in node.members or (self.diagram.blocks[node.block].name,))
         ax.add_patch(FancyBboxPatch(
             (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height,
             boxstyle="round,pad=0,rounding_size=4", facecolor=FILL[kind], edgecolor=EDGE[kind], linewidth=1.2, zorder=3,
         ))  # fmt: skip
-        if self.marks.get(block.name, 0.0) > 0.0:
+        if mark > 0.0:
             ax.add_patch(FancyBboxPatch(
                 (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height, fill=False,
-                boxstyle="round,pad=0,rounding_size=4", edgecolor=RED, alpha=0.35 + 0.65 * self.marks[block.name],
-                linewidth=1.2 + 3.0 * self.marks[block.name], zorder=3.5,
+                boxstyle="round,pad=0,rounding_size=4", edgecolor=RED, alpha=0.35 + 0.65 * mark,
+                linewidth=1.2 + 3.0 * mark, zorder=3.5,
             ))  # fmt: skip
         lines = self.lines[v]
         y = box.y - (LINE * len(lines) + 21.0) / 2 + 5.5
         text: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 4}
         ax.text(box.x, y, node.name, size=NAME_SIZE, weight="bold", color=INK, parse_math=False, **text)
         ax.text(
-            box.x, y + 11.5, word(block), size=WORD_SIZE, style="italic", color=EDGE[kind], parse_math=False, **text
+            box.x,
+            y + 11.5,
+            self._word(node),
+            size=WORD_SIZE,
+            style="italic",
+            color=EDGE[kind],
+            parse_math=False,
+            **text,
         )
         for i, line in enumerate(lines):
-            ax.text(box.x, y + 23.0 + LINE * i, line, size=VALUE_SIZE, color=INK, math_fontfamily="dejavusans", **text)
+            ax.text(
+                box.x,
+                y + 23.0 + LINE * i,
+                line,
+                size=VALUE_SIZE,
+                color=INK,
+                math_fontfamily="dejavusans",
+                parse_math=not node.members,
+                **text,
+            )
 
 
 def _oval(ax: "Axes", name: str, box: Box) -> None:
@@ -258,42 +307,3 @@ def _oval(ax: "Axes", name: str, box: Box) -> None:
         facecolor="white", edgecolor=WIRE, linewidth=1.0, zorder=3,
     ))  # fmt: skip
     ax.text(box.x, box.y, name, size=SIGNAL_SIZE, color=INK, ha="center", va="center", zorder=4, parse_math=False)
-
-
-def strokes(plan: Grid, laid: Sheet) -> list[tuple[list[float], list[float]]]:
-    """Return the straight strokes of all lines, (x, x) and (y, y); what a signal's arrows share is one stroke."""
-    found = []
-    levels: dict[tuple[str, bool, float], list[tuple[float, float]]] = {}
-    for arrow, line in zip(plan.arrows, laid.lines, strict=True):
-        ends = [*line[:-1], (line[-1][0] - HEAD_LENGTH, line[-1][1])]
-        for (x1, y1), (x2, y2) in pairwise(ends):
-            flat = y1 == y2
-            a, b = (x1, x2) if flat else (y1, y2)
-            levels.setdefault((arrow.signal, flat, y1 if flat else x1), []).append((min(a, b), max(a, b)))
-    for (_, flat, level), stretches in levels.items():
-        joined: list[tuple[float, float]] = []
-        for a, b in sorted(stretches):
-            if joined and a <= joined[-1][1]:
-                joined[-1] = joined[-1][0], max(b, joined[-1][1])
-            else:
-                joined.append((a, b))
-        found += [([a, b], [level, level]) if flat else ([level, level], [a, b]) for a, b in joined]
-    return found
-
-
-def branches(plan: Grid, laid: Sheet) -> list[tuple[float, float]]:
-    """Return the points where a signal parts: there the drawing has a dot."""
-    by_signal: dict[str, list[Sequence[tuple[float, float]]]] = {}
-    for arrow, line in zip(plan.arrows, laid.lines, strict=True):
-        by_signal.setdefault(arrow.signal, []).append(line)
-    found = []
-    for lines in by_signal.values():
-        for x, y in {point for one in lines for point in one[1:-1]}:
-            ways = set()
-            for one in lines:
-                for (ax, ay), (bx, by) in pairwise(one):
-                    if min(ax, bx) <= x <= max(ax, bx) and min(ay, by) <= y <= max(ay, by):
-                        ways |= {((ex > x) - (ex < x), (ey > y) - (ey < y)) for ex, ey in ((ax, ay), (bx, by))}
-            if len(ways - {(0, 0)}) >= 3:
-                found.append((x, y))
-    return found

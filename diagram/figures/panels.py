@@ -12,11 +12,11 @@ from blocks.role import Role
 from diagram.simulation import Run
 from diagram.wired import Wired
 from logs import Log
+from logs.trend import rests
 
 PANELS = 8  # most panels when nobody says which signals to show
 TOGETHER = 4  # most signals on one axis that share no more than a unit
 ALIKE = 5.0  # how far the ranges of two signals may differ to share an axis for their unit alone
-RESTS = 1e-9  # of its size: a signal that moves less rests
 FAR = 1.0  # ranges of what moves; a set point farther off is not drawn
 WIDE = 17  # letters beside a panel
 
@@ -62,8 +62,7 @@ def _most_telling(run: Run, panels: list[list[str]]) -> list[list[str]]:
 
 
 def _moves(log: Log, signal: str) -> bool:
-    y = log[signal][np.isfinite(log[signal])]
-    return bool(y.size) and float(np.ptp(y)) > RESTS * float(np.abs(y).max())
+    return not rests(log[signal])
 
 
 def _squashing(log: Log, panel: Sequence[str]) -> list[str]:

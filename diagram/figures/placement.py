@@ -17,12 +17,13 @@ PASSES = 20
 
 @dataclass(frozen=True)
 class Node:
-    """A block (``block`` is its index), or an oval for an open input or an output (``signal``)."""
+    """A block (``block`` is its index), a unit of blocks, or an oval for an open input or an output (``signal``)."""
 
     kind: str  # "block", "input", "output"
     name: str
     block: int = -1
     group: Group = ()
+    members: tuple[str, ...] = ()  # names of the blocks of a unit
 
 
 @dataclass(frozen=True)
@@ -75,9 +76,14 @@ def common(a: Group, b: Group) -> Group:
     return a[:depth]
 
 
-def grid(diagram: Wired) -> Grid:
-    """Place the blocks of a diagram, and ovals for open inputs, declared outputs and signals nobody reads."""
+def grid(diagram: Wired, units: Mapping[str, Sequence[str]] | None = None) -> Grid:
+    """Place the blocks of a diagram, and ovals for open inputs, declared outputs and signals nobody reads.
+
+    ``units``: name -> blocks that stand in one box; what runs inside it is not drawn.
+    """
     nodes, arrows = _graph(diagram)
+    if units:
+        nodes, arrows = _folded(diagram, nodes, arrows, units)
     order = _order(len(nodes), arrows)
     column = _columns(nodes, arrows, order)
     row = _rows(nodes, arrows, column)
@@ -106,6 +112,37 @@ def _graph(diagram: Wired) -> tuple[list[Node], list[Arrow]]:
         arrows.append(Arrow(signal, source, out, len(nodes), 0, 1.0))
         nodes.append(Node("output", signal))
     return nodes, arrows
+
+
+def _folded(
+    diagram: Wired, nodes: Sequence[Node], arrows: Sequence[Arrow], units: Mapping[str, Sequence[str]]
+) -> tuple[list[Node], list[Arrow]]:
+    """One node for each unit, and the arrows between units: one for each signal and pair, ports in the order met."""
+    place = {block.name: b for b, block in enumerate(diagram.blocks)}
+    folded: list[Node] = []
+    at: dict[int, int] = {}  # old node -> new node
+    for name, members in units.items():
+        at |= {place[member]: len(folded) for member in members}
+        folded.append(Node("block", name, members=tuple(members)))
+    for v, node in enumerate(nodes):
+        if node.kind == "block" and v not in at:
+            at[v] = len(folded)
+            folded.append(node)
+    outs: dict[tuple[int, str], int] = {}
+    ins: dict[tuple[int, str], int] = {}
+    found: dict[tuple[int, int, str], Arrow] = {}
+    for arrow in arrows:
+        if nodes[arrow.source].kind != "block" or nodes[arrow.target].kind != "block":
+            continue  # open ends and outputs would fill the sheet again
+        a, b = at[arrow.source], at[arrow.target]
+        if a == b:
+            continue
+        out = outs.setdefault((a, arrow.signal), sum(node == a for node, _ in outs))
+        into = ins.setdefault((b, arrow.signal), sum(node == b for node, _ in ins))
+        key = a, b, arrow.signal
+        if key not in found:
+            found[key] = Arrow(arrow.signal, a, out, b, into, arrow.weight)
+    return folded, list(found.values())
 
 
 def _order(n: int, arrows: Sequence[Arrow]) -> list[int]:

@@ -1,37 +1,39 @@
-"""Figures of what was simulated: the trends of a run with its events, and the spread of an ensemble."""
+"""Figures of what was simulated: the trends of a run with its events.
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+What swings too often to be told apart over the run is drawn as the band that it covers, and its last cycles beside.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blocks.block import Block
 from blocks.declared import STUCK_MODE
-from blocks.ports import nearest
+from diagram.figures.finding import cycles, finding
 from diagram.figures.panels import choose, heading, parts_played
 from diagram.simulation import Run
 from engine.status import Status
 from logs import Log
-from logs.figures import time_unit
-from logs.style import COLOURS, CYCLE, EVENT, OUTSIDE, PALE, RED, SOFT, STUCK, tidy
+from logs.style import COLOURS, CYCLE, EVENT, OUTSIDE, RED, SOFT, STUCK, tidy
+from logs.thinned import envelope, thinned
+from logs.time_axis import time_unit
+from logs.trend import finish_panel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from diagram.ensembles.result import Ensemble
-
-Floats = NDArray[np.float64]
-
 WIDTHS = {"MV": 1.4}  # beside OP on grey paper
-POINTS = 1500  # as fine as the widest figure can show a band
-SOME = 12  # variants drawn as lines
+POINTS = 20_000  # of a line: a run is seen as it was logged up to there
 LEAVES_UNSAID = 2000  # events beyond which single ticks say nothing
+DENSE = 45.0  # cycles over a run: more are hatching
+CLOSE = 6.0  # cycles in the panels beside
+FOOT = 0.05  # of a panel: the height of the bar that says that a stem is stuck
 
 
 def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
-    """Return the trends of a run, SP with PV and OP with MV, stuck valves shaded and other events ticked.
+    """Return the trends of a run, SP with PV and OP with MV; at the foot stuck valves have a bar, other events a tick.
 
     ``names`` chooses the signals; without it all are shown if they fit, else those of controllers and valves.
     A run that failed says so in its title.  Raises ``ValueError`` for an unknown name.
@@ -42,32 +44,41 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     >>> figure.axes[-1].get_xlabel(), figure.axes[0].get_ylabel()
     ('time [min]', 'F')
     """
+    from matplotlib.ticker import MaxNLocator
+
     from logs.picture import Picture
 
     diagram, log = run.final, run.log
     panels, left_out, squashing = choose(run, names)
     groups = list(dict.fromkeys(s.rpartition("/")[0] for shown in panels for s in shown if "/" in s))
+    dense = {s: n for shown in panels for s in shown if (n := cycles(log, s)) > DENSE}
     figure = Picture(figsize=(9.5, 1.15 + 1.45 * len(panels)), layout="constrained")
-    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    columns = figure.subplots(
+        len(panels), 2 if dense else 1, sharex="col", sharey="row", squeeze=False,
+        width_ratios=(2.4, 1.0) if dense else (1.0,),
+    )  # fmt: skip
     scale, unit = time_unit(float(log.t[-1] - log.t[0]))
-    for ax, shown in zip(axes, panels, strict=True):
+    begin, end = float(log.t[0]), float(max(log.t[-1], log.t[0] + 1e-9))
+    for ax, shown in zip(columns[:, 0], panels, strict=True):
+        _panel(ax, run, shown, groups, scale, dense)
         size, named = _unit(log, shown)
-        parts = parts_played(diagram, shown)
-        for colour, part, signal in zip(_colours(parts, shown, groups), parts, shown, strict=True):
-            ax.plot(
-                log.t / scale, log[signal] / size, color=colour, linewidth=WIDTHS.get(part, 0.9), label=signal,
-                rasterized=len(log) > 20_000, linestyle=(0, (4, 2)) if part == "SP" and len(shown) > 1 else "-",
-                zorder=1.9 if part in ("SP", "OP") else _above(log, signal, shown),
-            )  # fmt: skip
-        for block in diagram.blocks:
-            if block.modes and any(signal in shown for signal in block.output_labels):
-                _mark(ax, block, run, scale)
-        _tidy(ax)
+        finish_panel(ax, [log[s] / size for s in shown])
         ax.set_ylabel(heading(shown, named))
         _legend(ax, len(shown))
-    axes[-1].set_xlabel(f"time [{unit}]")
-    axes[-1].set_xlim(log.t[0] / scale, max(log.t[-1], log.t[0] + 1e-9) / scale)
-    figure.suptitle(diagram.name, x=0.01, ha="left", fontsize=11, weight="bold")
+    columns[-1, 0].set_xlabel(f"time [{unit}]")
+    columns[-1, 0].set_xlim(begin / scale, end / scale)
+    if dense:
+        since = max(begin, end - CLOSE * (end - begin) / float(np.median(list(dense.values()))))
+        for ax, shown in zip(columns[:, 1], panels, strict=True):
+            _panel(ax, run, shown, groups, scale, {}, since)
+            tidy(ax)
+        columns[0, 1].set_title("the last cycles", fontsize=8.5, loc="right", color=SOFT)
+        columns[-1, 1].set_xlim(since / scale, end / scale)
+        columns[-1, 1].set_xlabel(f"time [{unit}]")
+        columns[-1, 1].xaxis.set_major_locator(MaxNLocator(3))
+    axes = columns[:, 0]
+    told = finding(run, [s for shown in panels for s in shown])
+    figure.suptitle(f"{diagram.name}: {told}" if told else diagram.name, x=0.01, ha="left", fontsize=11, weight="bold")
     notes = []
     if run.status is not Status.OK:
         notes.append((_wrapped(f"{run.status.name}: {run.hint}"), RED))
@@ -84,6 +95,35 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     return figure
 
 
+def _panel(
+    ax: "Axes", run: Run, shown: Sequence[str], groups: Sequence[str], scale: float, dense: Mapping[str, float],
+    since: float = -np.inf,
+) -> None:  # fmt: skip
+    """Draw the signals of a panel from ``since`` [s] on, and the events.
+
+    Those of ``dense`` (signal -> number of cycles) are drawn as the band that they cover.
+    """
+    diagram, log = run.final, run.log
+    size, _ = _unit(log, shown)
+    parts = parts_played(diagram, shown)
+    inside = log.t >= since
+    t = log.t[inside] / scale
+    for colour, part, signal in zip(_colours(parts, shown, groups), parts, shown, strict=True):
+        y = log[signal][inside] / size
+        height = 1.9 if part in ("SP", "OP") else _above(log, signal, shown)
+        if signal in dense:
+            at, low, high = envelope(t, y, max(20, int(dense[signal] / 1.5)))  # a whole cycle in each
+            ax.fill_between(at, low, high, color=colour, alpha=0.35, linewidth=0.0, label=signal, zorder=height)
+            continue
+        ax.plot(
+            *thinned(t, y, POINTS), color=colour, linewidth=WIDTHS.get(part, 0.9), label=signal, zorder=height,
+            linestyle=(0, (4, 2)) if part == "SP" and len(shown) > 1 else "-",
+        )  # fmt: skip
+    for block in diagram.blocks:
+        if block.modes and any(signal in shown for signal in block.output_labels):
+            _mark(ax, block, run, scale)
+
+
 def _unit(log: Log, shown: Sequence[str]) -> tuple[float, str]:
     """Return by what to divide a panel's values, and the unit they then have: pressures in bar, fractions in none."""
     units = {log.units.get(s, "") for s in shown}
@@ -95,45 +135,6 @@ def _above(log: Log, signal: str, shown: Sequence[str]) -> float:
     """Return the height at which a line is drawn: what moves little above what moves much."""
     moves = {s: float(np.nanmax(log[s]) - np.nanmin(log[s])) if np.isfinite(log[s]).any() else 0.0 for s in shown}
     return 2.0 + 0.01 * sum(moves[s] > moves[signal] for s in shown)
-
-
-def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
-    """Return the spread of a signal over the variants that reached their end: median, 5 to 95 %, some variants.
-
-    Raises ``ValueError`` if the signal was not kept or no variant reached its end.
-    """
-    from logs.picture import Picture
-
-    if signal not in result.values:
-        raise ValueError(f"the ensemble kept no signal '{signal}'; {nearest(signal, list(result.values))}")
-    whole = np.flatnonzero(result.ok)
-    if not whole.size:
-        raise ValueError(f"no variant reached its end, there is nothing to plot; the first: {result.hint(0)}")
-    stride = -(-result.t.shape[-1] // POINTS)
-    t, values = result.t[..., ::stride], result.values[signal][whole, ::stride]
-    t = t if t.ndim == 1 else t[0] - t[0, 0]  # windows side by side: time since each began
-    low, middle, high = np.percentile(values, [5.0, 50.0, 95.0], axis=0)
-    scale, unit = time_unit(float(t[-1] - t[0]))
-    figure = Picture(figsize=(9.5, 3.6), layout="constrained")
-    ax = figure.subplots()
-    ax.fill_between(t / scale, low, high, color=CYCLE[0], alpha=0.18, linewidth=0, label="5 to 95 %")
-    some = whole[np.linspace(0, whole.size - 1, min(SOME, whole.size)).astype(int)]
-    for k, i in enumerate(some):
-        label = f"{len(some)} of {len(result)} variants" if k == 0 else None
-        ax.plot(t / scale, result.values[signal][i, ::stride], color=PALE, linewidth=0.5, alpha=0.8, label=label)
-    ax.plot(t / scale, middle, color=CYCLE[0], linewidth=1.6, label="median")
-    _tidy(ax)
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderpad=0.1)
-    unit_y = result.variants.diagram.signal_units.get(signal, "")
-    ax.set_ylabel(f"{signal} [{unit_y}]" if unit_y not in ("", "1") else signal)
-    ax.set_xlabel(f"time [{unit}]")
-    ax.set_xlim(t[0] / scale, t[-1] / scale)
-    failed = len(result) - whole.size
-    told = f"{result.variants.diagram.name}: {', '.join([*result.params, *result.start]) or 'seeds'} vary"
-    figure.suptitle(told, x=0.01, ha="left", fontsize=11, weight="bold")
-    if failed:
-        ax.set_title(f"{failed} variants not shown: they did not reach the end", loc="left", fontsize=8.5, color=RED)
-    return figure
 
 
 def _colours(parts: Sequence[str], shown: Sequence[str], groups: Sequence[str]) -> list[str]:
@@ -164,16 +165,18 @@ def modes_over_time(block: Block, run: Run) -> list[tuple[float, float, str]]:
 
 
 def _mark(ax: "Axes", block: Block, run: Run, scale: float) -> None:
-    """Shade where a valve is stuck; tick the other changes of mode at the foot of the panel."""
+    """A bar at the foot of the panel where a valve is stuck; ticks there at the other changes of mode."""
     across = ax.get_xaxis_transform()
     if block.can_stick:
         stuck = [
             (a / scale, (b - a) / scale) for a, b, mode in modes_over_time(block, run) if mode == STUCK_MODE and b > a
         ]
         if stuck:
+            always = not any(event.block == block.name for event in run.events)
             ax.broken_barh(
-                stuck, (0.0, 1.0), transform=across, facecolor=STUCK, alpha=0.55, linewidth=0, zorder=0.5, label="stuck"
-            )
+                stuck, (0.0, FOOT), transform=across, facecolor=STUCK, linewidth=0, zorder=1.4,
+                label="stuck throughout" if always else "stuck",
+            )  # fmt: skip
         return
     times = [event.t / scale for event in run.events if event.block == block.name][:LEAVES_UNSAID]
     if times:
@@ -194,9 +197,3 @@ def _wrapped(text: str, width: int = 130) -> str:
     import textwrap
 
     return "\n".join(textwrap.wrap(text, width))
-
-
-def _tidy(ax: Any) -> None:
-    tidy(ax)
-    ax.margins(y=0.1)
-    ax.ticklabel_format(useOffset=False, axis="y")

@@ -81,7 +81,9 @@ def command(
     _tell(say, diagnosis)
     beside = _beside(say, diagnosis) if simulate else {}
     if html is not None:
-        write_whole(html, _report(diagnosis).encode())
+        from stickslip.commands.loop_page import loop_page
+
+        write_whole(html, loop_page(diagnosis).encode())
         say(f"report: {html}")
     say.document(diagnosis.to_dict() | beside)
     raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
@@ -139,11 +141,3 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     ]
     say.table(["method", "verdict", "index", "threshold", "S [% OP]"], rows)
     say("The verdict is the calibrated one; the methods stand beside it. --json has the reason of each.")
-
-
-def _report(diagnosis: "Diagnosis") -> str:
-    from detect.words import WORDS
-    from stickslip.commands.one_loop import section_of
-    from stickslip.report.page import page
-
-    return page(f"{diagnosis.loop}: {WORDS[diagnosis.verdict].spoken}", "", [section_of(diagnosis)])

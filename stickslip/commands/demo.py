@@ -133,13 +133,16 @@ def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: s
 
 
 def _page(judged: list[Judged]) -> str:
+    from stickslip.commands.one_loop import READ
     from stickslip.report.page import Section, figure_to_svg, page
 
     sections = []
     table = [["loop", "truth or label", "verdict", "score"]]
     for t in judged:
         truth = f"{t.known}: {t.truth} ({t.score})"
-        section = Section(t.title, t.said.upper(), t.wording.kind, t.diagnosis.reason, t.story, truth, t.lesson)
+        section = Section(
+            t.title, t.said.upper(), t.wording.kind, t.diagnosis.reason, t.story, truth, t.lesson, notes_label=READ
+        )
         section.notes.extend(t.diagnosis.assumptions)
         section.figures.append(figure_to_svg(t.diagnosis.plot(words=False)))
         sections.append(section)

@@ -8,6 +8,9 @@ if TYPE_CHECKING:
     from stickslip.report.page import Section
 
 
+READ = "What was read and assumed"
+
+
 def with_told(
     record: "LoopRecord", measurement: str | None, span: tuple[float, float] | None, infer: bool
 ) -> "LoopRecord":
@@ -35,7 +38,9 @@ def section_of(diagnosis: "Diagnosis") -> "Section":
     from stickslip.report.page import Section, figure_to_svg
 
     word = WORDS[diagnosis.verdict]
-    section = Section(diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason, lesson=diagnosis.action)
+    section = Section(
+        diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason, after=diagnosis.action, notes_label=READ
+    )
     section.notes.extend(f"{name} {size}." for name, size in (diagnosis.amount or {}).items())
     if diagnosis.causes:
         chances = ", ".join(f"{CAUSES[cause].spoken} {p:.1%}" for cause, p in diagnosis.causes.items())

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from scan.changes import Change
 
 SHOWN = 20  # rows on the terminal
-PAGE_ROWS = 500  # rows on the page
 
 
 @click.command("scan")
@@ -26,12 +25,16 @@ PAGE_ROWS = 500  # rows on the page
 @click.option("--cluster", metavar="ADDRESS", help="Dask scheduler to send the work to, e.g. tcp://10.0.0.5:8786.")
 @click.option("--fresh", is_flag=True, help="Throw away what another scan left in the folder.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write the ranked list as one page.")
+@click.option(
+    "--reports", type=click.IntRange(1, 500), metavar="N", help="With --html: a page for each of the first N."
+)
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write the ranked list as CSV.")
 @json_option
 @user_errors
 def command(
-    source: str, out: Path, html: Path | None, csv_file: Path | None, json_file: str | None, **told: Any
-) -> None:
+    source: str, out: Path, html: Path | None, csv_file: Path | None, json_file: str | None, reports: int | None,
+    **told: Any,
+) -> None:  # fmt: skip
     """Judge every loop of SOURCE and rank the valves to look at first.
 
     SOURCE is a folder of CSV or Parquet files, one wide or long file of a historian, or a query
@@ -41,7 +44,7 @@ def command(
     \b
     Examples:
       stickslip scan exports/
-      stickslip scan historian.parquet --out monday --html monday.html
+      stickslip scan historian.parquet --out monday --html monday.html --reports 20
       stickslip scan "duckdb:SELECT * FROM 'trends/*.parquet'" --map loops.csv --csv ranked.csv
 
     \b
@@ -51,6 +54,8 @@ def command(
       2  SOURCE cannot be read, or the request makes no sense
     """
     check_targets({"--html": html, "--csv": csv_file, "--json": json_file}, source=Path(source))
+    if reports is not None and html is None:
+        raise ValueError("--reports writes beside --html, which is not given; add --html FILE")
     from diagram.progress import reporting
     from scan import scan
 
@@ -63,7 +68,10 @@ def command(
         result.to_csv(csv_file)
         say(f"list: {csv_file}")
     if html is not None:
-        write_whole(html, _page(result).encode())
+        from stickslip.commands.scan_page import scan_page
+
+        pages = _reports(result, source, out, html, reports, told.get("loop_map")) if reports else {}
+        write_whole(html, scan_page(result, _headline(result), pages).encode())
         say(f"page: {html}")
     say.document(result.to_dict())
     raise SystemExit(1 if result.counts.get("stiction") else 0)
@@ -74,7 +82,7 @@ def _tell(say: Speaker, result: "ScanResult") -> None:
     for note in result.notes:
         say.paragraph(note, "  - ")
     head, rows = _rows(result, SHOWN)
-    say.table(head[:-3], [row[:-3] for row in rows])
+    say.table(head, rows)
     if len(result.table) > SHOWN:
         say(f"and {len(result.table) - SHOWN} more")
     for change in result.changes[:SHOWN]:
@@ -82,53 +90,52 @@ def _tell(say: Speaker, result: "ScanResult") -> None:
 
 
 def _changed(change: "Change") -> str:
-    return f"{change.loop}: {_spoken(change.before) or 'new'} -> {_spoken(change.now) or 'gone'}"
+    from stickslip.commands.scan_page import spoken
+
+    return f"{change.loop}: {spoken(change.before) or 'new'} -> {spoken(change.now) or 'gone'}"
 
 
 def _headline(result: "ScanResult") -> str:
+    from stickslip.commands.scan_page import spoken
+
     counts = result.counts
-    parts = [f"{number} {_spoken(word)}" for word, number in counts.items()]
+    parts = [f"{number} {spoken(word)}" for word, number in counts.items()]
     return f"{len(result.table)} loops: {', '.join(parts)}."
 
 
-def _spoken(word: str) -> str:
-    from detect.words import WORDS
-
-    if word == "error":
-        return "could not be judged"
-    return WORDS[word].spoken if word else ""  # type: ignore[index]  # words of the table are words of a verdict
-
-
 def _rows(result: "ScanResult", most: int) -> tuple[list[str], list[list[str]]]:
-    from detect.judge.actions import CAUSES
+    from stickslip.commands.scan_page import cause, number, size, spoken
 
-    head = ["rank", "loop", "verdict", "probability", "likely cause", "S [% of OP]", "period [s]", "shared with",
-            "data", "what to do"]  # fmt: skip
-    rows = []
-    for row in result.table.head(most).iter_rows(named=True):
-        cause = CAUSES[row["cause"]].spoken if row["cause"] else ""
-        size = _number(row["S"], ".2g") + ("" if row["size_unit"] in (None, "% of OP") else " (unit of OP)")
-        rows.append([
-            str(row["rank"]), row["loop"], _spoken(row["verdict"] or "error"), _number(row["probability"], ".2f"),
-            cause, size, _number(row["period_s"], ".3g"), row["group"] or "", (row["health"] or "").replace("_", " "),
-            (row["error"] or row["action"] or row["reason"] or "")[:300],
-        ])  # fmt: skip
+    head = ["rank", "loop", "verdict", "probability", "likely cause", "S [% of OP]", "period [s]"]
+    rows = [
+        [
+            str(row["rank"]), row["loop"], spoken(row["verdict"] or "error"), number(row["probability"], ".2f"),
+            cause(row), size(row), number(row["period_s"], ".3g"),
+        ]
+        for row in result.table.head(most).iter_rows(named=True)
+    ]  # fmt: skip
     return head, rows
 
 
-def _number(value: float | None, form: str) -> str:
-    return "-" if value is None else format(value, form)
+def _reports(
+    result: "ScanResult", source: str, out: Path, html: Path, most: int, loop_map: Path | None
+) -> dict[int, str]:
+    """Write a page for each of the first loops into a folder beside the page of the scan; return where each is."""
+    from detect import diagnose
+    from diagram.progress import reporting
+    from scan.again import read_again
+    from stickslip.commands.loop_page import loop_page
+    from stickslip.commands.scan_page import file_names
 
-
-def _page(result: "ScanResult") -> str:
-    from stickslip.report.page import Section, figure_to_svg, page, table_to_html
-
-    section = Section("All loops", "", "open", _headline(result))
-    section.notes.extend(result.notes)
-    section.notes.extend(
-        f"{change.loop}: {_spoken(change.before) or 'new'} -> {_spoken(change.now) or 'gone'}"
-        for change in result.changes
-    )
-    head, rows = _rows(result, PAGE_ROWS)
-    section.figures += [figure_to_svg(result.plot()), table_to_html(head, rows)]
-    return page(f"Scan of {result.source}", "", [section])
+    rows = [row for row in result.table.head(most).iter_rows(named=True) if row["verdict"]]
+    names = file_names(rows)
+    folder = html.with_name(f"{html.stem}-loops")
+    folder.mkdir(exist_ok=True)
+    written: dict[int, str] = {}
+    with reporting(None, 0, "reports") as tell:
+        for order, record in read_again(source, out, list(names), loop_map=loop_map):
+            if not isinstance(record, str):
+                write_whole(folder / names[order], loop_page(diagnose(record)).encode())
+                written[order] = f"{folder.name}/{names[order]}"
+            tell(len(written), len(names))
+    return written

@@ -28,12 +28,12 @@ LEAD = (
     "Every run is measured from {since:g} to {until:g} s: amplitude is half of peak to peak, in % of the mean of the "
     "run; the period is the mean time between turns from low to high, counted with a hysteresis of 0.3 amplitudes."
 )
+BARS = "Lines are medians, bars 5 to 95 % of the runs that oscillate."
 TITLES = {
-    "spread": ("From the valve to the shaft", "Left to right along the chain: what falls is damped on the way. Lines "
-               "are medians, bands 5 to 95 % of the runs."),
-    "growth": ("Over the first parameter", "How amplitude and period change with it; bands are 5 to 95 % of the runs."),
+    "spread": ("Along the chain", f"Left to right: what falls is damped on the way. {BARS}"),
+    "growth": ("Over the first parameter", f"How amplitude and period change with it. {BARS}"),
     "map": ("Over two parameters", "Amplitude; each map has a scale of its own."),
-}  # fmt: skip
+}
 
 
 @click.command("study")
@@ -122,7 +122,7 @@ def command(
             (out / f"{name}.png").unlink(missing_ok=True)
     write_whole(out / "index.html", _page(result, figures).encode())
     columns, rows = _summary(result)
-    say("amplitude in % of the operating point, median over the runs:")
+    say("amplitude in % of the operating point, median over the runs that oscillate:")
     say.table(columns, rows)
     for reason, count in _reasons(result)[:SHOWN_REASONS]:
         say.paragraph(f"{count} x {reason}", "  without a result: ")
@@ -187,16 +187,18 @@ def _interval(case: "Case", every: float | None) -> float:
 
 def _summary(result: "StudyResult") -> tuple[list[str], list[list[str]]]:
     """Return the median amplitudes of some signals, one row a value of the first varied axis."""
-    from study.groups import groups
+    from study.groups import Group, groups
     from study.growth import chosen
 
     varied = result.varied()
     signals = chosen(result.signals)
-    rows = []
+    rows, swings = [], result.swings()
     for group in groups(result, varied[0] if varied else None):
-        medians = (group.band(result.percent(signal)).median for signal in signals)
-        rows.append([group.label, str(int(group.runs.sum())), *(_short(m) for m in medians)])
-    return [varied[0].name if varied else "", "runs", *signals], rows
+        moving = Group(group.label, group.at, group.runs & swings)
+        medians = (moving.band(result.percent(signal)).median for signal in signals)
+        counts = (str(int(runs.sum())) for runs in (group.runs, group.runs & ~swings))
+        rows.append([group.label, *counts, *(_short(m) for m in medians)])
+    return [varied[0].name if varied else "", "runs", "at rest", *signals], rows
 
 
 def _short(value: float) -> str:
@@ -225,16 +227,18 @@ def _reasons(result: "StudyResult") -> list[tuple[str, int]]:
 
 def _page(result: "StudyResult", figures: "dict[str, Figure]") -> str:
     from stickslip.report.page import Section, figure_to_svg, page, table_to_html
+    from study.told import told
 
     request = result.request
     sections = []
+    said = told(result) if result.counts()["ok"] else {"": "No run reached its end."}
     for name, figure in figures.items():
-        title, reason = TITLES[name]
-        section = Section(title, f"{result.counts()['ok']} runs", "good", reason)
+        title, how = TITLES[name]
+        section = Section(title, f"{result.counts()['ok']} runs", "good", said.get(name, ""), after=how)
         section.figures.append(figure_to_svg(figure))
         sections.append(section)
     columns, rows = _summary(result)
-    numbers = Section("Amplitudes", "median, % of the operating point", "good", "")
+    numbers = Section("Amplitudes", "median of the runs that oscillate, % of the operating point", "good", "")
     numbers.figures.append(table_to_html(columns, rows))
     sections.append(numbers)
     reasons = _reasons(result)
@@ -247,7 +251,7 @@ def _page(result: "StudyResult", figures: "dict[str, Figure]") -> str:
     asked.figures.append(table_to_html(["", ""], [[key, _spelt(value)] for key, value in request.items()]))
     sections.append(asked)
     lead = LEAD.format(since=request["measure_from"], until=request["duration"])
-    return page(f"Study of {request['subject']}", lead, sections)
+    return page(f"Study of {request['subject']}", f"{said['']} {lead}", sections)
 
 
 def _spelt(value: Any) -> str:

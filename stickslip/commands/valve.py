@@ -58,9 +58,35 @@ def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -
 
 
 def _report(test: "ValveTest") -> str:
-    from stickslip.report.page import Section, figure_to_svg, page
+    from stickslip.report.page import Section, captioned, figure_to_svg, page, pairs, side_by_side, table_to_html
 
-    section = Section(test.name, f"{len(test.steps)} steps", "open", " ".join(test.words))
-    section.notes.extend((*test.notes, "ANSI/ISA-75.25.01 defines these figures and sets no limits for them."))
-    section.figures.append(figure_to_svg(test.plot()))
-    return page(f"{test.name}: valve test", "", [section])
+    found = Section("What the valve does", f"{len(test.steps)} steps" if test.steps else test.source, "open", "")
+    found.reason = " ".join(test.words)
+    sizes = {"Deadband": test.deadband, "Resolution": test.resolution, "Slip jump": test.slip_jump}
+    found.figures.append(
+        pairs(
+            {
+                name: "the record does not tell" if size is None else
+                f"{size.value:.2g} % of OP, between {size.low:.2g} and {size.high:.2g} (read at {size.count} places)"
+                for name, size in sizes.items()
+            }
+            | ({} if test.gain is None else {"Gain": f"{test.gain:.3g} of {test.answer} for each % of OP"})
+        )
+    )  # fmt: skip
+    found.figures.append(captioned(figure_to_svg(test.plot()), "Triangles: steps that were timed."))
+    found.notes.extend((*test.notes, "ANSI/ISA-75.25.01 defines these figures and sets no limits for them."))
+    sections = [found]
+    drawn = test.plot_responses()
+    if drawn is not None:
+        timed = Section("Step responses", f"{len(test.responses)} timed", "open", "")
+        timed.reason = "Td: first move beyond the noise. T63, T86: 63.2 and 86.5 % of the final change are reached."
+        timed.figures.append(side_by_side([figure_to_svg(drawn)]))
+        head = ["at [s]", "step [% of OP]", "Td [s]", "T63 [s]", "T86 [s]", "overshoot [%]"]
+        rows = [
+            [f"{r.time:g}", f"{r.size:+.3g}", *("-" if x is None else f"{x:.3g}" for x in (r.dead_time, r.T63, r.T86)),
+             f"{100.0 * r.overshoot:.0f}"]
+            for r in test.responses
+        ]  # fmt: skip
+        timed.figures.append(table_to_html(head, rows))
+        sections.append(timed)
+    return page(f"{test.name}: valve test", "", sections)

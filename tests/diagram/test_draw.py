@@ -10,9 +10,10 @@ from blocks import PI, FirstOrder, Gain, Integrator, Step, StickSlip
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from diagram import wire
-from diagram.figures.drawing import _Ink, branches, draw, main_parameters, strokes
+from diagram.figures.drawing import _Ink, draw, main_parameters
 from diagram.figures.placement import grid
 from diagram.figures.routes import sheet
+from diagram.figures.strokes import branches, strokes
 from plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
@@ -76,8 +77,8 @@ def diagrams(draw_from):
     return wire(kept, inputs=sorted(read - driven))
 
 
-def laid_out(diagram):
-    plan = grid(diagram)
+def laid_out(diagram, units=None):
+    plan = grid(diagram, units)
     ink = _Ink(diagram, plan, {})
     return plan, sheet(plan, ink.size, ink.label_width, ink.entry_width)
 
@@ -91,9 +92,9 @@ def rectangle(box):
     return box.x - box.width / 2, box.y - box.height / 2, box.x + box.width / 2, box.y + box.height / 2
 
 
-def check_drawing(diagram):
+def check_drawing(diagram, units=None):
     """Check all that a drawing promises."""
-    plan, laid = laid_out(diagram)
+    plan, laid = laid_out(diagram, units)
     boxes = [rectangle(box) for box in laid.boxes]
     for a, b in itertools.combinations(boxes, 2):
         assert apart(a, b), "boxes overlap"
@@ -229,3 +230,38 @@ def test_parameters_that_are_zero_or_infinite_are_left_out():
 
 def test_diagrams_plot_themselves():
     assert LOOP.plot().axes[0].texts[0].get_text() == "self_regulating_loop"
+
+
+def test_the_plant_is_folded_by_unit_to_fit_a_page():
+    from diagram.wiring import WiringError
+    from plant import production_plant
+    from plant.units import units
+
+    plant = production_plant()
+    folded = units(plant)
+    inside = [name for names in folded.values() for name in names]
+    assert sorted(inside) == sorted(block.name for block in plant.blocks), "every block in one unit"
+    check_drawing(plant, folded)
+    figure = plant.plot(folded)
+    assert figure.get_figwidth() < 20.0 < 50.0 < plant.plot().get_figwidth(), "inches"
+    told = [text.get_text() for text in figure.axes[0].texts]
+    assert {"separator 1", "13 blocks"} <= set(told)
+    assert any("VPCS1" in text for text in told), "what is inside is said"
+    home = {name: unit for unit, names in folded.items() for name in names}
+    crossing = {
+        signal
+        for block in plant.blocks for signal in block.input_labels
+        if home[plant.blocks[plant.driven[signal][0]].name] != home[block.name]
+    }  # fmt: skip
+    assert {arrow.signal for arrow in grid(plant, folded).arrows} == crossing
+    with pytest.raises(WiringError, match="S9"):
+        plant.plot({"nowhere": ["S9"]})
+
+
+def test_a_sum_shows_the_sign_of_each_input():
+    from blocks import Sum
+
+    parts = [Step("SP", 0.5), Step("PV", 0.2), Step("F", 1.0), Sum("e", {"SP": 1.0, "PV": -1.0, "F": -0.5})]
+    told = [text.get_text() for text in draw(wire(parts, outputs=["e"])).axes[0].texts]
+    signs = {text.split()[0] + (" 0.5" if "0.5 ×" in text else "") for text in told if text[0] in "+−"}
+    assert signs == {"+", "−", "− 0.5"}

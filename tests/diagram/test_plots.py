@@ -9,7 +9,8 @@ from blocks import PI, FirstOrder, Gain, Ramp, Step, StickSlip
 from diagram import simulate, wire
 from diagram.ensembles import ensemble
 from diagram.figures.panels import main_signals
-from diagram.figures.trends import modes_over_time, plot_ensemble, plot_run
+from diagram.figures.spread import plot_ensemble
+from diagram.figures.trends import modes_over_time, plot_run
 from plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
@@ -187,3 +188,32 @@ def test_failed_variants_are_not_in_the_spread():
     failed = ensemble(LOOP, 600.0, params={"SP.after": [0.5]}, every=1.0, max_steps=100)
     with pytest.raises(ValueError, match="no variant reached its end"):
         failed.plot("PV")
+
+
+def test_what_swings_too_often_is_a_band_with_its_last_cycles_beside():
+    from blocks import Sine
+
+    fast = simulate(wire([Sine("F", amplitude=2.0, period=1.0)], outputs=["F"]), 200.0, every=0.02)
+    whole, close = plot_run(fast).axes
+    assert not drawn(whole) and np.ptp(whole.collections[0].get_paths()[0].vertices[:, 1]) == pytest.approx(
+        4.0, rel=1e-2
+    )
+    assert np.ptp(close.get_xlim()) == pytest.approx(6.0, rel=0.02)
+    slow = simulate(wire([Sine("F", amplitude=2.0, period=20.0)], outputs=["F"]), 200.0, every=0.02)
+    assert len(plot_run(slow).axes) == 1
+
+
+def test_the_title_says_what_is_found():
+    from blocks import Sine
+
+    def title(parts, duration=200.0):
+        return plot_run(simulate(wire(parts, outputs=["F"], name="case"), duration, every=0.05)).get_suptitle()
+
+    assert title([Sine("F", amplitude=2.0, period=20.0)]) == "case: F oscillates, period 20 s, amplitude 2"
+    assert title([Ramp("F", slope=0.1)]) == "case: F goes from 0 to 20"
+    assert title([Step("F", 5.0, before=5.0)]) == "case: everything is at rest"
+
+
+def test_a_stem_that_never_moves_is_stuck_throughout():
+    still = simulate(LOOP, 10.0, params={"SP.after": 0.0})
+    assert "stuck throughout" in plot_run(still).axes[1].get_legend_handles_labels()[1]

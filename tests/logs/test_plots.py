@@ -40,7 +40,8 @@ def test_missing_bad_and_gaps_break_the_line():
     assert np.flatnonzero(np.isnan(line)).tolist() == [3, 6, 10]
     crosses = [line for line in upper.lines if line.get_marker() == "x"]
     assert crosses[0].get_xydata().tolist() == [[6.0, 6.0]], "the bad value is shown, not joined"
-    assert len(upper.patches) == 2, "two bad stretches are shaded"
+    named = [patch.get_label() for patch in upper.patches]
+    assert len(named) == 3 and {"not good", "gap"} <= set(named), "two bad stretches and the gap are shaded"
 
 
 def test_phase_plot_joins_good_samples_only():
@@ -91,3 +92,42 @@ def test_no_global_state_of_matplotlib_is_touched():
     before = plt.get_fignums()
     holed().plot()
     assert plt.get_fignums() == before
+
+
+def test_time_is_that_of_the_clock_where_it_is_known():
+    from datetime import datetime
+
+    from matplotlib.dates import num2date
+
+    t = np.arange(7200.0)
+    log = Log(t=t, signals={"PV": np.sin(t / 60)}, start=datetime(2024, 3, 30, 23, 0))
+    ax = log.plot().axes[0]
+    first, last = (num2date(x).replace(tzinfo=None) for x in ax.get_xlim())
+    assert (first, last) == (datetime(2024, 3, 30, 23, 0), datetime(2024, 3, 31, 0, 59, 59))
+    assert ax.get_xlabel() == "clock time, from 2024-03-30 23:00:00"
+    ax.figure.canvas.draw()
+    assert sum(first <= num2date(x).replace(tzinfo=None) <= last for x in ax.get_xticks()) >= 3
+
+
+def test_a_long_record_is_drawn_with_few_points_that_keep_its_extremes():
+    n = 500_000
+    x = np.sin(np.arange(n) / 7.0)
+    x[123_456] = 9.0
+    line = Log(t=np.arange(float(n)), signals={"PV": x}).plot().axes[0].lines[0]
+    assert len(line.get_xdata()) <= 4001 and np.nanmax(line.get_ydata()) == 9.0
+
+
+def test_rounding_is_drawn_as_rest():
+    x = 40.95 + 1e-14 * np.arange(200.0)
+    ax = Log(t=np.arange(200.0), signals={"V": x}).plot().axes[0]
+    low, high = ax.get_ylim()
+    assert high - low > 1.0 and ax.texts[0].get_text() == "at rest at 40.95"
+    ax.figure.canvas.draw()
+    assert max(len(label.get_text()) for label in ax.get_yticklabels()) <= 5
+
+
+def test_every_axis_has_ticks_to_read_it_by():
+    for values in ([5.0, 5.1], [0.0, 1e-9], [123456.0, 123457.0], [7.0, 7.0]):
+        ax = Log(t=[0.0, 1.0], signals={"PV": values}).plot().axes[0]
+        low, high = ax.get_ylim()
+        assert sum(low <= tick <= high for tick in ax.get_yticks()) >= 2

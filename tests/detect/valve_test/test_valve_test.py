@@ -65,6 +65,9 @@ def test_step_response_of_a_lag_with_dead_time(tau, theta) -> None:
     test = analyse(made(tau=tau, theta=theta, noise=0.005))
     assert len(test.responses) == 6
     times = np.median([response.T86 for response in test.responses])
+    # analytic: and 63.2 % after tau log(1 / 0.368)
+    sooner = np.median([response.T63 for response in test.responses])
+    assert sooner == pytest.approx(theta + tau * np.log(1.0 / 0.368), abs=0.1)
     # analytic: a lag reaches 86.5 % after tau log(1 / 0.135)
     assert times == pytest.approx(theta + tau * np.log(1.0 / 0.135), abs=0.1)
     assert np.median([response.dead_time for response in test.responses]) == pytest.approx(theta, abs=DT)
@@ -120,3 +123,57 @@ def test_plain_values_and_the_picture() -> None:
     test = analyse(made(0.8))
     assert json.loads(json.dumps(test.to_dict()))["deadband"]["unit"] == "% OP"
     assert test.plot().get_suptitle().startswith("FIC1: Deadband 0.")
+
+
+def routine(moves, tau=4.0, theta=2.0, deadband=0.0, noise=0.0, wander=0.05, seed=3):
+    """Six hours of OP that wanders as a controller makes it, with some moves that stand alone; (record, times)."""
+    rng = np.random.default_rng(seed)
+    n = 20_000
+    op = 50.0 + wander * np.cumsum(rng.normal(0.0, 0.1, n))
+    times = []
+    for k, size in enumerate(moves):
+        at = 2000 + 2500 * k
+        op[at - 200 : at] = op[at - 200]  # an operator waits, moves and waits
+        op[at : at + 400] = op[at - 1] + size
+        op[at + 400 :] += op[at + 399] - op[at + 400]
+        times.append(DT * at)
+    stem = lagged(play(op, deadband), tau, theta) + rng.normal(0.0, noise, n)
+    return LoopRecord.from_arrays(DT * np.arange(n), pv=stem, op=op, mv=stem, name="FIC1"), times
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_step_responses_are_found_in_a_long_log(noise) -> None:
+    record, times = routine([4.0, -3.0, 5.0, -6.0], noise=noise)
+    test = analyse(record)
+    assert test.source == "routine moves"
+    assert [response.time for response in test.responses] == pytest.approx(times)
+    assert [response.size for response in test.responses] == pytest.approx([4.0, -3.0, 5.0, -6.0], abs=0.05)
+    for response in test.responses:  # analytic, as above
+        assert pytest.approx(2.0 + 4.0 * np.log(1.0 / 0.368), abs=0.25) == response.T63
+        assert pytest.approx(2.0 + 4.0 * np.log(1.0 / 0.135), abs=0.35) == response.T86
+        assert response.dead_time == pytest.approx(2.0, abs=DT + 0.1)
+    assert any("T63" in sentence for sentence in test.words)
+    assert test.plot_responses() is not None
+
+
+def test_one_reversal_tells_no_deadband() -> None:
+    test = analyse(routine([4.0, -3.0, 5.0, -6.0], deadband=1.0, noise=0.02)[0])
+    assert test.deadband is None and test.slip_jump is None
+    assert "4 are needed" in " ".join(test.notes)
+
+
+def test_moves_that_are_not_held_are_no_steps() -> None:
+    record, _ = routine([])
+    test = analyse(record)
+    assert test.responses == () and "No step response" in " ".join(test.notes)
+    t = np.arange(4000.0)
+    fast = 50.0 + 5.0 * np.sign(np.sin(t / 2.0))  # OP moves far, but is never held
+    assert analyse(LoopRecord.from_arrays(t, pv=fast, op=fast + 1e-6 * t, mv=fast)).responses == ()
+
+
+def test_pv_alone_tells_the_response_to_moves_that_stand_alone() -> None:
+    record, times = routine([4.0, -3.0])
+    bare = LoopRecord.from_arrays(record.t, pv=record.pv, op=record.op, name="FIC1")
+    test = analyse(bare)
+    assert test.answer == "PV" and len(test.responses) == len(times) and test.deadband is None
+    assert "No stem is logged" in " ".join(test.notes)

@@ -1,0 +1,145 @@
+"""The verdict over time: a record judged window by window, so that a valve that gets worse is seen to.
+
+Windows are whole days by the clock where the record spans two days or more (several days each where there would be
+more than ``MOST``), else equal parts of at least ``SAMPLES`` samples and ``CYCLES`` periods of an oscillation.
+Each window is judged on its own by the calibrated answer; sizes are shown where stiction is called.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from detect.judge.answer import Amount, answer
+from detect.judge.model import rounded
+from detect.prepare.prepared import Prepared
+from detect.words import Word
+from logs import LogError, LoopRecord
+
+__all__ = ["OverTime", "Window", "over_time"]
+
+DAY = 86400.0  # s
+MOST = 12  # windows
+PARTS = 6  # of a record of less than two days
+SAMPLES = 300  # the shortest simulated records that the model was fitted on
+CYCLES = 8.0
+ENDS = 3  # windows at either end whose sizes are compared
+
+
+@dataclass(frozen=True)
+class Window:
+    """One window of a record.
+
+    start, end : [s] of the record
+    samples : int
+    verdict : as in ``Verdict``; "not_applicable" also where the window holds too little
+    probability : of stiction [-] or None
+    S, J : Amount or None
+    limit : (S, unit) above which a stick would have shown, or None
+    """
+
+    start: float
+    end: float
+    samples: int
+    verdict: Word
+    probability: float | None
+    S: Amount | None = None
+    J: Amount | None = None
+    limit: tuple[float, str] | None = None
+
+
+@dataclass(frozen=True)
+class OverTime:
+    """The windows of a record, how it was divided, and what they say together.
+
+    windows : tuple of Window, empty where the record cannot be divided
+    divided : how the windows were made, or why there are none
+    """
+
+    windows: tuple[Window, ...]
+    divided: str
+    record: LoopRecord = field(repr=False, compare=False)
+
+    @property
+    def words(self) -> str:
+        """What the windows say together, one or two sentences; "" without windows."""
+        if not self.windows:
+            return ""
+        judged = [w for w in self.windows if w.verdict != "not_applicable"]
+        sticky = [w for w in judged if w.S is not None]
+        said = f"Stiction is called in {len(sticky)} of {len(judged)} windows that could be judged."
+        if len(sticky) < 2:
+            return said
+        first, last = sticky[: max(1, min(ENDS, len(sticky) // 2))], sticky[-max(1, min(ENDS, len(sticky) // 2)) :]
+        before, after = (float(np.median([w.S.value for w in part if w.S])) for part in (first, last))
+        unit = sticky[0].S.unit if sticky[0].S else ""
+        highest_low = max(w.S.low for w in sticky if w.S)
+        lowest_high = min(w.S.high for w in sticky if w.S)
+        moved = f"S goes from {rounded(before):g} to {rounded(after):g} {unit}"
+        if highest_low <= lowest_high:
+            return f"{said} {moved}: no change beyond the intervals, which all overlap."
+        return f"{said} {moved}, beyond the intervals of single windows: the valve or its load has changed."
+
+
+def over_time(record: LoopRecord, *, most: int = MOST) -> OverTime:
+    """The record judged in windows; ``most`` is the largest number of them.
+
+    Raises ValueError unless most >= 2.
+
+    >>> t = np.arange(0.0, 3 * 86400.0, 60.0)
+    >>> found = over_time(LoopRecord.from_arrays(t, pv=np.sin(t / 300), op=50 + np.cos(t / 300), sp=0 * t))
+    >>> found.divided, len(found.windows)
+    ('Windows of a day, from the start of the record.', 3)
+    """
+    if most < 2:
+        raise ValueError(f"most = {most}, but a change over time needs at least 2 windows")
+    edges, divided = _edges(record, most)
+    windows = tuple(_judged(record, a, b, last=b == edges[-1]) for a, b in itertools.pairwise(edges))
+    return OverTime(tuple(w for w in windows if w is not None), divided, record)
+
+
+def _edges(record: LoopRecord, most: int) -> tuple[list[float], str]:
+    """Limits of the windows [s], none where the record cannot be divided, and a sentence on them."""
+    t0, t1 = float(record.t[0]), float(record.t[-1])
+    span = t1 - t0
+    if span >= 1.9 * DAY:
+        days = math.ceil((span / DAY + 1.0) / most)
+        start = record.log.start
+        midnight = t0 if start is None else t0 - (_since_midnight(record) + t0) % DAY
+        edges = np.arange(midnight, t1 + DAY * days, DAY * days)
+        if edges[-1] < t1:
+            edges = np.append(edges, edges[-1] + DAY * days)
+        of = "a day" if days == 1 else f"{days} days"
+        since = "from the start of the record" if start is None else "by the clock"
+        return edges.tolist(), f"Windows of {of}, {since}."
+    parts = min(PARTS, most, int(np.sum(record.good)) // SAMPLES)
+    period = Prepared(record).period if parts >= 2 else math.nan
+    if math.isfinite(period):
+        parts = min(parts, int(span / (CYCLES * period)))
+    if parts < 2:
+        why = f"windows need {SAMPLES} samples each, and {CYCLES:g} periods where the loop oscillates"
+        return [], f"The record is too short to be divided: {why}."
+    return np.linspace(t0, t1, parts + 1).tolist(), f"The record in {parts} equal parts; days tell more: log longer."
+
+
+def _since_midnight(record: LoopRecord) -> float:
+    start = record.log.start
+    assert start is not None
+    return start.hour * 3600.0 + start.minute * 60.0 + start.second + start.microsecond * 1e-6
+
+
+def _judged(record: LoopRecord, start: float, end: float, *, last: bool) -> Window | None:
+    """The answer on one window; None where no sample lies in it."""
+    try:
+        log = record.log.between(start, end if last else math.nextafter(end, start))
+    except LogError:
+        return None
+    part = replace(record, log=log)
+    held = (max(start, float(record.t[0])), min(end, float(record.t[-1])))
+    if len(part) < SAMPLES:
+        return Window(*held, len(part), "not_applicable", None)
+    found = answer(Prepared(part))
+    return Window(*held, len(part), found.word, found.probability, found.S, found.J, found.limit)

@@ -1,0 +1,89 @@
+"""Where the stem stood: as logged, or as the fitted play reconstructs it from OP and PV."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.verdict import Verdict
+
+__all__ = ["StemTrend", "stem_trend"]
+
+Values = npt.NDArray[np.float64]
+
+STILL = 1e-6  # of OP's travel: a fitted stem that moves less stands
+MOVED = 0.02  # of OP's travel: OP must move that much while the stem stands, or it is no stick
+FEWEST = 3  # samples of a stick
+
+
+@dataclass(frozen=True, eq=False)
+class StemTrend:
+    """The stem beside OP.
+
+    t : (n,) [s]; op, mv : (n,) in the unit of OP and of the stem
+    sticks : (k, 2) [s], from where to where the stem stood while OP moved
+    logged : whether the stem was logged; else it is what a play makes of OP
+    better : how much worse PV is told without the play (rms without over rms with it) [-], NaN where logged
+    """
+
+    t: Values = field(repr=False)
+    op: Values = field(repr=False)
+    mv: Values = field(repr=False)
+    sticks: Values
+    logged: bool
+    better: float
+
+    @property
+    def slips(self) -> Values:
+        """When the stem leaves a stick (k,) [s]."""
+        return self.sticks[:, 1]
+
+    @property
+    def share(self) -> float:
+        """Share of the time in which the stem stood while OP moved [-]."""
+        span = float(self.t[-1] - self.t[0])
+        return float(np.sum(np.diff(self.sticks, axis=1))) / span if span > 0.0 else 0.0
+
+
+def stem_trend(verdicts: Sequence[Verdict]) -> StemTrend | str:
+    """The stem that the methods saw or fitted, the logged one first; a sentence that says why where there is none.
+
+    >>> from detect.methods import play_fit
+    >>> from logs import LoopRecord
+    >>> t = np.arange(200.0)
+    >>> stem_trend([play_fit.detect(LoopRecord.from_arrays(t, pv=0 * t + 4, op=50 + np.sin(t / 9)))])[:46]
+    'No stem can be reconstructed: PV stays at 4 ov'
+    """
+    by_name = {verdict.method: verdict for verdict in verdicts}
+    seen, fitted = by_name.get("stem_play"), by_name.get("play_fit")
+    if seen is not None and len(seen.array("mv")):
+        t, op, mv = (seen.array(name) for name in ("t", "u", "mv"))
+        n = min(len(t), len(op), len(mv))
+        stands = np.c_[seen.array("first"), seen.array("last")] if len(seen.array("first")) else np.empty((0, 2))
+        return StemTrend(t[:n], op[:n], mv[:n], _moving(t[:n], op[:n], stands), True, float("nan"))
+    if fitted is None:
+        return "No stem can be reconstructed: the method play_fit was not asked."
+    if not len(fitted.array("x")):
+        return f"No stem can be reconstructed: {fitted.reason}"
+    t, op, mv = (fitted.array(name) for name in ("t", "u", "x"))
+    travel = float(np.ptp(op))
+    still = np.concatenate([[False], np.abs(np.diff(mv)) <= STILL * travel, [False]])
+    edges = np.flatnonzero(np.diff(still.astype(np.int8))).reshape(-1, 2)
+    long = [(first, last) for first, last in edges.tolist() if last - first >= FEWEST]
+    stands = np.array([(t[first], t[last]) for first, last in long]).reshape(-1, 2)
+    better = fitted.index if fitted.index is not None else float("nan")
+    return StemTrend(t, op, mv, _moving(t, op, stands), False, better)
+
+
+def _moving(t: Values, op: Values, stands: Values) -> Values:
+    """Those of the stretches (k, 2) [s] in which OP moves."""
+    least = MOVED * float(np.ptp(op))
+    kept = []
+    for a, b in stands.tolist():
+        inside = op[np.searchsorted(t, a) : np.searchsorted(t, b, side="right")]
+        if len(inside) and float(np.ptp(inside)) > least:
+            kept.append((a, b))
+    return np.array(kept).reshape(-1, 2)

@@ -1,0 +1,169 @@
+"""Small pictures of the evidence on a loop: PV and stem against OP, spectrum, correlations, the verdict over time."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from detect.figures.loop_trend import named, shown_cycles
+from detect.figures.verdict import legend
+from detect.words import WORDS
+from logs.style import COLOURS, FIT, PALE, SOFT, tidy
+from logs.time_axis import TimeAxis, time_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from detect.evidence import Correlation, OverTime, Spectrum, StemTrend
+    from logs import LoopRecord
+
+__all__ = ["plot_correlation", "plot_over_time", "plot_pv_op", "plot_spectrum", "plot_stem_op"]
+
+SMALL = (4.7, 3.5)  # inch: two beside each other on a page, one on a phone
+POINTS = 4000
+HARMONICS = 6.5  # of the fundamental: as far as the spectrum is drawn
+
+
+def _small() -> tuple[Figure, Axes]:
+    from logs.picture import Picture
+
+    figure = Picture(figsize=SMALL, layout="constrained")
+    return figure, figure.subplots()
+
+
+def plot_pv_op(record: LoopRecord, period: float, stem: StemTrend | None) -> Figure:
+    """PV against OP: the cycles of the trend in colour on the whole record in grey."""
+    figure, ax = _small()
+    t0, t1 = shown_cycles(record, period, stem)
+    good = record.good
+    step = max(1, int(good.sum()) // POINTS)
+    op, pv = record.op[good][::step], record.pv[good][::step]
+    ax.plot(op, pv, ".", color=PALE, ms=1.6, alpha=0.35, label="whole record")
+    inside = (record.t >= t0) & (record.t <= t1)
+    x, y = (np.where(good, values, np.nan)[inside] for values in (record.op, record.pv))
+    ax.plot(x, y, color=COLOURS["PV"], lw=0.9, label="the cycles shown")
+    ax.set_xlabel(named(record, record.op_name, "OP"))
+    ax.set_ylabel(named(record, record.pv_name, "PV"))
+    legend(ax)
+    tidy(ax)
+    return figure
+
+
+def plot_stem_op(record: LoopRecord, period: float, stem: StemTrend) -> Figure:
+    """The stem against OP: level where it sticks, steep where it slips, on the line where it follows."""
+    figure, ax = _small()
+    t0, t1 = shown_cycles(record, period, stem)
+    inside = (stem.t >= t0) & (stem.t <= t1)
+    ends = np.array([np.min(stem.op[inside]), np.max(stem.op[inside])])
+    if not stem.logged:
+        ax.plot(ends, ends, color=FIT, lw=0.8, ls=":", label="a valve that follows")
+    label = "MV, logged" if stem.logged else "stem, reconstructed"
+    ax.plot(stem.op[inside], stem.mv[inside], color=COLOURS["MV"], lw=1.0, label=label)
+    ax.set_xlabel(named(record, record.op_name, "OP"))
+    ax.set_ylabel("MV" if stem.logged else named(record, record.op_name, "stem").replace("stem", "estimated MV"))
+    legend(ax)
+    tidy(ax)
+    return figure
+
+
+def plot_spectrum(found: Spectrum) -> Figure:
+    """Amplitudes of OP and PV over frequency, with the fundamental and its harmonics marked."""
+    figure, ax = _small()
+    known = math.isfinite(found.fundamental)
+    scale, unit = _per(found.fundamental if known else float(found.f[int(np.argmax(found.pv))]))
+    highest = HARMONICS * found.fundamental if known else float(found.f[-1])
+    shown = found.f <= max(highest, float(found.f[min(20, len(found.f) - 1)]))
+    for k in range(1, 6 if known else 0):
+        if k * found.fundamental <= found.f[shown][-1]:
+            at = k * found.fundamental * scale
+            ax.axvline(at, color=FIT, lw=0.9 if k == 1 else 0.6, ls="-" if k == 1 else ":", zorder=0.8)
+            ax.annotate(
+                "period" if k == 1 else f"{k}", (at, 1.0), (2, -2), xycoords=("data", "axes fraction"),
+                textcoords="offset points", va="top", fontsize=7.5, color=SOFT,
+            )  # fmt: skip
+    for values, part in ((found.op, "OP"), (found.pv, "PV")):
+        ax.plot(found.f[shown] * scale, np.maximum(values[shown], 1e-5), color=COLOURS[part], lw=1.0, label=part)
+    ax.set_yscale("log")
+    ax.set_ylim(2e-3, 2.0)
+    ax.set_yticks([0.01, 0.1, 1.0], ["1 %", "10 %", "100 %"])
+    ax.minorticks_off()
+    ax.set_xlim(0.0, float(found.f[shown][-1]) * scale)
+    ax.set_xlabel(f"frequency [1/{unit}]")
+    ax.set_ylabel("amplitude over the largest line")
+    legend(ax)
+    tidy(ax)
+    return figure
+
+
+def _per(frequency: float) -> tuple[float, str]:
+    """What a frequency in Hz is multiplied by, and the unit of time it is then counted in."""
+    for seconds, unit in ((1.0, "s"), (60.0, "min"), (3600.0, "h")):
+        if frequency * seconds >= 0.2:
+            return seconds, unit
+    return 86400.0, "d"
+
+
+def plot_correlation(found: Correlation) -> Figure:
+    """OP and PV each with itself above; PV behind OP below, with the lag of the closest likeness."""
+    from logs.picture import Picture
+
+    figure = Picture(figsize=SMALL, layout="constrained")
+    upper, lower = figure.subplots(2, 1)
+    scale, unit = time_unit(float(found.lags[-1]) * 2.0)
+    m = len(found.op)
+    for values, part in ((found.op, "OP"), (found.pv, "PV")):
+        upper.plot(found.lags[m - 1 :] / scale, values, color=COLOURS[part], lw=1.1, label=part)
+    lower.plot(found.lags / scale, found.both, color=FIT, lw=1.1)
+    lower.axvline(0.0, color=PALE, lw=0.8)
+    lower.plot([found.lag / scale], [found.at_lag], "o", ms=5, color=COLOURS["bad"])
+    for ax in (upper, lower):
+        ax.axhline(0.0, color=PALE, lw=0.8)
+        ax.set_ylim(-1.1, 1.1)
+        ax.margins(x=0.0)
+        tidy(ax)
+    upper.set_ylabel("with itself [-]", fontsize=8.5)
+    lower.set_ylabel("PV behind OP [-]", fontsize=8.5)
+    lower.set_xlabel(f"lag [{unit}]")
+    legend(upper)
+    return figure
+
+
+def plot_over_time(found: OverTime) -> Figure:
+    """Probability of stiction and S with their 90 % intervals, window by window."""
+    from logs.picture import Picture
+
+    figure = Picture(figsize=(9.6, 3.6), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    record = found.record
+    axis = TimeAxis(record.log)
+    middles = axis.at(np.array([0.5 * (w.start + w.end) for w in found.windows]))
+    for x, w in zip(middles.tolist(), found.windows, strict=True):
+        a, b = axis.at(np.array([w.start, w.end])).tolist()
+        colour = WORDS[w.verdict].colour
+        if w.probability is not None:
+            upper.plot([a, b], [w.probability] * 2, color=colour, lw=3.0, solid_capstyle="butt")
+        if w.S is not None:
+            lower.plot([x, x], [w.S.low, w.S.high], color=COLOURS["bad"], lw=1.6)
+            lower.plot([x], [w.S.value], "o", color=COLOURS["bad"], ms=5)
+        else:
+            lower.annotate(
+                WORDS[w.verdict].spoken, (x, 0.04), xycoords=("data", "axes fraction"), ha="center", fontsize=7.5,
+                color=SOFT, rotation=90 if len(found.windows) > 7 else 0,
+            )  # fmt: skip
+    unit = next((w.S.unit for w in found.windows if w.S is not None), "")
+    upper.set_ylim(-0.03, 1.03)
+    upper.set_yticks([0.0, 0.5, 1.0], ["0", "50 %", "100 %"])
+    upper.set_ylabel("probability\nof stiction")
+    lower.set_ylabel(f"S [{unit}]" if unit else "S")
+    if unit:
+        lower.set_ylim(bottom=0.0)
+    else:
+        lower.set_yticks([])
+    for ax in (upper, lower):
+        tidy(ax)
+    upper.tick_params(labelbottom=False)
+    axis.finish(lower, float(record.t[0]), float(record.t[-1]))
+    return figure

@@ -1,0 +1,29 @@
+"""The confirming test of a sticky valve as a table: by how much OP is moved, and what each valve answers."""
+
+from __future__ import annotations
+
+from detect.judge.answer import Amount
+from detect.judge.model import rounded
+
+__all__ = ["COLUMNS", "test_plan"]
+
+COLUMNS = ("step", "move OP by", "then OP is back by", "a sticky valve", "a valve that follows")
+STEPS, SHARE, AWAY = 6, 0.25, 2.0  # steps back, each of this share of S, after this many S one way
+
+
+def test_plan(S: Amount) -> list[list[str]]:
+    """Rows of text as in ``COLUMNS``, with the steps that ``actions.confirming_steps`` says in words.
+
+    >>> plan = test_plan(Amount(4.0, 3.0, 5.0, "% of OP"))
+    >>> [row[1:4] for row in plan[:2]]
+    [['+8 % of OP', '0', 'follows, at the latest after S'], ['-1 % of OP', '1', 'stands']]
+    >>> [row[3] for row in plan[2:]]
+    ['stands', 'stands or jumps', 'stands or jumps', 'stands or jumps', 'has jumped']
+    """
+    size = rounded(SHARE * S.value)
+    rows = [["1", f"+{rounded(AWAY * S.value):g} {S.unit}", "0", "follows, at the latest after S", "follows"]]
+    for k in range(1, STEPS + 1):
+        back = k * size
+        said = "stands" if back < S.low else "stands or jumps" if back <= S.high else "has jumped"
+        rows.append([str(k + 1), f"-{size:g} {S.unit}", f"{back:.3g}", said, "follows each step"])
+    return rows

@@ -1,0 +1,96 @@
+"""One signal over time in a panel: broken where samples are missing, crossed where bad, gaps shaded, ticks readable."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from logs.style import COLOURS, PALE, tidy
+from logs.thinned import thinned
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from logs.arrays import Mask, Values
+    from logs.log import Log
+    from logs.time_axis import TimeAxis
+
+__all__ = ["broken_at_gaps", "draw_signal", "finish_panel", "mark_gaps", "rests", "shade_bad"]
+
+LINE = 0.9
+RESTS = 1e-6  # of its size: a signal that moves less rests, and what it moves is rounding
+NARROWEST = 0.002  # of the axis: a gap is drawn no narrower
+
+
+def draw_signal(
+    ax: Axes, axis: TimeAxis, log: Log, name: str, colour: str, label: str = "", good: Mask | None = None, **style: Any
+) -> None:
+    """Draw a signal; ``good`` (n,) says which samples count, by default those that are good by themselves.
+
+    The line is broken at gaps in time and where samples do not count; values that were logged but do not count get a
+    cross.  A long signal is thinned to the lowest and highest of each stretch.
+    """
+    good = log.good(name) if good is None else good
+    x, y = thinned(*broken_at_gaps(log, axis.at(log.t), np.where(good, log[name], np.nan)))
+    single = "." if len(log) < 2 else ""
+    ax.plot(x, y, color=colour, label=label or None, marker=single, **{"linewidth": LINE, **style})
+    doubtful = ~log.good(name) & np.isfinite(log[name])
+    if doubtful.any():
+        t, values = thinned(axis.at(log.t[doubtful]), log[name][doubtful], 400)
+        ax.plot(t, values, linestyle="", marker="x", markersize=3.5, color=COLOURS["bad"])
+
+
+def broken_at_gaps(log: Log, x: Values, y: Values) -> tuple[Values, Values]:
+    """A missing point after the last sample before each gap, so that the line is not drawn across it."""
+    after = np.searchsorted(log.t, [t1 for _, t1 in log.gaps()])
+    return np.insert(x, after, x[after - 1]), np.insert(y, after, np.nan)
+
+
+def mark_gaps(ax: Axes, axis: TimeAxis, log: Log) -> None:
+    """Shade the stretches without samples, the first with a name for the legend."""
+    least = NARROWEST * log.duration
+    for i, (t0, t1) in enumerate(log.gaps()):
+        a, b = axis.at(np.array([t0, max(t1, t0 + least)])).tolist()
+        ax.axvspan(a, b, color=PALE, alpha=0.28, linewidth=0, zorder=0.4, label="gap" if i == 0 else None)
+
+
+def shade_bad(ax: Axes, axis: TimeAxis, log: Log, good: Mask) -> None:
+    """Shade the samples that do not count; ``good`` (n,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[True], good, [True]]).astype(np.int8)))
+    reach = 0.5 * log.dt if np.isfinite(log.dt) else 0.0
+    for i, (first, stop) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+        a, b = axis.at(np.array([log.t[first] - reach, log.t[stop - 1] + reach])).tolist()
+        ax.axvspan(a, b, color=COLOURS["bad"], alpha=0.10, linewidth=0, label="not good" if i == 0 else None)
+
+
+def rests(values: Values) -> bool:
+    """Whether a signal (n,) stands still: what is left of a movement is the rounding of its numbers.
+
+    >>> rests(np.array([7.6e3, 7.6e3 + 1e-9])), rests(np.array([0.0, 1e-300])), rests(np.array([1.0, 1.1]))
+    (True, True, False)
+    """
+    y = values[np.isfinite(values)]
+    return not y.size or float(np.ptp(y)) <= max(RESTS * float(np.abs(y).max()), 1e-12)
+
+
+def finish_panel(ax: Axes, values: list[Values]) -> None:
+    """Light grid, a margin, at least two ticks of few digits; what rests is a line at its value, not its rounding.
+
+    ``values``: what is drawn, each (n,), in the unit of the axis.
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    tidy(ax)
+    ax.margins(y=0.1)
+    seen = np.concatenate([y[np.isfinite(y)] for y in values]) if values else np.empty(0)
+    if seen.size and rests(seen):
+        middle = float(np.median(seen))
+        half = 0.05 * abs(middle) or 1.0
+        ax.set_ylim(middle - half, middle + half)
+        ax.annotate(
+            f"at rest at {middle:.5g}", (1.0, 0.5), (-4.0, 4.0), xycoords="axes fraction", textcoords="offset points",
+            ha="right", fontsize=8.0, color=COLOURS["SP"],
+        )  # fmt: skip
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=5, min_n_ticks=3, steps=[1, 2, 2.5, 5, 10]))
+    ax.ticklabel_format(useOffset=False, axis="y")

@@ -1,0 +1,316 @@
+"""The report on one loop: the answer in words first, then how it changed, what speaks for it, and what was assumed."""
+
+from datetime import timedelta
+from typing import TYPE_CHECKING
+
+from stickslip.commands.one_loop import READ
+
+if TYPE_CHECKING:
+    from detect import Diagnosis
+    from detect.evidence import Correlation, OverTime, Spectrum, StemTrend
+    from detect.judge.answer import Amount
+    from detect.prepare.harris import Harris
+    from detect.prepare.prepared import Prepared
+    from detect.verdict import Verdict
+    from stickslip.report.page import Section
+
+SEVERAL = 3  # of the causes that are named
+HOUR = 3600.0  # s
+
+
+def loop_page(diagnosis: "Diagnosis") -> str:
+    """Return the whole page on one loop."""
+    from detect.evidence import over_time, stem_trend
+    from detect.prepare.prepared import Prepared
+    from detect.words import WORDS
+    from stickslip.report.page import page
+
+    loop = Prepared(diagnosis.record)
+    stem = stem_trend(diagnosis.methods)
+    sections = [
+        _answer(diagnosis, loop),
+        _test(diagnosis),
+        _over_time(over_time(diagnosis.record)),
+        _trend(diagnosis, loop, stem),
+        _evidence(diagnosis, loop, stem),
+        _methods(diagnosis),
+        _data(diagnosis),
+    ]
+    title = f"{diagnosis.loop}: {WORDS[diagnosis.verdict].spoken}"
+    return page(title, _lead(diagnosis), [s for s in sections if s is not None], contents=True)
+
+
+def _lead(diagnosis: "Diagnosis") -> str:
+    record = diagnosis.record
+    log = record.log
+    hours = log.duration / HOUR
+    long = (
+        f"{hours / 24.0:.3g} days" if hours >= 48.0 else f"{hours:.3g} h" if hours >= 1.0 else f"{60 * hours:.3g} min"
+    )
+    since = "" if log.start is None else f" from {log.start + timedelta(seconds=float(record.t[0])):%Y-%m-%d %H:%M:%S}"
+    every = f", one every {record.dt:.3g} s" if len(record) > 1 else ""
+    what = record.measurement or "loop"
+    return (
+        f"{what.capitalize()}: {len(record):,} samples{every}, {long}{since}{f'; {log.origin}' if log.origin else ''}."
+    )
+
+
+def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
+    from detect.judge.actions import CAUSES
+    from detect.words import WORDS
+    from stickslip.report.page import Section, pairs
+
+    word = WORDS[diagnosis.verdict]
+    section = Section("The answer", word.spoken.upper(), word.kind, diagnosis.reason)
+    told: dict[str, str] = {}
+    if diagnosis.probability is not None:
+        told["Probability of stiction"] = f"{diagnosis.probability:.0%}"
+    others = [(name, p) for name, p in diagnosis.causes.items() if name != "stiction"]
+    if others:
+        told["Other causes"] = ", ".join(f"{CAUSES[name].spoken} {p:.0%}" for name, p in others[:SEVERAL])
+    for name, size in (diagnosis.amount or {}).items():
+        told[f"{_SIZES[name]} {name}"] = str(size)
+    if diagnosis.detection_limit is not None:
+        limit, unit = diagnosis.detection_limit
+        told["Detection limit"] = f"a stick above {limit:.2g} {unit} would have shown"
+    else:
+        told["Detection limit"] = "not known for this record"
+    told["Oscillation"] = _oscillation(diagnosis, loop)
+    if diagnosis.performance is not None:
+        told["Control"] = _performance(diagnosis.performance)
+    if diagnosis.action:
+        told["What to do"] = diagnosis.action
+    owner = _owner(diagnosis)
+    if owner:
+        told["Who"] = owner
+    section.figures.append(pairs(told))
+    return section
+
+
+def _performance(found: "Harris") -> str:
+    return (
+        f"{found.index:.0%} of the variance of the control error could be foretold {found.horizon} samples ahead "
+        "(Harris index at that horizon): that much better control could take away at most"
+    )
+
+
+_SIZES = {"S": "Stickband plus deadband", "J": "Slip jump"}
+
+
+def _owner(diagnosis: "Diagnosis") -> str:
+    from detect.judge.actions import CAUSES
+
+    cause = next(iter(diagnosis.causes), "stiction" if diagnosis.verdict == "stiction" else "")
+    return CAUSES[cause].owner if cause else ""
+
+
+def _oscillation(diagnosis: "Diagnosis", loop: "Prepared") -> str:
+    import numpy as np
+
+    gate = loop.gate
+    if not gate.oscillating or gate.period is None:
+        return gate.reason
+    record = diagnosis.record
+    low, high = np.percentile(record.pv[record.good], (2.5, 97.5))
+    unit = record.log.units.get(record.pv_name)
+    amplitude = f"{0.5 * (high - low):.3g}{f' {unit}' if unit else ''}"
+    return f"period {gate.period:.4g} s, {gate.cycles:.0f} cycles; PV moves by {amplitude} to either side"
+
+
+def _test(diagnosis: "Diagnosis") -> "Section | None":
+    from detect.judge.test_plan import COLUMNS, test_plan
+    from stickslip.report.page import Section, table_to_html
+
+    S = (diagnosis.amount or {}).get("S")
+    if S is None:
+        return None
+    section = Section("The test that confirms it", "", "open", "")
+    section.reason = (
+        "In manual, with the process in a state that bears it. After each step wait several time constants of PV, and "
+        "note OP and PV (or the stem). Then: stickslip valve TEST.csv"
+    )
+    section.figures.append(table_to_html(COLUMNS, test_plan(S)))
+    return section
+
+
+def _over_time(found: "OverTime") -> "Section":
+    from detect.figures.evidence import plot_over_time
+    from detect.words import WORDS
+    from stickslip.report.page import Section, figure_to_svg, table_to_html
+
+    section = Section("Over time", "", "open", found.words, before=found.divided)
+    if not found.windows:
+        return section
+    section.figures.append(figure_to_svg(plot_over_time(found)))
+    head = ["from", "to", "samples", "verdict", "probability", "S", "90 % interval", "J", "unit"]
+    rows = [
+        [
+            _when(found, w.start), _when(found, w.end), str(w.samples), WORDS[w.verdict].spoken,
+            "-" if w.probability is None else f"{100.0 * w.probability:.0f} %", *_size(w.S),
+            "-" if w.J is None else f"{w.J.value:.2g}", "" if w.S is None else w.S.unit,
+        ]
+        for w in found.windows
+    ]  # fmt: skip
+    kinds = [WORDS[w.verdict].kind for w in found.windows]
+    section.figures.append(table_to_html(head, rows, badges={3: kinds}))
+    return section
+
+
+def _size(S: "Amount | None") -> tuple[str, str]:
+    return ("-", "-") if S is None else (f"{S.value:.2g}", f"{S.low:.2g} to {S.high:.2g}")
+
+
+def _when(found: "OverTime", t: float) -> str:
+    start = found.record.log.start
+    if start is not None:
+        return f"{start + timedelta(seconds=t):%Y-%m-%d %H:%M}"
+    from logs.time_axis import time_unit
+
+    scale, unit = time_unit(found.record.log.duration)
+    return f"{t / scale:.4g} {unit}"
+
+
+def _trend(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") -> "Section":
+    from detect.figures.loop_trend import plot_cycles, plot_trend
+    from stickslip.report.page import Section, captioned, figure_to_svg
+
+    seen = None if isinstance(stem, str) else stem
+    record, period = diagnosis.record, loop.period
+    section = Section("The trend", "", "open", "")
+    gaps = record.log.gaps()
+    shaded = [f"{len(gaps)} gap{'s' * (len(gaps) > 1)} grey"] * bool(gaps)
+    shaded += ["samples that do not count red"] * (not record.good.all())
+    caption = f"The whole record{'; shaded: ' if shaded else ''}{', '.join(shaded)}."
+    section.figures.append(captioned(figure_to_svg(plot_trend(record, seen)), caption))
+    if diagnosis.verdict == "not_applicable" and seen is None:
+        return section
+    cycles = figure_to_svg(plot_cycles(record, period, seen))
+    if seen is None:
+        section.figures.append(captioned(cycles, str(stem)))
+        return section
+    finding = f"The stem stands while OP moves in {seen.share:.0%} of the time."
+    told = "The stem as it was logged." if seen.logged else _reconstructed(seen)
+    section.figures.append(captioned(cycles, f"The last cycles. {told}", finding))
+    return section
+
+
+def _reconstructed(stem: "StemTrend") -> str:
+    said = "The stem is reconstructed: the play with a jump that tells PV best from OP"
+    if not stem.better > 1.0:
+        return f"{said}; PV is told as well without any, so this stem proves nothing."
+    return f"{said}. Without it the error is {stem.better:.2f} times as large."
+
+
+def _evidence(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") -> "Section | None":
+    from detect.evidence import correlation, spectrum
+    from detect.figures.evidence import plot_correlation, plot_pv_op, plot_spectrum, plot_stem_op
+    from stickslip.report.page import Section, captioned, figure_to_svg, side_by_side
+
+    if not diagnosis.record.good.any():
+        return None
+    section = Section("The evidence", "", "open", "")
+    seen = None if isinstance(stem, str) else stem
+    record, period = diagnosis.record, loop.period
+    small = [
+        captioned(
+            figure_to_svg(plot_pv_op(record, period, seen)),
+            "A valve that sticks before a fast process draws a parallelogram, a slow process or an outside wave an "
+            "ellipse.", "PV against OP.",
+        )
+    ]  # fmt: skip
+    if seen is not None:
+        told = "Level: it sticks. Steep: it jumps." if seen.logged else f"Level: it sticks. {_reconstructed(seen)}"
+        title = "The stem against OP." if seen.logged else "The estimated stem (MV) against OP."
+        small.append(captioned(figure_to_svg(plot_stem_op(record, period, seen)), told, title))
+    lines = spectrum(loop)
+    if lines is not None:
+        told = "Dotted: harmonics of the period. A sine has none, a triangle 11 % at 3, a square 33 %."
+        small.append(captioned(figure_to_svg(plot_spectrum(lines)), told, _harmonics(lines)))
+    likeness = correlation(loop)
+    if likeness is not None:
+        told = (
+            "Above: how regular each is. Below: near zero at no lag speaks for a sticky valve before a self-regulating "
+            "process, a peak of either sign there for an outside wave or tight tuning."
+        )
+        small.append(captioned(figure_to_svg(plot_correlation(likeness)), told, _lag(likeness)))
+    section.figures.append(side_by_side(small))
+    shown = next((v for v in diagnosis.methods if v.draw is not None and len(v.evidence)), None)
+    if shown is not None:
+        section.figures.append(captioned(figure_to_svg(_drawn(shown)), shown.reason, f"{_spoken(shown.method)}."))
+    return section
+
+
+def _harmonics(lines: "Spectrum") -> str:
+    if not lines.of_pv:
+        return "Spectrum: no oscillation stands out."
+    at = 3 if 3 in lines.of_pv else next(iter(lines.of_pv))
+    return f"Spectrum: harmonic {at} has {lines.of_pv[at]:.0%} of PV's and {lines.of_op[at]:.0%} of OP's amplitude."
+
+
+def _lag(found: "Correlation") -> str:
+    return (
+        f"Correlation: PV follows OP by {found.lag:.3g} s (r = {found.at_lag:.2f}); at no lag r = {found.at_zero:.2f}."
+    )
+
+
+def _drawn(verdict: "Verdict"):  # type: ignore[no-untyped-def]
+    from detect.figures.verdict import draw_evidence
+    from logs.picture import Picture
+
+    figure = Picture(figsize=(9.6, 3.7), layout="constrained")
+    draw_evidence(verdict, figure)
+    return figure
+
+
+def _spoken(method: str) -> str:
+    return method.replace("_", " ").capitalize()
+
+
+def _methods(diagnosis: "Diagnosis") -> "Section | None":
+    from detect.words import WORDS
+    from stickslip.report.page import Section, table_to_html
+
+    if not diagnosis.methods:
+        return None
+    counts = [
+        f"{n} {said.of_several}"
+        for word, said in WORDS.items()
+        if (n := sum(v.verdict == word for v in diagnosis.methods))
+    ]
+    section = Section("What every method says", "", "open", f"Of {len(diagnosis.methods)} methods {', '.join(counts)}.")
+    section.before = (
+        "Published methods and our own, each as its source has it. They stand beside the answer, which is calibrated; "
+        "one that does not apply says why."
+    )
+    rows = [
+        [v.method.replace("_", " "), WORDS[v.verdict].spoken, _number(v.index), _number(v.threshold),
+         _number(v.amount_percent_op), v.reason]
+        for v in diagnosis.methods
+    ]  # fmt: skip
+    head = ["method", "says", "index", "limit", "S [% of OP]", "because"]
+    section.figures.append(table_to_html(head, rows, badges={1: [WORDS[v.verdict].kind for v in diagnosis.methods]}))
+    return section
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
+
+
+def _data(diagnosis: "Diagnosis") -> "Section":
+    from stickslip.report.page import Section, table_to_html
+
+    beyond = [fact for fact in diagnosis.conditions if fact.present]
+    reason = (
+        f"{len(beyond)} of {len(diagnosis.conditions)} properties of the record are beyond their limit."
+        if beyond else "Nothing about the record is beyond its limit."
+    )  # fmt: skip
+    section = Section("The data", "", "open", reason, notes=list(diagnosis.assumptions), notes_label=READ)
+    facts = [*beyond, *(fact for fact in diagnosis.conditions if not fact.present)]
+    rows = [
+        [f.code.replace("_", " "), "beyond" if f.present else "in order", f.text, f.remedy if f.present else ""]
+        for f in facts
+    ]
+    kinds = ["open" if fact.present else "good" for fact in facts]
+    if rows:
+        section.figures.append(table_to_html(["property", "limit", "found", "remedy"], rows, badges={1: kinds}))
+    return section

@@ -1,0 +1,187 @@
+"""The page of a scan: what was found, what changed, who oscillates together, and every loop in the order asked for."""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from scan import ScanResult
+    from stickslip.report.page import Section
+
+ROWS = 500  # on the page
+DETAILS = 20  # loops told in full below the list, where they have no page of their own
+MEMBERS = 12  # of a group that are named
+
+Row = dict[str, Any]
+
+
+def scan_page(result: "ScanResult", headline: str, pages: Mapping[int, str] | None = None) -> str:
+    """Return the page; ``pages`` says by the column ``order`` which loops have a page of their own, and where."""
+    from stickslip.report.page import page
+
+    pages = pages or {}
+    rows = list(result.table.head(ROWS).iter_rows(named=True))
+    told = [row for row in rows[:DETAILS] if row["order"] not in pages]
+    sections = [_found(result, headline), *_changed(result), *_groups(result)]
+    first = len(sections) + 1
+    anchors = {row["order"]: f"#s{first + k}" for k, row in enumerate(told)}
+    sections.append(_list(result, rows, {**anchors, **pages}))
+    sections += [_detail(row) for row in told]
+    return page(f"Scan of {Path(result.source).name or result.source}", "", sections)
+
+
+def file_names(rows: Sequence[Row]) -> dict[int, str]:
+    """Return a file name for each row: its rank and what of its tag any system takes.
+
+    >>> file_names([{"order": 7, "rank": 1, "loop": "../FIC 1<b>"}])
+    {7: '001-FIC_1_b_.html'}
+    """
+    return {
+        row["order"]: f"{row['rank']:03d}-{re.sub(r'[^A-Za-z0-9.-]+', '_', row['loop'])[:60].lstrip('._')}.html"
+        for row in rows
+    }
+
+
+def _found(result: "ScanResult", headline: str) -> "Section":
+    from stickslip.report.page import Section, figure_to_svg
+
+    sticky = result.counts.get("stiction", 0)
+    badge = f"{sticky} sticky" if sticky else "none sticky"
+    section = Section("What was found", badge, "bad" if sticky else "good", headline, notes=list(result.notes))
+    section.notes_label = "What was read and assumed"
+    section.figures.append(figure_to_svg(result.plot()))
+    return section
+
+
+def _changed(result: "ScanResult") -> "list[Section]":
+    from stickslip.report.page import Section, table_to_html
+
+    if not result.changes:
+        return []
+    rows = [[c.loop, spoken(c.before) or "new", spoken(c.now) or "gone"] for c in result.changes]
+    section = Section("What changed since the last scan", f"{len(rows)} loops", "open", "")
+    kinds = [_kind(change.now) for change in result.changes]
+    section.figures.append(table_to_html(["loop", "before", "now"], rows[:ROWS], badges={2: kinds[:ROWS]}))
+    return [section]
+
+
+def _groups(result: "ScanResult") -> "list[Section]":
+    from stickslip.report.page import Section, table_to_html
+
+    members: dict[str, list[Row]] = {}
+    for row in result.table.iter_rows(named=True):
+        if row["group"]:
+            members.setdefault(row["group"], []).append(row)
+    if not members:
+        return []
+    section = Section("Loops that share an oscillation", f"{len(members)} groups", "open", "")
+    section.reason = "The same period, in step all the time: one source moves them. Look at the likely source first."
+    rows = []
+    for source, group in sorted(members.items(), key=lambda item: -len(item[1])):
+        first = next((row for row in group if row["loop"] == source), group[0])
+        names = [row["loop"] for row in group if row["loop"] != source]
+        more = f" and {len(names) - MEMBERS} more" if len(names) > MEMBERS else ""
+        rows.append([
+            source, spoken(first["verdict"] or "error"), number(first["probability"], ".2f"), str(len(group)),
+            number(first["period_s"], ".3g"), ", ".join(names[:MEMBERS]) + more,
+        ])  # fmt: skip
+    head = ["likely source", "verdict", "probability", "loops", "period [s]", "with it"]
+    section.figures.append(table_to_html(head, rows))
+    return [section]
+
+
+def _list(result: "ScanResult", rows: Sequence[Row], links: Mapping[int, str]) -> "Section":
+    from stickslip.report.page import Section, ordered_table
+
+    shown = f"the first {len(rows)} of {len(result.table)}" if len(rows) < len(result.table) else f"{len(rows)} loops"
+    section = Section("All loops", shown, "open", "")
+    head = ["loop", "rank", "verdict", "probability", "likely cause", "S [% of OP]", "period [s]", "shared with",
+            "data", "what to do"]  # fmt: skip
+    cells = [
+        [
+            row["loop"], str(row["rank"]), spoken(row["verdict"] or "error"), number(row["probability"], ".2f"),
+            cause(row), size(row), number(row["period_s"], ".3g"), row["group"] or "",
+            (row["health"] or "").replace("_", " "), _first_sentence(row["error"] or row["action"] or row["reason"]),
+        ]
+        for row in rows
+    ]  # fmt: skip
+    orders = {
+        "rank": list(range(len(rows))),
+        "loop": _places([row["loop"] for row in rows]),
+        "probability": _places([-(row["probability"] if row["probability"] is not None else -1.0) for row in rows]),
+        "S": _places([-(row["S"] or 0.0) for row in rows]),
+        "period": _places([row["period_s"] or float("inf") for row in rows]),
+        "shared with": _places([row["group"] or "\U0010ffff" for row in rows]),
+        "likely cause": _places([row["cause"] or "\U0010ffff" for row in rows]),
+    }
+    badges = {2: [_kind(row["verdict"]) for row in rows]}
+    section.figures.append(
+        ordered_table(head, cells, orders, "loops", [links.get(r["order"], "") for r in rows], badges)
+    )
+    return section
+
+
+def _detail(row: Row) -> "Section":
+    from stickslip.report.page import Section, pairs
+
+    verdict = row["verdict"] or "error"
+    section = Section(
+        row["loop"], spoken(verdict).upper(), _kind(row["verdict"]) or "open", row["error"] or row["reason"]
+    )
+    told = {"What to do": row["action"] or "-", "Likely cause": cause(row) or "-", "S": size(row)}
+    if row["S_low"] is not None:
+        told["S"] += f" {row['size_unit']} (90 % interval {row['S_low']:.2g} to {row['S_high']:.2g})"
+    if row["detection_limit"] is not None:
+        told["Detection limit"] = f"{row['detection_limit']:.2g} {row['size_unit']}"
+    told["Period"] = f"{row['period_s']:.3g} s" if row["period_s"] else "no oscillation"
+    told["Shared with"] = row["group"] or "-"
+    told["Data"] = f"{row['samples']} samples, one every {row['interval_s']:.3g} s" if row["samples"] else "-"
+    if row["health"]:
+        told["Data"] += f"; {row['health'].replace('_', ' ')}"
+    section.figures.append(pairs(told))
+    return section
+
+
+def _places(keys: Sequence[Any]) -> list[int]:
+    """The place of every row when rows are put in the order of their keys."""
+    places = [0] * len(keys)
+    for place, i in enumerate(sorted(range(len(keys)), key=lambda i: (keys[i], i))):
+        places[i] = place
+    return places
+
+
+def _first_sentence(text: str | None) -> str:
+    return re.split(r"(?<=[.)]) (?=[A-Z])", text or "")[0][:300]
+
+
+def _kind(verdict: str | None) -> str:
+    from detect.words import WORDS
+
+    return WORDS[verdict].kind if verdict else ""  # type: ignore[index]  # words of the table are words of a verdict
+
+
+def spoken(word: str) -> str:
+    """Return a verdict of the table as people read it, also where there is none."""
+    from detect.words import WORDS
+
+    if word == "error":
+        return "could not be judged"
+    return WORDS[word].spoken if word else ""  # type: ignore[index]
+
+
+def cause(row: Row) -> str:
+    """Return the likeliest cause in words."""
+    from detect.judge.actions import CAUSES
+
+    return CAUSES[row["cause"]].spoken if row["cause"] else ""
+
+
+def size(row: Row) -> str:
+    """Return S of a row, with its unit where that is not % of OP."""
+    return number(row["S"], ".2g") + ("" if row["size_unit"] in (None, "% of OP") else " (unit of OP)")
+
+
+def number(value: float | None, form: str) -> str:
+    """Return a number in a form, or a dash."""
+    return "-" if value is None else format(value, form)

@@ -1,0 +1,55 @@
+"""Figures as parts of a page: SVG inside the text, a caption below, several side by side."""
+
+import html
+import io
+import re
+import warnings
+import zlib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from stickslip.report.style import in_variables
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["captioned", "figure_to_svg", "side_by_side"]
+
+
+def captioned(svg: str, caption: str, finding: str = "") -> str:
+    """Return a picture with a sentence below it, for ``Section.figures``; ``finding`` stands first and stronger.
+
+    >>> captioned("<svg></svg>", "a < b", "Found.")
+    '<svg></svg><figcaption><b>Found.</b> a &lt; b</figcaption>'
+    """
+    strong = f"<b>{html.escape(finding)}</b> " if finding else ""
+    return f"{svg}<figcaption>{strong}{html.escape(caption)}</figcaption>"
+
+
+def side_by_side(pictures: Sequence[str]) -> str:
+    """Return pictures beside each other where there is room, below each other where there is not.
+
+    >>> side_by_side(["<svg></svg>"])
+    "<div class='grid'><div><svg></svg></div></div>"
+    """
+    return f"<div class='grid'>{''.join(f'<div>{picture}</div>' for picture in pictures)}</div>"
+
+
+def figure_to_svg(figure: "Figure") -> str:
+    """Return a figure as SVG text fit for inlining: no prolog, ids of its own, and the colours of the page.
+
+    Text stays text: it can be searched, and the browser has the signs that matplotlib's own font lacks.
+    """
+    import matplotlib
+
+    buffer = io.StringIO()
+    silent = dict.fromkeys(("Creator", "Date", "Format", "Type"))  # no metadata, no web addresses
+    with warnings.catch_warnings(), matplotlib.rc_context({"svg.fonttype": "none"}):
+        warnings.filterwarnings("ignore", "Glyph .* missing")
+        figure.savefig(buffer, format="svg", bbox_inches="tight", metadata=silent, transparent=True)
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    own = f"f{zlib.crc32(text.encode()):08x}"
+    text = re.sub(r'\bid="([^"]+)"', rf'id="{own}-\1"', text)
+    text = re.sub(r"url\(#([^)]+)\)", rf"url(#{own}-\1)", text)
+    return in_variables(re.sub(r'href="#([^"]+)"', rf'href="#{own}-\1"', text))
