@@ -48,7 +48,7 @@ def loop():
 
 
 def other():
-    return wire([Step("U1", after=1.0), IdealValve(op="U1", mv="U2"), FirstOrder(K=1.0, tau=5.0)])
+    return wire([Step("U1", after=1.0), IdealValve(inputs=["U1"]), FirstOrder(K=1.0, tau=5.0)])
 """
 
 NOTES = {
@@ -88,7 +88,11 @@ def faults_of_page(text: str) -> list[str]:
 def faults_of_csv(text: str) -> list[str]:
     """Cells of a CSV file that a spreadsheet would run."""
     cells = (cell for row in csv.reader(io.StringIO(text)) for cell in row)
-    return [f"the cell {cell[:40]!r} starts a formula" for cell in cells if FORMULA.match(cell) and not NUMBER.fullmatch(cell)]
+    return [
+        f"the cell {cell[:40]!r} starts a formula"
+        for cell in cells
+        if FORMULA.match(cell) and not NUMBER.fullmatch(cell)
+    ]
 
 
 @contextlib.contextmanager
@@ -187,10 +191,18 @@ def good_files() -> dict[str, bytes]:
 
     rows = good_rows(60)
     parquet = io.BytesIO()
-    pl.DataFrame({"time": range(60), "PV": [float(r[1]) for r in rows], "OP": [float(r[2]) for r in rows]}).write_parquet(parquet)
+    pl.DataFrame(
+        {"time": range(60), "PV": [float(r[1]) for r in rows], "OP": [float(r[2]) for r in rows]}
+    ).write_parquet(parquet)
     text = table(rows=rows).encode()
-    stamped = table(("Datum", "FIC1.PV [m3/h]", "FIC1.OP"), [(f"06.05.2024 07:{i:02d}:00", v.replace(".", ","), op) for i, (_, v, op) in enumerate(rows)], ";")
-    long = "tag,time,value,quality\n" + "".join(f"FIC1.{s},{t},{v},Good\n" for t, pv, op in rows for s, v in (("PV", pv), ("OP", op)))
+    stamped = table(
+        ("Datum", "FIC1.PV [m3/h]", "FIC1.OP"),
+        [(f"06.05.2024 07:{i:02d}:00", v.replace(".", ","), op) for i, (_, v, op) in enumerate(rows)],
+        ";",
+    )
+    long = "tag,time,value,quality\n" + "".join(
+        f"FIC1.{s},{t},{v},Good\n" for t, pv, op in rows for s, v in (("PV", pv), ("OP", op))
+    )
     return {
         "csv": text, "txt": stamped.encode(), "tsv": long.encode(), "dat": stamped.encode("utf-16"),
         "csv.gz": gzip.compress(text, mtime=0), "parquet": parquet.getvalue(),

@@ -115,12 +115,16 @@ def _containers() -> Iterator[tuple[str, bytes, str]]:
     yield "gzip in gzip", gzip.compress(packed, mtime=0), "csv.gz"
     yield "gzip bomb", gzip.compress(bytes(20_000_000), mtime=0) * 60, "csv.gz"
     yield "gzip bomb of text", gzip.compress(b"0,1,2\n" * 3_000_000, mtime=0) * 60, "csv.gz"
-    yield "zip bomb", _patched(
-        _zipped(("FIC1.csv", bytes(2_000_000))), struct.pack("<I", 2_000_000), struct.pack("<I", 0xFFFFFFF0)
-    ), "zip"
-    yield "zip that understates its size", _patched(
-        _zipped(("FIC1.csv", b"0,1,2\n" * 100_000)), struct.pack("<I", 600_000), struct.pack("<I", 60)
-    ), "zip"
+    yield (
+        "zip bomb",
+        _patched(_zipped(("FIC1.csv", bytes(2_000_000))), struct.pack("<I", 2_000_000), struct.pack("<I", 0xFFFFFFF0)),
+        "zip",
+    )
+    yield (
+        "zip that understates its size",
+        _patched(_zipped(("FIC1.csv", b"0,1,2\n" * 100_000)), struct.pack("<I", 600_000), struct.pack("<I", 60)),
+        "zip",
+    )
     yield "zip of two files", _zipped(("a.csv", good), ("b.csv", good)), "zip"
     yield "zip of two files of one name", _zipped(("a.csv", good), ("a.csv", good)), "zip"
     yield "zip without a file", _zipped(), "zip"
@@ -131,9 +135,13 @@ def _containers() -> Iterator[tuple[str, bytes, str]]:
     yield "zip, path of a drive", _zipped(("C:\\stickslip-escaped.csv", good)), "zip"
     yield "zip, name that is a formula", _zipped(("=cmd|' /C calc'!A0.csv", good)), "zip"
     yield "zip, name that is markup", _zipped(("<script>alert(1)</script>.csv", good)), "zip"
-    yield "zip, locked", _patched(zipped, b"PK\x03\x04\x14\0\0\0", b"PK\x03\x04\x14\0\1\0").replace(
-        b"PK\1\2\x14\3\x14\0\0\0", b"PK\1\2\x14\3\x14\0\1\0"
-    ), "zip"
+    yield (
+        "zip, locked",
+        _patched(zipped, b"PK\x03\x04\x14\0\0\0", b"PK\x03\x04\x14\0\1\0").replace(
+            b"PK\1\2\x14\3\x14\0\0\0", b"PK\1\2\x14\3\x14\0\1\0"
+        ),
+        "zip",
+    )
     yield "zip, unknown packing", zipped.replace(b"\x08\0", b"\x63\0", 2), "zip"
     yield "zip in zip", _zipped(("a.zip", zipped)), "zip"
     yield "zlib without gzip", zlib.compress(good), "csv"
@@ -198,9 +206,7 @@ def _workbooks() -> Iterator[tuple[str, bytes]]:
     yield "read as it is", good
     for share in (0.2, 0.5, 0.9, 0.99):
         yield f"cut at {share:g}", good[: int(share * len(good))]
-    yield "a corner cell a million rows away", workbook(
-        rows + '<row r="1048576"><c r="XFD1048576"><v>1</v></c></row>'
-    )
+    yield "a corner cell a million rows away", workbook(rows + '<row r="1048576"><c r="XFD1048576"><v>1</v></c></row>')
     yield "a cell beyond all columns", workbook(rows + '<row r="41"><c r="ZZZZZZ41"><v>1</v></c></row>')
     yield "a cell of row zero", workbook(rows + '<row r="0"><c r="A0"><v>1</v></c></row>')
     yield "a cell of row -1", workbook(rows + '<row r="-1"><c r="A-1"><v>1</v></c></row>')
@@ -214,11 +220,16 @@ def _workbooks() -> Iterator[tuple[str, bytes]]:
         rows, name="&d;", entity='<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">'
         '<!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;"><!ENTITY d "&c;&c;&c;&c;&c;&c;&c;&c;">]>',
     )  # fmt: skip
-    yield "an entity of a file", workbook(
-        rows, name="&x;", entity='<!DOCTYPE x [<!ENTITY x SYSTEM "file:///etc/passwd">]>'
+    yield (
+        "an entity of a file",
+        workbook(rows, name="&x;", entity='<!DOCTYPE x [<!ENTITY x SYSTEM "file:///etc/passwd">]>'),
     )
-    yield "errors of formulas", workbook(
-        rows + '<row r="41"><c r="A41"><v>40</v></c><c r="B41" t="e"><v>#DIV/0!</v></c><c r="C41" t="e"><v>#REF!</v></c></row>'
+    yield (
+        "errors of formulas",
+        workbook(
+            rows
+            + '<row r="41"><c r="A41"><v>40</v></c><c r="B41" t="e"><v>#DIV/0!</v></c><c r="C41" t="e"><v>#REF!</v></c></row>'
+        ),
     )
     yield "a shared text that is not there", workbook(rows + '<row r="41"><c r="A41" t="s"><v>99</v></c></row>')
     yield "a date beyond all days", workbook(rows + '<row r="41"><c r="A41" s="1" t="d"><v>99999-99-99</v></c></row>')
@@ -233,7 +244,9 @@ def _parquets() -> Iterator[tuple[str, bytes]]:
         frame.write_parquet(out, **more)  # type: ignore[arg-type]
         return out.getvalue()
 
-    plain = pl.DataFrame({"time": range(40), "PV": [4.0 + i % 7 for i in range(40)], "OP": [50.0 + i % 5 for i in range(40)]})
+    plain = pl.DataFrame(
+        {"time": range(40), "PV": [4.0 + i % 7 for i in range(40)], "OP": [50.0 + i % 5 for i in range(40)]}
+    )
     good = packed(plain)
     for share in (0.1, 0.5, 0.9, 0.999):
         yield f"cut at {share:g}", good[: int(share * len(good))]
@@ -275,7 +288,18 @@ def _row_bomb() -> bytes:
 def _encodings() -> Iterator[tuple[str, bytes]]:
     text = table(("time", "Durchfluß [m³/h].PV", "Öffnung.OP"))
     plain = table()
-    for name in ("utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-7", "cp1252", "cp437", "cp850", "cp500"):
+    for name in (
+        "utf-8-sig",
+        "utf-16",
+        "utf-16-le",
+        "utf-16-be",
+        "utf-32",
+        "utf-7",
+        "cp1252",
+        "cp437",
+        "cp850",
+        "cp500",
+    ):
         yield name, text.replace("³", "2").encode(name, "replace")
     for name in ("shift_jis", "gb18030", "big5", "koi8-r", "euc_kr"):
         yield name, table(("time", "流量.PV", "弁.OP")).encode(name, "replace")
@@ -327,17 +351,30 @@ def _shapes() -> Iterator[tuple[str, str]]:
     yield "a quotation mark inside", good.replace("4.1", '4"1', 1)
     yield "a quoted separator", good.replace("4.1", '"4,1"', 1)
     yield "a quoted line end", good.replace("4.1", '"4\n1"', 1)
-    yield "quotation marks everywhere", "\n".join(",".join(f'"{c}"' for c in line.split(",")) for line in good.split("\n"))
-    yield "other separators in other rows", "".join(line.replace(",", ";,\t|"[i % 4]) + "\n" for i, line in enumerate(good.split("\n")))
+    yield (
+        "quotation marks everywhere",
+        "\n".join(",".join(f'"{c}"' for c in line.split(",")) for line in good.split("\n")),
+    )
+    yield (
+        "other separators in other rows",
+        "".join(line.replace(",", ";,\t|"[i % 4]) + "\n" for i, line in enumerate(good.split("\n"))),
+    )
     yield "all line ends", good.replace("\n", "\r", 10).replace("\n", "\r\n", 10)
     yield "carriage returns alone", good.replace("\n", "\r")
     yield "a line of 20 million signs", good + "9" * 20_000_000 + "\n"
     yield "a header of 5 million signs", "time," + "P" * 5_000_000 + ",OP\n" + body
     yield "a million columns", ",".join(f"c{i}" for i in range(1_000_000)) + "\n" + "0," * 999_999 + "0\n"
     yield "a million columns, one row too long", "time" + ",PV" * 1_000_000 + "\n"
-    yield "three thousand columns", "time," + ",".join(f"F{i}.PV" for i in range(3000)) + "\n" + ("0" + ",1" * 3000 + "\n") * 5
-    yield "fifty loops of three rows", "time" + "".join(f",F{i}.PV,F{i}.OP" for i in range(50)) + "\n" + "".join(
-        f"{r}" + ",1,2" * 50 + "\n" for r in range(3)
+    yield (
+        "three thousand columns",
+        "time," + ",".join(f"F{i}.PV" for i in range(3000)) + "\n" + ("0" + ",1" * 3000 + "\n") * 5,
+    )
+    yield (
+        "fifty loops of three rows",
+        "time"
+        + "".join(f",F{i}.PV,F{i}.OP" for i in range(50))
+        + "\n"
+        + "".join(f"{r}" + ",1,2" * 50 + "\n" for r in range(3)),
     )
     yield "thirty thousand rows of one value", "time,PV,OP\n" + "".join(f"{i},1,2\n" for i in range(30_000))
     yield "columns without names", ",,\n" + body
@@ -360,8 +397,9 @@ def _shapes() -> Iterator[tuple[str, str]]:
     yield "a heading of ours that is damaged", "# stickslip log 1\n# start: {\n# loop: [[[[\n" + good
     yield "a heading of ours of deep brackets", "# stickslip log 1\n# note: " + "[" * 100_000 + "\n" + good
     yield "a long table of one tag", "tag,time,value\n" + "".join(f"FIC1.PV,{i},4\n" for i in range(40))
-    yield "a long table without times in common", "tag,time,value\n" + "".join(
-        f"FIC1.{'PV' if i < 20 else 'OP'},{i * 1000},4\n" for i in range(40)
+    yield (
+        "a long table without times in common",
+        "tag,time,value\n" + "".join(f"FIC1.{'PV' if i < 20 else 'OP'},{i * 1000},4\n" for i in range(40)),
     )
     yield "a long table of a thousand tags", "tag,time,value\n" + "".join(f"T{i}.PV,{i},4\n" for i in range(1000))
 
@@ -376,19 +414,33 @@ _WORDS = (
 def _values() -> Iterator[tuple[str, str]]:
     for word in _WORDS:
         cell = f'"{word}"' if "," in word else word
-        yield f"{word[:12]!r} once", table(rows=[(t, cell if i == 7 else pv, op) for i, (t, pv, op) in enumerate(good_rows())])
+        yield (
+            f"{word[:12]!r} once",
+            table(rows=[(t, cell if i == 7 else pv, op) for i, (t, pv, op) in enumerate(good_rows())]),
+        )
     for word in ("nan", "inf", "1e308", "-1e308", "1e-320", "", "Bad", "0", "1e15"):
         yield f"{word!r} everywhere", table(rows=[(t, word, op) for t, _, op in good_rows()])
     swing = [(t, f"{(-1) ** i}e308", f"{(-1) ** i}e307") for i, (t, _, _) in enumerate(good_rows(200))]
     yield "from -1e308 to 1e308", table(rows=swing)
-    yield "steps of 1e-300", table(rows=[(t, f"{i % 7}e-300", f"{i % 5}e-300") for i, (t, _, _) in enumerate(good_rows(200))])
-    yield "a large number that hardly changes", table(rows=[(t, f"{10**15 + i % 3}", f"{10**15 + i % 2}") for i, (t, _, _) in enumerate(good_rows(200))])
-    yield "decimal marks mixed", table(cut=";", rows=[(t, pv.replace(".", ",.;"[i % 2]), op) for i, (t, pv, op) in enumerate(good_rows())])
+    yield (
+        "steps of 1e-300",
+        table(rows=[(t, f"{i % 7}e-300", f"{i % 5}e-300") for i, (t, _, _) in enumerate(good_rows(200))]),
+    )
+    yield (
+        "a large number that hardly changes",
+        table(rows=[(t, f"{10**15 + i % 3}", f"{10**15 + i % 2}") for i, (t, _, _) in enumerate(good_rows(200))]),
+    )
+    yield (
+        "decimal marks mixed",
+        table(cut=";", rows=[(t, pv.replace(".", ",.;"[i % 2]), op) for i, (t, pv, op) in enumerate(good_rows())]),
+    )
     yield "decimal mark of the separator", table(rows=[(t, pv.replace(".", ","), op) for t, pv, op in good_rows()])
 
 
 def _stamped(stamps: list[str], cut: str = ",") -> str:
-    return table(rows=[(stamp, pv, op) for stamp, (_, pv, op) in zip(stamps, good_rows(len(stamps)), strict=True)], cut=cut)
+    return table(
+        rows=[(stamp, pv, op) for stamp, (_, pv, op) in zip(stamps, good_rows(len(stamps)), strict=True)], cut=cut
+    )
 
 
 def _clock(start: datetime, step: float, count: int = ROWS) -> list[datetime]:
@@ -409,26 +461,60 @@ def _times() -> Iterator[tuple[str, str]]:
         ("1e308", [1e308] * ROWS), ("growing tenfold", [10.0**i for i in range(ROWS)]),
     ):  # fmt: skip
         yield what, _stamped([repr(t) for t in numbers])
-    for word in ("", "nan", "inf", "-inf", "now", "=NOW()", "0000-00-00 00:00:00", "2024-02-30 00:00:00", "24:00:00", "?"):
+    for word in (
+        "",
+        "nan",
+        "inf",
+        "-inf",
+        "now",
+        "=NOW()",
+        "0000-00-00 00:00:00",
+        "2024-02-30 00:00:00",
+        "24:00:00",
+        "?",
+    ):
         yield f"{word!r} once", _stamped([*usual[:7], word, *usual[8:]])
         yield f"{word!r} everywhere", _stamped([word] * ROWS)
     for what, start in (("1600", datetime(1600, 1, 1)), ("1899", datetime(1899, 12, 30)), ("1969", datetime(1969, 12, 31, 23, 59)),
                         ("year 1", datetime(1, 1, 1)), ("9999", datetime(9999, 12, 31)), ("2038", datetime(2038, 1, 19, 3, 14))):  # fmt: skip
         yield f"stamps of {what}", _stamped([stamp.isoformat(sep=" ") for stamp in _clock(start, 1.0)])
     yield "year 10000", _stamped([f"10000-01-01 00:00:{i:02d}" for i in range(ROWS)])
-    yield "year of two figures", _stamped([stamp.strftime("%d-%m-%y %H:%M:%S") for stamp in _clock(datetime(1999, 12, 31, 23, 59), 10.0)])
+    yield (
+        "year of two figures",
+        _stamped([stamp.strftime("%d-%m-%y %H:%M:%S") for stamp in _clock(datetime(1999, 12, 31, 23, 59), 10.0)]),
+    )
     yield "day or month", _stamped([stamp.strftime("%d/%m/%Y") for stamp in _clock(datetime(2024, 1, 1), 86_400.0, 12)])
     yield "a leap second", _stamped([*usual[:7], "2024-10-27 00:34:60", *usual[8:]])
-    yield "a repeated hour", _stamped([(datetime(2024, 10, 27, 2) + timedelta(minutes=5 * (i % 12))).isoformat() for i in range(24)])
-    yield "an hour repeated three times", _stamped([(datetime(2024, 10, 27, 2) + timedelta(minutes=5 * (i % 12))).isoformat() for i in range(36)])
-    yield "a missing hour", _stamped([stamp.isoformat(sep=" ") for stamp in _clock(datetime(2024, 3, 31, 1), 300.0) if stamp.hour != 2])
+    yield (
+        "a repeated hour",
+        _stamped([(datetime(2024, 10, 27, 2) + timedelta(minutes=5 * (i % 12))).isoformat() for i in range(24)]),
+    )
+    yield (
+        "an hour repeated three times",
+        _stamped([(datetime(2024, 10, 27, 2) + timedelta(minutes=5 * (i % 12))).isoformat() for i in range(36)]),
+    )
+    yield (
+        "a missing hour",
+        _stamped([stamp.isoformat(sep=" ") for stamp in _clock(datetime(2024, 3, 31, 1), 300.0) if stamp.hour != 2]),
+    )
     yield "zones mixed", _stamped([stamp + ("Z", "+02:00", "-05:30", " CET")[i % 4] for i, stamp in enumerate(usual)])
     yield "zones in half of the rows", _stamped([stamp + ("Z" if i % 2 else "") for i, stamp in enumerate(usual)])
     yield "a zone that there is not", _stamped([f"{stamp} Europe/Atlantis" for stamp in usual])
     yield "a zone of 99 hours", _stamped([f"{stamp}+99:99" for stamp in usual])
-    yield "formats mixed", _stamped([(s.isoformat(), s.strftime("%d.%m.%Y %H:%M"), s.strftime("%m/%d/%y %I:%M %p"))[i % 3] for i, s in enumerate(_clock(datetime(2024, 10, 27), 300.0))])
+    yield (
+        "formats mixed",
+        _stamped(
+            [
+                (s.isoformat(), s.strftime("%d.%m.%Y %H:%M"), s.strftime("%m/%d/%y %I:%M %p"))[i % 3]
+                for i, s in enumerate(_clock(datetime(2024, 10, 27), 300.0))
+            ]
+        ),
+    )
     yield "numbers and stamps mixed", _stamped([stamp if i % 2 else str(i) for i, stamp in enumerate(usual)])
-    yield "clock without a day, past midnight", _stamped([s.strftime("%H:%M:%S") for s in _clock(datetime(2024, 1, 1, 23, 50), 60.0)])
+    yield (
+        "clock without a day, past midnight",
+        _stamped([s.strftime("%H:%M:%S") for s in _clock(datetime(2024, 1, 1, 23, 50), 60.0)]),
+    )
     yield "days alone, all one", _stamped(["2024-10-27"] * ROWS)
     yield "months that nobody knows", _stamped([f"{1 + i % 28:02d}-Foo-24 00:00:00" for i in range(ROWS)])
     yield "stamps of a thousand signs", _stamped([stamp + "0" * 1000 for stamp in usual])

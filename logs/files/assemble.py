@@ -197,7 +197,6 @@ def _is_text(column: pl.Series) -> bool:
 
 
 def _with_numbers(frame: pl.DataFrame, tag: str, value: str, tags: Collection[str], notes: list[str]) -> list[str]:
-    import polars as pl
 
     kept = []
     cells = {str(key[0]): part[value] for key, part in frame.select(tag, value).partition_by(tag, as_dict=True).items()}

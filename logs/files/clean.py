@@ -20,7 +20,7 @@ __all__ = ["Numbers", "decimal_mark", "modes", "numbers"]
 # Between the thousands stand a comma or point, whichever is not the decimal mark, an apostrophe or a space of any kind.
 _OTHER = {".": ",", ",": r"\."}
 _GAP = r"'’\s\u00a0\u202f"
-LARGEST = 1e100  # no measurement is larger, and the squares of larger numbers are infinite
+LARGEST = 1e100  # no measurement is larger, and the squares of larger numbers are infinite; 1 / LARGEST is 0
 _HEAD_COLUMNS = 500  # looked at for the decimal mark
 
 
@@ -116,9 +116,10 @@ def numbers(
 
 def _within_reach(values: npt.NDArray[np.float64], name: str) -> Numbers:
     """The values without those that are not finite or larger than any measurement, and a note on the latter."""
-    with np.errstate(invalid="ignore"):
-        huge = np.isfinite(values) & (np.abs(values) > LARGEST)
+    size = np.abs(values)
+    huge = np.isfinite(values) & (size > LARGEST)
     kept = np.where(np.isfinite(values) & ~huge, values, np.nan)
+    kept = np.where(size < 1.0 / LARGEST, 0.0, kept)
     count = int(huge.sum())
     if not count:
         return Numbers(kept, None)
