@@ -37,7 +37,8 @@ MEMORY = 3_000_000_000  # bytes of address space beyond what the process has at 
 FORMULA = re.compile(r"\s*[=+@\t\r\uff1d\uff0b\uff0d\uff20-]")
 NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?")
 
-# The smallest model: OP moves a valve, the valve moves PV; a diagnosis with it takes a third of a second.
+# The smallest model, OP moves a valve and the valve PV: a diagnosis with it takes a third of a second. And a model
+# that has no signal in common with any file.
 MODEL = """
 from blocks import FirstOrder, IdealValve, Step
 from diagram import wire
@@ -48,14 +49,14 @@ def loop():
 
 
 def other():
-    return wire([Step("U1", after=1.0), IdealValve(inputs=["U1"]), FirstOrder(K=1.0, tau=5.0)])
+    return wire([Step("U1"), IdealValve(inputs=["U1"]), FirstOrder(K=1.0, tau=5.0, outputs=["U2"])])
 """
 
 NOTES = {
     "hostile_files": "files made by rule",
     "hostile_runs": "commands run on them",
     "hostile_mutations": "good files changed at random",
-    "hostile_faults": "runs with a traceback, a hang, a script, a formula, or an error that says too little (required: at most 0)",
+    "hostile_faults": "runs with a traceback, hang, script, formula, or an error without a remedy (required: at most 0)",
     "hostile_peak_mb": "largest memory of the process [MB] (required: at most 3000)",
     "hostile_slowest_s": "seconds of the slowest run (required: at most 30)",
 }
@@ -97,7 +98,7 @@ def faults_of_csv(text: str) -> list[str]:
 
 @contextlib.contextmanager
 def limited(seconds: int = SECONDS, memory: int = MEMORY) -> Iterator[None]:
-    """Give the block ``seconds`` [s] and ``memory`` [bytes] more than the process has now; raise where it wants more."""
+    """Give the block ``seconds`` [s] and ``memory`` [bytes] more than the process has; raise where it wants more."""
 
     def late(number: int, frame: FrameType | None) -> None:
         raise TimeoutError(f"more than {seconds} s")
@@ -190,19 +191,16 @@ def good_files() -> dict[str, bytes]:
     import polars as pl
 
     rows = good_rows(60)
+    columns = {"time": range(60), "PV": [float(pv) for _, pv, _ in rows], "OP": [float(op) for _, _, op in rows]}
     parquet = io.BytesIO()
-    pl.DataFrame(
-        {"time": range(60), "PV": [float(r[1]) for r in rows], "OP": [float(r[2]) for r in rows]}
-    ).write_parquet(parquet)
+    pl.DataFrame(columns).write_parquet(parquet)
     text = table(rows=rows).encode()
     stamped = table(
         ("Datum", "FIC1.PV [m3/h]", "FIC1.OP"),
-        [(f"06.05.2024 07:{i:02d}:00", v.replace(".", ","), op) for i, (_, v, op) in enumerate(rows)],
+        [(f"06.05.2024 07:{i:02d}:00", pv.replace(".", ","), op) for i, (_, pv, op) in enumerate(rows)],
         ";",
     )
-    long = "tag,time,value,quality\n" + "".join(
-        f"FIC1.{s},{t},{v},Good\n" for t, pv, op in rows for s, v in (("PV", pv), ("OP", op))
-    )
+    long = "tag,time,value,quality\n" + "".join(f"FIC1.PV,{t},{pv},Good\nFIC1.OP,{t},{op},Good\n" for t, pv, op in rows)
     return {
         "csv": text, "txt": stamped.encode(), "tsv": long.encode(), "dat": stamped.encode("utf-16"),
         "csv.gz": gzip.compress(text, mtime=0), "parquet": parquet.getvalue(),

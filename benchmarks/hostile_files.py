@@ -3,6 +3,8 @@
 ``files()`` lists them by kind; ``mutated`` breaks a good file at random places.  Nothing here is data of a plant.
 """
 
+# ruff: noqa: E501  one hostile file a line
+
 import gzip
 import io
 import random

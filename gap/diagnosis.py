@@ -105,8 +105,8 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     left = len(log) - floor.skipped
     if left < FEWEST:
         raise GapError(
-            f"of the log's {len(log)} rows {max(left, 0)} are left once the model has settled, which is too few to tell "
-            f"a gap; give at least {floor.skipped + FEWEST}"
+            f"of the log's {len(log)} rows {max(left, 0)} are left once the model has settled, which is too few to "
+            f"tell a gap; give at least {floor.skipped + FEWEST}"
         )
     problem = with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
     return settled(with_instants(problem))

@@ -80,7 +80,8 @@ def numbers(
     if decimal == ".":  # marks between thousands are then no numbers, so that one look is enough
         plainly = text.cast(pl.Float64, strict=False)
         if plainly.null_count() == 0 and plainly.is_finite().all():
-            return _within_reach(plainly.to_numpy().astype(np.float64), name)
+            values = plainly.to_numpy().astype(np.float64)
+            return Numbers(values, None) if keep_infinite else _within_reach(values, name)
     notes = []
     grouped = _grouped(text, decimal)
     if grouped.any():

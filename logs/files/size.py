@@ -15,8 +15,8 @@ def check_text(size: int) -> None:
     """Raise ReadError if a text of ``size`` bytes is too large."""
     if size > TEXT_MAX:
         raise ReadError(
-            f"the text is {size / 1e6:.0f} MB, and at most {TEXT_MAX / 1e6:.0f} MB are read at once; cut it into parts, "
-            "or save it as Parquet"
+            f"the text is {size / 1e6:.0f} MB, and at most {TEXT_MAX / 1e6:.0f} MB are read at once; cut it into "
+            "parts, or save it as Parquet"
         )
 
 
