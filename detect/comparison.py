@@ -30,6 +30,7 @@ __all__ = ["COLUMNS", "SCHEMA", "Comparison", "Judged", "compare", "csv_text", "
 
 SCHEMA = "stickslip.table/1"
 COLUMNS = ("loop", "method", "votes", "verdict", "index", "threshold", "amount [% OP]", "time [ms]", "reason")
+FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")  # the last four are the wide forms of the first
 ENDINGS = (".csv", ".txt", ".tsv", ".parquet")
 
 
@@ -191,7 +192,7 @@ def harmless(cell: str) -> str:
     >>> harmless("=1+1"), harmless("-0.5"), harmless("FIC1")
     ("'=1+1", '-0.5', 'FIC1')
     """
-    if not cell.lstrip().startswith(("=", "+", "-", "@")) and not cell.startswith(("\t", "\r", "\n")):
+    if not cell.lstrip().startswith(FORMULA) and not cell.startswith(("\t", "\r", "\n")):
         return cell
     try:
         float(cell)

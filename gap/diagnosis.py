@@ -24,7 +24,7 @@ from gap.instants import with_instants
 from gap.model import read, silenced
 from gap.pairs import paired
 from gap.problem import Problem, Settled
-from gap.record import GapError
+from gap.record import FEWEST, GapError
 from gap.report import GapReport
 from gap.search import Candidate, Fit, best_of, refined, settled
 from gap.start import start_values
@@ -107,6 +107,12 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
         keep(model, record, floor)
+    left = len(log) - floor.skipped
+    if left < FEWEST:
+        raise GapError(
+            f"of the log's {len(log)} rows {max(left, 0)} are left once the model has settled, which is too few to "
+            f"tell a gap; give at least {floor.skipped + FEWEST}"
+        )
     problem = with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
     return settled(with_instants(problem))
 

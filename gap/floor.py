@@ -99,6 +99,8 @@ def losses(e: Floats) -> Floats:
 
 def scored(e: Floats) -> Floats:
     """Return F of innovations (..., rows, signals); infinite where hardly any is known."""
+    if not e.shape[-2]:  # the first part of a short record is all settling
+        return np.full(e.shape[:-2], np.inf)
     share = np.isfinite(e).mean(axis=(-2, -1))
     return np.where(share > 0.01, losses(e).sum(axis=(-2, -1)), np.inf)
 

@@ -15,6 +15,8 @@ from diagram.diagram import Diagram
 from gap.record import FEWEST, GapError, Record
 from logs import Log
 
+LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
+
 
 @dataclass(frozen=True)
 class Nuisance:
@@ -81,6 +83,11 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     """
     if len(log) < FEWEST:
         raise GapError(f"the log has {len(log)} rows, which is too few to tell a gap; give at least {FEWEST}")
+    if log.duration > LONGEST * log.dt * len(log):
+        raise GapError(
+            f"the log has {len(log)} rows over {log.duration:.3g} s, though a row every {log.dt:.3g} s is the rule; "
+            "mend its times, or cut it at the gaps"
+        )
     opened = with_logged_sources(diagram, log)
     missing = [s for s in opened.open_inputs if s not in log]
     if missing:

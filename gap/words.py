@@ -162,7 +162,7 @@ def abnormal_segment(problem: Problem) -> tuple[str, ...]:
     its measurement has moved since the last row.  So signals that keep their level come first.
     """
     floor, e = problem.floor, problem.as_it_is
-    usual = floor.mean / e.shape[1]
+    usual = max(floor.mean / e.shape[1], float(np.finfo(float).tiny))
     excess = np.array([float(losses(e[:, k][np.isfinite(e[:, k])]).mean()) / usual - 1.0 for k in range(e.shape[1])])
     levels = np.where(floor.changes, -np.inf, excess)
     k = int(np.argmax(levels if levels.max() > ABNORMAL else excess))

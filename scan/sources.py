@@ -17,6 +17,7 @@ from logs import LoopRecord, ReadError, read_log, read_loops
 from logs.files.columns import columns_of_loops
 from logs.files.longform import LongColumns, find_long_form
 from logs.files.names import role_of
+from logs.files.size import check_cells
 from logs.files.time_names import is_date_name, is_time_name
 from scan.loop_map import LoopTags
 
@@ -31,6 +32,7 @@ Read = tuple[str, LoopRecord | str]  # name of a loop, and its record or why the
 PARQUET = (".parquet", ".pq")
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".gz", ".zip", ".xlsx", ".xlsm")
 JOB_LOOPS = 25  # loops read at once from one file: 25 of three signals and 7,200 samples take 5 MB
+JOB_CELLS = 10_000_000  # numbers read at once from one file, 80 MB
 JOB_FILES = 8
 
 
@@ -246,9 +248,16 @@ def _of_parquet(name: str, path: Path, identity: Mapping[str, Any], mapped: tupl
     found = {tags.loop: tags.columns for tags in mapped} or columns_of_loops(names)
     if not found:
         raise ReadError(f"{name}: no tag has both a PV and an output; name the loops in a map (--map loops.csv)")
+    rows = pl.scan_parquet(path).select(pl.len()).collect().item()
+    widest = 1 + max(map(len, found.values()))
+    try:
+        check_cells(rows, widest)
+    except ReadError as fault:
+        raise ReadError(f"{name}: {fault}") from None
+    at_once = max(1, min(JOB_LOOPS, JOB_CELLS // max(1, rows * widest)))
     jobs = [
         Job("wide", (str(path),), tuple(part), (times[0],), _those(mapped, part))
-        for part in _cut(list(found.items()), JOB_LOOPS)
+        for part in _cut(list(found.items()), at_once)
     ]
     return Source(name, tuple(jobs), identity)
 

@@ -6,6 +6,7 @@ import shutil
 import sys
 import textwrap
 import traceback
+import unicodedata
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -36,6 +37,7 @@ class Speaker:
         self.to_error = json_file == "-"
 
     def __call__(self, text: str = "", *, nl: bool = True, **style: Any) -> None:
+        text = plain(text)
         self._out((click.style(text, **style) if style else text) + "\n" * nl, self.to_error)
 
     def paragraph(self, text: str, bullet: str = "") -> None:
@@ -52,7 +54,7 @@ class Speaker:
         for column in columns:
             table.add_column(column, overflow="fold")
         for row in rows:
-            table.add_row(*row)
+            table.add_row(*map(plain, row))
         # Markup off: "[s]" is a unit here, and names come from the user's file.
         stream = sys.stderr if self.to_error else sys.stdout
         console = Console(file=stream, markup=False, emoji=False, highlight=False)
@@ -80,6 +82,15 @@ class Speaker:
 def coloured() -> bool | None:
     """Whether to colour: never when ``NO_COLOR`` is set and not empty (no-color.org), else on terminals only."""
     return False if os.environ.get("NO_COLOR") else None
+
+
+def plain(text: str) -> str:
+    """Return a text without signs that steer a terminal: names come from files that nobody has looked at.
+
+    >>> plain("tag\\x1b[2J"), plain("two\\nlines")
+    ('tag?[2J', 'two\\nlines')
+    """
+    return "".join("?" if unicodedata.category(sign) == "Cc" and sign not in "\n\t" else sign for sign in text)
 
 
 def _leave_unread(stream: Any) -> None:
@@ -127,6 +138,7 @@ def complain(message: str) -> None:
     """Print one error message, shortened in the middle if it is huge."""
     if len(message) > LONGEST_MESSAGE:
         message = f"{message[: LONGEST_MESSAGE - 300]} ... {message[-250:]}"
+    message = plain(message)
     try:
         click.secho(f"Error: {message}", fg="red", err=True, color=coloured())
     except BrokenPipeError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     import polars as pl
 
 __all__ = ["Layout", "assemble", "layout_of"]
+
+_FIGURE = re.compile(r"[-+]?[\d.,]")
 
 
 @dataclass(frozen=True)
@@ -184,19 +187,22 @@ def _is_text(column: pl.Series) -> bool:
 
     column = column.alias("")
     if column.dtype != pl.String:
-        return column.dtype.is_temporal() or column.null_count() == len(column)
-    if column.str.contains(r"^[-+]?[\d.,]").any():
+        return not (column.dtype.is_numeric() or column.dtype == pl.Boolean) or column.null_count() == len(column)
+    first = column[0] if len(column) else None
+    if first is not None and _FIGURE.match(first):
+        return False
+    if column.str.contains(f"^{_FIGURE.pattern}").any():
         return False
     return not any(is_state(word) and not is_blank(word) for word in column.drop_nulls().unique().to_list())
 
 
 def _with_numbers(frame: pl.DataFrame, tag: str, value: str, tags: Collection[str], notes: list[str]) -> list[str]:
-    import polars as pl
 
     kept = []
+    cells = {str(key[0]): part[value] for key, part in frame.select(tag, value).partition_by(tag, as_dict=True).items()}
     for name in tags:
         role = role_of(name)
-        if (role is None or role[1] != "MODE") and _is_text(frame.filter(pl.col(tag) == name)[value]):
+        if (role is None or role[1] != "MODE") and _is_text(cells[name]):
             notes.append(f"Tag {name!r} holds no number and is left out.")
         else:
             kept.append(name)

@@ -20,6 +20,8 @@ __all__ = ["Numbers", "decimal_mark", "modes", "numbers"]
 # Between the thousands stand a comma or point, whichever is not the decimal mark, an apostrophe or a space of any kind.
 _OTHER = {".": ",", ",": r"\."}
 _GAP = r"'’\s\u00a0\u202f"
+LARGEST = 1e100  # no measurement is larger, and the squares of larger numbers are infinite; 1 / LARGEST is 0
+_HEAD_COLUMNS = 500  # looked at for the decimal mark
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ def decimal_mark(frame: pl.DataFrame) -> str:
     import polars as pl
 
     head = frame.head(1000)
+    if head.width > _HEAD_COLUMNS:
+        head = head[:, :: head.width // _HEAD_COLUMNS]
     commas = points = 0
     for name in head.columns:
         if head[name].dtype == pl.String:
@@ -67,10 +71,17 @@ def numbers(
 
     if column.dtype == pl.Boolean or column.dtype.is_numeric():
         values = column.cast(pl.Float64).to_numpy().astype(np.float64)
-        return Numbers(values if keep_infinite else np.where(np.isfinite(values), values, np.nan), None)
+        return Numbers(values, None) if keep_infinite else _within_reach(values, name)
     if column.dtype.is_temporal():
         raise ReadError(f"column {name!r} holds times, not numbers; name another column")
-    text = column.alias("").cast(pl.String).fill_null("")
+    if column.dtype != pl.String:
+        raise ReadError(f"column {name!r} holds {column.dtype}, not numbers; name another column")
+    text = column.alias("").fill_null("")
+    if decimal == ".":  # marks between thousands are then no numbers, so that one look is enough
+        plainly = text.cast(pl.Float64, strict=False)
+        if plainly.null_count() == 0 and plainly.is_finite().all():
+            values = plainly.to_numpy().astype(np.float64)
+            return Numbers(values, None) if keep_infinite else _within_reach(values, name)
     notes = []
     grouped = _grouped(text, decimal)
     if grouped.any():
@@ -100,7 +111,21 @@ def numbers(
         notes.append(f"{name}: {count} {_says(count)} {word!r}: missing, of bad quality.")
     if blanks:
         notes.append(f"{name}: {blanks} {'cell is' if blanks == 1 else 'cells are'} blank: missing.")
-    return Numbers(values, None if good.all() else good, tuple(notes))
+    near = Numbers(values, None) if keep_infinite else _within_reach(values, name)
+    return Numbers(near.values, None if good.all() else good, (*notes, *near.notes))
+
+
+def _within_reach(values: npt.NDArray[np.float64], name: str) -> Numbers:
+    """The values without those that are not finite or larger than any measurement, and a note on the latter."""
+    size = np.abs(values)
+    huge = np.isfinite(values) & (size > LARGEST)
+    kept = np.where(np.isfinite(values) & ~huge, values, np.nan)
+    kept = np.where(size < 1.0 / LARGEST, 0.0, kept)
+    count = int(huge.sum())
+    if not count:
+        return Numbers(kept, None)
+    which = "1 value is" if count == 1 else f"{count} values are"
+    return Numbers(kept, None, (f"{name}: {which} beyond {LARGEST:g}: missing, for no measurement is as large.",))
 
 
 def _grouped(text: pl.Series, decimal: str) -> pl.Series:

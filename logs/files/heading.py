@@ -112,7 +112,7 @@ def parse_heading(lines: Iterable[str]) -> Heading | None:
                     quality[name] = str(value["quality"])
             elif key == "loop":
                 loops[str(value["name"])] = LoopSignals.from_dict(value)
-        except (ValueError, TypeError, KeyError, AttributeError, LogError):
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError, LogError):
             continue
     return Heading(origin, start, tuple(notes), units, spans, quality, tuple(names), loops)
 

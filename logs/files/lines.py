@@ -38,7 +38,7 @@ def numbered_lines(text: str) -> tuple[Numbered, list[str], str | None]:
             line, i = _closed(lines, i - 1)
         if line.startswith("#"):
             comments.append(line[1:].strip())
-        elif re.match(r"sep=.$", line) and not numbered:
+        elif not numbered and re.match(r"sep=.$", line):
             hint = hint or line[4]
         elif line.strip():
             numbered.append((number, line))

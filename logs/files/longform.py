@@ -14,6 +14,7 @@ from logs.files.clean import modes, numbers
 from logs.files.names import role_of
 from logs.files.order import ordered_times
 from logs.files.quality import bad_values, qualities
+from logs.files.size import check_cells
 from logs.files.stamps import Times
 
 if TYPE_CHECKING:
@@ -72,6 +73,15 @@ def find_long_form(columns: list[str]) -> LongColumns | None:
     return LongColumns(tag, value, next((plain[word] for word in plain if word in _QUALITIES), None))
 
 
+def _rows_of(tags: pl.Series) -> dict[str, npt.NDArray[np.intp]]:
+    """The rows of each tag, in their order."""
+    import polars as pl
+
+    which = tags.alias("tag").cast(pl.String).to_frame().with_row_index("row")
+    groups = which.group_by("tag", maintain_order=True).agg("row")
+    return {tag: rows.to_numpy().astype(np.intp) for tag, rows in zip(groups["tag"], groups["row"], strict=True)}
+
+
 def pivot(
     frame: pl.DataFrame, long: LongColumns, times: Times, lines: list[int], decimal: str, tags: list[str]
 ) -> Pivot:
@@ -82,14 +92,14 @@ def pivot(
 
     Raises ReadError if one tag has two values at one time or its rows are not in time order.
     """
-    which = np.array(frame[long.tag].to_list(), dtype=object)
+    rows_of = _rows_of(frame[long.tag])
     told = None if long.quality is None else qualities(frame[long.quality], long.quality)
     series: dict[str, tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.bool_]]] = {}
     notes: list[str] = []
     if long.quality is not None and told is None:
         notes.append(f"The quality in {long.quality!r} cannot be told and is not used.")
     for tag in tags:
-        rows = np.flatnonzero(which == tag)
+        rows = rows_of[tag]
         own_lines = [lines[row] for row in rows]
         part = frame[rows]
         role = role_of(tag)
@@ -106,6 +116,7 @@ def pivot(
         notes += parsed.notes
         series[tag] = (t, parsed.values[keep], good[keep])
     axis = np.unique(np.concatenate([t for t, _, _ in series.values()]))
+    check_cells(len(axis), len(series), "tags")
     values, masks = {}, {}
     for tag, (t, own, good) in series.items():
         held = is_held(tag)

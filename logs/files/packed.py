@@ -8,10 +8,11 @@ import zipfile
 import zlib
 
 from logs.errors import ReadError
+from logs.files.size import TEXT_MAX
 
 __all__ = ["UNPACKED_MAX", "is_workbook", "unpacked"]
 
-UNPACKED_MAX = 1_000_000_000  # bytes; a year of one second of three signals is less
+UNPACKED_MAX = TEXT_MAX
 _GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
 _ASIDE = ("__MACOSX/", ".DS_Store")  # what a packing program adds of its own
 
@@ -82,6 +83,8 @@ def _zip(raw: bytes, most: int) -> bytes:
             if len(files) != 1:
                 shown = ", ".join(repr(entry.filename) for entry in files[:5])
                 raise ReadError(f"the zip archive holds {len(files)} files ({shown}); unpack it and name one of them")
+            if files[0].file_size > most:  # said by the archive itself: no need to unpack it
+                raise ReadError(_too_large(most, "zip"))
             with archive.open(files[0]) as stream:
                 return _at_most(stream.read(most + 1), most, "zip")
     except RuntimeError:
@@ -92,8 +95,12 @@ def _zip(raw: bytes, most: int) -> bytes:
 
 def _at_most(content: bytes, most: int, kind: str) -> bytes:
     if len(content) > most:
-        raise ReadError(
-            f"the file in the {kind} archive is larger than {most / 1e6:.0f} MB; unpack it, cut it into parts, "
-            "and read those"
-        )
+        raise ReadError(_too_large(most, kind))
     return content
+
+
+def _too_large(most: int, kind: str) -> str:
+    return (
+        f"the file in the {kind} archive is larger than {most / 1e6:.0f} MB; unpack it, cut it into parts, "
+        "and read those"
+    )

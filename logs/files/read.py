@@ -18,6 +18,7 @@ from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
 from logs.files.loops import Origin, check_span, loop_of, with_loops
 from logs.files.packed import is_workbook, unpacked
+from logs.files.size import check_cells
 from logs.files.source import decoded, file_bytes, is_parquet
 from logs.files.table import Table, names_and_units, parse_table
 from logs.files.workbook import workbook_text
@@ -198,6 +199,8 @@ def _parquet(raw: bytes) -> tuple[Table, Heading | None]:
     import polars as pl
 
     try:
+        found = pl.scan_parquet(io.BytesIO(raw))
+        check_cells(found.select(pl.len()).collect().item(), len(found.collect_schema()))
         frame = pl.read_parquet(io.BytesIO(raw))
         text = pl.read_parquet_metadata(io.BytesIO(raw)).get("stickslip", "")
     except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as fault:

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 from logs.errors import ReadError
+from logs.files.size import check_text
 
 __all__ = ["decoded", "file_bytes", "is_parquet"]
 
@@ -30,8 +31,11 @@ def is_parquet(raw: bytes) -> bool:
 
 
 def file_bytes(path: str | os.PathLike[str]) -> bytes:
-    """The bytes of the file. Raises ReadError if there is none, it is a folder, unreadable or empty."""
+    """The bytes of the file. Raises ReadError if there is none, it is a folder, unreadable, empty or too large."""
     try:
+        with Path(path).open("rb") as stream:
+            if not is_parquet(stream.read(4)):  # Parquet says itself how large it is
+                check_text(os.fstat(stream.fileno()).st_size)
         raw = Path(path).read_bytes()
     except FileNotFoundError:
         raise ReadError("no such file; check the path and the name") from None

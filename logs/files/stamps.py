@@ -121,7 +121,13 @@ def _from_datetimes(column: pl.Series, lines: list[int]) -> Times:
     zone = getattr(column.dtype, "time_zone", None)
     moments = column.cast(pl.Datetime("us")) if zone is None else column.dt.convert_time_zone("UTC")
     micros = moments.dt.epoch("us").to_numpy()
-    start = datetime(1970, 1, 1, tzinfo=UTC if zone else None) + timedelta(microseconds=int(micros[0]))
+    try:
+        start = datetime(1970, 1, 1, tzinfo=UTC if zone else None) + timedelta(microseconds=int(micros[0]))
+    except OverflowError:
+        raise ReadError(
+            f"line {lines[0]} has a time of no calendar ({int(micros[0]):.3g} us since 1970); mend the time column, "
+            "years 1 to 9999 are read"
+        ) from None
     return Times((micros - micros[0]) / 1e6, start)
 
 

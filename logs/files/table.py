@@ -12,6 +12,7 @@ from logs.errors import ReadError
 from logs.files.headers import told_apart, with_tag_row, without_twins
 from logs.files.lines import LOOK, cells_of, numbered_lines, width_of, without_frame
 from logs.files.pairs import is_paired, long_from_pairs, numbered_pairs
+from logs.files.size import check_columns
 from logs.files.states import is_blank, is_state
 from logs.files.time_names import is_date_name, is_time_name
 
@@ -85,6 +86,7 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
     if not numbered:
         raise ReadError("the file has no header and no rows, only blank or comment lines; export it again")
     header = [cell.strip() for cell in cells_of(*numbered[0], chosen)]
+    check_columns(len(header))
     rows = numbered[1:]
     if not rows:
         raise ReadError(f"the file has a header ({', '.join(header)}) and no rows; export a range that holds data")
@@ -219,11 +221,12 @@ def _frame(names: list[str], rows: list[tuple[int, str]], separator: str) -> pl.
     import polars as pl
 
     text = "\n".join(line for _, line in rows)
+    plain = [str(i) for i in range(len(names))]  # polars takes a name such as "^a.*$" for a pattern
     try:
         frame = pl.read_csv(
             io.BytesIO(text.encode("utf-8")),
             has_header=False,
-            new_columns=names,
+            new_columns=plain,
             schema_overrides=[pl.String] * len(names),
             infer_schema=False,
             separator=separator,
@@ -235,5 +238,6 @@ def _frame(names: list[str], rows: list[tuple[int, str]], separator: str) -> pl.
         raise ReadError(
             f"{len(rows)} lines give {frame.height} rows of {frame.width} cells; look for quotation marks inside cells"
         )
-    # Nameless while it is worked on: polars takes a series called "^a.*$" for a pattern.
-    return pl.DataFrame([frame[name].alias("").str.strip_chars().alias(name) for name in names])
+    frame = frame.with_columns(pl.all().str.strip_chars())
+    frame.columns = names
+    return frame
