@@ -37,7 +37,7 @@ O_D = 24  # modes and memories of all blocks
 O_CONT = 25  # dense output: up to ``SERIES`` coefficients per state
 O_SCRATCH = 26  # memories saved while a sampled block publishes before it reads
 O_RESTART = 27  # by mode: first steps that worked after earlier events, then 1 where the mode was stiff
-O_CX = 28  # states of a chunk of log rows, behind them where in the step they lie
+O_CX = 28  # states of a chunk of log rows, behind them where in the step they lie, and room for one more series
 O_CS = 29  # their signals
 # --- stretches of I -------------------------------------------------------------------------------------
 L_WIRES = 30  # the logged signals
@@ -98,7 +98,9 @@ RATES_NOW = 88  # 1: in the present modes some event functions look at signal ra
 CURRENT = 89  # 1: a sweep after the samples of this instant has left the signals of the present
 L_INSTANTS = 90  # where in I the rows stand of blocks that take samples, have timetables or announce instants
 N_INSTANTS = 91
-H = 92
+O_AFFINE = 92  # W: 1 + the modes for which it holds (0: unknown), then how signals follow states and time (``rows``)
+AFFINE = 93  # 1: all signals that move between instants are affine in states and time in each mode
+H = 94
 
 CHUNK = 32  # log rows evaluated together
 RESTARTS = 16
