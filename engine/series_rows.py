@@ -38,7 +38,7 @@ from engine.layout import (
     T_STOP,
     TIMED,
 )
-from engine.series import SHARE, TRUST
+from engine.series import SHARE, TRUST, make_terms
 from engine.sweep import signals
 
 
@@ -48,6 +48,8 @@ def series_rows(I, W, times, log, t, h, t_new, share):  # type: ignore[no-untype
 
     The signals are left as they are at the ``share`` of the step up to which no event fires.
     """
+    if I[DENSE_TERMS] == 0:
+        make_terms(I, W)
     n, ns, terms = I[N_STATES], I[N_SIGNALS], -I[DENSE_TERMS] - 1
     copy(W, I[O_Y0], I[O_X], n)
     signals(I, W, t)

@@ -13,7 +13,7 @@ from engine.elimination import eliminate
 from engine.flat import FlatBlock, Floats, Ints
 from engine.pinning import late
 from engine.program import Programs
-from engine.series import model_size
+from engine.series import again_size, model_size
 from engine.structure import analyse
 
 
@@ -92,6 +92,7 @@ class _Table:
         lengths = {
             at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: at.SERIES * n, at.O_TMP: n,
             at.O_MODEL: at.RESTARTS * model_size(n) if self.linear else 0,
+            at.O_AGAIN: again_size(n) if self.linear else 0,
             at.O_AFFINE: 1 + ns * (n + 1) if self.linear else 0,
             at.O_JAC: len(self.shape.entries), at.O_LU: self.order.size, at.O_DFDT: n,
             at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
