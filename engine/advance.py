@@ -124,7 +124,7 @@ def advance(ints, floats, buffer, grid, rows, t_end, last):  # type: ignore[no-u
         if I[HAS_DELAYS] and h_used > 0.0 and not store_delays(I, W, t, h, min(1.0, crossing)):
             return DELAY_FULL
         if dense:
-            write_rows_inside(I, W, times, log, t, h, t_new - resolution(t_new))
+            write_rows_inside(I, W, times, log, t, h, t_new - resolution(t_new), min(1.0, crossing))
         if h_used > APART:
             I[CHAIN] = 0
         # over a long stiff step the states leave an instant with other slopes than the rates that events are told

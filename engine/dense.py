@@ -3,6 +3,7 @@
 from numba import njit
 
 from engine.layout import CHUNK, DENSE_TERMS, N_STATES, O_CONT, O_CX, O_X
+from engine.series import half_again, make_terms
 
 TOGETHER = 8  # rows
 
@@ -16,8 +17,24 @@ def interpolate(I, W, s):  # type: ignore[no-untyped-def]
     """
     n, terms = I[N_STATES], I[DENSE_TERMS]
     x, c = I[O_X], I[O_CONT]
+    first = 0
+    if terms == 0:
+        if s == 0.5:
+            half_again(I, W)
+            return
+        make_terms(I, W)
+        terms = I[DENSE_TERMS]
     if terms < 0:
-        for i in range(n):
+        while first + 4 <= n:  # four states at a time: each waits for its own last product only
+            a0, a1, a2, a3 = 0.0, 0.0, 0.0, 0.0
+            at = c + first + (-terms - 1) * n
+            for _ in range(-terms - 1):
+                a0, a1, a2, a3 = (a0 + W[at]) * s, (a1 + W[at + 1]) * s, (a2 + W[at + 2]) * s, (a3 + W[at + 3]) * s
+                at -= n
+            W[x + first], W[x + first + 1] = W[at] + a0, W[at + 1] + a1
+            W[x + first + 2], W[x + first + 3] = W[at + 2] + a2, W[at + 3] + a3
+            first += 4
+        for i in range(first, n):
             total = 0.0
             for m in range(-terms - 1, 0, -1):
                 total = (total + W[c + m * n + i]) * s
@@ -37,6 +54,8 @@ def interpolate_rows(I, W, times, first, count, t, h):  # type: ignore[no-untype
 
     They are those of ``interpolate``; eight rows at a time go through the polynomial side by side.
     """
+    if I[DENSE_TERMS] == 0:
+        make_terms(I, W)
     n, terms, cx, c = I[N_STATES], I[DENSE_TERMS], I[O_CX], I[O_CONT]
     share = cx + CHUNK * n
     for r in range(count):

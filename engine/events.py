@@ -163,7 +163,7 @@ def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
     """
     fired = False
     s, s0 = I[O_S], I[O_S0]
-    for b in range(I[N_BLOCKS]):
+    for b in range(I[N_BLOCKS] if I[RATES_NOW] else 0):
         row = H + b * R
         if looks_at_rates(I, W, row):
             jumped = False

@@ -40,6 +40,7 @@ from engine.layout import (
 from engine.sweep import rates
 
 STIFF_STEPS = 12  # steps in a row at the stability limit before the stiff method takes over
+EASY = 0.01  # an error so small asks for no shorter step
 MOST_GROWTH = 10.0  # of a step over the one before
 APART = 1e-6  # transitions that follow each other faster than this [s] crowd
 
@@ -113,8 +114,9 @@ def after_refusal(W, h, error, power):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def after_step(I, W, h, left, error, power, refused):  # type: ignore[no-untyped-def]
     """Propose the step after one that was accepted, perhaps after tries that were ``refused``."""
-    if h >= left and W[STEP] >= MOST_GROWTH * h and not refused and I[LEARN] == 0:
-        return  # it ended at an instant, and what was proposed before is more than could be now
+    longer = W[STEP] / h
+    if h >= left and not refused and I[LEARN] == 0 and (longer >= MOST_GROWTH or (longer >= 1.5 and error <= EASY)):
+        return  # it ended at an instant, and what was proposed before is more than could be now, or long enough
     best = 0.9 * max(error, 1e-15) ** (-power)
     if I[LEARN] > 0:
         W[I[O_RESTART] + I[LEARN] - 1] = h * min(100.0, best)

@@ -8,12 +8,14 @@ from engine.dense import interpolate_rows
 from engine.floats import copy
 from engine.layout import (
     A_OUT,
+    AFFINE,
     CHUNK,
     DEAD_TIME,
     GATHER,
     KIND,
     L_WIRES,
     LINK_IN,
+    METHOD,
     N_BLOCKS,
     N_LOG,
     N_SIGNALS,
@@ -38,7 +40,10 @@ from engine.layout import (
     X,
     Y,
 )
+from engine.series_rows import series_rows
 from engine.sweep import clock, signals
+
+MANY = 4  # rows in a step of a series, from which it pays to make series of the signals too
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,8 +63,15 @@ def write_rows_now(I, W, times, log, current):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def write_rows_inside(I, W, times, log, t, h, t_new):  # type: ignore[no-untyped-def]
-    """Write the log rows strictly before ``t_new`` from the dense output of the step that began at ``t``."""
+def write_rows_inside(I, W, times, log, t, h, t_new, share):  # type: ignore[no-untyped-def]
+    """Write the log rows strictly before ``t_new`` from the dense output of the step that began at ``t``.
+
+    Up to the ``share`` of the step no event fires.
+    """
+    if I[METHOD] == 3 and I[AFFINE]:
+        last = I[ROW] + MANY - 1
+        if last < I[N_TIMES] and times[last] < t_new and series_rows(I, W, times, log, t, h, t_new, share):
+            return
     ns, cs = I[N_SIGNALS], I[O_CS]
     wires = I[L_WIRES]
     while True:

@@ -6,7 +6,12 @@ Between two instants, while no mode changes, the rates of such a component are a
     p_1 = h f,   p_2 = h/2 (A p_1 + h g),   p_(m+1) = h/(m+1) A p_m,
 
 so a step costs one product with a small matrix a term in place of a sweep over all blocks a stage, and the terms are
-the dense output.  A and g are differences of the rates, kept for each combination of modes.
+the dense output.  A and g are differences of the rates, kept for each combination of modes.  Where steps of one
+length h follow each other in one mode, as between samples, the sums are taken once, with all terms there is room for,
+
+    x(t_0 + h) = x_0 + E f + e,      x(t_0 + h/2) = x_0 + H f + k,
+
+and the terms themselves only where something happens inside the step.
 
 Nothing is taken on trust: at the end of every step the blocks say what their rates are.  Where these differ from those
 of the series, A and g are taken anew (a memory may have changed them); if that does not help, either an event lies in
@@ -25,6 +30,7 @@ from engine.layout import (
     N_CHECKED,
     N_EVENTS,
     N_STATES,
+    O_AGAIN,
     O_CONT,
     O_F,
     O_G,
@@ -47,12 +53,18 @@ ENOUGH = 1e-3  # terms are added until the last one is this share of the toleran
 TRUST = 0.05  # so much, as a share of the tolerance, may the rates at the end move the states off the series
 SHARE = 1e-3  # of a state: by how much it is changed to see what follows it
 PLACES = np.array([0.0, 0.02, 0.5])  # shares of a step at which that is tried
+AGAIN = 4  # floats before E: 1 + the mode of the kept step and its length; the same of the last step
 AT_LIMIT = 6.0  # h |A| beyond this says that a mode is far slower than its fastest part
 
 
 def model_size(n: int) -> int:
     """Return how many floats A, g and the mark that they are known take, of ``n`` states."""
     return 1 + n * n + n
+
+
+def again_size(n: int) -> int:
+    """Return how many floats a kept step takes, of ``n`` states: see ``keep_step``."""
+    return AGAIN + 3 * n * (n + 1)
 
 
 @njit(cache=True, error_model="numpy")
@@ -67,8 +79,13 @@ def series_step(I, W, t, h):  # type: ignore[no-untyped-def]
     fresh = W[model] == 0.0
     if fresh and not identify(I, W, t, h, model):
         return -1.0, 1, False
+    again = comes_again(I, W, h, model)
     while True:
-        error, terms, ratio = add_terms(I, W, h, model)
+        error, terms, ratio = 2.0 * ENOUGH, SERIES - 1, 0.0
+        if again:
+            error = step_again(I, W)
+        if error > ENOUGH:
+            error, terms, ratio = add_terms(I, W, h, model)
         if not error <= 1.0:
             return error, terms, False
         copy(W, I[O_Y1], I[O_X], n)
@@ -79,13 +96,93 @@ def series_step(I, W, t, h):  # type: ignore[no-untyped-def]
             return error, terms, ratio > AT_LIMIT
         if fresh:
             break
-        fresh = True
+        fresh, again = True, False
         if not identify(I, W, t, h, model):
             return -1.0, 1, False
     if event_at_end(I, W, t, h):
         copy(W, I[O_Y1], I[O_X], n)
         return error, terms, False
     return 4.0, 2, False
+
+
+@njit(cache=True, error_model="numpy")
+def comes_again(I, W, h, model):  # type: ignore[no-untyped-def]
+    """Return whether a step of this length in this mode is kept; keep it if it is the second in a row."""
+    again, mode = I[O_AGAIN], I[MODEL] + 1.0
+    if W[again] == mode and W[again + 1] == h:
+        return True
+    second = W[again + 2] == mode and W[again + 3] == h
+    W[again + 2], W[again + 3] = mode, h
+    if second:
+        keep_step(I, W, h, model)
+    return second
+
+
+@njit(cache=True, error_model="numpy")
+def keep_step(I, W, h, model):  # type: ignore[no-untyped-def]
+    """Write (E, e), (H, k) and the last terms of E and e, each column by column, behind ``W[O_AGAIN]``."""
+    n, again = I[N_STATES], I[O_AGAIN]
+    W[again], W[again + 1] = I[MODEL] + 1.0, h
+    whole = again + AGAIN
+    half, last = whole + n * (n + 1), whole + 2 * n * (n + 1)
+    for column in range(n + 1):
+        here, there = I[O_CONT], I[O_CONT] + n
+        for i in range(n):
+            W[here + i] = h if i == column else 0.0
+            W[whole + column * n + i], W[half + column * n + i] = W[here + i], 0.5 * W[here + i]
+        share = 0.5
+        for m in range(2, SERIES):
+            share *= 0.5
+            for i in range(n):
+                total = h * W[model + 1 + n * n + i] if column == n and m == 2 else 0.0
+                for j in range(n):
+                    total += W[model + 1 + i * n + j] * W[here + j]
+                W[there + i] = total * h / m
+                W[whole + column * n + i] += W[there + i]
+                W[half + column * n + i] += share * W[there + i]
+            here, there = there, here
+        copy(W, here, last + column * n, n)
+
+
+@njit(cache=True, error_model="numpy")
+def step_again(I, W):  # type: ignore[no-untyped-def]
+    """Write the end of a kept step to ``W[O_Y1]``; return its last term as ``add_terms`` does."""
+    n = I[N_STATES]
+    k, y0, y1, inverse = I[O_K], I[O_Y0], I[O_Y1], I[O_TMP]
+    whole = I[O_AGAIN] + AGAIN
+    last = whole + 2 * n * (n + 1)
+    norm = 0.0
+    for i in range(n):
+        total, left = W[whole + n * n + i], W[last + n * n + i]
+        for j in range(n):
+            total += W[whole + j * n + i] * W[k + j]
+            left += W[last + j * n + i] * W[k + j]
+        W[y1 + i] = W[y0 + i] + total
+        W[inverse + i] = 1.0 / (W[ATOL] + W[RTOL] * max(abs(W[y0 + i]), abs(W[y1 + i])))
+        norm = max(norm, abs(left) * W[inverse + i])
+    I[DENSE_TERMS] = 0
+    return norm
+
+
+@njit(cache=True, error_model="numpy")
+def half_again(I, W):  # type: ignore[no-untyped-def]
+    """Write the middle of a kept step to ``W[O_X]``."""
+    n = I[N_STATES]
+    half = I[O_AGAIN] + AGAIN + n * (n + 1)
+    for i in range(n):
+        total = W[half + n * n + i]
+        for j in range(n):
+            total += W[half + j * n + i] * W[I[O_K] + j]
+        W[I[O_X] + i] = W[I[O_Y0] + i] + total
+
+
+@njit(cache=True, error_model="numpy")
+def make_terms(I, W):  # type: ignore[no-untyped-def]
+    """Make the terms of a kept step, whose end stays as it is."""
+    n = I[N_STATES]
+    copy(W, I[O_Y1], I[O_X], n)
+    add_terms(I, W, W[I[O_AGAIN] + 1], I[O_MODEL] + I[MODEL] * (1 + n * n + n))
+    copy(W, I[O_X], I[O_Y1], n)
 
 
 @njit(cache=True, error_model="numpy")
@@ -145,6 +242,7 @@ def identify(I, W, t, h, model):  # type: ignore[no-untyped-def]
 
     Return whether the rates are affine there: changed one way, they change as much as the other way.
     """
+    W[I[O_AGAIN]] = W[I[O_AGAIN] + 2] = 0.0
     for place in range(len(PLACES)):
         if taken_at(I, W, t, h, model, PLACES[place]):
             W[model] = 1.0

@@ -27,8 +27,8 @@ class Structure:
     of block ``b`` reach, if it does anything at an instant, and how many integrators lie at least on the way (fewer
     than ``FAR``: more do not matter).  ``rests[b]``: what block ``b`` reads stands still between instants.
     ``timed``: the rates depend on time directly; ``linear``: they are affine in states and time in each mode, between
-    instants.  ``entries``: (row, column) of the Jacobian, in the order in which it
-    is filled.
+    instants; ``affine``: all signals that move are, too.  ``entries``: (row, column) of the Jacobian, in the order in
+    which it is filled.
     """
 
     follows: tuple[tuple[list[int], list[int]], ...]
@@ -40,6 +40,7 @@ class Structure:
     rests: tuple[bool, ...]
     timed: bool
     linear: bool
+    affine: bool
     entries: tuple[Pair, ...]
 
 
@@ -71,6 +72,7 @@ def analyse(rows: Sequence[FlatBlock]) -> Structure:
         rests=tuple(all(still[driver[w]] for w in block.wires) for block in rows),
         timed=any(_timed(block) for block in rows),
         linear=not delays and all(_linear(rows[i]) for i in {*has_states, *_needed(rows, driver, still, has_states)}),
+        affine=all(still[i] or _linear(block) for i, block in enumerate(rows)),
         entries=tuple(entries),
     )
 

@@ -13,7 +13,7 @@ from engine.elimination import eliminate
 from engine.flat import FlatBlock, Floats, Ints
 from engine.pinning import late
 from engine.program import Programs
-from engine.series import model_size
+from engine.series import again_size, model_size
 from engine.structure import analyse
 
 
@@ -92,9 +92,11 @@ class _Table:
         lengths = {
             at.O_X: n, at.O_F: n, at.O_Y0: n, at.O_Y1: 2 * n, at.O_K: 16 * n, at.O_CONT: at.SERIES * n, at.O_TMP: n,
             at.O_MODEL: at.RESTARTS * model_size(n) if self.linear else 0,
+            at.O_AGAIN: again_size(n) if self.linear else 0,
+            at.O_AFFINE: 1 + ns * (n + 1) if self.linear else 0,
             at.O_JAC: len(self.shape.entries), at.O_LU: self.order.size, at.O_DFDT: n,
             at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
-            at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: 2 * at.RESTARTS, at.O_CX: at.CHUNK * (n + 1),
+            at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: 2 * at.RESTARTS, at.O_CX: at.CHUNK * (n + 1) + at.SERIES,
             at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in self.blocks] or [0]),
         }  # fmt: skip
         for slot, length in lengths.items():
@@ -235,6 +237,7 @@ class _Table:
         many = sum(b.kind == at.DEAD_TIME and row[at.NEEDED] for b, row in zip(blocks, self.rows, strict=True)) > 2
         header[at.OTHERWISE] = 0 if sampled or many else 2
         header[at.EXPLICIT] = 3 if self.linear else header[at.OTHERWISE]
+        header[at.AFFINE] = self.linear and self.shape.affine
         header[at.FRESH], header[at.EVENTS_SEEN] = 1, -1
         header[at.MAX_CHAIN] = 20 + 10 * header[at.N_EVENTS]
 

@@ -6,7 +6,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from blocks import PI, FirstOrder, QuasiStaticStem, Ramp, RateLimiter, SecondOrder, Sine, StateSpace, Step, StickSlip
+from blocks import (
+    PI,
+    FirstOrder,
+    QuasiStaticStem,
+    Ramp,
+    RateLimiter,
+    Recorded,
+    SecondOrder,
+    Sine,
+    StateSpace,
+    Step,
+    StickSlip,
+)
 from blocks.block import Block, Kernels
 from blocks.ports import BlockError, Port
 from diagram import simulate, wire
@@ -139,3 +151,39 @@ def test_an_event_that_comes_and_goes_before_another_one_in_a_long_step_is_found
     crossings = t[np.flatnonzero(np.diff((v > 1.0).astype(int) - (v < 0.0).astype(int)))]
     np.testing.assert_allclose([e.t for e in run.events], crossings, atol=2e-4)
     assert len(crossings) == 3
+
+
+@pytest.mark.parametrize("every", [1.0, 0.3])  # rows at the samples only, and between them too
+def test_steps_from_sample_to_sample_follow_the_matrix_exponential(every):
+    """A held input changes each second, and a ramp enters too: steps of one length, whose sums are kept."""
+    rng = np.random.default_rng(7)
+    A, B, held = rng.normal(size=(3, 3)) - 1.5 * np.eye(3), rng.normal(size=(3, 2)), rng.normal(size=40)
+    parts = [Recorded("u", np.arange(40.0), held, hold="previous"), Ramp("r", 0.05)]
+    diagram = wire([*parts, StateSpace(A, B, np.eye(3), inputs=["u", "r"], outputs=["a", "b", "c"])])
+    assert method_of(diagram) == 3
+    run = simulate(diagram, 39.0, every=every, rtol=1e-9, atol=1e-12)
+    x, expected = np.zeros(5), []
+    whole = np.zeros((5, 5))
+    whole[:3, :3], whole[:3, 3], whole[3, 4] = A, B[:, 1], 0.05  # states, the ramp, one
+    grid = np.unique(np.concatenate([np.arange(40.0), run.log.t]))
+    x[4] = 1.0
+    for before, after in zip(grid, [*grid[1:], np.inf], strict=True):
+        if np.any(np.abs(run.log.t - before) < 1e-12):
+            expected.append(x[:3].copy())
+        if np.isfinite(after):
+            step = whole.copy()
+            step[:3, 4] += B[:, 0] * held[int(np.floor(before + 1e-9))]
+            x = expm(step * (after - before)) @ x
+    found = np.array([run.log[s] for s in ("a", "b", "c")]).T
+    np.testing.assert_allclose(found, expected, atol=1e-8 * (1.0 + np.abs(expected).max()))
+    end = run.ends[0]
+    assert end.W[end.I[at.O_AGAIN]] > 0.0  # the last steps were kept ones
+
+
+def test_an_event_inside_a_step_that_comes_again_is_found():
+    """From sample to sample the lag is at rest or falls; the relay-like valve slips within such a step (analytic)."""
+    OP = Recorded("OP", np.arange(50.0), np.r_[np.zeros(30), np.ones(20)], hold="previous")
+    ramp = [OP, FirstOrder(1.0, 4.0, inputs="OP", outputs="x"), QuasiStaticStem(0.5, 0.0, inputs="x", outputs="MV")]
+    run = simulate(wire(ramp, outputs=["MV"]), 49.0, every=1.0, rtol=1e-9, atol=1e-12)
+    slip = next(e.t for e in run.events if e.t > 0.0)
+    np.testing.assert_allclose(1.0 - np.exp(-(slip - 30.0) / 4.0), 0.25, atol=1e-8)  # half the stickband
