@@ -1,4 +1,4 @@
-"""The half periods of the control error, measured in time: what ``forsman_stattin`` and ``thornhill1997`` begin with."""
+"""The half periods of the control error in time, which ``forsman_stattin`` and ``thornhill1997`` begin with."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Values = npt.NDArray[np.float64]
 
 
 class Lobes(NamedTuple):
-    """Lengths (m,) [s] and areas of |e| (m,) [unit s] of the half periods; sampling interval [s], sd, amplitude of e."""
+    """Half periods: lengths (m,) [s], areas of |e| (m,) [unit s]; sampling interval [s], sd and amplitude of e."""
 
     lengths: Values
     areas: Values
