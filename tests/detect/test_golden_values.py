@@ -22,6 +22,11 @@ from logs import LoopRecord
 PERIOD, N = 50.0, 4096
 
 
+def bent(x):
+    """A triangle with its apex at 0.9."""
+    return np.minimum(x / 0.9, 10.0 * (1.0 - x))
+
+
 def wave(kind, phase=0.013):
     u = (np.arange(N) / PERIOD + phase) % 1.0
     sign, x = np.where(u < 0.5, 1.0, -1.0), 2.0 * (u % 0.5)
@@ -33,7 +38,7 @@ def wave(kind, phase=0.013):
         * {
             "sine": np.sin(np.pi * x),
             "triangle": 1.0 - np.abs(2.0 * x - 1.0),
-            "saw": np.minimum(x / 0.9, 10.0 * (1.0 - x)),
+            "saw": np.where(u < 0.5, bent(x), bent(1.0 - x)),  # 90 % of a period upwards, 10 % downwards
             "square": np.ones(N),
             "exponential": np.where(
                 s < 1.0, 1.0 - (1.0 + a) * np.exp(-h * s), -1.0 + (1.0 + a) * np.exp(-h * (s - 1.0))
