@@ -8,7 +8,10 @@ from typing import Literal
 
 __all__ = ["Card", "Need"]
 
-Need = Literal["oscillation", "constant_sp", "unsaturated", "fine_pv", "raw_pv", "known_process", "mv"]
+Need = Literal[
+    "oscillation", "own_cycle", "constant_sp", "unsaturated", "fine_pv", "raw_pv", "raw_op", "follows", "known_process",
+    "mv",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -25,8 +28,9 @@ class Card:
         Conditions in words.
     needs : tuple of Need
         Those that are checked before the method looks at a record (``prepare.preconditions``): a sustained
-        oscillation, a set point that stands still, OP away from its limits, PV not on a coarse grid, PV not
-        compressed, the kind of process known, the stem position logged.
+        oscillation, one of the loop's own making (``prepare.clock``), a set point that stands still, OP away from its
+        limits, PV not on a coarse grid, PV not compressed, OP not compressed, PV that follows OP, the kind of process
+        known, the stem position logged.
     accuses : bool
         Whether it may say "stiction"; a method that only ranks tags or measures does not.
     cycles : float

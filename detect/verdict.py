@@ -36,6 +36,7 @@ Code = Literal[
     "pv_unresponsive",
     "not_in_charge",
     "not_causal",
+    "outside_wave",
 ]
 Values = npt.NDArray[np.float64]
 Evidence = Mapping[str, Values | float]

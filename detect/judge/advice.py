@@ -30,6 +30,7 @@ ADVICE: Mapping[Word | Code, str] = {
     "quantised": "To settle it: log raw values, uncompressed, at 20 samples per period or more.",
     "op_saturated": "To settle it: log a stretch with OP away from its limits.",
     "sp_not_constant": "To settle it: hold the set point (or open the cascade) for ten periods.",
+    "outside_wave": "To settle it: put the loop in manual for a few periods; a wave that stays comes from outside.",
     "no_oscillation": "A sticky valve need not cycle; to check: {test}.",
     "too_few_cycles": "To settle it: log ten periods at a fixed set point.",
     "inconclusive": (

@@ -52,7 +52,7 @@ CARD = Card(
     title="Cross-correlation",
     source="Horch 1999, Control Eng. Practice 7:1221",
     signals=("OP", "PV"),
-    assumes=("self-regulating process", "PI controller", "sustained oscillation of one period", "constant set point"),
+    assumes=("self-regulating process", "PI controller", "one period, of the loop's own making", "constant set point"),
     finds="stiction against outside sines and tight tuning, from the phase between OP and PV; no amount",
     index=(0.0, 1.0),
     process=("self_regulating",),
@@ -62,7 +62,7 @@ CARD = Card(
     cons=("blind on levels", "turned by dead time and strong P or D action", "outside waves that are no sines"),
     cost="O(n log n)",
     experimental=True,
-    needs=("oscillation", "constant_sp", "unsaturated", "raw_pv"),
+    needs=("oscillation", "own_cycle", "constant_sp", "unsaturated", "raw_pv"),
     cycles=5.0,
     samples=(10.0, math.inf),
 )

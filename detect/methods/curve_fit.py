@@ -12,7 +12,10 @@ smoothing, the interval by weighing the half waves anew, and that an accusation'
 
 Not for a process of unknown kind: a square wave has SI = 0.44, so PV of a self-regulating loop says nothing. Where the
 proportional action rules, OP looks like PV; dead time and slow processes round the triangle, so a sine is not cleared.
-Outside waves that are squares or triangles are accused.
+Outside waves that are squares or triangles look the same: where they keep time the method refuses (``prepare.clock``),
+and where a historian has drawn OP as straight lines, too.  Of 520 simulated loops ("training", seed 777001) that leaves
+7 of 14 wrong accusations, and 37 of 47 sticky valves found, for 8 of the others OP was stored as lines.  A dead loop is
+still accused at times: the controller makes OP from PV there as in any other.
 Measured on the prepared record: 1.5 ms for 7,200 samples and 60 cycles, 4 ms for 240 cycles.
 """
 
@@ -56,7 +59,7 @@ CARD = Card(
     cons=("the kind of process must be known", "outside squares and triangles look the same", "rounded by dead time"),
     cost="O(n)",
     experimental=True,
-    needs=("known_process", "oscillation", "constant_sp", "unsaturated"),
+    needs=("known_process", "oscillation", "own_cycle", "constant_sp", "unsaturated", "raw_op", "follows"),
     cycles=3.0,
     samples=(12.0, math.inf),
 )
@@ -105,8 +108,10 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop; raises nothing, refuses where the kind of process is unknown.
 
     >>> t = np.arange(2000.0)
-    >>> saw = 2 * np.abs(2 * ((t / 80 + 0.1) % 1) - 1) - 1
-    >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 12.7), op=50 + saw, sp=0 * t, process="self_regulating")
+    >>> turns = (t + 3 * np.sin(t / 300)) / 80  # a cycle that strays, as those of loops do
+    >>> saw = 2 * np.abs(2 * ((turns + 0.1) % 1) - 1) - 1 + 0.02 * np.sin(t**2)
+    >>> pv = np.sin(2 * np.pi * turns)
+    >>> loop = LoopRecord.from_arrays(t, pv=pv, op=50 + saw, sp=0 * t, process="self_regulating")
     >>> detect(loop).verdict, detect(loop).index > 0.8
     ('stiction', True)
     """

@@ -56,7 +56,12 @@ CARD = Card(
     title="Hammerstein model",
     source="Jelali 2008, J. Process Control 18:632; Lee, Ren and Huang 2008; Bacci di Capaci et al. 2016",
     signals=("OP", "PV"),
-    assumes=("linear process", "OP swings by more than S", "dead time below a quarter of a period"),
+    assumes=(
+        "linear process",
+        "a cycle of the loop's own making",
+        "OP swings by more than S",
+        "dead time below a quarter of a period",
+    ),
     finds="S and J [% of OP], and how many points of fit the sticky valve gains over the linear process alone",
     index=(-100.0, 100.0),
     process=("self_regulating", "integrating"),
@@ -66,7 +71,7 @@ CARD = Card(
     cons=("the slowest of the methods", "J is poorly seen behind a slow process", "non-linear processes"),
     cost="O(n) for each of 130 valves",
     experimental=True,
-    needs=("oscillation", "unsaturated", "raw_pv"),
+    needs=("oscillation", "own_cycle", "unsaturated", "raw_pv", "follows"),
     cycles=5.0,
     samples=(10.0, math.inf),
 )

@@ -11,15 +11,14 @@ periods at least.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from detect.card import Card
-from detect.oscillation.even import even, regularity
+from detect.oscillation.even import regularity
 from detect.oscillation.gate import Gate
-from detect.prepare.half_cycles import crossings
+from detect.oscillation.lobes import lobes
 from logs import LoopRecord
 
 __all__ = ["CARD", "Params", "find", "likeness"]
@@ -74,20 +73,15 @@ def find(record: LoopRecord, p: Params = Params()) -> Gate:
     >>> gate.oscillating, round(gate.period)
     (True, 50)
     """
-    signal = even(record)
-    if signal is None:
-        return Gate(False, None, 0.0, 0.0, 0.0, "No stretch of 20 good samples in which e moves.")
-    std = float(np.std(signal.x))
-    zeros = np.asarray(crossings(signal.t, signal.x, p.band * std))
-    lengths = np.diff(zeros)
-    amplitude = math.sqrt(2.0) * std
+    found = lobes(record, p.band)
+    if isinstance(found, Gate):
+        return found
+    lengths, areas, dt, _, amplitude = found
     if len(lengths) < p.half_periods:
         few = f"{len(lengths)} whole half periods of e; {p.half_periods} are needed."
         return Gate(False, None, 0.0, amplitude, 0.0, few)
-    area = np.concatenate([[0.0], np.cumsum(np.abs(signal.x)) * signal.dt])
-    areas = np.diff(np.interp(zeros, np.append(signal.t, signal.t[-1] + signal.dt), area))
     h, period = likeness(areas, lengths, p.alpha, p.gamma), 2.0 * float(np.median(lengths))
-    oscillating = h > p.h_min and period >= 4.0 * signal.dt
+    oscillating = h > p.h_min and period >= 4.0 * dt
     reason = (
         f"{'Oscillating' if oscillating else 'Not oscillating'}: h = {h:.2f} (limit {p.h_min:g}) of {len(lengths)} "
         f"half periods resemble the one before them, period {period:.4g} s."

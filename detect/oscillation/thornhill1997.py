@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from detect.card import Card
-from detect.oscillation.even import CYCLES_MIN, even, regularity
+from detect.oscillation.even import CYCLES_MIN, regularity
 from detect.oscillation.gate import REGULARITY_MAX, Gate
-from detect.prepare.half_cycles import crossings
+from detect.oscillation.lobes import lobes
 from logs import LoopRecord
 
 __all__ = ["CARD", "Params", "find"]
@@ -69,21 +69,16 @@ def find(record: LoopRecord, p: Params = Params()) -> Gate:
     >>> gate.oscillating, round(gate.period)
     (True, 50)
     """
-    signal = even(record)
-    if signal is None:
-        return Gate(False, None, 0.0, 0.0, 0.0, "No stretch of 20 good samples in which e moves.")
-    std = float(np.std(signal.x))
-    zeros = np.asarray(crossings(signal.t, signal.x, p.band * std))
-    lengths = np.diff(zeros)
-    amplitude = math.sqrt(2.0) * std
+    found = lobes(record, p.band)
+    if isinstance(found, Gate):
+        return found
+    lengths, iae, dt, std, amplitude = found
     if len(lengths) < 2.0 * CYCLES_MIN:
-        return Gate(False, None, 0.0, amplitude, 0.0, f"e crosses zero {len(zeros)} times; 7 crossings are needed.")
-    area = np.concatenate([[0.0], np.cumsum(np.abs(signal.x)) * signal.dt])
-    at = np.append(signal.t, signal.t[-1] + signal.dt)
-    iae = np.diff(np.interp(zeros, at, area))
+        few = f"e crosses zero {len(lengths) + 1} times at most; 7 crossings are needed."
+        return Gate(False, None, 0.0, amplitude, 0.0, few)
     loads = float(np.mean(iae > 2.0 * p.tolerated * std * lengths / math.pi))
     r, period = regularity(lengths), 2.0 * float(np.mean(lengths))
-    oscillating = r > p.regularity_min and loads >= p.share and period >= 4.0 * signal.dt
+    oscillating = r > p.regularity_min and loads >= p.share and period >= 4.0 * dt
     reason = (
         f"{'Regular' if oscillating else 'No regular'} crossings: period {period:.4g} s, regularity {r:.2g} (limit "
         f"{p.regularity_min:g}), {loads:.0%} of {len(lengths)} half periods are large (limit {p.share:.0%})."

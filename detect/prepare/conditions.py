@@ -17,7 +17,9 @@ from detect.verdict import Code
 from logs import LoopRecord
 from logs.modes import CASCADE
 
-__all__ = ["Fact", "compressed", "constant", "examine", "manual", "missing", "quantised", "saturated", "set_point"]
+__all__ = [
+    "Fact", "compressed", "constant", "drawn_op", "examine", "manual", "missing", "quantised", "saturated", "set_point",
+]  # fmt: skip
 
 Values = npt.NDArray[np.float64]
 UNSATURATED = "Log a stretch with OP away from its limits."
@@ -199,6 +201,23 @@ def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:
     share = float(np.mean(drawn))
     text = f"{share:.0%} of the PV samples lie on straight lines between others ({limit:.0%} allowed)."
     return Fact("compressed", share > limit, share, limit, text, "Log raw values: exception and compression off.")
+
+
+def drawn_op(record: LoopRecord, limit: float = 0.5) -> Fact:
+    """Share of samples of OP on a sloping line between their neighbours while PV moves on: a historian has drawn them.
+
+    No controller with integral action draws a line while its error moves.  Steps are left out: OP may be held between
+    two scans.
+    """
+    op, pv = _good(record, record.op), _good(record, record.pv)
+    remedy = "Log OP raw: exception and compression off."
+    if len(op) < 5 or np.ptp(op) == 0.0 or np.ptp(pv) == 0.0:
+        return Fact("compressed", False, 0.0, limit, "OP is too short to look for compression.", remedy)
+    step, moves = np.diff(op), np.abs(np.diff(pv)) > 1e-6 * np.ptp(pv)
+    straight = (np.abs(np.diff(step)) < 1e-6 * np.ptp(op)) & (np.abs(step[1:]) > 1e-6 * np.ptp(op))
+    share = float(np.mean(straight & moves[1:] & moves[:-1]))
+    text = f"{share:.0%} of the OP samples lie on straight lines between others while PV moves ({limit:.0%} allowed)."
+    return Fact("compressed", share > limit, share, limit, text, remedy)
 
 
 def _good(record: LoopRecord, x: Values) -> Values:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from detect.card import Card
+from detect.prepare.clock import LIMIT
 from detect.prepare.fact import Fact
 from detect.prepare.prepared import Prepared
 from detect.verdict import Code, Verdict
@@ -57,8 +59,10 @@ def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdi
     unfit = _first(loop, {BY_NEED[need] for need in card.needs if need in BY_NEED})
     if unfit is not None:
         return no(unfit.code, unfit.text)
+    if "raw_op" in card.needs and loop.op_drawn.present:
+        return no("compressed", loop.op_drawn.text)
     if "oscillation" not in card.needs:
-        return None
+        return _of_cause(card, loop, no)
     gate = loop.gate
     if not math.isfinite(loop.period):
         return no("no_oscillation", f"{gate.reason.removesuffix('.')}; this method compares cycles.")
@@ -69,6 +73,18 @@ def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdi
     if per_period < card.samples[0]:
         return no("undersampled", f"The period of {loop.period:.4g} s has {per_period:.1f} samples; "
                                   f"{card.samples[0]:g} are needed.")  # fmt: skip
+    return _of_cause(card, loop, no)
+
+
+def _of_cause(card: Card, loop: Prepared, no: Callable[[Code, str], Verdict]) -> Verdict | None:
+    """The refusal where PV does not follow OP, or where something outside keeps the time of the wave."""
+    if "follows" in card.needs and loop.causality.present:
+        return no("not_causal", loop.causality.text)
+    if "own_cycle" in card.needs and loop.clock.keeps_time:
+        ratio, cycles = loop.clock
+        return no("outside_wave", f"The wave keeps time as a clock: over {cycles} cycles its phase strays by "
+                                  f"{ratio:.2f} of the variance of a cycle ({LIMIT:g} and more where a loop makes its "
+                                  "own cycle), so something outside the loop drives it.")  # fmt: skip
     return None
 
 

@@ -23,7 +23,8 @@ import numpy.typing as npt
 from detect.oscillation import acf_crossings
 from detect.oscillation.gate import Gate
 from detect.prepare.causality import causality
-from detect.prepare.conditions import examine
+from detect.prepare.clock import Clock, clock_of
+from detect.prepare.conditions import drawn_op, examine
 from detect.prepare.cycles import Cycles, Refusal, cut
 from detect.prepare.fact import Fact
 from detect.prepare.gaps import bridgeable, split
@@ -171,6 +172,16 @@ class Prepared:
     def samples_per_period(self) -> float:
         """Points of the grid in a period [-]; NaN without an oscillation."""
         return self.period / self.stretch.dt
+
+    @cached_property
+    def clock(self) -> Clock:
+        """Whether the wave of OP keeps time, as one from outside may; none is counted where nothing oscillates."""
+        return clock_of(self.stretch.t, self.wave("OP")) if math.isfinite(self.period) else Clock(math.nan, 0)
+
+    @cached_property
+    def op_drawn(self) -> Fact:
+        """Share of the samples of OP that a historian has drawn."""
+        return drawn_op(self.record)
 
     @cached_property
     def cycles(self) -> Cycles | Refusal:

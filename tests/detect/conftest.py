@@ -25,6 +25,13 @@ def _wave(kind, t, period=50.0, phase=0.0, tau=8.0):
     raise ValueError(kind)
 
 
+def own_turns(t, period):
+    """Turns of a cycle that keeps no time: its phase strays by 1 % of a cycle from one to the next."""
+    t = np.asarray(t)
+    knots = np.arange(0.0, t[-1] + 2.0 * period, period)
+    return t / period + np.interp(t, knots, 0.01 * np.cumsum(np.random.default_rng(11).normal(size=len(knots))))
+
+
 def _loop(t, e, **more):
     """A flow loop at constant SP with this control error; OP is its running integral, as under a PI."""
     e = np.asarray(e, dtype=float)

@@ -9,6 +9,8 @@ from detect.prepare.half_wave_fits import gather
 from detect.prepare.prepared import HalfWave
 from logs import LoopRecord
 
+from .conftest import own_turns
+
 
 def continuum(shape, m=4000):
     x = (np.arange(m) + 0.5) / m
@@ -39,7 +41,7 @@ def test_values_of_the_continuum():
 def of(shape, n=3000, period=60.0, noise=0.01, gain=1.0, offset=50.0, dt=1.0, pv_gain=1.0, process="self_regulating"):
     """OP of this shape and PV a sine; the other way round with an integrating process."""
     t = dt * np.arange(n / dt)
-    u = (t / period + 0.013) % 1
+    u = (own_turns(t, period) + 0.013) % 1
     wave = np.where(u < 0.5, 1, -1) * shape(2 * (u % 0.5))
     wave = gain * (wave + noise * np.random.default_rng(1).normal(size=len(t))) + offset
     smooth = pv_gain * np.cos(2 * np.pi * u)

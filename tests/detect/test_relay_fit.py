@@ -9,6 +9,8 @@ from detect.prepare.half_wave_fits import gather
 from detect.prepare.prepared import HalfWave
 from logs import LoopRecord
 
+from .conftest import own_turns
+
 
 def continuum(shape, m=20_000):
     x = (np.arange(m) + 0.5) / m
@@ -45,9 +47,9 @@ def test_the_square_by_integrals():
 
 def of(shape, n=3000, period=60.0, noise=0.0, gain=1.0, offset=0.0, dt=1.0, op_gain=-1.0, process="self_regulating"):
     t = dt * np.arange(n / dt)
-    u = (t / period + 0.013) % 1
+    u = (own_turns(t, period) + 0.013) % 1
     y = np.where(u < 0.5, 1, -1) * shape(2 * (u % 0.5)) + noise * np.random.default_rng(1).normal(size=len(t))
-    op = 50 + op_gain * np.sin(2 * np.pi * u)
+    op = 50 - op_gain * np.cos(2 * np.pi * u)
     return LoopRecord.from_arrays(t, pv=gain * y + offset, op=op, sp=0 * t + offset, process=process)
 
 

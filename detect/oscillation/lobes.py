@@ -1,0 +1,49 @@
+"""The half periods of the control error in time, which ``forsman_stattin`` and ``thornhill1997`` begin with."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.oscillation.even import even
+from detect.oscillation.gate import Gate
+from detect.prepare.half_cycles import crossings
+from logs import LoopRecord
+
+__all__ = ["Lobes", "lobes"]
+
+Values = npt.NDArray[np.float64]
+
+
+class Lobes(NamedTuple):
+    """Half periods: lengths (m,) [s], areas of |e| (m,) [unit s]; sampling interval [s], sd and amplitude of e."""
+
+    lengths: Values
+    areas: Values
+    dt: float
+    std: float
+    amplitude: float
+
+
+def lobes(record: LoopRecord, band: float) -> Lobes | Gate:
+    """The half periods of the longest good stretch between crossings with a ``band`` [standard deviations].
+
+    The answer of a gate where e does not move.
+
+    >>> t = np.arange(0.0, 500.0)
+    >>> found = lobes(LoopRecord.from_arrays(t, pv=np.sin(2 * np.pi * t / 50), op=t), 0.1)
+    >>> round(float(np.median(found.lengths))), round(float(np.median(found.areas)))  # analytic: 50 / pi = 16
+    (25, 16)
+    """
+    signal = even(record)
+    if signal is None:
+        return Gate(False, None, 0.0, 0.0, 0.0, "No stretch of 20 good samples in which e moves.")
+    std = float(np.std(signal.x))
+    zeros = np.asarray(crossings(signal.t, signal.x, band * std))
+    area = np.concatenate([[0.0], np.cumsum(np.abs(signal.x)) * signal.dt])
+    ends = np.append(signal.t, signal.t[-1] + signal.dt)
+    areas = np.diff(np.interp(zeros, ends, area)) if len(zeros) else np.empty(0)
+    return Lobes(np.diff(zeros), areas, signal.dt, std, math.sqrt(2.0) * std)
