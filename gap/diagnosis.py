@@ -15,6 +15,7 @@ from diagram.progress import Progress
 from gap.adequacy import adequate, complete, needed
 from gap.alternatives import alternatives
 from gap.cache import keep, kept
+from gap.calibrate import kept_calibration
 from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
@@ -106,7 +107,8 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
         keep(model, record, floor)
-    problem = with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
+    sure = kept_calibration(model, record).sureness
+    problem = with_lattices(Problem(model, quiet, record, floor, start, sureness=sure), RUNS, seed + 1)
     return settled(with_instants(problem))
 
 

@@ -25,7 +25,6 @@ TIE = 6.0  # nats between explanations that the record does not tell apart
 ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
 LISTED = 12  # explanations in the ranking
-SURE, UNSURE = 0.95, 0.9  # probability of a name before anything is known of how often it is right
 
 
 def no_gap(problem: Problem, legal: Sequence[Candidate]) -> GapReport:
@@ -58,10 +57,12 @@ def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
         words.append(f"Nearest is {best.effect.name} at {best.place}, which explains {part:.0f} % of it.")
     words += shape(problem)
     explained = shares(fits, problem.score, problem.level)
-    where = Where(place, 0.7, near, {name: explained.get(name, 0.0) for name in near})
+    rests = evidence(problem, "unknown", fits[:1], fits)
+    sure = problem.sureness.probability(rests)
+    where = Where(place, sure / len(near) if near else sure, near, {name: explained.get(name, 0.0) for name in near})
     return _report(
-        problem, words, best.e if best else problem.as_it_is, where, (Cause(UNKNOWN, place, UNSURE),),
-        ranking(fits, [], UNSURE), None, evidence(problem, "unknown", fits[:1], fits),
+        problem, words, best.e if best else problem.as_it_is, where, (Cause(UNKNOWN, place, sure),),
+        ranking(fits, [], 1.0 - sure), None, rests,
     )  # fmt: skip
 
 
@@ -80,10 +81,11 @@ def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit], kind: str 
     swap = swapped(problem, best.place)
     if swap is not None:
         words.append(str(swap))
-    cause = Cause(best.effect.name, best.place, SURE, others, found)
-    where = Where(best.place, SURE, places, {name: explained.get(name, 0.0) for name in places})
     rests = evidence(problem, kind, same, fits)
-    return _report(problem, words, best.e, where, (cause,), ranking(fits, same, SURE), shrunk, rests)
+    sure = problem.sureness.probability(rests)
+    cause = Cause(best.effect.name, best.place, sure, others, found)
+    where = Where(best.place, sure, places, {name: explained.get(name, 0.0) for name in places})
+    return _report(problem, words, best.e, where, (cause,), ranking(fits, same, sure), shrunk, rests)
 
 
 def named_pair(
@@ -94,8 +96,10 @@ def named_pair(
     others = [
         tuple(dict.fromkeys(one.effect.name for one in also if one.effect is not also[0].effect)) for also in same
     ]
+    rests = Evidence("pair", problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total)
+    sure = problem.sureness.probability(rests)
     causes = tuple(
-        Cause(fit.effect.name, fit.place, UNSURE, other, found_sizes(fit))
+        Cause(fit.effect.name, fit.place, sure, other, found_sizes(fit))
         for fit, other in zip(both, others, strict=True)
     )
     places = tuple(dict.fromkeys(fit.place for also in same for fit in also))
@@ -108,9 +112,8 @@ def named_pair(
         for cause in causes
     ]
     words.append(f"Together they explain {100.0 * share(problem, pair.second):.1f} % of the gap" + _shrunk(shrunk))
-    where = Where(both[0].place, UNSURE, places, {name: explained.get(name, 0.0) for name in places})
-    rests = Evidence("pair", problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total)
-    return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], UNSURE), shrunk, rests)
+    where = Where(both[0].place, sure, places, {name: explained.get(name, 0.0) for name in places})
+    return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], sure), shrunk, rests)
 
 
 def next_test(problem: Problem, same: Sequence[Fit]) -> str:
@@ -276,4 +279,5 @@ def notes(problem: Problem) -> tuple[str, ...]:
         + (f"; {', '.join(told)}." if told else "."),
         "Nuisances of the model: " + ("; ".join(map(str, found)) if found else "none") + ".",
         way,
+        str(problem.sureness),
     )
