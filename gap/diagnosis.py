@@ -13,7 +13,9 @@ from typing import Any
 from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import adequate, complete, needed
+from gap.alternatives import alternatives
 from gap.cache import keep, kept
+from gap.calibrate import kept_calibration
 from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
@@ -42,12 +44,14 @@ def diagnose(
     *,
     catalogue: Sequence[Effect] = CATALOGUE,
     seed: int = 0,
+    limits: bool = True,
     progress: Progress = None,
 ) -> GapReport:
     """Return where the model and the log part, which effect of the catalogue explains it, and how far it shrinks then.
 
     ``diagram`` the model with its nuisances (noise, loads) as blocks; ``log`` a table of signals of the diagram, by
-    name.  ``seed`` of the runs without a gap.
+    name.  ``seed`` of the runs without a gap; ``limits`` False saves to say of a record without a gap from what sizes
+    on effects would have shown.
 
     Raises ``GapError`` if log and model do not fit together.
     """
@@ -55,13 +59,14 @@ def diagnose(
     if not isinstance(log, Log):
         raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. logs.read_log('run.csv')")
     problem = prepared(diagram, log, seed)
-    fits = ranked(candidates(problem, problem.quiet, catalogue), progress)
+    legal = candidates(problem, problem.quiet, catalogue)
+    fits = ranked(legal, progress)
     problem, fits = _instants_again(problem, fits)
     compressed = [found for one in catalogue if one.of_log and (found := _compression(problem, one)) is not None]
     lattices = [fit for fit in fits if isinstance(fit.effect, Quantisation) and problem.score > fit.F]
     textured = [*compressed, *lattices]
     others = [fit for fit in fits if fit not in lattices]
-    return told(problem, [*textured, *others], progress, catalogue, bool(textured))
+    return told(problem, [*textured, *others], progress, catalogue, bool(textured), legal if limits else ())
 
 
 def _instants_again(problem: Problem, fits: list[Fit]) -> tuple[Problem, list[Fit]]:
@@ -113,21 +118,28 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
             f"of the log's {len(log)} rows {max(left, 0)} are left once the model has settled, which is too few to "
             f"tell a gap; give at least {floor.skipped + FEWEST}"
         )
-    problem = with_lattices(Problem(model, quiet, record, floor, start), RUNS, seed + 1)
+    sure = kept_calibration(model, record).sureness
+    problem = with_lattices(Problem(model, quiet, record, floor, start, sureness=sure), RUNS, seed + 1)
     return settled(with_instants(problem))
 
 
 def told(
-    problem: Problem, fits: Sequence[Fit], progress: Progress, catalogue: Sequence[Effect], textured: bool
+    problem: Problem,
+    fits: Sequence[Fit],
+    progress: Progress,
+    catalogue: Sequence[Effect],
+    textured: bool,
+    legal: Sequence[Candidate] = (),
 ) -> GapReport:
     """Return the report of a record whose explanations are known, the best first.
 
-    ``textured``: whether the first is told by the digits of the log, which need no other proof.
+    ``textured``: whether the first is told by the digits of the log, which need no other proof; ``legal`` all
+    candidates, of which a record without a gap says what it would have shown.
     """
     best = fits[0] if fits else None
     gained = problem.score - best.total if best else 0.0
     if not textured and problem.score <= problem.limit and gained <= needed(problem):
-        return no_gap(problem)
+        return no_gap(problem, legal)
     if best is None:
         return unknown(problem, fits)
     if textured or complete(problem, best):
@@ -137,7 +149,7 @@ def told(
         return named(problem, tied(fits), fits, "adequate")
     pair = paired(problem, fits, catalogue, progress)
     if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair, best):
-        return named_pair(problem, pair, fits)
+        return named_pair(problem, pair, alternatives(problem, pair, catalogue), fits)
     if good:
         return named(problem, tied(fits), fits, "adequate")
     return unknown(problem, fits)

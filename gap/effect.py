@@ -44,7 +44,7 @@ class Parameter:
     itself, "span" of the span of the measurement at the place, "time" of the time scale of its loop, "size" of what a
     source gives (``gap.scales``).  ``spacing``: how a search should go through the range, "linear" or "log" (factors,
     times).  A ``nuisance`` has to be found for a replay, but is no part of the size of the effect: the phase of a wave,
-    the time of the first scan.
+    the time of the first scan.  Not ``smooth``: innovations have no slope in it, the digits of a log give it.
     """
 
     name: str
@@ -55,6 +55,7 @@ class Parameter:
     spacing: Literal["linear", "log"] = "linear"
     per: Literal["", "span", "time", "size"] = ""
     nuisance: bool = False
+    smooth: bool = True
 
     def grid(self, n: int, factor: float = 1.0) -> Floats:
         """Return ``n`` values over the range, the neutral one left out; ``factor`` what ``per`` stands for.

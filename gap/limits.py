@@ -18,7 +18,7 @@ SETTLED = 0.2  # nats that an interpolated limit must promise to be tried
 
 def fitted_limits(candidate: Candidate) -> Fit | None:
     """Return the best fit of two limits; None if no run succeeded."""
-    seen = _seen(candidate)
+    seen = reached(candidate)
     best: Fit | None = candidate.absent
     for name in ("high", "low"):
         if best is None:
@@ -35,7 +35,7 @@ def fitted_limits(candidate: Candidate) -> Fit | None:
     return best
 
 
-def _seen(candidate: Candidate) -> Floats:
+def reached(candidate: Candidate) -> Floats:
     """Return the logged values of what is limited, in the unit of the limits; an even grid where it is not logged."""
     effect, log = candidate.effect, candidate.problem.record.log
     block = candidate.base[candidate.place]

@@ -1,7 +1,7 @@
 """One record and one model, and what every candidate explanation of their gap is measured with."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -11,6 +11,7 @@ from diagram.diagram import Diagram
 from gap.floor import Floor, losses, scored
 from gap.offsets import known_starts, offsets
 from gap.record import Record
+from gap.sureness import Sureness
 
 Floats = NDArray[np.float64]
 AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
@@ -32,7 +33,7 @@ class Settled:
 class Problem:
     """``model`` with its nuisances, ``quiet`` without, both starting as the record does; ``record``; ``floor``;
     ``settled`` the parameters that have tolerances, as they suit the record best without any effect; ``before``
-    the problem before the switches of its set points were put at scans.
+    the problem before the switches of its set points were put at scans; ``sureness`` how often names are right.
     """
 
     model: Diagram
@@ -42,6 +43,7 @@ class Problem:
     start: Mapping[str, float]
     settled: Settled | None = None
     before: "Problem | None" = None
+    sureness: Sureness = field(default_factory=Sureness)
 
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:

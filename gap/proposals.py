@@ -87,7 +87,7 @@ def _beside(problem: Problem, shapes: Sequence[_Shape], rows: NDArray[np.int64])
                 continue
             absent = Fit(candidate, candidate.nominal, first.F, first.e)
             J, felt = slopes(absent, candidate.sizes[:1])
-            if not felt or not named:
+            if not felt:
                 continue
             at = np.array([*(first.values[k] for k in named), candidate.nominal[felt[0]]])
             low, high = np.array([*(first.candidate.bounds[k] for k in named), candidate.bounds[felt[0]]]).T

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from gap.floor import losses
-from gap.search import SETTLED, Candidate, Fit, best_of
+from gap.search import SETTLED, Candidate, Fit, best_of, refined
 
 NODES = 6  # sizes of a parameter that are replayed first
 BETWEEN = 8  # sizes looked at between two that were replayed
@@ -49,6 +49,11 @@ def fitted(candidate: Candidate, nodes: int = NODES) -> Fit | None:
     return best_of([candidate.absent, *candidate.tried([first.values])])
 
 
+def _near_neutral(best: Fit | None) -> Fit | None:
+    """Return a small size where none of the range suits: what the slope at neutral leads to."""
+    return best if best is None or best.present else refined(best, 2)
+
+
 def _over_range(candidate: Candidate, nodes: int) -> Fit | None:
     effect = candidate.effect
     if effect is None:
@@ -76,7 +81,7 @@ def _over_range(candidate: Candidate, nodes: int) -> Fit | None:
             best = best_of([best, *candidate.tried([{**values, p.name: size}])])
         if best is not None:
             values = dict(best.values)
-    return best
+    return _near_neutral(best)
 
 
 def _grid(spacing: str, low: float, high: float, nominal: float, nodes: int) -> list[float]:

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from diagram.diagram import Diagram
+    from gap.sensitivity import Seen
 
 Floats = NDArray[np.float64]
 UNKNOWN = "unknown"
@@ -95,7 +96,7 @@ class GapReport:
 
     ``gap`` whether there is one; ``where``, ``causes``, ``ranking``, ``shrinkage`` as named; ``words`` in sentences;
     ``residuals`` signal -> innovations of the model as it is and with the causes, (2, rows); ``t`` (rows,) [s];
-    ``evidence`` what the answer rests on.
+    ``evidence`` what the answer rests on; ``seen`` the sizes from which on effects would have shown, where none did.
     """
 
     gap: bool
@@ -109,6 +110,7 @@ class GapReport:
     residuals: Mapping[str, Floats]
     diagram: "Diagram"
     evidence: Evidence | None = None
+    seen: tuple["Seen", ...] = ()
 
     def __str__(self) -> str:
         return "\n".join([*self.words, *(f"  - {note}" for note in self.notes)])

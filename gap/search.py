@@ -62,6 +62,11 @@ class Candidate:
         return tuple(p.name for p in self.effect.parameters if not p.nuisance) if self.effect else ()
 
     @cached_property
+    def rough(self) -> frozenset[str]:
+        """Parameters in which innovations have no slope."""
+        return frozenset(p.name for p in self.effect.parameters if not p.smooth) if self.effect else frozenset()
+
+    @cached_property
     def own(self) -> tuple[str, ...]:
         """Parameters of the effect, its nuisances too."""
         return tuple(p.name for p in self.effect.parameters) if self.effect else ()
@@ -171,7 +176,7 @@ def slopes(fit: Fit, names: Sequence[str] | None = None) -> tuple[Floats, list[s
     many, changes, asked = [], [], []
     for name in candidate.bounds if names is None else names:
         at, (low, high), nominal = fit.values[name], candidate.bounds[name], candidate.nominal[name]
-        if not math.isfinite(at):
+        if not math.isfinite(at) or name in candidate.rough:
             continue
         away = abs(at - nominal) if math.isfinite(nominal) else abs(at)
         span = high - low if math.isfinite(high - low) else max(abs(at), 1.0)

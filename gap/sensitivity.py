@@ -8,7 +8,9 @@ Effects that have no slope at neutral (a limit, a stem that sticks) are replayed
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +20,7 @@ from gap.robust import step
 from gap.search import Candidate, slopes
 
 Floats = NDArray[np.float64]
-FINER = 60  # bisections, in octaves below the whole range
+STEPS, NEAR = 12, 0.02  # secants until the nats are met within this share
 SIZES = 10  # sizes that are replayed where there is no slope
 HALF = 0.5  # second size of a hidden effect, as a share of the first: the jump of a stem that sticks
 
@@ -35,18 +37,31 @@ class Seen:
 
     def __str__(self) -> str:
         unit = "" if self.unit == "-" else f" {self.unit}"
-        return f"{self.effect} at {self.place}: {self.parameter} {self.size:.2g}{unit}"
+        return f"{self.effect} at {self.place} ({self.parameter} {self.size:.{7 if unit == '' else 2}g}{unit})"
 
 
 def promised(candidate: Candidate) -> float:
     """Return how far the score would fall along the slope of an effect at neutral [nats]; infinite without slopes."""
     absent = candidate.absent
-    J, felt = slopes(absent)
+    J, felt = trace(candidate)
     if not felt:
         return math.inf
     at = np.array([absent.values[name] for name in felt])
     low, high = np.array([candidate.bounds[name] for name in felt]).T
     return absent.F - step(absent.e.ravel(), J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0))[1]
+
+
+@lru_cache(maxsize=64)
+def trace(candidate: Candidate) -> tuple[Floats, list[str]]:
+    """Return (J, names): the slopes of the innovations near neutral, (values, parameters), for those that are felt.
+
+    Of a load whose time is free, the one in the middle of the record: a step at its start is an offset.
+    """
+    absent = candidate.absent
+    if "time" in candidate.own:
+        t = candidate.problem.record.log.t
+        absent = replace(absent, values={**absent.values, "time": float(t[len(t) // 2])})
+    return slopes(absent)
 
 
 def smallest(candidate: Candidate, nats: float) -> Seen | None:
@@ -65,29 +80,29 @@ def _of_slope(candidate: Candidate, nats: float) -> float | None:
     name, absent = candidate.sizes[0], candidate.absent
     if candidate.effect is None or candidate.effect.hidden or not math.isfinite(candidate.nominal[name]):
         return None
-    if "time" in candidate.own:  # a step in the middle of the record: one at its start is an offset
-        t = candidate.problem.record.log.t
-        absent = replace(absent, values={**absent.values, "time": float(t[len(t) // 2])})
-    J, felt = slopes(absent, [name])
-    if not felt:
+    J, felt = trace(candidate)
+    if name not in felt:
         return None
     low, high = candidate.bounds[name]
     most = max(high - candidate.nominal[name], candidate.nominal[name] - low)
-    return _least(absent.e.ravel(), -J[:, 0], candidate.nominal[name], most, nats)
+    return _least(absent.e.ravel(), -J[:, felt.index(name)], candidate.nominal[name], most, nats)
 
 
 def _least(e: Floats, J: Floats, nominal: float, most: float, nats: float) -> float | None:
-    """Return nominal + s for the least s with F(e + J s) - F(e) = nats, found by bisection; None above ``most``."""
-    F = float(losses(e).sum())
-    low, high = 0.0, most
-    if float(losses(e + J * high).sum()) - F < nats:
+    """Return nominal + s for the least s with F(e + J s) - F(e) = nats, by secants; None above ``most``.
+
+    Near neutral F grows as s^2, later as its logarithm.
+    """
+    F, size = float(losses(e).sum()), float(np.nansum(J**2))
+    if not size > 0.0:
         return None
-    for _ in range(FINER):
-        s = 0.5 * (low + high)
-        low, high = (low, s) if float(losses(e + J * s).sum()) - F >= nats else (s, high)
-        if high - low < 1e-3 * high:
+    s = math.sqrt(2.0 * nats / size)
+    for _ in range(STEPS):
+        gained = max(float(losses(e + J * s).sum()) - F, 1e-3 * nats)
+        s *= math.sqrt(nats / gained)
+        if abs(gained / nats - 1.0) < NEAR:
             break
-    return nominal + high
+    return nominal + s if s <= most else None
 
 
 def _of_noise(candidate: Candidate, nats: float) -> float | None:
@@ -121,3 +136,8 @@ def _of_sizes(candidate: Candidate, nats: float) -> float | None:
             return float(before * (size / before) ** share)
         before, gained = size, max(more, 0.0)
     return None
+
+
+def seen(legal: Sequence[Candidate], nats: float) -> tuple[Seen, ...]:
+    """Return for each effect at each place from what size on the record would have shown it."""
+    return tuple(found for one in legal if (found := smallest(one, nats)) is not None)

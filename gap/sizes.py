@@ -23,12 +23,14 @@ def sizes(fit: Fit) -> dict[str, Size]:
     weights = 1.0 / (1.0 + np.nan_to_num(fit.e.ravel()) ** 2 / NU)
     G = flat.T @ (flat * weights[:, None])
     sd = dict(zip(felt, np.sqrt(np.maximum(np.diag(np.linalg.pinv(G)), 0.0) * LOST).tolist(), strict=True))
-    found = {}
+    found, log = {}, fit.candidate.problem.record.log
     for p in fit.effect.parameters:
         value, (low, high) = float(fit.values[p.name]), fit.candidate.bounds[p.name]
         if p.nuisance or not np.isfinite(value):
             continue
         wide = SURE * sd.get(p.name, np.inf)  # what the record does not feel may be anything
+        if not p.smooth:  # read off the rows: a row in the whole record
+            wide = value * log.dt / max(log.duration, log.dt)
         found[p.name] = Size(value, max(value - wide, min(low, value)), min(value + wide, max(high, value)), p.unit)
     return found
 

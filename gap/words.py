@@ -9,28 +9,41 @@ from numpy.typing import NDArray
 from blocks.role import Role
 from gap.adequacy import EXPLAINED, needed, share
 from gap.floor import losses, scored
+from gap.isolability import classes
 from gap.model import nuisances
 from gap.pairs import Pair
 from gap.problem import Problem
 from gap.report import UNKNOWN, Cause, Evidence, GapReport, Rank, Shrinkage, Size, Where, listed
-from gap.search import Fit, best_of, refined
+from gap.search import Candidate, Fit, best_of, refined
+from gap.sensitivity import seen
+from gap.separating import staircase_separates, tags
 from gap.sizes import SEEN, shares, shrinkage, sizes
+from gap.swapping import swapped
 
 Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not tell apart
 ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
 LISTED = 12  # explanations in the ranking
-SURE, UNSURE = 0.95, 0.9  # probability of a name before anything is known of how often it is right
 
 
-def no_gap(problem: Problem) -> GapReport:
-    """Return the report of a record that the model explains."""
-    words = (
+def no_gap(problem: Problem, legal: Sequence[Candidate]) -> GapReport:
+    """Return the report of a record that the model explains, with the sizes of effects that would have shown."""
+    least = seen(legal, needed(problem))
+    words = [
         "No gap of relevance: the log is as the model with its nuisances would write it "
-        f"(score {problem.score:.0f}, without a gap {problem.level:.0f} on average and {problem.limit:.0f} at most).",
-    )
-    return _report(problem, words, problem.as_it_is, rests=Evidence("none", problem.score - problem.level))
+        f"(score {problem.score:.0f}, without a gap {problem.level:.0f} on average and {problem.limit:.0f} at most)."
+    ]
+    if least:
+        words.append(f"This record would have shown {', '.join(map(str, least))}.")
+    blind = sorted({one.effect.name for one in legal if one.effect} - {one.effect for one in least})
+    if blind:
+        words.append(f"It cannot show, or only by its digits: {', '.join(blind)}.")
+    same = ["; ".join(f"{c.effect.name} at {c.place}" for c in group if c.effect) for group in classes(legal)]
+    if same:
+        words.append(f"From these signals small effects cannot be told apart: {' | '.join(same)}.")
+    rests = Evidence("none", problem.score - problem.level)
+    return replace(_report(problem, words, problem.as_it_is, rests=rests), seen=least)
 
 
 def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
@@ -44,10 +57,12 @@ def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
         words.append(f"Nearest is {best.effect.name} at {best.place}, which explains {part:.0f} % of it.")
     words += shape(problem)
     explained = shares(fits, problem.score, problem.level)
-    where = Where(place, 0.7, near, {name: explained.get(name, 0.0) for name in near})
+    rests = evidence(problem, "unknown", fits[:1], fits)
+    sure = problem.sureness.probability(rests)
+    where = Where(place, sure / len(near) if near else sure, near, {name: explained.get(name, 0.0) for name in near})
     return _report(
-        problem, words, best.e if best else problem.as_it_is, where, (Cause(UNKNOWN, place, UNSURE),),
-        ranking(fits, [], UNSURE), None, evidence(problem, "unknown", fits[:1], fits),
+        problem, words, best.e if best else problem.as_it_is, where, (Cause(UNKNOWN, place, sure),),
+        ranking(fits, [], 1.0 - sure), None, rests,
     )  # fmt: skip
 
 
@@ -61,27 +76,58 @@ def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit], kind: str 
     shrunk = held_out(problem, [best])
     words = [f"There is a gap. Place: {listed(places)}. Cause: {best.effect.name} at {best.place}, {_sizes(found)}."]
     if others:
-        words.append(f"From these signals it cannot be told apart from {listed(others)}.")
+        words.append(f"From these signals it cannot be told apart from {listed(others)}; {next_test(problem, same)}.")
     words.append(f"It explains {100.0 * share(problem, best):.1f} % of the gap" + _shrunk(shrunk))
-    cause = Cause(best.effect.name, best.place, SURE, others, found)
-    where = Where(best.place, SURE, places, {name: explained.get(name, 0.0) for name in places})
+    swap = swapped(problem, best.place)
+    if swap is not None:
+        words.append(str(swap))
     rests = evidence(problem, kind, same, fits)
-    return _report(problem, words, best.e, where, (cause,), ranking(fits, same, SURE), shrunk, rests)
+    sure = problem.sureness.probability(rests)
+    cause = Cause(best.effect.name, best.place, sure, others, found)
+    where = Where(best.place, sure, places, {name: explained.get(name, 0.0) for name in places})
+    return _report(problem, words, best.e, where, (cause,), ranking(fits, same, sure), shrunk, rests)
 
 
-def named_pair(problem: Problem, pair: Pair, fits: Sequence[Fit]) -> GapReport:
-    """Return the report of a gap with two causes."""
+def named_pair(
+    problem: Problem, pair: Pair, same: tuple[Sequence[Fit], Sequence[Fit]], fits: Sequence[Fit]
+) -> GapReport:
+    """Return the report of a gap with two causes; ``same`` what each could be as well, given the other."""
     both = (pair.first, pair.second)
-    causes = tuple(Cause(fit.effect.name, fit.place, UNSURE, (), found_sizes(fit)) for fit in both)
-    places = tuple(dict.fromkeys(fit.place for fit in both))
+    others = [
+        tuple(dict.fromkeys(one.effect.name for one in also if one.effect is not also[0].effect)) for also in same
+    ]
+    rests = Evidence("pair", problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total)
+    sure = problem.sureness.probability(rests)
+    causes = tuple(
+        Cause(fit.effect.name, fit.place, sure, other, found_sizes(fit))
+        for fit, other in zip(both, others, strict=True)
+    )
+    places = tuple(dict.fromkeys(fit.place for also in same for fit in also))
     explained = shares(fits, problem.score, problem.level)
     shrunk = held_out(problem, both)
     words = ["There is a gap with two causes."]
-    words += [f"{cause.effect} at {cause.place}, {_sizes(cause.parameters)}." for cause in causes]
+    words += [
+        f"{cause.effect} at {cause.place}, {_sizes(cause.parameters)}"
+        + (f" (or {listed(cause.ambiguous_with)})." if cause.ambiguous_with else ".")
+        for cause in causes
+    ]
     words.append(f"Together they explain {100.0 * share(problem, pair.second):.1f} % of the gap" + _shrunk(shrunk))
-    where = Where(places[0], UNSURE, places, {name: explained.get(name, 0.0) for name in places})
-    rests = Evidence("pair", problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total)
-    return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], UNSURE), shrunk, rests)
+    where = Where(both[0].place, sure, places, {name: explained.get(name, 0.0) for name in places})
+    return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], sure), shrunk, rests)
+
+
+def next_test(problem: Problem, same: Sequence[Fit]) -> str:
+    """Return in words which tag or which move of the set point would tell some effects apart."""
+    found = tags(problem, same)
+    if found:
+        return f"{listed(found[:3])}, logged as well, would tell"
+    for k in range(2, len(same)):  # not all of them, but some
+        found = tags(problem, same[:k])
+        if found:
+            return f"{listed(found[:3])}, logged as well, would tell some of them"
+    if staircase_separates(problem, same):
+        return "steps of the set point over a wider range would tell"
+    return "no other signal of the model, nor a wider range of the set point, would tell"
 
 
 def evidence(problem: Problem, kind: str, same: Sequence[Fit], fits: Sequence[Fit]) -> Evidence:
@@ -233,4 +279,5 @@ def notes(problem: Problem) -> tuple[str, ...]:
         + (f"; {', '.join(told)}." if told else "."),
         "Nuisances of the model: " + ("; ".join(map(str, found)) if found else "none") + ".",
         way,
+        str(problem.sureness),
     )

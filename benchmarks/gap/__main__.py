@@ -74,7 +74,7 @@ def _row(run: Run, first: set[str]) -> dict[str, Any]:
     record = run.made()
     signals = {s: v for s, v in record.signals.items() if s != "time" and (run.mv or s != "MV")}
     begin = time.perf_counter()
-    found = diagnose(model(run.setting), Log(record.signals["time"], signals), progress=False)
+    found = diagnose(model(run.setting), Log(record.signals["time"], signals), limits=False, progress=False)
     seconds = time.perf_counter() - begin
     report = found.to_dict()
     truth = {"gap": record.gap, "effects": {k: dict(v) for k, v in record.effects.items()}}

@@ -28,9 +28,9 @@ class ScanTime(Effect):
     name = "scan_time"
     role = Role.CONTROLLER
     parameters = (
-        Parameter("period", "s", 0.0, 0.02, 3.0, "log", "time"),
-        Parameter("offset", "s", 0.0, 0.0, 3.0, per="time", nuisance=True),
-        Parameter("present", "-", 1.0, 0.0, 1.0, nuisance=True),
+        Parameter("period", "s", 0.0, 0.02, 3.0, "log", "time", smooth=False),
+        Parameter("offset", "s", 0.0, 0.0, 3.0, per="time", nuisance=True, smooth=False),
+        Parameter("present", "-", 1.0, 0.0, 1.0, nuisance=True, smooth=False),
     )
 
     def fits(self, diagram: Diagram, block: Block) -> bool:

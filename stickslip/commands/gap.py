@@ -20,19 +20,27 @@ if TYPE_CHECKING:
 @click.option("--model", required=True, metavar="MODEL", help="Name of a case, or FILE.py:FUNCTION.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the runs without a gap.")
+@click.option("--calibrate", is_flag=True, help="Count how often names are right on runs of MODEL with known effects.")
+@click.option("--minutes", type=float, default=1e9, help="With --calibrate: stop after so long; the next call goes on.")
 @json_option
 @user_errors
-def command(run: Path, model: str, html: Path | None, seed: int, json_file: str | None) -> None:
+def command(
+    run: Path, model: str, html: Path | None, seed: int, calibrate: bool, minutes: float, json_file: str | None
+) -> None:
     """Say where MODEL and the record RUN part, which effect explains it, and how far the gap shrinks then.
 
     RUN is CSV or Parquet with a column 'time' in seconds and any signals of the model, by name. MODEL is the name of a
     case ('stickslip simulate --list'), or FILE.py:FUNCTION: that file IS EXECUTED, and the function, called without
     arguments, returns a wired diagram with nominal parameters, its noise and unmeasured loads as blocks.
 
+    --calibrate puts every effect into MODEL at the set points, rows, rounding and signals of RUN, diagnoses these runs,
+    prints what came out, and keeps it: probabilities are stated by it from then on.
+
     \b
     Examples:
       stickslip gap run.csv --model ideal_flow
       stickslip gap run.csv --model my_loop.py:loop --json gap.json --html gap.html
+      stickslip gap run.csv --model my_loop.py:loop --calibrate --minutes 10
 
     \b
     Exit codes:
@@ -42,11 +50,15 @@ def command(run: Path, model: str, html: Path | None, seed: int, json_file: str 
     """
     check_targets({"--html": html, "--json": json_file}, source=run)
     diagram = _model(model)
-    from gap import diagnose
+    from gap import calibrated, diagnose
     from logs import read_log
 
-    report = diagnose(diagram, read_log(run), seed=seed)
+    log = read_log(run)
     say = Speaker(json_file)
+    if calibrate:
+        for line in str(calibrated(diagram, log, seed=seed, seconds=60.0 * minutes)).splitlines():
+            say(line)
+    report = diagnose(diagram, log, seed=seed)
     say("GAP" if report.gap else "NO GAP", fg="red" if report.gap else "green", bold=True)
     for sentence in report.words:
         say.paragraph(sentence)

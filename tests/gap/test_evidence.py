@@ -1,0 +1,68 @@
+"""What a report says beside the name: what would have shown, what cannot be told apart, the swap, the next tag."""
+
+import numpy as np
+import pytest
+
+from cases.models import ideal_flow
+from gap import diagnose
+from gap.adequacy import needed
+from gap.candidates import candidates
+from gap.diagnosis import prepared
+from gap.effects import effect
+from gap.isolability import classes
+from gap.sensitivity import promised, seen
+from gap.swapping import swapped
+
+NAMES = ("valve_gain", "process_gain", "sensor_span", "dead_time", "second_lag", "controller_gain", "sensor_bias")
+FEW = [effect(name) for name in NAMES]
+
+
+@pytest.fixture(scope="module")
+def plain(recorded):
+    """A record without a gap."""
+    return prepared(ideal_flow(), recorded(seed=5))
+
+
+def test_classes_of_effects_are_those_of_the_linear_loop(plain):
+    # analytic: a gain anywhere between OP and PV is the same gain
+    found = classes(candidates(plain, plain.quiet, FEW))
+    assert [{c.effect.name for c in group} for group in found] == [{"valve_gain", "process_gain", "sensor_span"}]
+
+
+def test_an_effect_shows_from_the_size_on_that_is_said(plain, recorded):
+    least = {one.effect: one.size for one in seen(candidates(plain, plain.quiet, FEW), needed(plain))}
+    assert set(least) == set(NAMES) and 1.0 < least["process_gain"] < 1.001
+    few = [effect("process_gain")]
+    for factor, gap in (
+        (1.0 + 3.0 * (least["process_gain"] - 1.0), True),
+        (1.0 + 0.3 * (least["process_gain"] - 1.0), False),
+    ):
+        log = recorded("process_gain", "process", seed=5, factor=factor)
+        assert diagnose(ideal_flow(), log, catalogue=few, progress=False).gap is gap
+
+
+def test_without_a_gap_no_slope_promises_a_name(plain):
+    assert max(promised(one) for one in candidates(plain, plain.quiet, FEW)) < 0.5 * needed(plain)
+
+
+def test_the_words_of_a_record_without_a_gap_say_what_would_have_shown(recorded):
+    report = diagnose(ideal_flow(), recorded(seed=5), catalogue=FEW, progress=False)
+    assert "would have shown" in str(report) and {one.effect for one in report.seen} == set(NAMES)
+    short = diagnose(ideal_flow(), recorded(seed=5), catalogue=FEW, limits=False, progress=False)
+    assert not short.seen and not short.gap
+
+
+def test_the_tag_that_tells_gains_apart_is_named(recorded):
+    log = recorded("valve_gain", "valve", factor=0.93)
+    words = str(diagnose(ideal_flow(), log, catalogue=FEW, progress=False))
+    assert "F, logged as well, would tell" in words
+
+
+@pytest.mark.parametrize(("name", "place", "right", "wrong"), [
+    ("process_gain", "process", "process", "controller"), ("controller_gain", "controller", "controller", "valve"),
+])  # fmt: skip
+def test_the_swap_of_the_right_segment_takes_the_gap_away(recorded, name, place, right, wrong):
+    problem = prepared(ideal_flow(), recorded(name, place, factor=1.2))
+    assert swapped(problem, right).share > 0.95
+    assert swapped(problem, wrong).share < 0.5
+    assert np.isfinite(swapped(problem, right).noise)
