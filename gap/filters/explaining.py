@@ -18,7 +18,8 @@ from gap.loads import planned
 
 PERIODS = (2, 3, 4, 5, 6, 8, 10, 12)  # scans of a slower controller that are tried
 QUANTILES = (1.0, 0.995, 0.98, 0.95, 0.9)  # of OP, at which an upper limit is tried
-FOLLOWED = 9  # explanations that are fitted to the end
+FIRST = 2  # steps of every fit
+FOLLOWED = 8  # explanations that are fitted to the end
 LAGGING, BEHIND = 60.0, 0.7  # nats, or share of the gap, by which a few sizes may lag behind a fit to be fitted too
 NEAR = 60.0  # nats by which a fit may lag behind the best to be fitted again
 SWITCHED = 3  # times that switches are looked for again
@@ -70,8 +71,8 @@ def ranked(plain: Found, catalogue: Iterable[Effect], progress: Progress = None)
     with reporting(progress, len(legal), "effects") as tell:
         for done, (effect, place) in enumerate(legal):
             start = coarse(plain, effect, place)
-            if start is not None:
-                looked.append(start)
+            if start is not None:  # a sharp likelihood is seen only near its top
+                looked.append(refined(start, free_names(start.explanation), FIRST).best)
             tell(done + 1, len(legal))
     looked.sort(key=lambda one: one.nll)
     found: list[Found] = []
@@ -116,7 +117,7 @@ def free_names(one: Explanation) -> tuple[str, ...]:
 
 
 def _irregular(plain: Found) -> bool:
-    """Return whether the innovations are far too large: a controller that scans more slowly leaves nothing as it was."""
+    """Return whether innovations are far too large: a controller that scans more slowly leaves nothing as it was."""
     e = plain.best.judged
     return 0.5 * float(np.nansum(e**2 - 1.0)) > IRREGULAR * len(e)
 
@@ -162,9 +163,9 @@ def _scans(one: Explanation) -> list[dict[str, float]]:
 
 def _limited(plain: Found, one: Explanation) -> Filtered | None:
     """Return the best of some upper and lower limits within what OP reached."""
-    OP, f = plain.best.OP, one.filtering
+    f = one.filtering
     percent = 100.0 if one.effect and one.effect.parameters[0].unit.startswith("%") else 1.0
-    logged = f.record.log[f.op] if f.op in f.record.log else OP
+    logged = f.record.log[f.op][f.record.log.good(f.op)]
     free = {key: plain.best.values[key] for key in f.free}
     found = None
     values: dict[str, float] = dict(free)
@@ -187,7 +188,6 @@ def _load(plain: Found, one: Explanation) -> Filtered | None:
     if kicked is None or one.effect is None:
         return None
     h = np.nan_to_num((kicked.e - base.e)[at:] / _Pulse.size)
-    low, high = one.bounds["amplitude"]
     found: list[Filtered | None] = []
     free = {key: base.values[key] for key in f.free}
     for guess in planned(one.effect, f.quiet, one.place, rows[f.skipped :], np.nan_to_num(base.judged), h):

@@ -28,7 +28,7 @@ from gap.filters.scanned import Scanned, base_period, operating, scanned
 from gap.inserted import percent_out
 from gap.model import Nuisance, nuisances
 from gap.paths import given, noise_of
-from gap.record import Record
+from gap.record import Record, rounding
 
 Floats = NDArray[np.float64]
 FINER = 8  # points of a scan at which a planned load is averaged
@@ -100,7 +100,8 @@ class Filtering:
     @cached_property
     def r(self) -> Floats:
         """Variance of the log's rounding of each signal, not quite 0 where it does not round."""
-        steps = np.array([self.record.steps[s] for s in self.signals])
+        log = self.record.log
+        steps = np.array([rounding(log[s][log.good(s)]) for s in self.signals])
         return np.maximum(steps**2 / 12.0, 1e-12 * np.nanvar(self.Y, axis=0))
 
     @cached_property

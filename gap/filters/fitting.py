@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 ROUNDS = 10
 PROBE = 1e-4  # of a coordinate, for its slope
 SETTLED = 0.1  # nats that a step must promise
+NEARBY = (0.05, 0.2, 0.6)  # changes of a factor that are looked at first
 NODES = 6  # sizes of a parameter that are looked at first
 WIDEST = 0.7  # largest change of a coordinate in one step
 
@@ -181,6 +182,9 @@ def grid(one: Explanation, name: str) -> list[float]:
     low, high = one.bounds[name]
     nominal = one.nominal[name]
     if logarithmic(one, name):
+        if low < nominal < high < math.inf:
+            near = [nominal * math.exp(way * by) for by in NEARBY for way in (1.0, -1.0)]
+            return [size for size in near if low <= size <= high]
         return [float(v) for v in np.geomspace(low, high, NODES) if v != nominal]
     share = np.geomspace(0.02, 0.8, NODES // 2)
     return [*(nominal + share * (high - nominal)).tolist(), *(nominal + share * (low - nominal)).tolist()]
