@@ -33,7 +33,9 @@ NEEDED = 6.5  # nats that an effect must gain: noise alone gains as much in one 
 LIMIT = 5.2  # largest check of an explanation that is right
 LIMIT_STEMS = 9.0  # of a bank of stems, which is not exact
 EXPLAINED, LIMIT_LARGE = 0.97, 7.5  # an explanation of so much of a gap may fail its checks a little: no law is exact
+SMALL = 0.012  # of the largest check of the model as it is: so much of it may be left then
 TIE = 6.0  # nats between explanations that the record does not tell apart
+ACTING = 1.5  # excess of OP's innovations over that of PV's from which on the controller is it
 STICTION = 16.0  # nats that a jump must gain over a deadband: a bank of stems is no more exact
 
 
@@ -102,13 +104,21 @@ def outcome(f: Filtering, catalogue: Sequence[Effect], seed: int = 0, progress: 
     clean = worst(plain.best)[1] <= LIMIT
     if clean and (not fits or plain.nll - total(fits[0]) < NEEDED):
         return Outcome(plain, fits, (), False)
-    if not fits or not adequate(plain, fits[0]):
+    if (not fits or not adequate(plain, fits[0])) and _by_stem(plain.best):
         sticking = [(effect, place) for effect, place in legal if effect.hidden]
         fits = sorted([*fits, *_stems(plain, sticking)], key=total)
     if fits and plain.nll - total(fits[0]) >= NEEDED and adequate(plain, fits[0]):
         same = [one for one in fits if total(one) <= total(fits[0]) + TIE and one.nll <= fits[0].nll + TIE]
         return Outcome(plain, fits, same, True)
     return Outcome(plain, fits, (), True)
+
+
+def _by_stem(plain: Filtered) -> bool:
+    """Return whether a stem may be it: what the controller makes of the measurement, it leaves nearly as it was."""
+    f = plain.explanation.filtering
+    excess = dict(zip(f.signals, np.nanmean(plain.judged**2, axis=0) - 1.0, strict=True))
+    acting = excess.pop(f.op)
+    return acting < ACTING * max(excess.values())
 
 
 def _stems(plain: Found, sticking: Sequence[tuple[Effect, str]]) -> list[Found]:
@@ -138,7 +148,7 @@ def adequate(plain: Found, one: Found) -> bool:
     """Return whether an explanation passes its checks, or nearly does where it explains nearly all of a large gap."""
     if passes(one.best):
         return True
-    limit = LIMIT_STEMS if one.best.explanation.sticks else LIMIT_LARGE
+    limit = max(LIMIT_STEMS if one.best.explanation.sticks else LIMIT_LARGE, SMALL * worst(plain.best)[1])
     return explained(plain, one) >= EXPLAINED and worst(one.best)[1] <= limit
 
 

@@ -103,7 +103,7 @@ def refined(start: Filtered, names: Sequence[str], rounds: int = ROUNDS) -> Foun
 
 def _slopes(now: Filtered, names: Sequence[str]) -> tuple[Floats, Floats, list[str]]:
     """Return slope of the nll, Fisher's information and the names of the parameters that are felt."""
-    one, first = now.explanation, now.explanation.filtering.skipped
+    one, rows = now.explanation, now.explanation.filtering.counted
     missed, spread, gradient, felt, steps = [], [], [], [], []
     for name in names:
         at, _, high = _coordinates(one, name, now.values)
@@ -111,8 +111,8 @@ def _slopes(now: Filtered, names: Sequence[str]) -> tuple[Floats, Floats, list[s
         probe = tried(one, {**now.values, **_values(one, [name], np.array([at + step]))})
         if probe is None:
             continue
-        d = (probe.e * np.sqrt(probe.S) - now.e * np.sqrt(now.S))[first:] / np.sqrt(now.S[first:]) / step
-        w = (np.log(probe.S) - np.log(now.S))[first:] / step
+        d = (probe.e * np.sqrt(probe.S) - now.e * np.sqrt(now.S))[rows] / np.sqrt(now.S[rows]) / step
+        w = (np.log(probe.S) - np.log(now.S))[rows] / step
         d, w = np.nan_to_num(d).ravel(), np.nan_to_num(w).ravel()
         if float(d @ d + 0.5 * (w @ w)) < 1e-6:
             continue
