@@ -4,6 +4,8 @@
 2. Fit every effect of the catalogue at every place where it may be (``candidates``).
 3. Name the best, and with it all that would have left the same log; or say "unknown" where none is adequate.
 4. Fit again on the first part of the record, judge on the rest (``sizes``).
+
+A scanned loop with a load that nobody measures has a filter of its own, whose likelihood is exact (``gap.filters``).
 """
 
 from collections.abc import Sequence
@@ -21,6 +23,8 @@ from gap.effect import Effect
 from gap.effects import CATALOGUE
 from gap.effects.quantisation import Quantisation
 from gap.filtered import filter_of, floor_of_record
+from gap.filters.diagnosing import filtering_of, outcome
+from gap.filters.telling import told as told_by_filters
 from gap.floor import Floor, measured
 from gap.instants import with_instants
 from gap.model import read, silenced
@@ -58,6 +62,10 @@ def diagnose(
     log = getattr(log, "log", log)
     if not isinstance(log, Log):
         raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. logs.read_log('run.csv')")
+    opened, record = read(diagram, log)
+    filtering = filtering_of(opened, record)
+    if filtering is not None:
+        return told_by_filters(outcome(filtering, catalogue, seed, progress))
     problem = prepared(diagram, log, seed)
     legal = candidates(problem, problem.quiet, catalogue)
     fits = ranked(legal, progress)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from blocks.role import Role
 from diagram.progress import Progress, reporting
 from gap.effect import Effect
 from gap.effects.quantisation import Quantisation
@@ -18,7 +19,8 @@ from gap.loads import planned
 
 PERIODS = (2, 3, 4, 5, 6, 8, 10, 12)  # scans of a slower controller that are tried
 QUANTILES = (1.0, 0.995, 0.98, 0.95, 0.9)  # of OP, at which an upper limit is tried
-FOLLOWED = 9  # explanations that are fitted to the end
+FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
+FIRSTS, FOLLOWED = 3, 8  # explanations that are fitted to the end with switches of their own, and without
 LAGGING, BEHIND = 60.0, 0.7  # nats, or share of the gap, by which a few sizes may lag behind a fit to be fitted too
 NEAR = 60.0  # nats by which a fit may lag behind the best to be fitted again
 SWITCHED = 3  # times that switches are looked for again
@@ -69,21 +71,42 @@ def ranked(plain: Found, catalogue: Iterable[Effect], progress: Progress = None)
     looked = []
     with reporting(progress, len(legal), "effects") as tell:
         for done, (effect, place) in enumerate(legal):
-            start = coarse(plain, effect, place)
-            if start is not None:
-                looked.append(start)
+            start = coarse(_apart(plain) if effect.role is Role.CONTROLLER else plain, effect, place)
+            if start is not None:  # a sharp likelihood is seen only near its top
+                looked.append(first_fit(plain, start))
             tell(done + 1, len(legal))
     looked.sort(key=lambda one: one.nll)
     found: list[Found] = []
     for k, start in enumerate(looked):
         best = min((one.nll for one in found), default=math.inf)
         gained = plain.nll - best
-        if k < FOLLOWED and (start.nll < best + max(LAGGING, BEHIND * gained)):
+        near = start.nll < best + max(LAGGING, BEHIND * gained)
+        if k < FIRSTS and near:
             found.append(followed(start))
+        elif k < FOLLOWED and near:
+            found.append(refined(start, free_names(start.explanation)))
         else:
             found.append(Found(start, (), np.zeros((0, 0))))
     found.sort(key=total)
     return sorted((_again(one, found[0]) for one in found), key=total) if found else []
+
+
+def _apart(plain: Found) -> Found:
+    """Return the same without the rows near switches: a scan that is wrong there looks like a wrong controller."""
+    one = plain.best.explanation
+    apart = replace(one, filtering=replace(one.filtering, apart=True))
+    return replace(plain, best=replace(plain.best, explanation=apart))
+
+
+def first_fit(plain: Found, start: Filtered) -> Filtered:
+    """Return a fit after a few steps; one of a controller with switches that suit it."""
+    names = free_names(start.explanation)
+    if not start.explanation.filtering.apart:
+        return refined(start, names, FIRST).best
+    near = refined(start, names, APART).best
+    whole = replace(near.explanation, filtering=plain.best.explanation.filtering)
+    again = tried(whole, near.values)
+    return near if again is None else refined(with_switches(again), names, FIRST).best
 
 
 def _again(one: Found, best: Found) -> Found:
@@ -116,7 +139,7 @@ def free_names(one: Explanation) -> tuple[str, ...]:
 
 
 def _irregular(plain: Found) -> bool:
-    """Return whether the innovations are far too large: a controller that scans more slowly leaves nothing as it was."""
+    """Return whether innovations are far too large: a controller that scans more slowly leaves nothing as it was."""
     e = plain.best.judged
     return 0.5 * float(np.nansum(e**2 - 1.0)) > IRREGULAR * len(e)
 
@@ -162,9 +185,9 @@ def _scans(one: Explanation) -> list[dict[str, float]]:
 
 def _limited(plain: Found, one: Explanation) -> Filtered | None:
     """Return the best of some upper and lower limits within what OP reached."""
-    OP, f = plain.best.OP, one.filtering
+    f = one.filtering
     percent = 100.0 if one.effect and one.effect.parameters[0].unit.startswith("%") else 1.0
-    logged = f.record.log[f.op] if f.op in f.record.log else OP
+    logged = f.record.log[f.op][f.record.log.good(f.op)]
     free = {key: plain.best.values[key] for key in f.free}
     found = None
     values: dict[str, float] = dict(free)
@@ -187,7 +210,6 @@ def _load(plain: Found, one: Explanation) -> Filtered | None:
     if kicked is None or one.effect is None:
         return None
     h = np.nan_to_num((kicked.e - base.e)[at:] / _Pulse.size)
-    low, high = one.bounds["amplitude"]
     found: list[Filtered | None] = []
     free = {key: base.values[key] for key in f.free}
     for guess in planned(one.effect, f.quiet, one.place, rows[f.skipped :], np.nan_to_num(base.judged), h):

@@ -28,10 +28,13 @@ from gap.filters.scanned import Scanned, base_period, operating, scanned
 from gap.inserted import percent_out
 from gap.model import Nuisance, nuisances
 from gap.paths import given, noise_of
-from gap.record import Record
+from gap.record import Record, rounding
 
 Floats = NDArray[np.float64]
 FINER = 8  # points of a scan at which a planned load is averaged
+UNSEEN = 1e9  # variance of a signal that is not there
+NEAR = 4  # rows behind a switch of an input that tell of its scan
+RARE = 0.1  # share of rows at which an input that switches does so, at most
 SKIPPED = 60  # rows at the beginning, and at least the time in which a start is forgotten
 UNCHANGED = (SensorNoise, Quantisation)  # effects that change no path of a signal
 LAWS = {ValveSaturation: kalman.STOPS, ValveCharacteristic: kalman.CURVED, ValveRateLimit: kalman.SLOW}
@@ -40,13 +43,27 @@ LAWS = {ValveSaturation: kalman.STOPS, ValveCharacteristic: kalman.CURVED, Valve
 @dataclass(frozen=True, eq=False)
 class Filtering:
     """``model`` with its nuisances, ``quiet`` without, started as the record starts; ``record``; ``leads`` scans by
-    which each switch of an input comes before the row that shows it, (inputs, rows).
+    which each switch of an input comes before the row that shows it, (inputs, rows); ``apart``: whether rows just
+    behind a switch are left out.
     """
 
     model: Diagram
     quiet: Diagram
     record: Record
     leads: NDArray[np.int64]
+    apart: bool = False
+
+    @cached_property
+    def counted(self) -> NDArray[np.bool_]:
+        """Which rows count: those behind the start, and ``apart`` those that no switch of an input is near."""
+        found = np.arange(len(self.Y)) >= self.skipped
+        if self.apart:
+            for s in self.record.played:
+                moved = np.flatnonzero(np.diff(self.record.log[s]) != 0.0) + 1
+                if len(moved) < RARE * len(self.Y):
+                    for k in range(NEAR):
+                        found[np.minimum(moved + k, len(found) - 1)] = False
+        return found
 
     @cached_property
     def noise(self) -> tuple[Nuisance, ...]:
@@ -100,8 +117,12 @@ class Filtering:
     @cached_property
     def r(self) -> Floats:
         """Variance of the log's rounding of each signal, not quite 0 where it does not round."""
-        steps = np.array([self.record.steps[s] for s in self.signals])
-        return np.maximum(steps**2 / 12.0, 1e-12 * np.nanvar(self.Y, axis=0))
+        log = self.record.log
+        found = []
+        for s in self.signals:
+            values = log[s][log.good(s)]
+            found.append(max(rounding(values) ** 2 / 12.0, 1e-12 * float(np.var(values))) if len(values) else UNSEEN)
+        return np.array(found)
 
     @cached_property
     def skipped(self) -> int:
@@ -292,7 +313,7 @@ class Filtered:
     @cached_property
     def nll(self) -> float:
         """Negative logarithm of the likelihood of the rows that count [nats]."""
-        value = float(self.losses[self.explanation.filtering.skipped :].sum())
+        value = float(self.losses[self.explanation.filtering.counted].sum())
         return value if math.isfinite(value) else math.inf
 
     @cached_property

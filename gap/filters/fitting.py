@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 ROUNDS = 10
 PROBE = 1e-4  # of a coordinate, for its slope
 SETTLED = 0.1  # nats that a step must promise
+NEARBY = (0.05, 0.2, 0.6)  # changes of a factor that are looked at first
 NODES = 6  # sizes of a parameter that are looked at first
 WIDEST = 0.7  # largest change of a coordinate in one step
 
@@ -102,7 +103,7 @@ def refined(start: Filtered, names: Sequence[str], rounds: int = ROUNDS) -> Foun
 
 def _slopes(now: Filtered, names: Sequence[str]) -> tuple[Floats, Floats, list[str]]:
     """Return slope of the nll, Fisher's information and the names of the parameters that are felt."""
-    one, first = now.explanation, now.explanation.filtering.skipped
+    one, rows = now.explanation, now.explanation.filtering.counted
     missed, spread, gradient, felt, steps = [], [], [], [], []
     for name in names:
         at, _, high = _coordinates(one, name, now.values)
@@ -110,8 +111,8 @@ def _slopes(now: Filtered, names: Sequence[str]) -> tuple[Floats, Floats, list[s
         probe = tried(one, {**now.values, **_values(one, [name], np.array([at + step]))})
         if probe is None:
             continue
-        d = (probe.e * np.sqrt(probe.S) - now.e * np.sqrt(now.S))[first:] / np.sqrt(now.S[first:]) / step
-        w = (np.log(probe.S) - np.log(now.S))[first:] / step
+        d = (probe.e * np.sqrt(probe.S) - now.e * np.sqrt(now.S))[rows] / np.sqrt(now.S[rows]) / step
+        w = (np.log(probe.S) - np.log(now.S))[rows] / step
         d, w = np.nan_to_num(d).ravel(), np.nan_to_num(w).ravel()
         if float(d @ d + 0.5 * (w @ w)) < 1e-6:
             continue
@@ -181,6 +182,9 @@ def grid(one: Explanation, name: str) -> list[float]:
     low, high = one.bounds[name]
     nominal = one.nominal[name]
     if logarithmic(one, name):
+        if low < nominal < high < math.inf:
+            near = [nominal * math.exp(way * by) for by in NEARBY for way in (1.0, -1.0)]
+            return [size for size in near if low <= size <= high]
         return [float(v) for v in np.geomspace(low, high, NODES) if v != nominal]
     share = np.geomspace(0.02, 0.8, NODES // 2)
     return [*(nominal + share * (high - nominal)).tolist(), *(nominal + share * (low - nominal)).tolist()]

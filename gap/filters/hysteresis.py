@@ -4,24 +4,27 @@ The model's unsure parameters and the switches of its inputs start as the model 
 the sizes.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gap.effect import Effect
 from gap.effects.deadband import Deadband
+from gap.effects.stiction import Stiction
 from gap.filters import kalman, stems
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found
 from gap.inserted import percent_in
 
 Floats = NDArray[np.float64]
-FEW, MANY = 24, 60  # stems of the grid and of the fit
-SHARES = (0.0, 0.3, 0.65)  # of J in S that are tried
-SIZES = 8  # of S that are tried
+FEW, MANY = 20, 48  # stems of the grid and of the fit
+SHARES = (0.15, 0.35, 0.6)  # of J in S that are tried
+WIDER = (1.0, 1.12, 1.3)  # of S over the width of the deadband that comes nearest
+SIZES = 9  # widths that are tried
 SMALLEST, LARGEST = 0.25, 15.0  # [%], of S
-FINEST = 0.01  # relative size of the last pattern
+FINEST = 0.008  # relative size of the last pattern
 ROUNDS = 12
 
 
@@ -56,55 +59,79 @@ def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtere
     P = stems.settled_gains(A, m.Q, np.ascontiguousarray(m.H[:, :n]), f.r, f.every, K, s)
     jitter = np.empty(f.every)
     stems.unsure(A, m.Q, np.ascontiguousarray(m.v[:n]), P, f.every, jitter)
-    e, loss = np.empty(f.Y.shape), np.empty(len(f.Y))
+    e, loss, path = np.empty(f.Y.shape), np.empty(len(f.Y)), np.empty(len(f.Y))
     op_row = f.signals.index(f.op) if f.op in f.signals else -1
     stems.banked(
         m.F, m.v, m.told, m.H, *m.limits, m.memory, m.beyond, m.start, U, f.Y, op_row, f.every, K, s, jitter, S, J,
-        bank.draws, bank.turns, e, loss,
+        bank.draws, bank.turns, e, loss, path,
     )  # fmt: skip
     e = stems.deviates(e)
-    return Filtered(one, full, e, np.ones_like(e), np.empty(0), loss)
+    return Filtered(one, full, e, np.ones_like(e), path, loss)
 
 
-def fitted_stem(plain: Found, one: Explanation, near: Filtered | None = None) -> Found:
-    """Return the best sizes of stiction or of a deadband; ``near``: a fit of another one of them, to start from."""
+def fitted_stems(plain: Found, effects: Sequence[tuple[Effect, str]]) -> list[Found]:
+    """Return the best sizes of a deadband and of stiction where a catalogue has them, the likeliest first.
+
+    The width of a deadband says near which S stiction has to be looked for: its jump makes S somewhat larger.
+    """
     f = plain.best.explanation.filtering
-    one = replace(one, filtering=f)
     few, many = (Bank.of(f.scans, len(f.Y), count) for count in (FEW, MANY))
     free = {key: plain.best.values[key] for key in f.free}
-    flat = isinstance(one.effect, Deadband)
-    if near is None:
-        points = [
-            {**free, **_sizes(flat, float(S), share)}
-            for S in np.geomspace(SMALLEST, LARGEST, SIZES)
-            for share in (SHARES[:1] if flat else SHARES)
-        ]
-    else:
-        S = near.values["width"] if "width" in near.values else near.values["S"]
-        free = {key: near.values[key] for key in f.free}
-        points = [{**free, **_sizes(flat, S * by, 0.0 if flat else 0.1)} for by in (0.9, 1.0, 1.1)]
-    start = min((banked(one, values, few) for values in points), key=lambda x: x.nll)
-    best = banked(one, start.values, many)
-    steps = dict.fromkeys(one.own, 0.2) | {key: 0.25 * f.quiet.tolerances[key] for key in f.free}
-    steps |= {"J": 0.12} if not flat else {}
+    found = []
+    for place in dict.fromkeys(place for _, place in effects):
+        flat = Explanation(f, Deadband(), place)
+        widths = np.geomspace(SMALLEST, LARGEST, SIZES).tolist()
+        start = min((banked(flat, {**free, "width": w}, few) for w in widths), key=lambda x: x.nll)
+        play = _followed(_followed(start, few, 0.25, 0.06), many, 0.06, FINEST)
+        here = [effect for effect, at in effects if at == place]
+        if any(isinstance(effect, Deadband) for effect in here):
+            found.append(Found(play, (), np.zeros((0, 0))))
+        stiction = next((effect for effect in here if isinstance(effect, Stiction)), None)
+        if stiction is not None:
+            one = Explanation(f, stiction, place)
+            own = {key: play.values[key] for key in f.free}
+            points = [
+                {**own, "S": play.values["width"] * by, "J": play.values["width"] * by * share}
+                for by in WIDER
+                for share in SHARES
+            ]
+            start = min((banked(one, values, few) for values in points), key=lambda x: x.nll)
+            stuck = _followed(_followed(start, few, 0.08, 0.04), many, 0.05, FINEST)
+            found.append(Found(stuck, (), np.zeros((0, 0))))
+    return sorted(found, key=lambda x: x.nll)
+
+
+def followed_on(start: Filtered) -> Filtered:
+    """Return the fit of a deadband or of stiction near known sizes."""
+    f = start.explanation.filtering
+    few = Bank.of(f.scans, len(f.Y), FEW)
+    return _followed(banked(start.explanation, start.values, few), few, 0.08, 0.03)
+
+
+def left(one: Explanation, values: Mapping[str, float]) -> Filtered:
+    """Return what a full bank with these sizes leaves."""
+    f = one.filtering
+    return banked(one, values, Bank.of(f.scans, len(f.Y), MANY))
+
+
+def _followed(start: Filtered, bank: Bank, wide: float, finest: float) -> Filtered:
+    """Return the fit near a start: one coordinate after the other, in steps from ``wide`` to ``finest``."""
+    one, f = start.explanation, start.explanation.filtering
+    best = banked(one, start.values, bank)
+    steps = dict.fromkeys(one.own, wide) | {key: wide * f.quiet.tolerances[key] for key in f.free}
     for _ in range(ROUNDS):
         moved = False
         for name, step in list(steps.items()):
             for way in (1.0, -1.0):
-                values = _moved(one, best.values, name, way * step)
-                new = banked(one, values, many)
+                new = banked(one, _moved(one, best.values, name, way * step), bank)
                 if new.nll < best.nll - 0.1:
                     best, moved = new, True
                     break
             else:
-                steps[name] = 0.45 * step
-        if not moved and max(steps.values()) < FINEST:
+                steps[name] = 0.4 * step
+        if not moved and steps[one.own[0]] < finest:
             break
-    return Found(best, (), np.zeros((0, 0)))
-
-
-def _sizes(flat: bool, S: float, share: float) -> dict[str, float]:
-    return {"width": S} if flat else {"S": S, "J": share * S}
+    return best
 
 
 def _moved(one: Explanation, values: Mapping[str, float], name: str, by: float) -> dict[str, float]:

@@ -6,8 +6,8 @@
 z: states of continuous blocks, memories of sampled ones, loads and noise in force, values on their way through dead
 times, the last OP.  u: logged inputs, the time, 1, and planned loads (means over the interval).  OP is what a
 controller gives within its limits, MV what the valve makes of the opening that it is told: neither is linear, so both
-are inputs here and computed where a log is filtered.  Between scans nothing but continuous blocks moves, under held inputs, so the
-matrices are exact (matrix exponential); what passes a dead time while it still moves is held at its mean.
+are inputs here and computed where a log is filtered.  Between scans nothing but continuous blocks moves, under held
+inputs, so the matrices are exact (matrix exponential); what passes a dead time while it moves is held at its mean.
 """
 
 from collections.abc import Mapping, Sequence

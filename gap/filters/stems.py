@@ -72,7 +72,7 @@ def settled_gains(A, Q, H, r, every, K, s):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def banked(F, v, told, H, lo, hi, memory, beyond, start, U, Y, op_row, every, K, s, jitter, S, J, draws, turns,
-           e, loss):  # type: ignore[no-untyped-def]  # fmt: skip
+           e, loss, path):  # type: ignore[no-untyped-def]  # fmt: skip
     """Write innovations ``e`` (rows, signals) and the loss of each row [nats].
 
     ``draws`` (scans, stems) and ``turns`` (rows,) random numbers; ``jitter`` (every,) of OP behind a row.
@@ -122,6 +122,9 @@ def banked(F, v, told, H, lo, hi, memory, beyond, start, U, Y, op_row, every, K,
                     w[i] /= total
                 loss[at] += 0.5 * math.log(s[j]) - largest - math.log(total)
                 e[at, j] = below
+            path[at] = 0.0
+            for i in range(M):
+                path[at] += w[i] * x[i]
             even = 0.0
             for i in range(M):
                 even += w[i] ** 2

@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from gap.filters.filtering import Filtered
+from gap.filters.filtering import RARE, Filtered
 from gap.filters.fitting import tried
 
 BEHIND = 5  # rows in which a switch shows
-RARE = 0.1  # share of rows at which an input that switches does so, at most
 MOST = 12  # scans within an interval that are tried
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cases.models import ideal_flow
+from cases.models import ideal_flow, site_flow
 from diagram import ensemble
 from gap.effects import effect
 from logs import Log
@@ -38,3 +38,24 @@ def own_cache(tmp_path_factory):
     patch.setenv("STICKSLIP_CACHE", str(tmp_path_factory.mktemp("cache")))
     yield
     patch.undo()
+
+
+@pytest.fixture(scope="session")
+def site_record():
+    """Simulate the site's flow loop with an effect as its historian would log it, a row every 5 s, for 2 h."""
+
+    def record(name="", place="", seed=1, **values):
+        t = np.arange(0.0, 7201.0, 5.0)
+        SP = np.repeat(np.random.default_rng(seed).uniform(1.05, 1.95, 29).round(2), 50)[: len(t)]
+        SP[:50] = 1.5
+        model = site_flow(rest=1.5)
+        if name:
+            one = effect(name)
+            model = one.started(one.insert(model, place, **values), place, {"SP": 1.5, "PV": 1.5, "OP": 0.5})
+        many = ensemble(
+            model, t[-1], times=t, inputs=Log(t, {"SP": SP}), seeds=[seed], signals=["OP", "PV"], progress=False
+        )
+        steps = {"OP": 0.001, "PV": 0.0015}
+        return Log(t, {"SP": SP, **{s: np.round(many.values[s][0] / q) * q for s, q in steps.items()}})
+
+    return record

@@ -1,0 +1,163 @@
+"""Diagnose a record with the filter of its model: settle, rank, check, and say what was found.
+
+1. A gap if the model as it is leaves innovations that are not white, or an effect gains more than noise lets it.
+2. Textures first: what the digits of the log tell needs no search.  Then all effects that a filter has, by likelihood.
+   Stems that stick come last, and only while nothing else is adequate: their bank costs most.
+3. An explanation is adequate if its own innovations pass all checks; else it is "unknown".
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from diagram.diagram import Diagram
+from diagram.progress import Progress
+from gap.effect import Effect
+from gap.effects.compression import Compression
+from gap.effects.quantisation import Quantisation
+from gap.filters.affine import NotAffine
+from gap.filters.checks import checks
+from gap.filters.digits import coarse_sensor, compressed
+from gap.filters.explaining import ranked, settled, total
+from gap.filters.filtering import Explanation, Filtered, Filtering
+from gap.filters.fitting import Found
+from gap.filters.hysteresis import fitted_stems
+from gap.filters.scanned import base_period
+from gap.model import nuisances, silenced
+from gap.record import Record
+from gap.start import start_values
+
+NEEDED = 6.5  # nats that an effect must gain: noise alone gains as much in one of 300 records
+LIMIT = 5.2  # largest check of an explanation that is right
+LIMIT_STEMS = 9.0  # of a bank of stems, which is not exact
+EXPLAINED, LIMIT_LARGE = 0.97, 7.5  # an explanation of so much of a gap may fail its checks a little: no law is exact
+SMALL = 0.012  # of the largest check of the model as it is: so much of it may be left then
+TIE = 6.0  # nats between explanations that the record does not tell apart
+ACTING = 1.5  # excess of OP's innovations over that of PV's from which on the controller is it
+STICTION = 16.0  # nats that a jump must gain over a deadband: a bank of stems is no more exact
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What was found: ``plain`` the model as it is; ``found`` explanations, the best first; ``same`` those that cannot
+    be told apart from the best, none where none is adequate; ``textured`` whether digits told.
+    """
+
+    plain: Found
+    found: Sequence[Found]
+    same: Sequence[Found]
+    gap: bool
+    textured: bool = False
+
+    @cached_property
+    def best(self) -> Filtered:
+        """The best explanation, or the model as it is."""
+        return self.found[0].best if self.found else self.plain.best
+
+
+def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
+    """Return the filter's view of a record; None for a diagram that has no such filter.
+
+    It needs a load that nobody measures, blocks that scan in step with the log's rows, and a controller whose output
+    and measurement are logged and nothing behind the valve is.
+    """
+    coloured = any(one.correlation_time > 0.0 for one in nuisances(diagram))
+    period, dt = base_period(diagram), record.log.dt
+    if not coloured or period <= 0.0 or abs(dt / period - round(dt / period)) > 1e-6 or round(dt / period) < 1:
+        return None
+    if float(np.ptp(np.diff(record.log.t))) > 1e-6 * dt:
+        return None
+    quiet = silenced(diagram)
+    start = start_values(quiet, record)
+    model, quiet = diagram.starting_at(start), quiet.starting_at(start)
+    leads = np.zeros((len(record.played), len(record.log)), dtype=np.int64)
+    found = Filtering(model, quiet, record, leads)
+    try:
+        controller = quiet[found.controller]
+        pv = str(controller.loop_signal("PV"))
+        if set(found.signals) != {pv, found.op}:
+            return None
+        Explanation(found).filtered({})
+    except (NotAffine, np.linalg.LinAlgError, ValueError):
+        return None
+    return found
+
+
+def outcome(f: Filtering, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
+    """Return what explains a record."""
+    plain = settled(f)
+    f = plain.best.explanation.filtering
+    legal = [(effect, place) for effect in catalogue for place in effect.places(f.model)]
+    for effect, place in legal:
+        if isinstance(effect, Quantisation):
+            found = coarse_sensor(plain, effect, place)
+            if found is not None:
+                return Outcome(plain, (found,), (found,), True, True)
+    for effect in catalogue:
+        if isinstance(effect, Compression):
+            found = compressed(plain, effect, next(iter(effect.places(f.model)), "historian"), seed)
+            if found is not None and passes(found.best):
+                return Outcome(plain, (found,), (found,), True, True)
+    fits = ranked(plain, catalogue, progress)
+    clean = worst(plain.best)[1] <= LIMIT
+    if clean and (not fits or plain.nll - total(fits[0]) < NEEDED):
+        return Outcome(plain, fits, (), False)
+    if (not fits or not adequate(plain, fits[0])) and _by_stem(plain.best):
+        sticking = [(effect, place) for effect, place in legal if effect.hidden]
+        fits = sorted([*fits, *_stems(plain, sticking)], key=total)
+    if fits and plain.nll - total(fits[0]) >= NEEDED and adequate(plain, fits[0]):
+        same = [one for one in fits if total(one) <= total(fits[0]) + TIE and one.nll <= fits[0].nll + TIE]
+        return Outcome(plain, fits, same, True)
+    return Outcome(plain, fits, (), True)
+
+
+def _by_stem(plain: Filtered) -> bool:
+    """Return whether a stem may be it: what the controller makes of the measurement, it leaves nearly as it was."""
+    f = plain.explanation.filtering
+    excess = dict(zip(f.signals, np.nanmean(plain.judged**2, axis=0) - 1.0, strict=True))
+    acting = excess.pop(f.op)
+    return acting < ACTING * max(excess.values())
+
+
+def _stems(plain: Found, sticking: Sequence[tuple[Effect, str]]) -> list[Found]:
+    try:
+        found = fitted_stems(plain, sticking)
+    except NotAffine:
+        return []
+    flat = [one for one in found if len(one.best.explanation.own) == 1]
+    if flat:
+        found = [one for one in found if one in flat or one.nll < flat[0].nll - STICTION]
+    return found
+
+
+def worst(one: Filtered) -> tuple[str, float]:
+    """Return the check that an explanation passes least, and by how much."""
+    found = checks(one)
+    name = max(found, key=lambda key: abs(found[key]))
+    return name, abs(found[name])
+
+
+def passes(one: Filtered) -> bool:
+    """Return whether innovations are as they should be."""
+    return worst(one)[1] <= (LIMIT_STEMS if one.explanation.sticks else LIMIT)
+
+
+def adequate(plain: Found, one: Found) -> bool:
+    """Return whether an explanation passes its checks, or nearly does where it explains nearly all of a large gap."""
+    if passes(one.best):
+        return True
+    limit = max(LIMIT_STEMS if one.best.explanation.sticks else LIMIT_LARGE, SMALL * worst(plain.best)[1])
+    return explained(plain, one) >= EXPLAINED and worst(one.best)[1] <= limit
+
+
+def explained(plain: Found, one: Found) -> float:
+    """Return the share of the gap that an explanation explains: of what lies above the floor of its own filter."""
+    floor = 0.5 * float(np.isfinite(one.best.judged).sum())
+    if one.best.mixed is None:
+        floor += 0.5 * float(np.nansum(np.log(one.best.S[one.best.explanation.filtering.skipped :])))
+    else:
+        floor = min(one.nll, plain.nll)
+    removable = plain.nll - floor
+    return (plain.nll - one.nll) / removable if removable > 1.0 else 1.0

@@ -1,0 +1,114 @@
+"""What the digits of a measurement tell: levels of a coarse sensor, straight lines of a compressing historian."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.effect import Effect
+from gap.effects.quantisation import Quantisation
+from gap.filters.filtering import Explanation, Filtering
+from gap.filters.fitting import Found, refined, tried
+from gap.floor import without_gap
+from gap.record import rounding
+from logs import Log
+
+Floats = NDArray[np.float64]
+APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse
+FEW = 0.1  # levels for each row, at most
+TRIED = 3000  # steps near the usual distance of neighbours
+UNEVEN = 0.05  # of a step, beyond the log's rounding
+STRAIGHT = 0.2  # share of straight triples beyond what the model's own log has
+SIZES = 13  # deviations that are tried
+
+
+def levels(values: Floats) -> float:
+    """Return the step between the few levels of a measurement, which the log may have rounded again; 0 for none.
+
+    >>> levels(np.round(np.round(np.random.default_rng(0).normal(1.5, 0.1, 999) / 0.019) * 0.019 / 0.0015) * 0.0015)
+    0.019
+    """
+    known = values[np.isfinite(values)]
+    fine, found = rounding(known), np.unique(np.round(known, 9))
+    if not 4 <= len(found) <= FEW * len(known):
+        return 0.0
+    step = float(np.median(np.diff(found)))
+    if step < APART * max(fine, 1e-9):
+        return 0.0
+    tried = step * np.linspace(0.85, 1.15, TRIED)  # the one in whose multiples all levels agree best
+    step = float(tried[np.argmax(np.abs(np.exp(2j * np.pi * found[:, None] / tried).mean(axis=0)))])
+    step = float(np.polyfit(np.round(found / step), found, 1)[0])
+    off = np.abs(found - np.round(found / step) * step)
+    return float(f"{step:.4g}") if float(off.max()) <= 0.51 * fine + UNEVEN * step else 0.0
+
+
+def straight(values: Floats, step: float) -> float:
+    """Return the share of three neighbours that lie on a line, within the rounding ``step``.
+
+    >>> straight(np.array([0.0, 1.0, 2.0, 2.0, 2.0, 5.0]), 0.0)
+    0.5
+    """
+    bend = np.abs(np.diff(values, 2))
+    bend = bend[np.isfinite(bend)]
+    return float(np.mean(bend <= 1.01 * step + 1e-9)) if len(bend) else 0.0
+
+
+def coarse_sensor(plain: Found, effect: Effect, place: str) -> Found | None:
+    """Return a sensor of few levels if its signal has them and the controller has seen them too."""
+    f = plain.best.explanation.filtering
+    if not isinstance(effect, Quantisation):
+        return None
+    signal = next((str(s) for s in f.quiet[place].output_labels if str(s) in f.signals), "")
+    step = levels(f.Y[:, f.signals.index(signal)]) if signal else 0.0
+    if not step:
+        return None
+    one = Explanation(f, effect, place)
+    start = tried(one, {**plain.best.values, "step": step})
+    if start is None:
+        return None
+    found = refined(start, tuple(f.free))
+    return found if found.nll < plain.nll else None
+
+
+def compressed(plain: Found, effect: Effect, place: str, seed: int) -> Found | None:
+    """Return a compression that makes as many straight lines as the log has; None if it has none beyond noise."""
+    f = plain.best.explanation.filtering
+    for j, signal in enumerate(f.signals):
+        if signal == f.op:
+            continue
+        step, values = rounding(f.Y[:, j]), f.Y[:, j]
+        wanted = straight(values, step)
+        if wanted < STRAIGHT:
+            continue
+        plain_logs = without_gap(f.model, f.record, 1, seed + 1)
+        if not plain_logs or wanted < straight(plain_logs[0][signal], step) + STRAIGHT:
+            continue
+        deviation = _matching(plain_logs[0], effect, place, signal, step, wanted)
+        one = Explanation(_without(f, j), effect, place)
+        blind = Explanation(_without(f, j)).filtered(plain.best.values)
+        refitted = refined(blind, tuple(f.free))
+        best = replace(refitted.best, explanation=one, values={**refitted.best.values, "deviation": deviation})
+        return Found(best, (), np.zeros((0, 0)))
+    return None
+
+
+def _without(f: Filtering, j: int) -> Filtering:
+    """Return a record as if a signal had not been logged: the others have seen the true one."""
+    log = f.record.log
+    quality = {s: log.good(s) & (s != f.signals[j]) for s in log.names}
+    other = Log(log.t, {s: log[s] for s in log.names}, quality=quality)
+    return replace(f, record=replace(f.record, log=other))
+
+
+def _matching(log: Log, effect: Effect, place: str, signal: str, step: float, wanted: float) -> float:
+    """Return the deviation whose log has this share of straight triples."""
+    low, high = effect.parameters[0].low, effect.parameters[0].high
+    for _ in range(3):
+        sizes = np.geomspace(low, high, SIZES)
+        shares = []
+        for size in sizes:
+            values = effect.on_log(log, place, deviation=float(size))[signal]
+            shares.append(straight(np.round(values / step) * step if step else values, step))
+        k = int(np.clip(np.searchsorted(np.maximum.accumulate(shares), wanted), 1, len(sizes) - 1))
+        low, high = float(sizes[k - 1]), float(sizes[k])
+    return float(np.sqrt(low * high))

@@ -1,0 +1,260 @@
+"""What a diagnosis by filters says: its report, in words first."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.filters.diagnosing import Outcome, adequate, explained, worst
+from gap.filters.explaining import free_names, total
+from gap.filters.filtering import Filtered, Filtering
+from gap.filters.fitting import Found, refined
+from gap.filters.hysteresis import followed_on, left
+from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
+from gap.sizes import BLOCKS, SEEN, SURE
+from gap.words import LISTED, NO_PLACE
+
+Floats = NDArray[np.float64]
+STATED, LESS, UNSURE = 0.95, 0.7, 0.9  # probability of a name; of one that another comes near; of "unknown"
+NEXT = 4.6  # nats by which the next explanation lags behind where a name is sure
+FELT = 3.6  # standard deviations of a size that a gap of 6.5 nats needs
+STEM_SPREAD = {"S": 0.05, "J": 0.2, "width": 0.06}  # share by which sizes of a bank of stems are off (tuning records)
+DIGITS_SPREAD = {"step": 0.01, "deviation": 0.15}
+ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
+
+
+def told(outcome: Outcome) -> GapReport:
+    """Return the report of an outcome."""
+    if not outcome.gap:
+        return _no_gap(outcome)
+    return _named(outcome) if outcome.same else _unknown(outcome)
+
+
+def _no_gap(o: Outcome) -> GapReport:
+    name, size = worst(o.plain.best)
+    words = [
+        "No gap of relevance: the log is as the model with its nuisances would write it "
+        f"(its filter leaves white innovations; the largest of its checks is {size:.1f} standard deviations, {name})."
+    ]
+    words += _limits(o)
+    return _report(o, words, o.plain.best)
+
+
+def _limits(o: Outcome) -> list[str]:
+    """Return in words how large effects may be without being seen here."""
+    said = []
+    for one in o.found:
+        effect = one.best.explanation.effect
+        if effect is None or not one.names:
+            continue
+        for p in effect.parameters:
+            nominal = one.best.explanation.nominal[p.name]
+            sd = one.sd.get(p.name, np.inf)
+            if p.nuisance or not np.isfinite(sd) or len(effect.parameters) > 1 or not np.isfinite(nominal):
+                continue
+            reach = max(abs(one.best.values[p.name] - nominal), FELT * sd)
+            low, high = one.best.explanation.bounds[p.name]
+            if reach < 0.8 * max(high - nominal, nominal - low):
+                change = f"{nominal:g} +- {reach:.2g}" if nominal else f"up to {reach:.2g}"
+                said.append(f"{effect.name} at {one.best.explanation.place} of {change} {p.unit}")
+    return [f"Possible all the same, since smaller ones do not show in this record: {'; '.join(said)}."] if said else []
+
+
+def _unknown(o: Outcome) -> GapReport:
+    near = abnormal_segment(o.plain.best)
+    best = o.found[0] if o.found else None
+    place = best.best.explanation.place if best and best.best.explanation.place in near else near[0]
+    words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
+    if best is not None:
+        part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
+        effect = best.best.explanation.effect
+        name, size = worst(best.best)
+        words.append(
+            f"Nearest is {effect.name if effect else ''} at {best.best.explanation.place}, which explains {part:.0f} % "
+            f"of it and leaves what a right explanation would not: {name}, {size:.1f} standard deviations."
+        )
+    name, size = worst(o.plain.best)
+    words.append(f"What the model as it is leaves shows most in: {name}, {size:.1f} standard deviations.")
+    shares = _shares(o)
+    where = Where(place, LESS, near, {one: shares.get(one, 0.0) for one in near})
+    return _report(o, words, o.best, where, (Cause(UNKNOWN, place, UNSURE),), _ranking(o, UNSURE))
+
+
+def _named(o: Outcome) -> GapReport:
+    best = o.same[0]
+    one, effect = best.best.explanation, best.best.explanation.effect
+    assert effect is not None
+    places = tuple(dict.fromkeys(x.best.explanation.place for x in o.same))
+    others = tuple(dict.fromkeys(_name(x) for x in o.same if _name(x) != effect.name))
+    behind = [total(x) for x in o.found if x not in o.same]
+    sure = STATED if o.textured or not behind or min(behind) - total(best) > NEXT else LESS
+    found, shrunk = _sizes(best), held_out(o)
+    said = ", ".join(f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in found.items())
+    words = [f"There is a gap. Place: {listed(places)}. Cause: {effect.name} at {one.place}, {said}."]
+    if others:
+        words.append(f"From these signals it cannot be told apart from {listed(others)}.")
+    part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
+    words.append(
+        f"It explains {part:.1f} % of the gap"
+        + (
+            f"; on rows that the fit has not seen the gap shrinks by {100.0 * shrunk.fraction:.0f} % "
+            f"({100.0 * shrunk.low:.0f} to {100.0 * shrunk.high:.0f} %)."
+            if shrunk
+            else "."
+        )
+    )
+    if not adequate(o.plain, best) and not o.textured:
+        words.append("Its checks are not all passed.")
+    shares = _shares(o)
+    where = Where(one.place, sure, places, {place: shares.get(place, 0.0) for place in places})
+    cause = Cause(effect.name, one.place, sure, others, found)
+    return _report(o, words, best.best, where, (cause,), _ranking(o, sure), shrunk)
+
+
+def _name(one: Found) -> str:
+    effect = one.best.explanation.effect
+    return effect.name if effect else ""
+
+
+def _sizes(one: Found) -> dict[str, Size]:
+    """Return the sizes of an effect with intervals of 90 %."""
+    explanation = one.best.explanation
+    effect = explanation.effect
+    found: dict[str, Size] = {}
+    for p in effect.parameters if effect else ():
+        value = float(one.best.values[p.name])
+        if p.nuisance or not np.isfinite(value):
+            continue
+        spread = {**STEM_SPREAD, **DIGITS_SPREAD}.get(p.name)
+        if spread is not None and (explanation.sticks or p.name in DIGITS_SPREAD):
+            wide = SURE * spread * (value if p.name != "J" else one.best.values["S"] * 0.5)
+        elif p.name == "period" and p.name not in one.names:
+            wide = 0.0
+        else:
+            wide = SURE * one.sd.get(p.name, np.inf)
+        low, high = explanation.bounds.get(p.name, (p.low, p.high))
+        found[p.name] = Size(value, max(value - wide, min(low, value)), min(value + wide, max(high, value)), p.unit)
+    return found
+
+
+def _shares(o: Outcome) -> dict[str, float]:
+    """Return place -> share of the gap that the best effect there explains, the largest first."""
+    found: dict[str, float] = {}
+    for one in o.found:
+        place = one.best.explanation.place
+        found[place] = max(found.get(place, 0.0), float(np.clip(explained(o.plain, one), 0.0, 1.0)))
+    return dict(sorted(found.items(), key=lambda x: -x[1]))
+
+
+def _ranking(o: Outcome, sure: float) -> tuple[Rank, ...]:
+    """Return explanations in order; those that cannot be told apart share the probability of the first."""
+    if not o.found:
+        return ()
+    lag = np.array([total(one) - total(o.found[0]) for one in o.found])
+    same = np.array([one in o.same for one in o.found])
+    weight = np.where(same, 1.0, np.minimum(np.exp(-np.minimum(lag, 500.0) / 6.0), 0.5 if o.same else 1.0))
+    weight = sure * weight / weight.sum()
+    return tuple(
+        Rank(_name(one), one.best.explanation.place, float(w))
+        for one, w in zip(o.found[:LISTED], weight[:LISTED], strict=True)
+    )
+
+
+def held_out(o: Outcome) -> Shrinkage | None:
+    """Return how far the gap shrinks behind the part of the record on which the model and the effect are fitted again.
+
+    Loss of a row and signal: (e^2 + ln s - ln s_1)/2, s_1 what the effect's own filter expects, so that the floor is
+    1/2; of a bank of stems its own loss, and the floor is what its innovations would give if they were of unit size.
+    """
+    best = o.same[0].best
+    if best.explanation.effect is None or best.explanation.effect.of_log:
+        return None
+    f = best.explanation.filtering
+    first = round(SEEN * len(f.Y))
+    before = _ahead(o.plain.best, first)
+    after = _ahead(best, first)
+    signals = best.e.shape[1]
+    if after.mixed is None:
+        reference = 0.5 * np.nansum(np.log(after.S[first:]), axis=1) / signals
+    else:
+        size = np.nansum(after.e[first:] ** 2 - 1.0, axis=1)
+        reference = (after.losses[first:] - 0.5 * size) / signals - 0.5
+    b, a = before.losses[first:] / signals - reference, after.losses[first:] / signals - reference
+    parts = np.array_split(np.arange(len(b)), BLOCKS)
+    bs, as_ = np.array([b[part].mean() for part in parts]), np.array([a[part].mean() for part in parts])
+    fraction = _fraction(bs.mean(), as_.mean())
+    rng = np.random.default_rng(0)
+    drawn = [_fraction(bs[k].mean(), as_[k].mean()) for k in rng.integers(0, len(bs), (400, len(bs)))]
+    low, high = np.quantile(drawn, (0.05, 0.95))
+    return Shrinkage(float(bs.mean()), float(as_.mean()), 0.5, fraction, float(low), float(high))
+
+
+def _fraction(before: float, after: float) -> float:
+    removable = before - 0.5
+    return float(np.clip((before - after) / removable, -9.0, 1.0)) if removable > 1e-6 else 0.0
+
+
+def _ahead(one: Filtered, first: int) -> Filtered:
+    """Return what values that were fitted on the rows up to ``first`` leave of the whole record."""
+    f = one.explanation.filtering
+    head = _head(f, first)
+    explanation = replace(one.explanation, filtering=head)
+    if explanation.sticks:
+        near = Filtered(explanation, one.values, one.e, one.S, one.OP)
+        return left(one.explanation, followed_on(near).values)
+    fitted = refined(explanation.filtered(one.values), free_names(explanation), 5)
+    return one.explanation.filtered(fitted.best.values)
+
+
+def _head(f: Filtering, first: int) -> Filtering:
+    return replace(f, record=replace(f.record, log=f.record.log.samples(0, first)), leads=f.leads[:, :first])
+
+
+def abnormal_segment(plain: Filtered) -> tuple[str, ...]:
+    """Return the blocks between logged signals where the gap lies, those at which an effect can be.
+
+    The innovations of a measurement are wrong only if what drives it is; those of the controller's output, given the
+    measurement, only if the controller is, or the measurement is not what it has seen.
+    """
+    f = plain.explanation.filtering
+    excess = np.nanmean(plain.judged**2, axis=0) - 1.0
+    measured = [j for j, s in enumerate(f.signals) if s != f.op]
+    acting = [j for j, s in enumerate(f.signals) if s == f.op]
+    k = int(np.argmax(excess))
+    if acting and measured and excess[acting[0]] < max(3.0 * excess[measured].max(), ABNORMAL):
+        k = measured[int(np.argmax(excess[measured]))]
+    driver = f.quiet.blocks[f.quiet.driven[f.signals[k]][0]].name
+    logged = [s for s in f.record.log.names if s in f.quiet.signals]
+    blocks = next(one.blocks for one in f.quiet.segments(logged) if driver in one.blocks)
+    places = tuple(name for name in blocks if f.quiet[name].role not in NO_PLACE and ":" not in name)
+    return places or (driver,)
+
+
+def _report(
+    o: Outcome,
+    words: Sequence[str],
+    after: Filtered,
+    where: Where | None = None,
+    causes: tuple[Cause, ...] = (),
+    ranks: tuple[Rank, ...] = (),
+    shrunk: Shrinkage | None = None,
+) -> GapReport:
+    f = o.plain.best.explanation.filtering
+    both = np.stack([o.plain.best.judged, after.judged])
+    shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
+    t = f.record.log.t[f.skipped :]
+    return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), _notes(f), t, shown, f.quiet)
+
+
+def _notes(f: Filtering) -> tuple[str, ...]:
+    log, steps = f.record.log, np.sqrt(12.0 * f.r)
+    rounded = [f"{s} rounded to {step:g}" for s, step in zip(f.signals, steps, strict=True) if step > 1e-9]
+    free = [f"{key} {low:.4g} to {high:.4g}" for key, (low, high) in f.free.items()]
+    return (
+        f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart, the model scans every {f.period:g} s"
+        + (f"; {', '.join(rounded)}." if rounded else "."),
+        "Nuisances of the model: " + "; ".join(map(str, f.noise)) + ".",
+        *(["Known within tolerances only, and fitted: " + "; ".join(free) + "."] if free else []),
+        "Innovations of a Kalman filter of the model, exact from scan to scan: loads are not measured.",
+    )

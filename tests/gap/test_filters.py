@@ -1,0 +1,156 @@
+"""The filter of a diagram: its matrices against the engine, its likelihood against the whole covariance, its checks."""
+
+import numpy as np
+import pytest
+
+from cases.models import second_order_flow, site_flow
+from diagram import ensemble
+from gap.effects import effect
+from gap.filters import kalman
+from gap.filters.affine import NotAffine, affine
+from gap.filters.checks import checks
+from gap.filters.digits import levels, straight
+from gap.filters.filtering import Explanation, Filtering
+from gap.filters.fitting import refined
+from gap.filters.scanned import operating, scanned
+from gap.filters.stems import stuck
+from gap.model import nuisances, read, silenced
+from logs import Log
+
+NEAR = {"SP": 1.5, "PV": 1.5, "OP": 0.5, "MV": 0.5}
+EFFECTS = [
+    ("", "", {}),
+    ("second_lag", "process", {"tau": 2.0}),
+    ("positioner_lag", "valve", {"tau": 2.0}),
+    ("dead_time", "process", {"theta": 2.3}),
+    ("dead_time", "process", {"theta": 0.4}),
+    ("controller_filter", "controller", {"tau": 3.0}),
+    ("controller_gain", "controller", {"factor": 1.5}),
+    ("sensor_drift", "sensor", {"rate": 0.3}),
+    ("sensor_span", "sensor", {"factor": 1.1}),
+    ("valve_leak", "valve", {"flow": 2.0}),
+]
+
+
+def matrices(quiet, noise=()):
+    near = operating(quiet, NEAR, ["SP"], "controller")
+    return scanned(quiet.blocks, noise, "controller", ["PV", "OP"], ["SP"], near)
+
+
+def walked(one, SP):
+    """Return PV and OP at each scan, by the matrices alone."""
+    z, found = one.start, []
+    for k, sp in enumerate(SP):
+        row = np.concatenate([z, [0.0, 0.0, sp, float(k), 1.0, 0.0]])
+        told = one.v @ row
+        row[one.n] = np.clip(told, *one.limits)
+        found.append([one.H[0] @ row, row[one.n]])
+        z = one.F @ row
+        if row[one.n] != told:
+            side = 0 if told > row[one.n] else 1
+            further = (z[one.memory[0]] > row[one.memory[0]]) == (side == 0)
+            z[one.memory] = one.beyond[side, 0 if further else 1] @ row
+    return np.array(found)
+
+
+@pytest.mark.parametrize(("name", "place", "values"), EFFECTS)
+def test_matrices_move_as_the_engine_does(name, place, values):
+    # oracle: the engine integrates what the matrices say in one step; OP reaches its limit on the way
+    quiet = silenced(site_flow(rest=1.5))
+    changed = effect(name).insert(quiet, place, **values) if name else quiet
+    t = np.arange(260.0)
+    SP = np.where(t < 50.0, 1.5, np.where(t < 150.0, 2.9, 1.2))
+    run = ensemble(changed, t[-1], times=t, inputs=Log(t, {"SP": SP}), seeds=[1], signals=["PV", "OP"], progress=False)
+    found = walked(matrices(changed), SP)
+    assert run.values["OP"][0].max() == 1.0
+    assert np.abs(found[:, 0] - run.values["PV"][0]).max() < 1e-8
+    assert np.abs(found[:, 1] - run.values["OP"][0]).max() < 1e-8
+
+
+def test_a_process_with_a_dead_time_of_its_own_moves_as_the_engine_does():
+    quiet = silenced(second_order_flow(rest=1.5))
+    t = np.arange(200.0)
+    SP = np.where(t < 50.0, 1.5, 1.8)
+    run = ensemble(quiet, t[-1], times=t, inputs=Log(t, {"SP": SP}), seeds=[1], signals=["PV", "OP"], progress=False)
+    assert np.abs(walked(matrices(quiet), SP)[:, 0] - run.values["PV"][0]).max() < 1e-8
+
+
+def test_a_block_that_bends_has_no_matrices():
+    curved = effect("valve_characteristic").insert(silenced(site_flow(rest=1.5)), "valve", rangeability=9.0)
+    law = curved["valve:valve_characteristic/law"]
+    with pytest.raises(NotAffine, match="not straight"):
+        affine(law, np.array([0.5]))
+
+
+def test_the_likelihood_is_that_of_the_whole_covariance():
+    # oracle: all rows at once, mean and covariance multiplied out from the matrices
+    model = site_flow(rest=1.5)
+    one = matrices(silenced(model), nuisances(model))
+    n, rows, every = one.n, 7, 5
+    rng = np.random.default_rng(0)
+    scans = (rows - 1) * every + 1
+    U = np.column_stack([np.full(scans, 1.5), np.arange(float(scans)), np.ones(scans), np.zeros(scans)])
+    A = np.empty((n, n))
+    told = np.zeros(one.F.shape[1])
+    kalman.closed(one.F, one.v, told, n, True, 1.0, False, A)
+    P0, r = 1e-4 * np.eye(n), np.array([2e-7, 8e-8])
+    H = one.H[:, :n]
+    mean, covariances, powers = one.start.copy(), [P0], [np.eye(n)]
+    means = []
+    for k in range(scans):
+        row = np.concatenate([mean, [0.0, 0.0], U[k]])
+        means.append(one.H @ row)
+        row[n] = one.v @ row
+        mean = one.F @ row
+        covariances.append(A @ covariances[-1] @ A.T + one.Q)
+        powers.append(A @ powers[-1])
+    C = np.zeros((2 * rows, 2 * rows))
+    for i in range(rows):
+        for j in range(i, rows):
+            block = H @ powers[(j - i) * every] @ covariances[i * every] @ H.T
+            C[2 * j : 2 * j + 2, 2 * i : 2 * i + 2] = block
+            C[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] = block.T
+    C += np.kron(np.eye(rows), np.diag(r))
+    m = np.concatenate([means[i * every] for i in range(rows)])
+    y = m + np.linalg.cholesky(C) @ rng.normal(size=len(m))
+    whole = 0.5 * float((y - m) @ np.linalg.solve(C, y - m) + np.linalg.slogdet(C)[1])
+    e, S = np.empty((rows, 2)), np.empty((rows, 2))
+    held, empty = one.F.copy(), np.zeros((rows, 2), dtype=bool)
+    kalman.filtered(
+        one.F, held, one.v, told, one.H, one.Q, *one.limits, one.memory, one.beyond, one.start, U, y.reshape(rows, 2),
+        r, empty, 1, every, 1, 0, 0, 0.0, 0.0, True, np.zeros((2, n)), np.ones(2), e, S, np.empty(scans),
+    )  # fmt: skip
+    assert 0.5 * np.sum(e**2 + np.log(S)) == pytest.approx(whole, abs=1e-6)
+
+
+def test_a_fit_finds_gain_and_time_constant_and_leaves_white_innovations(site_record):
+    log = site_record()
+    model, record = read(site_flow(rest=1.5), log)
+    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    found = refined(Explanation(f).filtered({"process.K": 2.88, "process.tau": 10.8}), tuple(f.free))
+    assert found.best.values["process.K"] == pytest.approx(3.0, rel=0.01)
+    assert found.best.values["process.tau"] == pytest.approx(10.0, rel=0.05)
+    assert np.nanstd(found.best.judged, axis=0) == pytest.approx([1.0, 1.0], abs=0.08)
+    assert max(map(abs, checks(found.best).values())) < 5.0
+
+
+def test_checks_see_innovations_that_remember(site_record):
+    log = site_record()
+    model, record = read(site_flow(rest=1.5), log)
+    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    wrong = checks(Explanation(f).filtered({"process.K": 2.85, "process.tau": 11.0}))
+    assert max(map(abs, wrong.values())) > 6.0
+
+
+def test_digits_tell_levels_and_straight_lines():
+    rng = np.random.default_rng(1)
+    fine = np.round(rng.normal(1.5, 0.2, 2000) / 0.0015) * 0.0015
+    assert levels(fine) == 0.0
+    assert levels(np.round(np.round(fine / 0.02) * 0.02 / 0.0015) * 0.0015) == pytest.approx(0.02, rel=1e-3)
+    line = np.interp(np.arange(300.0), np.arange(0.0, 301.0, 10.0), rng.normal(size=31))
+    assert straight(line, 0.0) > 0.85 > 0.05 > straight(rng.normal(size=300), 0.0)
+
+
+def test_a_stem_sticks_and_jumps():
+    # analytic: f_s = (S + J)/2 = 4 %, f_c = (S - J)/2 = 2 %
+    assert [round(stuck(0.5, told, 0.06, 0.02), 6) for told in (0.53, 0.54, 0.545, 0.45)] == [0.5, 0.5, 0.525, 0.47]
