@@ -34,6 +34,7 @@ from logs import Log
 Floats = NDArray[np.float64]
 FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known to
 MISSED = 1e-5  # of a state's size: what a linear model misses in one second
+MOVES, NEAR = 3, 1e-4  # how often a process is moved to where the log is, and how near is enough, of each signal
 KEPT = 4000  # results that are remembered
 LEAST = 1e-3  # size of a state that starts at less
 
@@ -121,14 +122,16 @@ class Filter:
     def _innovations(
         self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats
     ) -> Floats:
-        at = u[0].mean(axis=0)
-        key = "rest", _digest(diagram, found.rest), found.given, tuple(values.items()), at.tobytes()
+        # What the model alone has not is a planned load, which is added: its level changes no slope.
+        at = np.array([m if s in self.parts.given else 0.0 for s, m in zip(found.given, u[0].mean(axis=0), strict=True)])
+        shown = np.nanmean(y, axis=0)
+        key = "rest", _digest(diagram, found.rest), found.given, tuple(values.items()), at.tobytes(), shown.tobytes()
         if key not in self.known:
             if len(self.known) > KEPT:
                 self.known.clear()
             piece = part(diagram, found.rest, "rest").with_params(dict(values))
             inputs = dict(zip(found.given, at.tolist(), strict=True))
-            self.known[key] = _linear(piece, found, inputs, self.loads, self.dt)
+            self.known[key] = _linear(near(piece, found, inputs, shown), found, inputs, self.loads, self.dt)
         model, states = self.known[key]  # type: ignore[misc]
         K = np.zeros((len(states), len(found.measured)))
         own = {name: i for i, name in enumerate(self.size)}
@@ -155,7 +158,8 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
     dt = float(np.median(np.diff(record.log.t)))
     u = driven(quiet, found, record, record.log, {}, 1)[0, 0]
     at = dict(zip(found.given, u.mean(axis=0).tolist(), strict=True))
-    piece = part(quiet, found.rest, "rest")
+    shown = np.array([np.nanmean(record.log[s]) for s in found.measured])
+    piece = near(part(quiet, found.rest, "rest"), found, at, shown)
     one, states = _linear(piece, found, at, loads, dt)
     A, Q, size = _spread(piece, at, loads)
     R = np.diag([_known_to(record, s) ** 2 for s in found.measured])
@@ -215,6 +219,21 @@ def driven(
     return out
 
 
+def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Floats) -> Diagram:
+    """Return a process started where it shows what the log shows on average, as little moved as that takes."""
+    for _ in range(MOVES):
+        local = slopes(close(piece, {s: at[s] for s in piece.open_inputs}))
+        rows = [local.signals.index(s) for s in found.measured]
+        off = (shown - local.s[rows]) / np.maximum(np.abs(shown), LEAST)
+        if np.abs(off).max() < NEAR:
+            break
+        size = np.maximum(np.abs(local.x), LEAST)
+        C = local.joined()[2][rows] * size / np.maximum(np.abs(shown), LEAST)[:, None]
+        x = local.x + size * np.linalg.lstsq(C, off, rcond=1e-6)[0]
+        piece = piece.at_state(x)
+    return piece
+
+
 def _linear(
     piece: Diagram, found: Parts, at: Mapping[str, float], loads: Mapping[str, tuple[float, float]], dt: float
 ) -> tuple[Sampled, tuple[str, ...]]:
@@ -231,10 +250,10 @@ def _scaled(
     loads: Mapping[str, tuple[float, float]],
 ) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats, tuple[str, ...], Floats]:
     """Return A, B, c, C, D, g of a process with its loads as states behind its own; names and sizes of states."""
-    near = slopes(close(piece, {s: at[s] for s in piece.open_inputs}))
-    A, B, C, D = near.joined()
-    place = {s: i for i, s in enumerate(near.signals)}
-    size = np.maximum(np.abs(near.x), LEAST)
+    local = slopes(close(piece, {s: at[s] for s in piece.open_inputs}))
+    A, B, C, D = local.joined()
+    place = {s: i for i, s in enumerate(local.signals)}
+    size = np.maximum(np.abs(local.x), LEAST)
     v, w = [place[s] for s in given], [place[s] for s in loads]
     rows = [place[s] for s in measured]
     n, m = len(size), len(w)
@@ -245,9 +264,9 @@ def _scaled(
     whole[n:, n:] = -np.diag([1.0 / time for _, time in loads.values()])
     drives = np.vstack([B[:, v] / size[:, None], np.zeros((m, len(v)))])
     shows = np.hstack([C[rows] * size, D[np.ix_(rows, w)] * sd])
-    c = np.concatenate([near.rates / size, np.zeros(m)])
-    states = (*near.states, *(f"{s}[load]" for s in loads))
-    return whole, drives, c, shows, D[np.ix_(rows, v)], near.s[rows], states, np.concatenate([size, sd])
+    c = np.concatenate([local.rates / size, np.zeros(m)])
+    states = (*local.states, *(f"{s}[load]" for s in loads))
+    return whole, drives, c, shows, D[np.ix_(rows, v)], local.s[rows], states, np.concatenate([size, sd])
 
 
 def _spread(
