@@ -21,12 +21,13 @@ from diagram.changes import part
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
 from diagram.inputs import close
-from diagram.linear.slopes import slopes
+from diagram.linear.slopes import Slopes, slopes
 from diagram.pins import replays
 from gap.between import BEFORE, as_input, until
 from gap.floor import Floor, floor_of, settling_rows, without_gap
 from gap.kalman import Sampled, gain, innovations, noise, sampled
 from gap.model import nuisances
+from gap.offsets import known_starts
 from gap.parts import Parts, parts
 from gap.record import Record
 from logs import Log
@@ -34,7 +35,8 @@ from logs import Log
 Floats = NDArray[np.float64]
 FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known to
 MISSED = 1e-5  # of a state's size: what a linear model misses in one second
-MOVES, NEAR = 3, 1e-4  # how often a process is moved to where the log is, and how near is enough, of each signal
+MOVES, NEAR = 3, 1e-3  # how often a process is moved to where the log is, and how near is enough, of each signal
+BESIDE = 0.02  # of an input: how far from the model's own its mean may be to be linear about the same point
 KEPT = 4000  # results that are remembered
 LEAST = 1e-3  # size of a state that starts at less
 
@@ -43,12 +45,14 @@ LEAST = 1e-3  # size of a state that starts at less
 class Filter:
     """The filter of a model for records of one kind: the ``nominal`` parts, the gain ``K``, the unit of innovations.
 
-    ``loads`` those that nobody measures, signal
-    -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white; ``expected``
+    ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody measures,
+    signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white; ``expected``
     (rows, signals) what is left on average without a gap, since the process is not quite linear.
     """
 
     parts: Parts
+    at: Mapping[str, float]
+    start: Mapping[str, float]
     loads: Mapping[str, tuple[float, float]]
     size: Mapping[str, float]
     dt: float
@@ -119,11 +123,19 @@ class Filter:
         alone: Floats = self.known[key][1]  # type: ignore[index]
         return np.broadcast_to(alone, (many, *alone.shape[1:]))
 
+    def beside(self, signal: str, mean: float) -> float:
+        """Return the value of an input about which the process is linear: the model's own while it is about that."""
+        if signal not in self.at:
+            return 0.0
+        own = self.at[signal]
+        unit = BESIDE * max(abs(own), LEAST)
+        return own + unit * round((mean - own) / unit)
+
     def _innovations(
         self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats
     ) -> Floats:
         # What the model alone has not is a planned load, which is added: its level changes no slope.
-        at = np.array([m if s in self.parts.given else 0.0 for s, m in zip(found.given, u[0].mean(axis=0), strict=True)])
+        at = np.array([self.beside(s, m) for s, m in zip(found.given, u[0].mean(axis=0).tolist(), strict=True)])
         shown = np.nanmean(y, axis=0)
         key = "rest", _digest(diagram, found.rest), found.given, tuple(values.items()), at.tobytes(), shown.tobytes()
         if key not in self.known:
@@ -131,7 +143,8 @@ class Filter:
                 self.known.clear()
             piece = part(diagram, found.rest, "rest").with_params(dict(values))
             inputs = dict(zip(found.given, at.tolist(), strict=True))
-            self.known[key] = _linear(near(piece, found, inputs, shown), found, inputs, self.loads, self.dt)
+            local = near(piece.starting_at(known_starts(piece, self.start)), found, inputs, shown)
+            self.known[key] = _linear(local, found, self.loads, self.dt)
         model, states = self.known[key]  # type: ignore[misc]
         K = np.zeros((len(states), len(found.measured)))
         own = {name: i for i, name in enumerate(self.size)}
@@ -159,9 +172,10 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
     u = driven(quiet, found, record, record.log, {}, 1)[0, 0]
     at = dict(zip(found.given, u.mean(axis=0).tolist(), strict=True))
     shown = np.array([np.nanmean(record.log[s]) for s in found.measured])
-    piece = near(part(quiet, found.rest, "rest"), found, at, shown)
-    one, states = _linear(piece, found, at, loads, dt)
-    A, Q, size = _spread(piece, at, loads)
+    local = near(part(quiet, found.rest, "rest"), found, at, shown)
+    one, states = _linear(local, found, loads, dt)
+    A, Q, size = _spread(local, loads)
+    start = {f"{b}.{x}": float(v) for s, v in zip(local.states, local.x, strict=True) for b, x in [s[:-1].split("[")]}
     R = np.diag([_known_to(record, s) ** 2 for s in found.measured])
     K, S = gain(one.F, one.C, noise(A, Q, dt), R)
     root = np.linalg.inv(np.linalg.cholesky(S))
@@ -170,7 +184,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
         record,
         pinned=judged,
         used=tuple(s for s in record.pinned if s not in judged),
-        filter=Filter(found, loads, dict(zip(states, size, strict=True)), dt, K, root),
+        filter=Filter(found, at, start, loads, dict(zip(states, size, strict=True)), dt, K, root),
     )
 
 
@@ -219,38 +233,34 @@ def driven(
     return out
 
 
-def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Floats) -> Diagram:
-    """Return a process started where it shows what the log shows on average, as little moved as that takes."""
+def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Floats) -> Slopes:
+    """Return the slopes of a process where it shows what the log shows on average, as little moved as that takes."""
+    closed = close(piece, {s: at[s] for s in piece.open_inputs})
+    local = slopes(closed)
     for _ in range(MOVES):
-        local = slopes(close(piece, {s: at[s] for s in piece.open_inputs}))
         rows = [local.signals.index(s) for s in found.measured]
-        off = (shown - local.s[rows]) / np.maximum(np.abs(shown), LEAST)
+        unit = np.maximum(np.abs(shown), LEAST)
+        off = (shown - local.s[rows]) / unit
         if np.abs(off).max() < NEAR:
             break
         size = np.maximum(np.abs(local.x), LEAST)
-        C = local.joined()[2][rows] * size / np.maximum(np.abs(shown), LEAST)[:, None]
-        x = local.x + size * np.linalg.lstsq(C, off, rcond=1e-6)[0]
-        piece = piece.at_state(x)
-    return piece
+        C = local.joined()[2][rows] * size / unit[:, None]
+        local = slopes(closed.at_state(local.x + size * np.linalg.lstsq(C, off, rcond=1e-6)[0]))
+    return local
 
 
 def _linear(
-    piece: Diagram, found: Parts, at: Mapping[str, float], loads: Mapping[str, tuple[float, float]], dt: float
+    local: Slopes, found: Parts, loads: Mapping[str, tuple[float, float]], dt: float
 ) -> tuple[Sampled, tuple[str, ...]]:
-    """Return a process from row to row, in deviations from where it starts, in sizes, and its states."""
-    A, B, c, C, D, g, states, size = _scaled(piece, found.given, found.measured, at, loads)
+    """Return a process from row to row, in deviations from where its slopes are, in sizes, and its states."""
+    A, B, c, C, D, g, states, _ = _scaled(local, found.given, found.measured, loads)
     return sampled(A, B, c, C, D, g, dt), states
 
 
 def _scaled(
-    piece: Diagram,
-    given: Sequence[str],
-    measured: Sequence[str],
-    at: Mapping[str, float],
-    loads: Mapping[str, tuple[float, float]],
+    local: Slopes, given: Sequence[str], measured: Sequence[str], loads: Mapping[str, tuple[float, float]]
 ) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats, tuple[str, ...], Floats]:
     """Return A, B, c, C, D, g of a process with its loads as states behind its own; names and sizes of states."""
-    local = slopes(close(piece, {s: at[s] for s in piece.open_inputs}))
     A, B, C, D = local.joined()
     place = {s: i for i, s in enumerate(local.signals)}
     size = np.maximum(np.abs(local.x), LEAST)
@@ -269,11 +279,9 @@ def _scaled(
     return whole, drives, c, shows, D[np.ix_(rows, v)], local.s[rows], states, np.concatenate([size, sd])
 
 
-def _spread(
-    piece: Diagram, at: Mapping[str, float], loads: Mapping[str, tuple[float, float]]
-) -> tuple[Floats, Floats, Floats]:
+def _spread(local: Slopes, loads: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats, Floats]:
     """Return A, the density of the noise that moves the states, and their sizes."""
-    A, *_, states, size = _scaled(piece, (), (), at, loads)
+    A, *_, states, size = _scaled(local, (), (), loads)
     Q = MISSED**2 * np.eye(len(states))
     for k, (_, time) in enumerate(loads.values()):
         j = len(states) - len(loads) + k
