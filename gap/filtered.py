@@ -24,11 +24,11 @@ from diagram.inputs import close
 from diagram.linear.slopes import Slopes, slopes
 from diagram.pins import replays
 from gap.between import BEFORE, as_input, until
-from gap.floor import Floor, floor_of, settling_rows, without_gap
+from gap.floor import Floor, floor_of, losses, residuals, settling_rows, without_gap
 from gap.kalman import Sampled, gain, innovations, noise, sampled
 from gap.model import nuisances
 from gap.offsets import known_starts
-from gap.parts import Parts, parts
+from gap.parts import Parts, ancestors, parts
 from gap.record import Record
 from logs import Log
 
@@ -36,6 +36,7 @@ Floats = NDArray[np.float64]
 FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known to
 MISSED = 1e-5  # of a state's size: what a linear model misses in one second
 MOVES, NEAR = 3, 1e-3  # how often a process is moved to where the log is, and how near is enough, of each signal
+SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
 BESIDE = 0.02  # of an input: how far from the model's own its mean may be to be linear about the same point
 KEPT = 4000  # results that are remembered
 LEAST = 1e-3  # size of a state that starts at less
@@ -47,7 +48,8 @@ class Filter:
 
     ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody measures,
     signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white; ``expected``
-    (rows, signals) what is left on average without a gap, since the process is not quite linear.
+    (rows, signals) what is left on average without a gap, since the process is not quite linear; ``usual`` (3, signals)
+    unit, mean and standard deviation of the loss of each signal's residuals then.
     """
 
     parts: Parts
@@ -59,6 +61,7 @@ class Filter:
     K: Floats
     root: Floats
     expected: Floats | None = None
+    usual: Floats | None = None
     known: dict[object, object] = field(default_factory=dict, repr=False)
 
     def residuals(
@@ -77,6 +80,22 @@ class Filter:
             found_here = np.stack([columns[s] for s in record.pinned], axis=-1)
             out.append(found_here if self.expected is None else found_here - self.expected[: len(log)])
         return np.concatenate(out)
+
+    def suspects(self, quiet: Diagram, record: Record, floor: Floor) -> tuple[str, ...]:
+        """Return the blocks of the segments whose own residuals leave their floor.
+
+        A controller and what is before it, back to logged signals, is a segment; the process with its valves is one.
+        """
+        if self.usual is None:
+            return tuple(block.name for block in quiet.blocks)
+        unit, mean, sd = self.usual
+        r = residuals(self.residuals(quiet, record, None, None)[0], floor.changes)[floor.skipped :]
+        loss = losses(r / unit).mean(axis=0)
+        left = {s for s, far in zip(record.pinned, loss > mean + SIGMAS * sd, strict=True) if far}
+        found = {name for s in left & set(self.parts.judged) for name in ancestors(quiet, [s], set(record.log.names))}
+        if left & set(self.parts.measured) or not left:
+            found |= {*self.parts.fed, *self.parts.rest}
+        return tuple(block.name for block in quiet.blocks if block.name in found)
 
     def _ruled(
         self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], out: dict[str, Floats]
@@ -197,10 +216,22 @@ def floor_of_record(model: Diagram, quiet: Diagram, record: Record, runs: int, s
         raise TypeError("the record has no filter")
     logs = without_gap(model, record, runs, seed)
     found = record.filter.residuals(quiet, record, None, logs)
+    judged = record.filter.parts.judged
     expected = np.nanmean(found, axis=0)
     of_others = (found - expected) * len(found) / (len(found) - 1)  # each run without its own share of the mean
-    floor = floor_of(of_others, settling_rows(model, record), [s in record.filter.parts.judged for s in record.pinned], True)
-    return replace(record, filter=replace(record.filter, expected=expected)), floor
+    floor = floor_of(of_others, settling_rows(model, record), [s in judged for s in record.pinned], True)
+    r = residuals(of_others, floor.changes)[:, floor.skipped :]
+    unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))
+    loss = losses(r / unit).mean(axis=1)
+    usual = np.stack([unit, loss.mean(axis=0), loss.std(axis=0, ddof=1)])
+    return replace(record, filter=replace(record.filter, expected=expected, usual=usual)), floor
+
+
+def suspected(quiet: Diagram, record: Record, floor: Floor) -> Record:
+    """Return a record with the blocks of the segments whose residuals leave their floor."""
+    if not isinstance(record.filter, Filter):
+        return record
+    return replace(record, suspects=record.filter.suspects(quiet, record, floor))
 
 
 def driven(

@@ -23,6 +23,7 @@ from gap.robust import step
 
 Floats = NDArray[np.float64]
 NODES = 6  # sizes of a parameter that are replayed first
+NODES_OF_FILTER = 13  # where a filter makes the residuals, which costs little
 BETWEEN = 8  # sizes looked at between two that were replayed
 ROUNDS = 6  # steps along the slopes
 SETTLED = 0.2  # nats that a step must promise to be taken
@@ -242,11 +243,13 @@ def between(fits: Sequence[Fit], name: str) -> tuple[float, float]:
     return best[1], best[0]
 
 
-def fitted(candidate: Candidate, nodes: int = NODES) -> Fit | None:
+def fitted(candidate: Candidate, nodes: int = 0) -> Fit | None:
     """Return the fit of an effect over the whole range of each size, one after the other; None if no run succeeded.
 
-    Signed ranges that are linear are gone through in both directions from neutral, near it in smaller steps.
+    Signed ranges that are linear are gone through in both directions from neutral, near it in smaller steps.  ``nodes``
+    sizes of each, by default as many as the way of making residuals affords.
     """
+    nodes = nodes or (NODES if candidate.problem.record.filter is None else NODES_OF_FILTER)
     effect = candidate.effect
     if effect is None:
         return candidate.absent
