@@ -40,6 +40,7 @@ def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> 
         for effect in catalogue
         if not effect.of_log
         for place in effect.places(problem.model if isinstance(effect, SensorNoise) else base)
+        if not problem.record.suspects or place in problem.record.suspects
     ]
 
 

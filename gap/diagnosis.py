@@ -22,7 +22,7 @@ from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
 from gap.effects.quantisation import Quantisation
-from gap.filtered import filter_of, floor_of_record
+from gap.filtered import filter_of, floor_of_record, suspected
 from gap.filters.diagnosing import filtering_of, outcome
 from gap.filters.telling import told as told_by_filters
 from gap.floor import Floor, measured
@@ -116,6 +116,7 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     model, quiet = model.starting_at(start), quiet.starting_at(start)
     if filtered is not None:
         record, floor = floor_of_record(model, quiet, record, RUNS, seed + 1)
+        record = suspected(quiet, record, floor)
     floor = floor or kept(model, record)
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)

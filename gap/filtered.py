@@ -21,19 +21,23 @@ from diagram.changes import part
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
 from diagram.inputs import close
-from diagram.linear.slopes import slopes
+from diagram.linear.slopes import Slopes, slopes
 from diagram.pins import replays
 from gap.between import BEFORE, as_input, until
-from gap.floor import Floor, floor_of, settling_rows, without_gap
+from gap.floor import Floor, floor_of, losses, residuals, settling_rows, without_gap
 from gap.kalman import Sampled, gain, innovations, noise, sampled
 from gap.model import nuisances
-from gap.parts import Parts, parts
+from gap.offsets import known_starts
+from gap.parts import Parts, ancestors, parts
 from gap.record import Record
 from logs import Log
 
 Floats = NDArray[np.float64]
 FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known to
 MISSED = 1e-5  # of a state's size: what a linear model misses in one second
+MOVES, NEAR = 3, 1e-3  # how often a process is moved to where the log is, and how near is enough, of each signal
+SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
+BESIDE = 0.02  # of an input: how far from the model's own its mean may be to be linear about the same point
 KEPT = 4000  # results that are remembered
 LEAST = 1e-3  # size of a state that starts at less
 
@@ -42,18 +46,22 @@ LEAST = 1e-3  # size of a state that starts at less
 class Filter:
     """The filter of a model for records of one kind: the ``nominal`` parts, the gain ``K``, the unit of innovations.
 
-    ``loads`` those that nobody measures, signal
-    -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white; ``expected``
-    (rows, signals) what is left on average without a gap, since the process is not quite linear.
+    ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody measures,
+    signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white; ``expected``
+    (rows, signals) what is left on average without a gap, since the process is not quite linear; ``usual`` (3, signals)
+    unit, mean and standard deviation of the loss of each signal's residuals then.
     """
 
     parts: Parts
+    at: Mapping[str, float]
+    start: Mapping[str, float]
     loads: Mapping[str, tuple[float, float]]
     size: Mapping[str, float]
     dt: float
     K: Floats
     root: Floats
     expected: Floats | None = None
+    usual: Floats | None = None
     known: dict[object, object] = field(default_factory=dict, repr=False)
 
     def residuals(
@@ -73,14 +81,24 @@ class Filter:
             out.append(found_here if self.expected is None else found_here - self.expected[: len(log)])
         return np.concatenate(out)
 
+    def suspects(self, quiet: Diagram, record: Record, floor: Floor) -> tuple[str, ...]:
+        """Return the blocks of the segments whose own residuals leave their floor.
+
+        A controller and what is before it, back to logged signals, is a segment; the process with its valves is one.
+        """
+        if self.usual is None:
+            return tuple(block.name for block in quiet.blocks)
+        unit, mean, sd = self.usual
+        r = residuals(self.residuals(quiet, record, None, None)[0], floor.changes)[floor.skipped :]
+        loss = losses(r / unit).mean(axis=0)
+        left = {s for s, far in zip(record.pinned, loss > mean + SIGMAS * sd, strict=True) if far}
+        found = {name for s in left & set(self.parts.judged) for name in ancestors(quiet, [s], set(record.log.names))}
+        if left & set(self.parts.measured) or not left:
+            found |= {*self.parts.fed, *self.parts.rest}
+        return tuple(block.name for block in quiet.blocks if block.name in found)
+
     def _ruled(
-        self,
-        diagram: Diagram,
-        found: Parts,
-        record: Record,
-        log: Log,
-        given: Mapping[str, Floats],
-        out: dict[str, Floats],
+        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], out: dict[str, Floats]
     ) -> None:
         """Write the offsets of controllers."""
         if not found.judged:
@@ -100,13 +118,7 @@ class Filter:
             out[s][:] = found_offsets
 
     def _measured(
-        self,
-        diagram: Diagram,
-        found: Parts,
-        record: Record,
-        log: Log,
-        given: Mapping[str, Floats],
-        many: int,
+        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], many: int,
         out: dict[str, Floats],
     ) -> None:
         """Write the innovations of measurements."""
@@ -130,15 +142,28 @@ class Filter:
         alone: Floats = self.known[key][1]  # type: ignore[index]
         return np.broadcast_to(alone, (many, *alone.shape[1:]))
 
-    def _innovations(self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats) -> Floats:
-        at = u[0].mean(axis=0)
-        key = "rest", _digest(diagram, found.rest), found.given, tuple(values.items()), at.tobytes()
+    def beside(self, signal: str, mean: float) -> float:
+        """Return the value of an input about which the process is linear: the model's own while it is about that."""
+        if signal not in self.at:
+            return 0.0
+        own = self.at[signal]
+        unit = BESIDE * max(abs(own), LEAST)
+        return own + unit * round((mean - own) / unit)
+
+    def _innovations(
+        self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats
+    ) -> Floats:
+        # What the model alone has not is a planned load, which is added: its level changes no slope.
+        at = np.array([self.beside(s, m) for s, m in zip(found.given, u[0].mean(axis=0).tolist(), strict=True)])
+        shown = np.nanmean(y, axis=0)
+        key = "rest", _digest(diagram, found.rest), found.given, tuple(values.items()), at.tobytes(), shown.tobytes()
         if key not in self.known:
             if len(self.known) > KEPT:
                 self.known.clear()
             piece = part(diagram, found.rest, "rest").with_params(dict(values))
             inputs = dict(zip(found.given, at.tolist(), strict=True))
-            self.known[key] = _linear(piece, found, inputs, self.loads, self.dt)
+            local = near(piece.starting_at(known_starts(piece, self.start)), found, inputs, shown)
+            self.known[key] = _linear(local, found, self.loads, self.dt)
         model, states = self.known[key]  # type: ignore[misc]
         K = np.zeros((len(states), len(found.measured)))
         own = {name: i for i, name in enumerate(self.size)}
@@ -165,9 +190,11 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
     dt = float(np.median(np.diff(record.log.t)))
     u = driven(quiet, found, record, record.log, {}, 1)[0, 0]
     at = dict(zip(found.given, u.mean(axis=0).tolist(), strict=True))
-    piece = part(quiet, found.rest, "rest")
-    one, states = _linear(piece, found, at, loads, dt)
-    A, Q, size = _spread(piece, at, loads)
+    shown = np.array([np.nanmean(record.log[s]) for s in found.measured])
+    local = near(part(quiet, found.rest, "rest"), found, at, shown)
+    one, states = _linear(local, found, loads, dt)
+    A, Q, size = _spread(local, loads)
+    start = {f"{b}.{x}": float(v) for s, v in zip(local.states, local.x, strict=True) for b, x in [s[:-1].split("[")]}
     R = np.diag([_known_to(record, s) ** 2 for s in found.measured])
     K, S = gain(one.F, one.C, noise(A, Q, dt), R)
     root = np.linalg.inv(np.linalg.cholesky(S))
@@ -176,7 +203,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
         record,
         pinned=judged,
         used=tuple(s for s in record.pinned if s not in judged),
-        filter=Filter(found, loads, dict(zip(states, size, strict=True)), dt, K, root),
+        filter=Filter(found, at, start, loads, dict(zip(states, size, strict=True)), dt, K, root),
     )
 
 
@@ -189,15 +216,27 @@ def floor_of_record(model: Diagram, quiet: Diagram, record: Record, runs: int, s
         raise TypeError("the record has no filter")
     logs = without_gap(model, record, runs, seed)
     found = record.filter.residuals(quiet, record, None, logs)
+    judged = record.filter.parts.judged
     expected = np.nanmean(found, axis=0)
     of_others = (found - expected) * len(found) / (len(found) - 1)  # each run without its own share of the mean
-    floor = floor_of(
-        of_others, settling_rows(model, record), [s in record.filter.parts.judged for s in record.pinned], True
-    )
-    return replace(record, filter=replace(record.filter, expected=expected)), floor
+    floor = floor_of(of_others, settling_rows(model, record), [s in judged for s in record.pinned], True)
+    r = residuals(of_others, floor.changes)[:, floor.skipped :]
+    unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))
+    loss = losses(r / unit).mean(axis=1)
+    usual = np.stack([unit, loss.mean(axis=0), loss.std(axis=0, ddof=1)])
+    return replace(record, filter=replace(record.filter, expected=expected, usual=usual)), floor
 
 
-def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int) -> Floats:
+def suspected(quiet: Diagram, record: Record, floor: Floor) -> Record:
+    """Return a record with the blocks of the segments whose residuals leave their floor."""
+    if not isinstance(record.filter, Filter):
+        return record
+    return replace(record, suspects=record.filter.suspects(quiet, record, floor))
+
+
+def driven(
+    diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int
+) -> Floats:
     """Return what a log makes valves and planned sources give, at each row and just before it: (runs, 2, rows, inputs).
 
     ``own`` parameters of these blocks, one value a run.
@@ -225,26 +264,37 @@ def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mappin
     return out
 
 
+def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Floats) -> Slopes:
+    """Return the slopes of a process where it shows what the log shows on average, as little moved as that takes."""
+    closed = close(piece, {s: at[s] for s in piece.open_inputs})
+    local = slopes(closed)
+    for _ in range(MOVES):
+        rows = [local.signals.index(s) for s in found.measured]
+        unit = np.maximum(np.abs(shown), LEAST)
+        off = (shown - local.s[rows]) / unit
+        if np.abs(off).max() < NEAR:
+            break
+        size = np.maximum(np.abs(local.x), LEAST)
+        C = local.joined()[2][rows] * size / unit[:, None]
+        local = slopes(closed.at_state(local.x + size * np.linalg.lstsq(C, off, rcond=1e-6)[0]))
+    return local
+
+
 def _linear(
-    piece: Diagram, found: Parts, at: Mapping[str, float], loads: Mapping[str, tuple[float, float]], dt: float
+    local: Slopes, found: Parts, loads: Mapping[str, tuple[float, float]], dt: float
 ) -> tuple[Sampled, tuple[str, ...]]:
-    """Return a process from row to row, in deviations from where it starts, in sizes, and its states."""
-    A, B, c, C, D, g, states, size = _scaled(piece, found.given, found.measured, at, loads)
+    """Return a process from row to row, in deviations from where its slopes are, in sizes, and its states."""
+    A, B, c, C, D, g, states, _ = _scaled(local, found.given, found.measured, loads)
     return sampled(A, B, c, C, D, g, dt), states
 
 
 def _scaled(
-    piece: Diagram,
-    given: Sequence[str],
-    measured: Sequence[str],
-    at: Mapping[str, float],
-    loads: Mapping[str, tuple[float, float]],
+    local: Slopes, given: Sequence[str], measured: Sequence[str], loads: Mapping[str, tuple[float, float]]
 ) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats, tuple[str, ...], Floats]:
     """Return A, B, c, C, D, g of a process with its loads as states behind its own; names and sizes of states."""
-    near = slopes(close(piece, {s: at[s] for s in piece.open_inputs}))
-    A, B, C, D = near.joined()
-    place = {s: i for i, s in enumerate(near.signals)}
-    size = np.maximum(np.abs(near.x), LEAST)
+    A, B, C, D = local.joined()
+    place = {s: i for i, s in enumerate(local.signals)}
+    size = np.maximum(np.abs(local.x), LEAST)
     v, w = [place[s] for s in given], [place[s] for s in loads]
     rows = [place[s] for s in measured]
     n, m = len(size), len(w)
@@ -255,16 +305,14 @@ def _scaled(
     whole[n:, n:] = -np.diag([1.0 / time for _, time in loads.values()])
     drives = np.vstack([B[:, v] / size[:, None], np.zeros((m, len(v)))])
     shows = np.hstack([C[rows] * size, D[np.ix_(rows, w)] * sd])
-    c = np.concatenate([near.rates / size, np.zeros(m)])
-    states = (*near.states, *(f"{s}[load]" for s in loads))
-    return whole, drives, c, shows, D[np.ix_(rows, v)], near.s[rows], states, np.concatenate([size, sd])
+    c = np.concatenate([local.rates / size, np.zeros(m)])
+    states = (*local.states, *(f"{s}[load]" for s in loads))
+    return whole, drives, c, shows, D[np.ix_(rows, v)], local.s[rows], states, np.concatenate([size, sd])
 
 
-def _spread(
-    piece: Diagram, at: Mapping[str, float], loads: Mapping[str, tuple[float, float]]
-) -> tuple[Floats, Floats, Floats]:
+def _spread(local: Slopes, loads: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats, Floats]:
     """Return A, the density of the noise that moves the states, and their sizes."""
-    A, *_, states, size = _scaled(piece, (), (), at, loads)
+    A, *_, states, size = _scaled(local, (), (), loads)
     Q = MISSED**2 * np.eye(len(states))
     for k, (_, time) in enumerate(loads.values()):
         j = len(states) - len(loads) + k
@@ -289,14 +337,6 @@ def _block(key: str) -> str:
 def _digest(diagram: Diagram, names: Sequence[str]) -> tuple[object, ...]:
     blocks = [diagram[name] for name in names]
     return tuple(
-        (
-            b.name,
-            type(b).__name__,
-            tuple(b.input_labels),
-            tuple(b.output_labels),
-            b.p.tobytes(),
-            b.x0.tobytes(),
-            b.d0.tobytes(),
-        )
+        (b.name, type(b).__name__, tuple(b.input_labels), tuple(b.output_labels), b.p.tobytes(), b.x0.tobytes(), b.d0.tobytes())
         for b in blocks
     )

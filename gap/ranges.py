@@ -15,6 +15,7 @@ from gap.floor import losses
 from gap.search import SETTLED, Candidate, Fit, best_of, refined
 
 NODES = 6  # sizes of a parameter that are replayed first
+NODES_OF_FILTER = 13  # where a filter makes the residuals, which costs little
 BETWEEN = 8  # sizes looked at between two that were replayed
 MILD = 2  # sizes of a limit that are replayed where the gap is small
 
@@ -34,12 +35,14 @@ def between(fits: Sequence[Fit], name: str) -> tuple[float, float]:
     return best[1], best[0]
 
 
-def fitted(candidate: Candidate, nodes: int = NODES) -> Fit | None:
+def fitted(candidate: Candidate, nodes: int = 0) -> Fit | None:
     """Return the fit of an effect over the whole range of each size, one after the other; None if no run succeeded.
 
     Signed ranges that are linear are gone through in both directions from neutral, near it in smaller steps.  Where the
-    first part of the record shows the gap, sizes are tried there, and the best of them on the whole.
+    first part of the record shows the gap, sizes are tried there, and the best of them on the whole.  ``nodes`` sizes
+    of each, by default as many as the way of making residuals affords.
     """
+    nodes = nodes or (NODES if candidate.problem.record.filter is None else NODES_OF_FILTER)
     early = candidate.problem.early
     if early is candidate.problem:
         return _over_range(candidate, nodes)

@@ -88,7 +88,8 @@ class Record:
 
     ``log``; ``played`` the logged open inputs; ``pinned`` the other logged signals, those that blocks drive;
     ``lattices`` those whose lattice is the sensor's own, not the log's rounding; ``used`` logged signals that the model
-    drives and that are taken as they are, not judged; ``filter`` what makes residuals of it where no replay does.
+    drives and that are taken as they are, not judged; ``filter`` what makes residuals of it where no replay does;
+    ``suspects`` the blocks at which a gap can be, none named: all.
     """
 
     log: Log
@@ -97,6 +98,7 @@ class Record:
     lattices: tuple[str, ...] = ()
     used: tuple[str, ...] = ()
     filter: "Residuals | None" = None
+    suspects: tuple[str, ...] = ()
 
     @cached_property
     def steps(self) -> dict[str, float]:

@@ -70,12 +70,12 @@ class PlantRun:
         """A name of the run that no other has."""
         return "/".join([self.family, self.model, self.effect or "none", self.place or "-", str(self.seed)])
 
-    def made(self, hours: float = 1.0) -> Log:
-        """Return the log; raise ``RuntimeError`` if the plant stops early with this effect."""
+    def made(self, hours: float = 1.0, clean: bool = False) -> Log:
+        """Return the log, ``clean`` without the effect; raise ``RuntimeError`` if the plant stops early with it."""
         build, logged = MODELS[self.model]
         rng = np.random.default_rng([FAMILIES[self.family], self.seed, len(self.effect), len(self.place)])
         plant = _moving(build(), rng, 3600.0 * hours)
-        if self.effect:
+        if self.effect and not clean:
             swing = float(np.exp(rng.uniform(-0.18, 0.18)))
             values = {key: _swung(key, value, swing) for key, value in SIZES_OF_PLANT[self.effect][1].items()}
             plant = _with(plant, self.effect, self.place, values)
