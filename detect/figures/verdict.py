@@ -70,13 +70,13 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
     left.plot([], [], color=BEFORE, lw=6, label="A1, before the peak")
     left.plot([], [], color=AFTER, lw=6, label="A2, after it")
     if not used.all():
-        left.plot([], [], color=UNUSED, lw=6, label="left out")
+        left.plot([], [], color=UNUSED, lw=6, label="left out: unlike the others")
     legend(left)
     left.margins(x=0.01, y=0.05)
     left.set_xlabel("time [s]")
     left.set_ylabel("e = SP - PV, centred")
     some = f" (first {CYCLES} of {len(start)})" if len(start) > CYCLES else ""
-    left.set_title(f"half cycles of e, cut at their peaks{some}", fontsize=9, loc="left")
+    left.set_title(f"half cycles of e{some}; unfilled: not whole", fontsize=9, loc="left")
     tidy(left)
     _draw_ratios(v, right, used)
 

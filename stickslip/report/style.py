@@ -35,7 +35,7 @@ body { font: 16px/1.55 system-ui, -apple-system, "Segoe UI", Roboto, Arial, sans
 main { max-width: 1040px; margin: 0 auto; padding: 32px 20px 64px; }
 h1 { font-size: 30px; line-height: 1.25; margin: 0 0 6px; letter-spacing: -0.01em; }
 h2 { font-size: 20px; line-height: 1.3; margin: 0; }
-h1, h2, td, th, dd, li, p, figcaption { overflow-wrap: anywhere; }
+h1, h2, dd, li, p, figcaption { overflow-wrap: anywhere; } td { overflow-wrap: break-word; max-width: 30em; }
 .lead { color: var(--soft); margin: 0 0 22px; max-width: 76ch; }
 nav { font-size: 14.5px; margin: 0 0 6px; line-height: 2; }
 nav a { margin-right: 18px; white-space: nowrap; }
