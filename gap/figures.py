@@ -34,6 +34,6 @@ def plot_residuals(report: "GapReport") -> "Figure":
         panel.yaxis.set_major_formatter("{x:g}")
         panel.set_ylabel(f"residual of {signal}\n[s.d. without a gap]", fontsize=8.5)
         tidy(panel)
-    panels[0].legend(loc="upper right", fontsize=8, frameon=False)
+    panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, frameon=False, borderpad=0.1)
     panels[-1].set_xlabel(f"time [{unit}]")
     return figure
