@@ -4,14 +4,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from logs.style import GREEN, RED, tidy
+from logs.style import GREEN, RED, SHADE, tidy
+from logs.thinned import thinned
+from logs.time_axis import time_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gap.report import GapReport
 
-MOST = 4000  # points of a line; more are thinned
 HIGHEST = 1e3  # of the scale: beyond, a residual is just large
 
 
@@ -21,16 +22,18 @@ def plot_residuals(report: "GapReport") -> "Figure":
 
     figure = Picture(figsize=(9.0, 0.9 + 1.9 * len(report.residuals)), layout="constrained")
     panels = figure.subplots(len(report.residuals), 1, sharex=True, squeeze=False)[:, 0]
-    every = max(1, len(report.t) // MOST)
+    scale, unit = time_unit(float(report.t[-1] - report.t[0]))
     for panel, (signal, both) in zip(panels, report.residuals.items(), strict=True):
         for values, colour, label in zip(both, (RED, GREEN), ("model as it is", "with the cause"), strict=True):
             if label == "with the cause" and not report.causes:
                 continue
-            shown = np.clip(values[::every], -HIGHEST, HIGHEST)
-            panel.plot(report.t[::every] / 60.0, shown, color=colour, linewidth=0.6, label=label)
+            shown = np.clip(values, -HIGHEST, HIGHEST)
+            panel.plot(*thinned(report.t / scale, shown), color=colour, linewidth=0.6, label=label)
         panel.set_yscale("symlog", linthresh=3.0)
+        panel.axhspan(-3.0, 3.0, color=SHADE, linewidth=0, zorder=0.1)
+        panel.yaxis.set_major_formatter("{x:g}")
         panel.set_ylabel(f"residual of {signal}\n[s.d. without a gap]", fontsize=8.5)
         tidy(panel)
-    panels[0].legend(loc="upper right", fontsize=8, frameon=False)
-    panels[-1].set_xlabel("time [min]")
+    panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=8, frameon=False, borderpad=0.1)
+    panels[-1].set_xlabel(f"time [{unit}]")
     return figure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -49,7 +50,7 @@ class TimeAxis:
         if self.start is not None:
             from matplotlib.dates import date2num
 
-            self._zero = float(date2num(self.start.replace(tzinfo=None)))
+            self._zero = float(date2num(self.start.replace(tzinfo=None)))  # type: ignore[no-untyped-call]
 
     @property
     def clock(self) -> bool:
@@ -72,14 +73,8 @@ class TimeAxis:
             return
         from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 
-        locator = AutoDateLocator(minticks=4, maxticks=9)
+        locator = AutoDateLocator(minticks=4, maxticks=9)  # type: ignore[no-untyped-call]
         ax.xaxis.set_major_locator(locator)
-        ax.xaxis.set_major_formatter(ConciseDateFormatter(locator, show_offset=False))
-        first = self.start if t0 == 0.0 else _moment(low)
-        ax.set_xlabel(f"clock time, from {first:%Y-%m-%d %H:%M:%S}")
-
-
-def _moment(day: float):  # type: ignore[no-untyped-def]
-    from matplotlib.dates import num2date
-
-    return num2date(day)
+        shown = ConciseDateFormatter(locator, show_offset=False)  # type: ignore[no-untyped-call]
+        ax.xaxis.set_major_formatter(shown)
+        ax.set_xlabel(f"clock time, from {self.start + timedelta(seconds=t0):%Y-%m-%d %H:%M:%S}")

@@ -38,7 +38,7 @@ def draw_spread(result: Findings) -> "Figure":
     lines = groups(result, first)
     wide = 1.8 + max(5.0, 0.62 * len(result.signals)) if len(alive) == 1 else 1.8 + len(alive) * _width(result)
     figure = Picture(figsize=(min(max(wide, 6.5), 16.0), 7.4), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=(5.6, 1.5))
+    upper, lower = np.ravel(figure.subfigures(2, 1, height_ratios=(5.6, 1.5)))  # type: ignore[arg-type]
     axes = upper.subplots(2, len(alive), sharex=True, sharey="row", squeeze=False, height_ratios=(1.7, 1.0))
     counts = lower.subplots(1, len(alive), sharey=True, squeeze=False)[0]
     percent = [result.percent(signal) for signal in result.signals]

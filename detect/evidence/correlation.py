@@ -70,7 +70,7 @@ def correlation(loop: Prepared) -> Correlation | None:
     uu, yy, uy = _r(u, u, m), _r(y, y, m), _r(u, y, m)
     reach = max(1, min(m, round(0.5 * samples) if math.isfinite(samples) else m))
     at = int(np.argmax(np.abs(uy[m : m + reach + 1])))
-    lags = np.arange(-m, m + 1) * grid.dt
+    lags = np.asarray(np.arange(-m, m + 1) * grid.dt, dtype=np.float64)
     return Correlation(lags, uu[m:], yy[m:], uy, loop.period, at * grid.dt, float(uy[m + at]), float(uy[m]))
 
 

@@ -17,6 +17,7 @@ Values = npt.NDArray[np.float64]
 STILL = 1e-6  # of OP's travel: a fitted stem that moves less stands
 MOVED = 0.02  # of OP's travel: OP must move that much while the stem stands, or it is no stick
 FEWEST = 3  # samples of a stick
+BETTER = 1.05  # rms without play over rms with it: below, the fitted stem says nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +69,18 @@ def stem_trend(verdicts: Sequence[Verdict]) -> StemTrend | str:
         return "No stem can be reconstructed: the method play_fit was not asked."
     if not len(fitted.array("x")):
         return f"No stem can be reconstructed: {fitted.reason}"
+    better = fitted.index if fitted.index is not None else float("nan")
+    if not better >= BETTER:
+        return (
+            f"No stem is reconstructed: a play tells PV hardly better from OP than a lag alone (error {better:.2f} "
+            f"times as large without play, {BETTER:g} needed)."
+        )
     t, op, mv = (fitted.array(name) for name in ("t", "u", "x"))
     travel = float(np.ptp(op))
     still = np.concatenate([[False], np.abs(np.diff(mv)) <= STILL * travel, [False]])
     edges = np.flatnonzero(np.diff(still.astype(np.int8))).reshape(-1, 2)
     long = [(first, last) for first, last in edges.tolist() if last - first >= FEWEST]
     stands = np.array([(t[first], t[last]) for first, last in long]).reshape(-1, 2)
-    better = fitted.index if fitted.index is not None else float("nan")
     return StemTrend(t, op, mv, _moving(t, op, stands), False, better)
 
 

@@ -39,7 +39,7 @@ def plot_comparison(comparison: Comparison) -> Figure:
         edge.set_visible(False)
     cells.tick_params(length=0)
     figure.suptitle(
-        "   ".join(f"{said.letter} {said.spoken}" for said in WORDS.values()), x=0.01, ha="left", fontsize=9
+        ", ".join(f"{said.letter} = {said.spoken}" for said in WORDS.values()), x=0.01, ha="left", fontsize=9
     )
     spent = np.median([judged.milliseconds for judged in comparison.loops], axis=0)
     bars.barh(range(len(names)), spent, color=INK, height=0.6)

@@ -135,35 +135,39 @@ def plot_over_time(found: OverTime) -> Figure:
     """Probability of stiction and S with their 90 % intervals, window by window."""
     from logs.picture import Picture
 
-    figure = Picture(figsize=(9.6, 3.6), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    record = found.record
-    axis = TimeAxis(record.log)
-    middles = axis.at(np.array([0.5 * (w.start + w.end) for w in found.windows]))
-    for x, w in zip(middles.tolist(), found.windows, strict=True):
-        a, b = axis.at(np.array([w.start, w.end])).tolist()
-        colour = WORDS[w.verdict].colour
+    sized = any(w.S is not None for w in found.windows)
+    figure = Picture(figsize=(9.6, 3.6 if sized else 2.0), layout="constrained")
+    panels = figure.subplots(2 if sized else 1, 1, sharex=True, squeeze=False)[:, 0]
+    axis = TimeAxis(found.record.log)
+    for w in found.windows:
         if w.probability is not None:
-            upper.plot([a, b], [w.probability] * 2, color=colour, lw=3.0, solid_capstyle="butt")
-        if w.S is not None:
-            lower.plot([x, x], [w.S.low, w.S.high], color=COLOURS["bad"], lw=1.6)
-            lower.plot([x], [w.S.value], "o", color=COLOURS["bad"], ms=5)
-        else:
-            lower.annotate(
-                WORDS[w.verdict].spoken, (x, 0.04), xycoords=("data", "axes fraction"), ha="center", fontsize=7.5,
-                color=SOFT, rotation=90 if len(found.windows) > 7 else 0,
-            )  # fmt: skip
-    unit = next((w.S.unit for w in found.windows if w.S is not None), "")
-    upper.set_ylim(-0.03, 1.03)
-    upper.set_yticks([0.0, 0.5, 1.0], ["0", "50 %", "100 %"])
-    upper.set_ylabel("probability\nof stiction")
-    lower.set_ylabel(f"S [{unit}]" if unit else "S")
-    if unit:
-        lower.set_ylim(bottom=0.0)
-    else:
-        lower.set_yticks([])
-    for ax in (upper, lower):
+            ends = axis.at(np.array([w.start, w.end]))
+            colour = WORDS[w.verdict].colour
+            panels[0].plot(ends, [w.probability] * 2, color=colour, lw=3.0, solid_capstyle="butt")
+    panels[0].set_ylim(-0.03, 1.03)
+    panels[0].set_yticks([0.0, 0.5, 1.0], ["0", "50 %", "100 %"])
+    panels[0].set_ylabel("probability\nof stiction")
+    if sized:
+        _sizes(panels[1], axis, found)
+        panels[0].tick_params(labelbottom=False)
+    for ax in panels:
         tidy(ax)
-    upper.tick_params(labelbottom=False)
-    axis.finish(lower, float(record.t[0]), float(record.t[-1]))
+    axis.finish(panels[-1], float(found.record.t[0]), float(found.record.t[-1]))
     return figure
+
+
+def _sizes(ax: Axes, axis: TimeAxis, found: OverTime) -> None:
+    """S of every window with its interval; the verdict where none is called."""
+    for w in found.windows:
+        x = float(axis.at(np.array([0.5 * (w.start + w.end)]))[0])
+        if w.S is not None:
+            ax.plot([x, x], [w.S.low, w.S.high], color=COLOURS["bad"], lw=1.6)
+            ax.plot([x], [w.S.value], "o", color=COLOURS["bad"], ms=5)
+            continue
+        ax.annotate(
+            WORDS[w.verdict].spoken, (x, 0.04), xycoords=("data", "axes fraction"), ha="center", fontsize=7.5,
+            color=SOFT, rotation=90 if len(found.windows) > 7 else 0,
+        )  # fmt: skip
+    unit = next(w.S.unit for w in found.windows if w.S is not None)
+    ax.set_ylabel(f"S [{unit}]")
+    ax.set_ylim(bottom=0.0)

@@ -72,7 +72,8 @@ def plot_trend(record: LoopRecord, stem: StemTrend | None = None) -> Figure:
 def shown_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> tuple[float, float]:
     """From where to where a few cycles are shown [s]: the last ones, where the stem is known if it is."""
     t0, t1 = (float(record.t[0]), float(record.t[-1])) if stem is None else (float(stem.t[0]), float(stem.t[-1]))
-    width = CYCLES * period if math.isfinite(period) else SAMPLES * record.dt
+    width = SAMPLES * (record.dt if stem is None else max(record.dt, float(stem.t[1] - stem.t[0])))
+    width = CYCLES * period if math.isfinite(period) else width
     return max(t0, t1 - width), t1
 
 

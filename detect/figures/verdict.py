@@ -67,16 +67,18 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
             left.fill_between(
                 edge, np.interp(edge, t[ok], e[ok]), color=colour if used[i] else UNUSED, alpha=0.85, lw=0
             )
-    left.plot([], [], color=BEFORE, lw=6, label="A1, before the peak")
+    left.plot([], [], color=BEFORE, lw=6, label="A1, before peak")
     left.plot([], [], color=AFTER, lw=6, label="A2, after it")
     if not used.all():
-        left.plot([], [], color=UNUSED, lw=6, label="left out")
+        left.plot([], [], color=UNUSED, lw=6, label="left out: unlike the others")
+    if len(start) and t[-1] - t[0] > np.sum(end - start) + 1e-9:
+        left.plot([], [], color=FIT, lw=0.8, label="not whole")
     legend(left)
     left.margins(x=0.01, y=0.05)
     left.set_xlabel("time [s]")
     left.set_ylabel("e = SP - PV, centred")
     some = f" (first {CYCLES} of {len(start)})" if len(start) > CYCLES else ""
-    left.set_title(f"half cycles of e, cut at their peaks{some}", fontsize=9, loc="left")
+    left.set_title(f"half cycles of e{some}", fontsize=9, loc="left")
     tidy(left)
     _draw_ratios(v, right, used)
 

@@ -213,8 +213,8 @@ def _from_routine(record: LoopRecord, count: int, timed: tuple[StepResponse, ...
     """What routine moves tell: deadband and jump from a logged stem, the step response from moves that stand alone."""
     few = f"Fewer than {STEPS_MIN} steps held at rest: read off the routine moves."
     if record.mv is None and timed:
-        notes = (few, NO_STEM, "Deadband and resolution need the stem position, or a step test.")
-        return ValveTest(record.name, "PV", "routine moves", None, None, None, None, timed, (), notes, record)
+        said = (few, NO_STEM, "Deadband and resolution need the stem position, or a step test.")
+        return ValveTest(record.name, "PV", "routine moves", None, None, None, None, timed, (), said, record)
     if record.mv is None:
         raise LogError(
             f"the record has {count} steps of OP and no stem position; step OP at least {STEPS_MIN} times and hold "
@@ -292,8 +292,8 @@ def _response(t: npt.NDArray[np.float64], answer: npt.NDArray[np.float64], step:
     since = t[step.start : step.stop] - step.time
     band = max(3.0 * noise / abs(step.answer), 0.01)
     overshoot = max(float(np.max(part)) - 1.0 - band, 0.0)
-    reached = (_first(since, part, level) for level in (band, T63, T86))
-    return StepResponse(step.time, step.size, *reached, overshoot, step.place_before, step.place_after)
+    dead, sooner, later = (_first(since, part, level) for level in (band, T63, T86))
+    return StepResponse(step.time, step.size, dead, sooner, later, overshoot, step.place_before, step.place_after)
 
 
 def _at_once(op: npt.NDArray[np.float64], step: Step) -> bool:

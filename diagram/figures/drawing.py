@@ -197,7 +197,7 @@ class _Ink:
             return ""
         block = self.diagram.blocks[node.block]
         weight = block.params.get(f"w_{block.ports_in[arrow.into].name}")
-        if weight is None or block.role is not Role.ARITHMETIC:
+        if weight is None:
             return ""
         size = "" if abs(weight) == 1.0 else f" {abs(weight):.3g} ×"
         return f"{'+' if weight >= 0.0 else '−'}{size}"

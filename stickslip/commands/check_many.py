@@ -65,7 +65,7 @@ def check_many(
     surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]
     rows = _rows(judged, surveys)
     say(f"{len(rows)} loops, those to look at first on top:", bold=True)
-    say.table(list(COLUMNS), rows)
+    say.table(list(COLUMNS), [row for _, row in rows])
     for read, one in zip(found, surveys, strict=True):
         if one is not None:
             say(f"{read.file.name}: oscillations that tags share", bold=True)
@@ -100,11 +100,13 @@ def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
     return survey(read.log, {answer.loop: answer.verdict for answer in answers})
 
 
-def _rows(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]") -> list[list[str]]:
-    """Return one row a loop as in ``COLUMNS``, the likeliest valve first."""
+def _rows(
+    judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]"
+) -> list[tuple[int, list[str]]]:
+    """Return one row a loop as in ``COLUMNS``, the likeliest valve first, each with the number of its loop."""
     from detect.words import WORDS
 
-    order: list[tuple[tuple[bool, float], list[str]]] = []
+    order: list[tuple[tuple[bool, float], int, list[str]]] = []
     for (file, answers), one in zip(judged, surveys, strict=True):
         suspects = {} if one is None else {suspect.loop: suspect for suspect in one.suspects}
         for answer in answers:
@@ -115,22 +117,32 @@ def _rows(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[S
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
             chance = "-" if answer.probability is None else f"{answer.probability:.2f}"
             row = [name, WORDS[answer.verdict].spoken, chance, travel, why.rstrip(".")]
-            order.append(((answer.verdict != "stiction", -gain), row))
-    return [row for _, row in sorted(order, key=lambda pair: pair[0])]
+            order.append(((answer.verdict != "stiction", -gain), len(order), row))
+    return [(number, row) for _, number, row in sorted(order, key=lambda one: one[0])]
 
 
 def _page(
-    judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]", rows: list[list[str]]
+    judged: "Sequence[tuple[Path, list[Diagnosis]]]",
+    surveys: "Sequence[Survey | None]",
+    rows: list[tuple[int, list[str]]],
 ) -> str:
+    from detect.words import WORDS
     from stickslip.commands.one_loop import section_of
     from stickslip.report.page import Section, figure_to_svg, page, table_to_html
 
-    table = Section("All loops", f"{len(rows)} loops", "open", "", figures=[table_to_html(COLUMNS, rows)])
-    sections = [table]
+    shared = []
     for (file, _), one in zip(judged, surveys, strict=True):
         if one is not None:
-            shared = Section(file.name, f"{len(one.groups)} shared oscillations", "open", "")
-            shared.reason, shared.figures = one.words.replace("\n", " "), [figure_to_svg(one.plot())]
-            sections.append(shared)
-    sections += [section_of(answer) for _, answers in judged for answer in answers]
-    return page(f"{len(rows)} loops", "The likeliest sticky valves are on top.", sections)
+            section = Section(file.name, f"{len(one.groups)} shared oscillations", "open", one.words.replace("\n", " "))
+            section.figures.append(figure_to_svg(one.plot()))
+            shared.append(section)
+    answers = [answer for _, found in judged for answer in found]
+    said = [k for k in range(len(COLUMNS)) if k < 2 or any(row[k] not in ("", "-") for _, row in rows)]
+    links = [f"#s{1 + len(shared) + number}" for number, _ in rows]
+    kinds = [WORDS[answers[number].verdict].kind for number, _ in rows]
+    cells = [[row[k] for k in said] for _, row in rows]
+    table = Section("All loops", f"{len(rows)} loops", "open", "Those to look at first are on top.")
+    table.figures.append(table_to_html([COLUMNS[k] for k in said], cells, links=links, badges={1: kinds}))
+    sticky = sum(answer.verdict == "stiction" for answer in answers)
+    lead = f"In {sticky} of {len(answers)} loops the valve looks sticky." if sticky else "No valve is called sticky."
+    return page(f"{len(rows)} loops", lead, [table, *shared, *(section_of(answer) for answer in answers)])

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from diagram.diagram import Diagram
     from gap import GapReport
 
+SHOWN = 6  # effects that are listed
+
 
 @click.command("gap")
 @click.argument("run", type=click.Path(path_type=Path))
@@ -65,7 +67,7 @@ def command(
     if report.ranking:
         say.table(
             ["effect", "place", "probability"],
-            [[rank.effect, rank.place, f"{rank.probability:.3f}"] for rank in report.ranking[:6]],
+            [[rank.effect, rank.place, f"{rank.probability:.3f}"] for rank in report.ranking[:SHOWN]],
         )
     say("Read and assumed:")
     for sentence in report.notes:
@@ -113,10 +115,21 @@ def _model(model: str) -> "Diagram":
 
 
 def _page(report: "GapReport", name: str) -> str:
-    from stickslip.report.page import Section, figure_to_svg, page
+    from stickslip.report.page import Section, captioned, figure_to_svg, page, table_to_html
 
-    section = Section(name, "GAP" if report.gap else "NO GAP", "bad" if report.gap else "good", " ".join(report.words))
-    section.notes.extend(report.notes)
-    section.figures.append(figure_to_svg(report.plot_diagram()))
-    section.figures.append(figure_to_svg(report.plot()))
-    return page(f"{name}: {'gap' if report.gap else 'no gap'}", "", [section])
+    badge, kind = ("GAP", "bad") if report.gap else ("NO GAP", "good")
+    answer = Section("The answer", badge, kind, " ".join(report.words), notes=list(report.notes))
+    answer.notes_label = "Read and assumed"
+    if report.ranking:
+        rows = [
+            [rank.effect.replace("_", " "), rank.place, f"{rank.probability:.3f}"] for rank in report.ranking[:SHOWN]
+        ]
+        answer.figures.append(table_to_html(["effect", "place", "probability"], rows))
+    where = Section("Where it lies", "", "open", "")
+    where.figures.append(
+        captioned(figure_to_svg(report.plot_diagram()), "The redder and thicker a frame, the likelier.")
+    )
+    left = Section("What the model leaves unexplained", "", "open", "")
+    said = "One-step errors of the model; grey: three standard deviations, which a model without a gap keeps to."
+    left.figures.append(captioned(figure_to_svg(report.plot()), said))
+    return page(f"{name}: {'gap' if report.gap else 'no gap'}", "", [answer, where, left])

@@ -118,7 +118,7 @@ def _oscillation(diagnosis: "Diagnosis", loop: "Prepared") -> str:
 
 
 def _test(diagnosis: "Diagnosis") -> "Section | None":
-    from detect.judge.test_plan import COLUMNS, test_plan
+    from detect.judge.confirming import COLUMNS, confirming_rows
     from stickslip.report.page import Section, table_to_html
 
     S = (diagnosis.amount or {}).get("S")
@@ -129,7 +129,7 @@ def _test(diagnosis: "Diagnosis") -> "Section | None":
         "In manual, with the process in a state that bears it. After each step wait several time constants of PV, and "
         "note OP and PV (or the stem). Then: stickslip valve TEST.csv"
     )
-    section.figures.append(table_to_html(COLUMNS, test_plan(S)))
+    section.figures.append(table_to_html(COLUMNS, confirming_rows(S)))
     return section
 
 

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
 
 
 READ = "What was read and assumed"
+UNLIKELY = 0.01  # a cause that is less probable is not listed
 
 
 def with_told(
@@ -43,7 +44,8 @@ def section_of(diagnosis: "Diagnosis") -> "Section":
     )
     section.notes.extend(f"{name} {size}." for name, size in (diagnosis.amount or {}).items())
     if diagnosis.causes:
-        chances = ", ".join(f"{CAUSES[cause].spoken} {p:.1%}" for cause, p in diagnosis.causes.items())
+        likely = {cause: p for cause, p in diagnosis.causes.items() if p >= UNLIKELY or cause == "stiction"}
+        chances = ", ".join(f"{CAUSES[cause].spoken} {p:.0%}" for cause, p in likely.items())
         section.notes.append(f"Probabilities: {chances}.")
     section.notes.extend(diagnosis.assumptions)
     section.figures.append(figure_to_svg(diagnosis.plot(words=False)))

@@ -167,18 +167,17 @@ def _page(source: str, found: "Comparison") -> str:
     from detect.words import WORDS
     from stickslip.report.page import Section, figure_to_svg, page, table_to_html
 
-    sections = [
-        Section(
-            judged.loop,
-            WORDS[judged.combined].spoken.upper(),
-            WORDS[judged.combined].kind,
-            f"{judged.samples} samples; {judged.preparation:.0f} ms to prepare, {sum(judged.milliseconds):.0f} ms for "
-            "all methods.",
-            figures=[table_to_html(COLUMNS[1:], [row[1:] for row in judged.rows()])],
-        )
-        for judged in found.loops
-    ]
-    sections[0].figures.insert(0, figure_to_svg(found.plot()))
-    if found.skipped:
-        sections[-1].notes += [f"{file} is not read: {reason}" for file, reason in found.skipped]
-    return page(f"All methods on {source}", "", sections)
+    counts = [f"{n} {WORDS[word].spoken}" for word in WORDS if (n := sum(one.combined == word for one in found.loops))]
+    seen = Section("What the methods say", f"{len(found.loops)} loops", "open", f"Together: {', '.join(counts)}.")
+    seen.figures.append(figure_to_svg(found.plot()))
+    seen.notes += [f"{file} is not read: {reason}" for file, reason in found.skipped]
+    sections = [seen]
+    for judged in found.loops:
+        word = WORDS[judged.combined]
+        spent = f"{judged.preparation:.0f} ms to prepare, {sum(judged.milliseconds):.0f} ms for all methods"
+        section = Section(judged.loop, word.spoken.upper(), word.kind, f"{judged.samples} samples; {spent}.")
+        rows = [[row[1].replace("_", " "), *row[2:]] for row in judged.rows()]
+        kinds = [WORDS[verdict.verdict].kind for verdict in judged.verdicts]
+        section.figures.append(table_to_html(COLUMNS[1:], rows, badges={2: kinds}))
+        sections.append(section)
+    return page("All methods side by side", source, sections, contents=len(found.loops) > 1)

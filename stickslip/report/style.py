@@ -32,10 +32,10 @@ CSS = Template("""
 html { -webkit-text-size-adjust: 100%; }
 body { font: 16px/1.55 system-ui, -apple-system, "Segoe UI", Roboto, Arial, sans-serif; color: var(--ink);
   background: var(--ground); margin: 0; }
-main { max-width: 1040px; margin: 0 auto; padding: 32px 20px 64px; }
+main { max-width: 1100px; margin: 0 auto; padding: 32px 20px 64px; }
 h1 { font-size: 30px; line-height: 1.25; margin: 0 0 6px; letter-spacing: -0.01em; }
 h2 { font-size: 20px; line-height: 1.3; margin: 0; }
-h1, h2, td, th, dd, li, p, figcaption { overflow-wrap: anywhere; }
+h1, h2, dd, li, p, figcaption { overflow-wrap: anywhere; } td { overflow-wrap: break-word; max-width: 30em; }
 .lead { color: var(--soft); margin: 0 0 22px; max-width: 76ch; }
 nav { font-size: 14.5px; margin: 0 0 6px; line-height: 2; }
 nav a { margin-right: 18px; white-space: nowrap; }
@@ -73,7 +73,7 @@ figcaption b { color: var(--ink); font-weight: 600; }
 table { border-collapse: collapse; margin: 6px 0 0; font-size: 14.5px; width: 100%; }
 th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th { color: var(--soft); font-weight: 600; overflow-wrap: normal; }
-td { min-width: 5.5em; } td.long { min-width: 17em; } th:first-child:not(.num), td:first-child:not(.num) {
+td { min-width: 5.5em; } td.long { min-width: 15em; } th:first-child:not(.num), td:first-child:not(.num) {
   min-width: 7.5em; }
 .num { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; min-width: 0; }
 tr.missed td { background: var(--missed); }

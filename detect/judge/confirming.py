@@ -5,16 +5,16 @@ from __future__ import annotations
 from detect.judge.answer import Amount
 from detect.judge.model import rounded
 
-__all__ = ["COLUMNS", "test_plan"]
+__all__ = ["COLUMNS", "confirming_rows"]
 
 COLUMNS = ("step", "move OP by", "then OP is back by", "a sticky valve", "a valve that follows")
 STEPS, SHARE, AWAY = 6, 0.25, 2.0  # steps back, each of this share of S, after this many S one way
 
 
-def test_plan(S: Amount) -> list[list[str]]:
+def confirming_rows(S: Amount) -> list[list[str]]:
     """Rows of text as in ``COLUMNS``, with the steps that ``actions.confirming_steps`` says in words.
 
-    >>> plan = test_plan(Amount(4.0, 3.0, 5.0, "% of OP"))
+    >>> plan = confirming_rows(Amount(4.0, 3.0, 5.0, "% of OP"))
     >>> [row[1:4] for row in plan[:2]]
     [['+8 % of OP', '0', 'follows, at the latest after S'], ['-1 % of OP', '1', 'stands']]
     >>> [row[3] for row in plan[2:]]
