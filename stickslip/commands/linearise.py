@@ -39,9 +39,9 @@ def command(
     \b
     Exit codes: 0 done, 2 the request makes no sense or the case has no rest.
     """
-    from cases import find
+    from stickslip.own import case_named
 
-    chosen = find(case)
+    chosen = case_named(case)
     check_targets({"--plot": bode, "--poles": poles, "--json": json_file}, {"--plot": PICTURES, "--poles": PICTURES})
     from diagram.linear import linearise, operating_point
     from diagram.linear.poles import table

@@ -78,7 +78,7 @@ def command(
     \b
     VALUES are a,b,c or low:high:count (':log' added: even ratios) or uniform(low,high), loguniform(low,high),
     normal(mean,sd). Lists form a grid; laws share the points of --random. A call with the same request goes on
-    where the last one stopped.
+    where the last one stopped. A case of your own is FILE.py:FUNCTION: that file IS EXECUTED.
 
     \b
     Examples:
@@ -90,9 +90,9 @@ def command(
     \b
     Exit codes: 0 done, 2 the request makes no sense, 130 stopped by the keyboard (what is finished is kept).
     """
-    from cases import find
+    from stickslip.own import case_named
 
-    chosen = find(case)
+    chosen = case_named(case)
     check_targets({"--json": json_file})
     if not (math.isfinite(longest) and longest > 0.0):
         raise ValueError(f"--longest {longest:g}: give a positive number of hours")
