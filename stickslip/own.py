@@ -3,6 +3,7 @@
 The file is executed, with all rights of the user: the commands that take one say so in their help.
 """
 
+import contextlib
 import importlib.util
 import math
 import sys
@@ -50,6 +51,10 @@ def function_of(given: str, option: str) -> Callable[..., Any]:
         raise ValueError(f"{option} {given}: '{path}' cannot be loaded as Python; give FILE.py:FUNCTION")
     module = importlib.util.module_from_spec(spec)
     sys.modules[module.__name__] = module  # blocks defined there are looked up by their module
+    with contextlib.suppress(ImportError):  # on a cluster, whose machines do not have the file, it is sent along
+        import cloudpickle
+
+        cloudpickle.register_pickle_by_value(module)
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as fault:

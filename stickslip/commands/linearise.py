@@ -29,7 +29,8 @@ def command(
 ) -> None:  # fmt: skip
     """Find where a CASE rests and show it as a control engineer does: poles, loops, relative gains.
 
-    Sticky valves are seen without friction. 'stickslip simulate --list' shows all cases.
+    Sticky valves are seen without friction. 'stickslip simulate --list' shows all cases. A case of your own is
+    FILE.py:FUNCTION: that file IS EXECUTED.
 
     \b
     Examples:
