@@ -80,18 +80,16 @@ def _check(
     from stickslip.commands.one_loop import with_told
 
     many = several(files, told)
-    if many is not None:
+    if len(many) > 1 or len(many[0].records) > 1:
         for option, given in (("simulate", simulate), ("span", span is not None), ("method", own)):
             if given:
                 raise ValueError(f"--{option} is of one loop; name it with --loop")
         raise SystemExit(check_many(many, html, json_file, measurement))
-    file = files[0]
     from detect import diagnose
     from detect.diagnosis import ask
     from detect.prepare.prepared import prepared
-    from logs import read_loop
 
-    record = read_loop(file, **{name: value for name, value in told.items() if value is not None})
+    (record,) = many[0].records
     loop = prepared(with_told(record, measurement, span, told["process"] is None))
     diagnosis = diagnose(loop)
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))

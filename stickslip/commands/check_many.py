@@ -26,8 +26,8 @@ class Read(NamedTuple):
     fault: str = ""
 
 
-def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read] | None":
-    """Return what every file holds, or None where there is one loop: one file with one, or one that is named.
+def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read]":
+    """Return what every file holds; of one file, where options name a loop or its columns, that loop alone.
 
     Raises ``ValueError`` where options that name the parts of one loop meet several files, and as ``read_loops`` does.
     """
@@ -35,11 +35,11 @@ def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read] | Non
     if one and len(files) > 1:
         option = one[0].replace("_", "-")
         raise ValueError(f"--{option} names what belongs to one loop, but {len(files)} files are given; give one file")
-    if one:
-        return None
-    from logs import ReadError, read_log, read_loops
+    from logs import ReadError, read_log, read_loop, read_loops
 
     options = {name: value for name, value in told.items() if value is not None}
+    if one:
+        return [Read(files[0], (read_loop(files[0], **options),), None)]
     found = []
     for file in files:
         try:
@@ -50,7 +50,7 @@ def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read] | Non
             if len(files) == 1:
                 raise
             found.append(Read(file, (), None, str(fault)))
-    return None if len(found) == 1 and len(found[0].records) == 1 else found
+    return found
 
 
 def check_many(
