@@ -106,9 +106,9 @@ class Diagnosis:
 
 
 def diagnose(
-    record: LoopRecord | Prepared, methods: Sequence[Method] | None = None, combine: Combine | None = None
+    record: LoopRecord | Prepared | Any, methods: Sequence[Method] | None = None, combine: Combine | None = None
 ) -> Diagnosis:
-    """Put every method to a record and say what follows.
+    """Put every method to a record, or to a frame of pandas, polars or pyarrow, and say what follows.
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
     default all of ``detect.METHODS``. The verdict is the calibrated one (``judge.answer``), unless ``combine`` or
