@@ -150,7 +150,7 @@ def compare(
     Parameters: ``source`` a record or a prepared one; anything with ``loop_records()``, as a log and a case of
     ``cases`` have; a file or a data frame (pandas, polars, pyarrow) with one loop or several; a folder, whose CSV, text
     and Parquet files are read; or several of these. ``methods``, ``combine`` as for ``diagnose``; ``process`` the kind
-    of process behind the loops that are read from files and frames; ``loops`` the tags of those to take, by default all.
+    of process behind loops that are read from files and frames; ``loops`` the tags of those to take, by default all.
 
     Raises ReadError for a file that cannot be read, a folder without any loop and a tag that no loop has, TypeError for
     what is none of these or no method. A file of a folder that cannot be read is skipped and listed.

@@ -1,0 +1,38 @@
+"""Loops of a finished scan read once more, for what only the top of the list is worth."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from logs import LoopRecord
+from scan.judge import JOB_ROWS
+from scan.loop_map import read_map
+from scan.sources import source_of
+
+__all__ = ["read_again"]
+
+
+def read_again(
+    source: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    orders: Sequence[int],
+    *,
+    loop_map: str | os.PathLike[str] | None = None,
+) -> Iterator[tuple[int, LoopRecord | str]]:
+    """The records with these values of the column ``order``, each with its order; or why one cannot be read.
+
+    ``source``, ``out`` and ``loop_map`` as for ``scan``.  Raises ReadError as ``scan`` does.
+    """
+    found = source_of(source, Path(out) / "source", () if loop_map is None else read_map(loop_map))
+    by_job: dict[int, list[int]] = {}
+    for order in orders:
+        by_job.setdefault(order // JOB_ROWS, []).append(order % JOB_ROWS)
+    for number, places in by_job.items():
+        last = max(places)
+        for place, (_, record) in enumerate(found.jobs[number].read()):
+            if place in places:
+                yield number * JOB_ROWS + place, record
+            if place >= last:
+                break
