@@ -56,7 +56,7 @@ NOTES = {
     "hostile_files": "files made by rule",
     "hostile_runs": "commands run on them",
     "hostile_mutations": "good files changed at random",
-    "hostile_faults": "runs with a traceback, hang, script, formula, or an error without a remedy (required: at most 0)",
+    "hostile_faults": "runs with a traceback, hang, script, formula, or error without a remedy (required: at most 0)",
     "hostile_peak_mb": "largest memory of the process [MB] (required: at most 3000)",
     "hostile_slowest_s": "seconds of the slowest run (required: at most 30)",
 }

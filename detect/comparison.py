@@ -20,6 +20,7 @@ from detect.prepare.prepared import Prepared
 from detect.verdict import Verdict
 from detect.words import WORDS, Word
 from logs import LogError, LoopRecord, ReadError, read_loops
+from logs.files.frames import frame_kind
 from logs.hint import nearest
 from logs.tags import Process
 
@@ -147,9 +148,9 @@ def compare(
     """Put every method to one loop or to many.
 
     Parameters: ``source`` a record or a prepared one; anything with ``loop_records()``, as a log and a case of
-    ``cases`` have; a file with one loop or several; a folder, whose CSV, text and Parquet files are read; or several of
-    these. ``methods``, ``combine`` as for ``diagnose``; ``process`` the kind of process behind the loops that are read
-    from files; ``loops`` the tags of those to take, by default all.
+    ``cases`` have; a file or a data frame (pandas, polars, pyarrow) with one loop or several; a folder, whose CSV, text
+    and Parquet files are read; or several of these. ``methods``, ``combine`` as for ``diagnose``; ``process`` the kind
+    of process behind loops that are read from files and frames; ``loops`` the tags of those to take, by default all.
 
     Raises ReadError for a file that cannot be read, a folder without any loop and a tag that no loop has, TypeError for
     what is none of these or no method. A file of a folder that cannot be read is skipped and listed.
@@ -228,6 +229,8 @@ def _prepare(loop: Prepared) -> None:
 def _records(source: Any, process: Process | None) -> tuple[list[LoopRecord | Prepared], tuple[tuple[str, str], ...]]:
     if isinstance(source, LoopRecord | Prepared):
         return [source], ()
+    if frame_kind(source):
+        return list(read_loops(source, process=process)), ()
     if isinstance(source, HasLoops):
         return list(source.loop_records()), ()
     if isinstance(source, str | os.PathLike):

@@ -14,6 +14,7 @@ from detect.prepare.fact import Fact
 from detect.prepare.harris import Harris
 from detect.prepare.prepared import Prepared, prepared
 from detect.prepare.process_kind import kind_of_tag
+from detect.prepare.swing import amplitude
 from detect.verdict import Verdict
 from detect.words import WORDS, Word
 from logs import LoopRecord
@@ -53,6 +54,10 @@ class Diagnosis:
     record : LoopRecord
     performance : Harris or None
         How near the loop is to minimum variance; None where e does not move.
+    period : float or None
+        Of the oscillation [s]; None where the loop does not oscillate.
+    amplitude : float or None
+        Half of the width that holds 90 % of PV [unit of PV].
     """
 
     loop: str
@@ -68,6 +73,8 @@ class Diagnosis:
     conditions: tuple[Fact, ...] = field(repr=False)
     record: LoopRecord = field(repr=False)
     performance: Harris | None = None
+    period: float | None = None
+    amplitude: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The answer as plain values that JSON can hold, schema "stickslip.check/2"."""
@@ -77,6 +84,8 @@ class Diagnosis:
             "loop": self.loop,
             "verdict": self.verdict,
             "probability": self.probability,
+            "period_s": self.period,
+            "amplitude": self.amplitude,
             "causes": dict(self.causes),
             "amount": None if self.amount is None else {name: size.to_dict() for name, size in self.amount.items()},
             "detection_limit": None if limit is None else {"value": limit[0], "unit": limit[1]},
@@ -97,9 +106,9 @@ class Diagnosis:
 
 
 def diagnose(
-    record: LoopRecord | Prepared, methods: Sequence[Method] | None = None, combine: Combine | None = None
+    record: LoopRecord | Prepared | Any, methods: Sequence[Method] | None = None, combine: Combine | None = None
 ) -> Diagnosis:
-    """Put every method to a record and say what follows.
+    """Put every method to a record, or to a frame of pandas, polars or pyarrow, and say what follows.
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
     default all of ``detect.METHODS``. The verdict is the calibrated one (``judge.answer``), unless ``combine`` or
@@ -141,6 +150,8 @@ def diagnose(
         conditions=loop.health,
         record=record,
         performance=loop.performance,
+        period=loop.period if loop.gate.oscillating else None,
+        amplitude=amplitude(record.pv),
     )
 
 

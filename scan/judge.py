@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from logs import LoopRecord
 from scan.sources import Job
 from scan.together import phasors
@@ -48,6 +46,7 @@ def row_of(record: LoopRecord) -> Row:
     """What a scan says of one record: the calibrated answer, without the methods beside it, and the oscillation."""
     from detect.judge.answer import answer
     from detect.prepare.prepared import prepared
+    from detect.prepare.swing import amplitude
 
     loop = prepared(record)
     found = answer(loop)
@@ -66,7 +65,7 @@ def row_of(record: LoopRecord) -> Row:
         "detection_limit": limit,
         "size_unit": next((size.unit for size in (found.S, found.J) if size), found.limit[1] if found.limit else None),
         "period_s": period,
-        "amplitude": _amplitude(record.pv),
+        "amplitude": amplitude(record.pv),
         "health": ", ".join(dict.fromkeys(fact.code for fact in loop.health if fact.present)),
         "reason": found.reason[:REASON_MAX],
         "action": found.action[:REASON_MAX],
@@ -82,15 +81,6 @@ def _sizes(name: str, size: Amount | None) -> Row:
     if size is None:
         return {}
     return {name: size.value, f"{name}_low": size.low, f"{name}_high": size.high}
-
-
-def _amplitude(pv: Any) -> float | None:
-    """Half of the width that holds 90 % of PV."""
-    good = pv[np.isfinite(pv)]
-    if len(good) < 2:
-        return None
-    low, high = np.quantile(good, (0.05, 0.95))
-    return 0.5 * float(high - low)
 
 
 @contextmanager

@@ -13,6 +13,8 @@ from dataclasses import replace
 from multiprocessing import get_context
 
 from logs import ReadError
+from logs.cluster import LOST, ClusterError
+from logs.cluster import on_cluster as results
 from scan.judge import JOB_ROWS, Row, judged
 from scan.sources import Job
 
@@ -81,25 +83,7 @@ def on_cluster(jobs: Sequence[Numbered], address: str) -> Iterator[list[Row]]:
     A job whose worker is lost goes to another. Raises ReadError if Dask is missing or the scheduler does not answer.
     """
     try:
-        from distributed import Client, as_completed
-    except ImportError:
-        raise ReadError("a cluster needs Dask, which is not installed: pip install 'stickslip[cluster]'") from None
-    try:
-        client = Client(address, timeout=10)  # type: ignore[no-untyped-call]
-    except (OSError, TimeoutError, ValueError) as fault:
-        raise ReadError(
-            f"no Dask scheduler answers at {address} ({fault}); start one, or leave the address out"
-        ) from None
-    with client:
-        by_key = {}
-        for number, job in jobs:
-            future = client.submit(judged, job, number, pure=False, retries=2)
-            by_key[future.key] = (number, job, future)
-        futures = [entry[2] for entry in by_key.values()]
-        for future in as_completed(futures):  # type: ignore[no-untyped-call]
-            number, job, _ = by_key.pop(future.key)
-            if future.status == "finished":
-                yield future.result()
-            else:  # its workers were lost again and again
-                yield _one_by_one(number, job)
-            future.release()
+        for number, rows in results(judged, [(job, number) for number, job in jobs], address):
+            yield _one_by_one(*jobs[number]) if rows is LOST else rows
+    except ClusterError as fault:
+        raise ReadError(str(fault)) from None

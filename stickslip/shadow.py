@@ -4,7 +4,9 @@ import importlib.machinery
 import sys
 from pathlib import Path
 
-PACKAGES = ("blocks", "cases", "detect", "diagram", "engine", "logs", "plant", "study")
+PACKAGES = (
+    "blocks", "calibration", "cases", "detect", "diagram", "engine", "gap", "logs", "plant", "scan", "study",
+)  # fmt: skip
 OTHERS = ("click", "control", "filelock", "filterpy", "matplotlib", "numba", "numpy", "polars", "rich", "scipy")
 
 

@@ -5,6 +5,7 @@ import platform
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from diagram.progress import Progress, reporting
 from engine.status import Status
 from logs.files.resumable import RowsFolder, joined, opened
 from study.axes import StudyError, axes_of
+from study.cluster import made_on_cluster, parts_of
 from study.design import design
 from study.folder import KEPT, Memory, Store
 from study.measures import Measures, OwnMeasures, slips, valves
@@ -63,6 +65,7 @@ def study(
     out: str | Path | None = None,
     fresh: bool = False,
     longest: float = LONGEST,
+    cluster: str | None = None,
 ) -> StudyResult:
     """Simulate a diagram over a grid or a random sample of parameters, from many starts, and measure every run.
 
@@ -75,6 +78,8 @@ def study(
     place of the usual ones.  ``workers`` threads; ``progress`` True, False, a function of (done, runs), default a bar
     on a terminal.  ``out`` a folder for the rows: a call with the same request goes on where the last stopped, and
     gives the same bytes; ``fresh`` throws away what is there.  ``longest`` [s] the most the study may take.
+    ``cluster`` address of a Dask scheduler ("tcp://10.0.0.5:8786"): the runs are made there, on ``workers`` threads
+    each (default 1), and give the same rows; a worker that is lost costs its work only.
 
     A run that cannot be made is a row with a status and a reason.  Ctrl-C returns what is finished.
     Raises ``StudyError`` for a request that makes no sense.
@@ -113,7 +118,9 @@ def study(
         if isinstance(store, RowsFolder):
             store.note(status="running", runs=len(plan))
         work = _Work(points, schema, since, options, len(grid), workers or cores(), tell, longest, measures)
-        complete = work.all(store, stopped)
+        complete = (
+            work.all(store, stopped) if cluster is None else work.elsewhere(store, stopped, cluster, workers or 1)
+        )
         tables = store.rows()
         table = joined(tables, "run") if tables else schema.empty()
         if complete and len(table) and table["status"].is_in(IMPOSSIBLE).all():
@@ -141,19 +148,42 @@ class _Work:
         self, points: Points, schema: Schema, since: float, options: Mapping[str, Any], rows: int, workers: int,
         tell: Callable[[int, int], None], longest: float, own: OwnMeasures | None = None,
     ) -> None:  # fmt: skip
-        self.own = own
+        self.own, self.rows = own, rows
         self.points, self.schema, self.since, self.options = points, schema, since, options
         self.workers, self.tell, self.longest = workers, tell, longest
         self.most = int(min(LARGEST_PART, max(1.0, PART_BYTES / (8.0 * rows * len(schema.signals)))))
         self.measures: dict[object, Measures] = {}
 
-    def all(self, store: Store, stopped: Callable[[], bool]) -> bool:
-        """Make what is not there yet, until ``stopped``; return whether all is there."""
-        runs = len(self.points.design)
-        there = np.zeros(runs, dtype=bool)
+    def missing(self, store: Store) -> list[int]:
+        """Return the runs of which there is no row yet."""
+        there = np.zeros(len(self.points.design), dtype=bool)
         for table in store.rows():
             there[table["run"].to_numpy()] = True
-        missing = np.flatnonzero(~there).tolist()
+        return [int(run) for run in np.flatnonzero(~there)]
+
+    def elsewhere(self, store: Store, stopped: Callable[[], bool], address: str, threads: int) -> bool:
+        """Make what is not there yet on a cluster, until ``stopped``; return whether all is there."""
+        points, runs, missing = self.points, len(self.points.design), self.missing(store)
+        make = partial(
+            _remade, (points.subject, points.design, points.kicks, points.size, points.seed), self.schema, self.since,
+            self.options, self.rows, threads, self.own,
+        )  # fmt: skip
+        done = runs - len(missing)
+        self.tell(done, runs)
+        try:
+            for table in made_on_cluster(make, parts_of(missing, self.most), address) if missing else ():
+                store.add(table)
+                done += len(table)
+                self.tell(done, runs)
+                if stopped() and done < runs:
+                    return False
+        except KeyboardInterrupt:
+            return False
+        return True
+
+    def all(self, store: Store, stopped: Callable[[], bool]) -> bool:
+        """Make what is not there yet, until ``stopped``; return whether all is there."""
+        runs, missing = len(self.points.design), self.missing(store)
         done, size, parts = runs - len(missing), FIRST_PART * self.workers, 0
         while missing:
             part, missing = missing[: min(size, self.most)], missing[min(size, self.most) :]
@@ -213,6 +243,14 @@ class _Work:
                 numbers |= {f"{valve}.slips": n for valve, n in slips(result.raw_events[i], sticky, self.since).items()}
             rows[run] = self.schema.row(run, status.name, result.hint(i), float(result.ended[i]), numbers)
         return rows
+
+
+def _remade(
+    points: tuple[Any, ...], schema: Schema, since: float, options: Mapping[str, Any], rows: int, threads: int,
+    own: OwnMeasures | None,
+) -> _Work:  # fmt: skip
+    """Return the work of a study on another machine: what is cached stays behind."""
+    return _Work(Points(*points), schema, since, options, rows, threads, lambda done, runs: None, LONGEST, own)
 
 
 def _check(kick_size: float, longest: float, *, seed: int, workers: int | None, **counts: int | None) -> None:

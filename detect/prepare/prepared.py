@@ -15,7 +15,7 @@ import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -34,7 +34,8 @@ from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.process_kind import Kind, kind_of_data, kind_of_tag
 from detect.prepare.smoothing import moving_average, noise_std
 from detect.prepare.stale import without_stale
-from logs import LoopRecord
+from logs import LoopRecord, read_loop
+from logs.files.frames import frame_kind
 
 __all__ = ["CUT", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
 
@@ -289,9 +290,25 @@ class Prepared:
         return self._halves[name]
 
 
-def prepared(record: LoopRecord | Prepared) -> Prepared:
-    """The record made ready; itself where it is already."""
-    return record if isinstance(record, Prepared) else Prepared(record)
+def prepared(record: LoopRecord | Prepared | Any) -> Prepared:
+    """The record made ready; itself where it is already; a frame of pandas, polars or pyarrow as it is read.
+
+    Raises ReadError for a frame that is no loop, TypeError for what is none of these.
+
+    >>> import polars as pl
+    >>> prepared(pl.DataFrame({"time": [0.0, 1.0], "PV": [1.0, 2.0], "OP": [3.0, 4.0]})).record.pv
+    array([1., 2.])
+    """
+    if isinstance(record, Prepared):
+        return record
+    if isinstance(record, LoopRecord):
+        return Prepared(record)
+    if frame_kind(record):
+        return Prepared(read_loop(record))
+    raise TypeError(
+        f"{type(record).__name__} is no loop; give a LoopRecord, or a frame of pandas, polars or pyarrow with a time, "
+        "PV and OP"
+    )
 
 
 def _half_waves(t: Values, y: Values, period: float) -> list[HalfWave]:

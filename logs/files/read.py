@@ -186,6 +186,7 @@ def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | Non
         notes += found
     else:
         text = decoded(raw)
+    del raw
     head = [line[1:].strip() for line in text[:200_000].split("\n") if line.startswith("#")]
     heading = parse_heading(head)
     table = parse_table(text, separator, split_units=heading is None)

@@ -211,7 +211,12 @@ def command(name: str | None, as_markdown: bool, json_file: str | None) -> None:
     else:
         _show(find(name), say)
     shown = entries() if name is None else (find(name),)
-    say.document({"blocks": [dict(vars(entry), parameters=_finite(entry.parameters)) for entry in shown]})
+    say.document(
+        {
+            "schema": "stickslip.blocks/1",
+            "blocks": [dict(vars(entry), parameters=_finite(entry.parameters)) for entry in shown],
+        }
+    )
 
 
 def _show(entry: Entry, say: Speaker) -> None:

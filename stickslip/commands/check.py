@@ -1,15 +1,17 @@
 """``stickslip check``: one loop from a file, a verdict in words first."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
+from stickslip.standard_input import with_standard_input
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from detect import Diagnosis
+    from detect import Diagnosis, Method
 
 MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 
@@ -32,17 +34,17 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @click.option("--measurement", type=click.Choice(MEASUREMENTS), help="What PV measures; otherwise told from the tag.")
 @click.option("--span", nargs=2, type=float, metavar="LO HI", help="Span of PV in its own unit.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
+@click.option("--method", "own", multiple=True, metavar="FILE.py:FUNCTION", help="Also show a detector of your own.")
 @click.option("--simulate", is_flag=True, help="Compare with loops simulated under this record's own conditions.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
-def command(
-    files: tuple[Path, ...], html: Path | None, json_file: str | None, simulate: bool, measurement: str | None,
-    span: tuple[float, float] | None, **told: Any,
-) -> None:  # fmt: skip
+def command(files: tuple[Path, ...], **told: Any) -> None:
     """Say whether the valve of the loop in FILE sticks, and why; of several loops or files, which to look at first.
 
-    FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start.
+    FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start. '-' is
+    what is piped in. With --method FILE.py:FUNCTION that file IS EXECUTED; the function takes a record and returns a
+    detect.Verdict, which is shown beside the others and has no vote.
 
     \b
     Examples:
@@ -52,6 +54,8 @@ def command(
       stickslip check trend.csv --pv FT101 --op FCV101 --time Zeit --decimal ,
       stickslip check FIC101.csv --json - | jq .verdict
       stickslip check FIC101.csv --simulate
+      zcat FIC101.csv.gz | stickslip check -
+      stickslip check FIC101.csv --method my_detector.py:detect
 
     \b
     Exit codes:
@@ -59,6 +63,15 @@ def command(
       1  done, and stiction found
       2  FILE cannot be read, or the request makes no sense
     """
+    with with_standard_input(files) as found:
+        _check(found, **told)
+
+
+def _check(
+    files: tuple[Path, ...], html: Path | None, json_file: str | None, simulate: bool, measurement: str | None,
+    span: tuple[float, float] | None, own: tuple[str, ...], **told: Any,
+) -> None:  # fmt: skip
+    methods = _methods(own)
     for file in files:
         check_targets({"--html": html, "--json": json_file}, source=file)
         if file.is_char_device() or file.is_block_device():
@@ -67,16 +80,19 @@ def command(
     from stickslip.commands.one_loop import with_told
 
     many = several(files, told)
-    if many is not None:
-        if simulate or span is not None:
-            raise ValueError(f"--{'simulate' if simulate else 'span'} is of one loop; name it with --loop")
+    if len(many) > 1 or len(many[0].records) > 1:
+        for option, given in (("simulate", simulate), ("span", span is not None), ("method", own)):
+            if given:
+                raise ValueError(f"--{option} is of one loop; name it with --loop")
         raise SystemExit(check_many(many, html, json_file, measurement))
-    file = files[0]
     from detect import diagnose
-    from logs import read_loop
+    from detect.diagnosis import ask
+    from detect.prepare.prepared import prepared
 
-    record = read_loop(file, **{name: value for name, value in told.items() if value is not None})
-    diagnosis = diagnose(with_told(record, measurement, span, told["process"] is None))
+    (record,) = many[0].records
+    loop = prepared(with_told(record, measurement, span, told["process"] is None))
+    diagnosis = diagnose(loop)
+    diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
     say = Speaker(json_file)
     _tell(say, diagnosis)
     beside = _beside(say, diagnosis) if simulate else {}
@@ -87,6 +103,18 @@ def command(
         say(f"report: {html}")
     say.document(diagnosis.to_dict() | beside)
     raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
+
+
+def _methods(own: tuple[str, ...]) -> "list[Method]":
+    """Return the detectors of the user's own; the others are shown anyway."""
+    if not own:
+        return []
+    from stickslip.own import is_own, method_named
+
+    for given in own:
+        if not is_own(given):
+            raise ValueError(f"--method {given}: all methods of detect are shown anyway; give FILE.py:FUNCTION")
+    return [method_named(given) for given in own]
 
 
 def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stickslip.console import Speaker
+from stickslip.console import Speaker, complain
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
@@ -12,20 +12,22 @@ if TYPE_CHECKING:
     from logs import Log, LoopRecord
 
 SCHEMA = "stickslip.check-many/1"
-COLUMNS = ("loop", "verdict", "probability", "OP travel [%]", "what the other tags show")
+COLUMNS = ("loop", "verdict", "probability", "period [s]", "OP travel [%]", "what the other tags show")
+FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
 OF_ONE = ("pv", "op", "sp", "mv", "mode", "op_span", "loop")  # options that name one loop or its columns
 
 
 class Read(NamedTuple):
-    """What a file holds: its loops, and the whole log where they are several."""
+    """What a file holds: its loops, and the whole log where they are several; or why it cannot be read."""
 
     file: Path
     records: "tuple[LoopRecord, ...]"
     log: "Log | None"
+    fault: str = ""
 
 
-def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read] | None":
-    """Return what every file holds, or None where there is one loop: one file with one, or one that is named.
+def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read]":
+    """Return what every file holds; of one file, where options name a loop or its columns, that loop alone.
 
     Raises ``ValueError`` where options that name the parts of one loop meet several files, and as ``read_loops`` does.
     """
@@ -33,17 +35,22 @@ def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read] | Non
     if one and len(files) > 1:
         option = one[0].replace("_", "-")
         raise ValueError(f"--{option} names what belongs to one loop, but {len(files)} files are given; give one file")
-    if one:
-        return None
-    from logs import read_log, read_loops
+    from logs import ReadError, read_log, read_loop, read_loops
 
     options = {name: value for name, value in told.items() if value is not None}
+    if one:
+        return [Read(files[0], (read_loop(files[0], **options),), None)]
     found = []
     for file in files:
-        records = read_loops(file, **options)
-        log = read_log(file, **{k: v for k, v in options.items() if k != "process"}) if len(records) > 1 else None
-        found.append(Read(file, records, log))
-    return None if len(found) == 1 and len(found[0].records) == 1 else found
+        try:
+            records = read_loops(file, **options)
+            log = read_log(file, **{k: v for k, v in options.items() if k != "process"}) if len(records) > 1 else None
+            found.append(Read(file, records, log))
+        except ReadError as fault:
+            if len(files) == 1:
+                raise
+            found.append(Read(file, (), None, str(fault)))
+    return found
 
 
 def check_many(
@@ -51,13 +58,17 @@ def check_many(
 ) -> int:
     """Judge every loop, survey every file with several, say it and write it; return the exit code.
 
-    That is 1 where a loop is called sticky, else 0.
+    That is 2 where a file cannot be read (the others are judged all the same), 1 where a loop is called sticky, else 0.
     """
     from detect import diagnose
     from stickslip.commands.one_loop import with_told
 
     check_targets({"--html": html, "--json": json_file})
     say = Speaker(json_file)
+    faults = [(read.file, read.fault) for read in found if read.fault]
+    found = [read for read in found if not read.fault]
+    if not found:
+        raise ValueError("; ".join(fault for _, fault in faults))
     judged = [
         (read.file, [diagnose(with_told(record, measurement, None, infer=True)) for record in read.records])
         for read in found
@@ -86,8 +97,13 @@ def check_many(
                 }
                 for (file, answers), one in zip(judged, surveys, strict=True)
             ],
+            "skipped": [{"file": str(file), "reason": reason} for file, reason in faults],
         }
     )
+    for _, reason in faults:
+        complain(reason)
+    if faults:
+        return 2
     return 1 if any(answer.verdict == "stiction" for _, answers in judged for answer in answers) else 0
 
 
@@ -106,7 +122,7 @@ def _rows(
     """Return one row a loop as in ``COLUMNS``, the likeliest valve first, each with the number of its loop."""
     from detect.words import WORDS
 
-    order: list[tuple[tuple[bool, float], int, list[str]]] = []
+    order: list[tuple[tuple[int, float, float], int, list[str]]] = []
     for (file, answers), one in zip(judged, surveys, strict=True):
         suspects = {} if one is None else {suspect.loop: suspect for suspect in one.suspects}
         for answer in answers:
@@ -116,9 +132,11 @@ def _rows(
             if suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
             chance = "-" if answer.probability is None else f"{answer.probability:.2f}"
-            row = [name, WORDS[answer.verdict].spoken, chance, travel, why.rstrip(".")]
-            order.append(((answer.verdict != "stiction", -gain), len(order), row))
-    return [(number, row) for _, number, row in sorted(order, key=lambda one: one[0])]
+            period = "-" if answer.period is None else f"{answer.period:.3g}"
+            row = [name, WORDS[answer.verdict].spoken, chance, period, travel, why.rstrip(".")]
+            place = FIRST.index(answer.verdict) if one is None else int(answer.verdict != "stiction")
+            order.append(((place, -gain, -(answer.probability or 0.0)), len(order), row))
+    return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]
 
 
 def _page(

@@ -1,7 +1,5 @@
 """``stickslip gap``: where a model and a record part, which effect explains it, how far the gap shrinks."""
 
-import importlib.util
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,9 +9,9 @@ from stickslip.console import Speaker, json_option, user_errors
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
     from gap import GapReport
 
+SCHEMA = "stickslip.gap/1"
 SHOWN = 6  # effects that are listed
 
 
@@ -51,11 +49,12 @@ def command(
       2  RUN or MODEL cannot be read, or they have no signal in common
     """
     check_targets({"--html": html, "--json": json_file}, source=run)
-    diagram = _model(model)
     from gap import calibrated, diagnose
     from logs import read_log
+    from stickslip.own import diagram_named
 
-    log = read_log(run)
+    log = read_log(run)  # first: a model is executed only where there is a record
+    diagram = diagram_named(model, "--model")
     say = Speaker(json_file)
     if calibrate:
         for line in str(calibrated(diagram, log, seed=seed, seconds=60.0 * minutes)).splitlines():
@@ -75,43 +74,8 @@ def command(
     if html is not None:
         write_whole(html, _page(report, run.name).encode())
         say(f"report: {html}")
-    say.document(report.to_dict())
+    say.document({"schema": SCHEMA, **report.to_dict()})
     raise SystemExit(1 if report.gap else 0)
-
-
-def _model(model: str) -> "Diagram":
-    """Return the diagram that MODEL names; raise ``ValueError`` that says what is wrong with it."""
-    path, colon, function = model.rpartition(":")
-    if not (colon and path.endswith(".py")):
-        from cases import find
-
-        return find(model).build()
-    file = Path(path)
-    if not file.is_file():
-        raise ValueError(f"--model {model}: there is no file '{path}'; give FILE.py:FUNCTION")
-    spec = importlib.util.spec_from_file_location(f"model_{file.stem}", file)
-    if spec is None or spec.loader is None:
-        raise ValueError(f"--model {model}: '{path}' cannot be loaded as Python")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[module.__name__] = module  # blocks defined there are looked up by their module
-    try:
-        spec.loader.exec_module(module)
-    except Exception as fault:
-        raise ValueError(f"--model {model}: '{path}' cannot be executed: {type(fault).__name__}: {fault}") from fault
-    if not callable(made := getattr(module, function, None)):
-        from logs.hint import nearest
-
-        known = [name for name, value in vars(module).items() if callable(value) and not name.startswith("_")]
-        raise ValueError(f"--model {model}: '{path}' has no function '{function}'; {nearest(function, known)}")
-    try:
-        diagram = made()
-    except Exception as fault:
-        raise ValueError(f"--model {model}: {function}() failed: {type(fault).__name__}: {fault}") from fault
-    from diagram import Diagram
-
-    if not isinstance(diagram, Diagram):
-        raise ValueError(f"--model {model}: {function}() returned {type(diagram).__name__}; return diagram.wire([...])")
-    return diagram
 
 
 def _page(report: "GapReport", name: str) -> str:

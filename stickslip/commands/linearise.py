@@ -29,7 +29,8 @@ def command(
 ) -> None:  # fmt: skip
     """Find where a CASE rests and show it as a control engineer does: poles, loops, relative gains.
 
-    Sticky valves are seen without friction. 'stickslip simulate --list' shows all cases.
+    Sticky valves are seen without friction. 'stickslip simulate --list' shows all cases. A case of your own is
+    FILE.py:FUNCTION: that file IS EXECUTED.
 
     \b
     Examples:
@@ -39,9 +40,9 @@ def command(
     \b
     Exit codes: 0 done, 2 the request makes no sense or the case has no rest.
     """
-    from cases import find
+    from stickslip.own import case_named
 
-    chosen = find(case)
+    chosen = case_named(case)
     check_targets({"--plot": bode, "--poles": poles, "--json": json_file}, {"--plot": PICTURES, "--poles": PICTURES})
     from diagram.linear import linearise, operating_point
     from diagram.linear.poles import table

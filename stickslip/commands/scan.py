@@ -23,6 +23,9 @@ SHOWN = 20  # rows on the terminal
 @click.option("--map", "loop_map", type=click.Path(path_type=Path), help="CSV file that names the tags of each loop.")
 @click.option("--workers", type=int, metavar="N", help="Processes (default: one a core).")
 @click.option("--cluster", metavar="ADDRESS", help="Dask scheduler to send the work to, e.g. tcp://10.0.0.5:8786.")
+@click.option(
+    "--simulate", type=click.IntRange(1, 500), metavar="N", help="Simulate the first N under their own conditions."
+)
 @click.option("--fresh", is_flag=True, help="Throw away what another scan left in the folder.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write the ranked list as one page.")
 @click.option(
@@ -33,13 +36,13 @@ SHOWN = 20  # rows on the terminal
 @user_errors
 def command(
     source: str, out: Path, html: Path | None, csv_file: Path | None, json_file: str | None, reports: int | None,
-    **told: Any,
+    simulate: int | None, **told: Any,
 ) -> None:  # fmt: skip
     """Judge every loop of SOURCE and rank the valves to look at first.
 
     SOURCE is a folder of CSV or Parquet files, one wide or long file of a historian, or a query
     'duckdb:SELECT ...'. Loops are told by their tags (FIC101.PV, FIC101.OP, ...), or by --map loops.csv.
-    An interrupted scan goes on where it stopped: call it again.
+    An interrupted scan goes on where it stopped: call it again. --simulate N takes some ten seconds a loop.
 
     \b
     Examples:
@@ -63,6 +66,13 @@ def command(
     with reporting(None, 0, "loops") as tell:
         result = scan(source, out, tell=tell, **{name: value for name, value in told.items() if value is not None})
     _tell(say, result)
+    beside: dict[str, Any] = {}
+    if simulate is not None:
+        from stickslip.commands.scan_simulate import simulated
+
+        beside["simulations"] = simulated(result, source, out, simulate, told.get("loop_map"), told.get("workers"))
+        for one in beside["simulations"]:
+            say.paragraph(f"{one['rank']} {one['loop']}: {' '.join(one['sentences'])}", "  - ")
     say(f"all loops: {out / 'scan.parquet'}")
     if csv_file is not None:
         result.to_csv(csv_file)
@@ -73,7 +83,7 @@ def command(
         pages = _reports(result, source, out, html, reports, told.get("loop_map")) if reports else {}
         write_whole(html, scan_page(result, _headline(result), pages).encode())
         say(f"page: {html}")
-    say.document(result.to_dict())
+    say.document(result.to_dict() | beside)
     raise SystemExit(1 if result.counts.get("stiction") else 0)
 
 

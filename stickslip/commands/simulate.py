@@ -43,17 +43,21 @@ def command(
 ) -> None:  # fmt: skip
     """Run a named CASE; 'stickslip simulate --list' shows them all.
 
+    A case of your own is FILE.py:FUNCTION: that file IS EXECUTED, and the function, called without arguments, returns
+    a wired diagram or a cases.Case.
+
     \b
     Examples:
       stickslip simulate --list
       stickslip simulate ideal_high --numbers
+      stickslip simulate my_loop.py:loop --duration 3600 --plot trend.png
       stickslip simulate cascade_flow --plot trends.png --diagram blocks.png
       stickslip simulate ideal_high --set valve.F_s=1750 --out log.csv --plot trend.png
 
     \b
     Exit codes: 0 done, 2 the request makes no sense or the run stopped early, 130 stopped by the keyboard.
     """
-    from cases import find
+    from stickslip.own import case_named
 
     say = Speaker(json_file)
     if listed:
@@ -61,7 +65,7 @@ def command(
         return
     if case is None:
         raise ValueError("name a CASE; 'stickslip simulate --list' shows them all")
-    chosen = find(case)
+    chosen = case_named(case)
     check_targets(
         {"--out": out, "--plot": picture, "--diagram": diagram, "--json": json_file},
         {"--out": LOGS, "--plot": PICTURES, "--diagram": PICTURES},

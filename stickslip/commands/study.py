@@ -58,7 +58,8 @@ TITLES = {
 @click.option(
     "--out", type=click.Path(path_type=Path), default=Path("stickslip-study"), show_default=True, help="Folder."
 )
-@click.option("--workers", type=int, metavar="N", help="Threads (default: all cores).")
+@click.option("--workers", type=int, metavar="N", help="Threads (default: all cores; on a cluster 1 a worker).")
+@click.option("--cluster", metavar="ADDRESS", help="Dask scheduler to send the runs to, e.g. tcp://10.0.0.5:8786.")
 @click.option(
     "--method", type=click.Choice(METHODS), help="How to integrate (default: as the case is best integrated)."
 )
@@ -70,15 +71,15 @@ TITLES = {
 def command(
     case: str, vary: tuple[str, ...], plant: tuple[str, ...], start: tuple[str, ...], random: int | None,
     kicks: int | None, kick_size: float, seed: int, duration: float | None, every: float | None,
-    measure_from: float | None, signals: str | None, out: Path, workers: int | None, fresh: bool, longest: float,
-    method: str | None, rtol: float, json_file: str | None,
+    measure_from: float | None, signals: str | None, out: Path, workers: int | None, cluster: str | None,
+    fresh: bool, longest: float, method: str | None, rtol: float, json_file: str | None,
 ) -> None:  # fmt: skip
     """Sweep parameters of a CASE in parallel and draw how oscillation spreads from valve to shaft.
 
     \b
     VALUES are a,b,c or low:high:count (':log' added: even ratios) or uniform(low,high), loguniform(low,high),
     normal(mean,sd). Lists form a grid; laws share the points of --random. A call with the same request goes on
-    where the last one stopped.
+    where the last one stopped. A case of your own is FILE.py:FUNCTION: that file IS EXECUTED.
 
     \b
     Examples:
@@ -90,9 +91,9 @@ def command(
     \b
     Exit codes: 0 done, 2 the request makes no sense, 130 stopped by the keyboard (what is finished is kept).
     """
-    from cases import find
+    from stickslip.own import case_named
 
-    chosen = find(case)
+    chosen = case_named(case)
     check_targets({"--json": json_file})
     if not (math.isfinite(longest) and longest > 0.0):
         raise ValueError(f"--longest {longest:g}: give a positive number of hours")
@@ -105,7 +106,8 @@ def command(
         kicks=kicks, kick_size=kick_size, seed=seed, duration=chosen.duration if duration is None else duration,
         every=_interval(chosen, every), measure_from=measure_from,
         signals=None if signals is None else [s.strip() for s in signals.split(",") if s.strip()],
-        method=method, rtol=rtol, atol=1e-3 * rtol, workers=workers, out=out, fresh=fresh, longest=3600.0 * longest,
+        method=method, rtol=rtol, atol=1e-3 * rtol, workers=workers, cluster=cluster, out=out,
+        fresh=fresh, longest=3600.0 * longest,
     )  # fmt: skip
     if not result.complete:
         complain(f"stopped by the keyboard; {len(result)} finished runs are kept in '{out}', the same command goes on")

@@ -20,7 +20,9 @@ PICTURES = (".png", ".svg", ".pdf")
 
 @click.command("table")
 @click.argument("sources", metavar="[SOURCE]...", nargs=-1)
-@click.option("--method", "chosen", multiple=True, metavar="NAME", help="Only this method; repeatable.")
+@click.option(
+    "--method", "chosen", multiple=True, metavar="NAME", help="Only this method, or FILE.py:FUNCTION; repeatable."
+)
 @click.option("--loop", "loops", multiple=True, metavar="TAG", help="Only this loop; repeatable.")
 @click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
 @click.option("--labels", type=click.Path(path_type=Path), help="CSV with loop, label, tag: score each method by tag.")
@@ -41,6 +43,7 @@ def command(
     """Put every detection method to each SOURCE and show what each says, with its number, reason and time.
 
     A SOURCE is a file with one loop or several, a folder of such files, or a case of 'stickslip simulate --list'.
+    A case or a method of your own is FILE.py:FUNCTION: that file IS EXECUTED.
 
     \b
     Examples:
@@ -48,6 +51,7 @@ def command(
       stickslip table ideal_high ideal_integrating
       stickslip table plant_1_high --loop PCS11 --loop LCS11
       stickslip table --simulated 20
+      stickslip table my_loop.py:loop --method my_detector.py:detect --method area_ratio
       stickslip table FIC101.csv --method area_ratio --method play_fit
       stickslip table records --labels labels.csv
       stickslip table exports --csv table.csv --html table.html
@@ -120,12 +124,9 @@ def _scored(say: Speaker, found: "Comparison", labels: "Mapping[str, Label]") ->
 def _methods(chosen: tuple[str, ...]) -> "list[Method]":
     """Return the methods that are named, or all."""
     from detect import METHODS
+    from stickslip.own import method_named
 
-    known = {method.CARD.name: method for method in METHODS}
-    for name in chosen:
-        if name not in known:
-            raise ValueError(f"--method {name}: there is no method '{name}'; known: {', '.join(known)}")
-    return [known[name] for name in dict.fromkeys(chosen)] if chosen else list(METHODS)
+    return [method_named(name) for name in dict.fromkeys(chosen)] if chosen else list(METHODS)
 
 
 def _opened(source: str):  # type: ignore[no-untyped-def]
@@ -133,12 +134,11 @@ def _opened(source: str):  # type: ignore[no-untyped-def]
     if Path(source).exists():
         return Path(source)
     from cases import names
+    from stickslip.own import case_named, is_own
 
-    if source not in names():
+    if source not in names() and not is_own(source):
         raise ValueError(f"'{source}' is no file, no folder and no case; the cases are {', '.join(names())}")
-    from cases import find
-
-    return find(source)
+    return case_named(source, "SOURCE")
 
 
 def _tell(say: Speaker, found: "Comparison") -> None:

@@ -57,7 +57,8 @@ def test_a_worker_that_is_killed_changes_nothing(cluster, plant, local, tmp_path
     assert killed and (tmp_path / "scan.parquet").read_bytes() == local
 
 
-def test_no_scheduler_at_that_address(plant, tmp_path) -> None:
+def test_no_scheduler_at_that_address(plant, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("logs.cluster.ANSWER", 1)
     with pytest.raises(ReadError, match="no Dask scheduler answers"):
         scan(plant, tmp_path, cluster="tcp://127.0.0.1:1")
     assert threading.active_count() < 50

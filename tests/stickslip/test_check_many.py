@@ -80,5 +80,23 @@ def test_mistakes_are_said(call, exports, tmp_path, monkeypatch, options, piece)
 
 def test_one_unreadable_file_among_several(call, exports, tmp_path):
     (tmp_path / "bad.csv").write_text("nothing here")
-    done = call("check", exports / "FIC101_pi_export.csv", tmp_path / "bad.csv")
-    assert done.exit_code == 2 and "bad.csv" in done.stderr
+    done = call("check", exports / "FIC101_pi_export.csv", tmp_path / "bad.csv", "--json", tmp_path / "all.json")
+    assert done.exit_code == 2 and "bad.csv" in done.stderr and "FIC101" in done.stdout  # the other is judged
+    document = json.loads((tmp_path / "all.json").read_text())
+    assert [file["file"].rsplit("/")[-1] for file in document["files"]] == ["FIC101_pi_export.csv"]
+    assert [file["file"].rsplit("/")[-1] for file in document["skipped"]] == ["bad.csv"]
+
+
+def test_none_of_several_can_be_read(call, tmp_path):
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text("nothing here")
+    done = call("check", tmp_path / "a.csv", tmp_path / "b.csv")
+    assert done.exit_code == 2 and "a.csv: " in done.stderr and "b.csv: " in done.stderr and done.stdout == ""
+
+
+def test_files_of_one_loop_each_are_ranked_by_their_answers(call, exports, tmp_path):
+    still = tmp_path / "still.csv"
+    still.write_text("time,PV,OP\n" + "".join(f"{i},4,50\n" for i in range(300)))
+    done = call("check", still, exports / "FIC101_pi_export.csv")
+    names = [line.split("│")[1].strip() for line in done.stdout.split("\n") if line.startswith("│")]
+    assert done.exit_code == 1 and names[0].startswith("FIC101") and names[-1].startswith("still")

@@ -55,7 +55,7 @@ def test_a_gap_is_exit_code_one_and_named(call, written, model, tmp_path):
     result = call("gap", written(1.3), "--model", f"{model}:loop", "--json", "-", "--html", page)
     assert result.exit_code == 1, result.output
     found = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
-    assert set(found) == {"gap", "where", "causes", "ranking", "shrinkage"}
+    assert set(found) == {"schema", "gap", "where", "causes", "ranking", "shrinkage"}
     assert found["where"]["place"] == "controller" and found["causes"][0]["effect"] == "controller_gain"
     assert found["causes"][0]["parameters"]["factor"]["value"] == pytest.approx(1.3, rel=1e-3)
     assert "Cause: controller_gain at controller" in " ".join(result.stderr.split()) and "<svg" in page.read_text()

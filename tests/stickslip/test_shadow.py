@@ -1,9 +1,13 @@
 """A file of the user's that hides a package is named, not run."""
 
+from pathlib import Path
+
 import pytest
 
 
-@pytest.mark.parametrize("name", ["plant.py", "logs/__init__.py", "control.py", "numpy/__init__.py", "click.py"])
+@pytest.mark.parametrize(
+    "name", ["plant.py", "logs/__init__.py", "scan.py", "gap.py", "control.py", "numpy/__init__.py", "click.py"]
+)
 def test_a_users_file_is_named(shell, tmp_path, name):
     file = tmp_path / name
     file.parent.mkdir(exist_ok=True)
@@ -14,6 +18,15 @@ def test_a_users_file_is_named(shell, tmp_path, name):
     assert message.startswith("Error: ") and "Traceback" not in message
     assert str(tmp_path / name.removesuffix("/__init__.py")) in message
     assert f"'{name.split('/')[0].removesuffix('.py')}'" in message and "rename" in message
+
+
+def test_every_package_of_the_wheel_is_looked_for():
+    import tomllib
+
+    from stickslip.shadow import PACKAGES
+
+    table = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    assert {*PACKAGES, "stickslip"} == set(table["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"])
 
 
 def test_a_plain_folder_of_that_name_is_no_trouble(shell, tmp_path):
