@@ -21,12 +21,11 @@ import statistics
 import sys
 import time
 import warnings
-from collections.abc import Callable
 
 import numpy as np
 
 from benchmarks.peers import production_control, production_equations, production_lsoda
-from benchmarks.report import Figures, options, publish
+from benchmarks.report import Figures, in_turn, options, publish
 from diagram import simulate
 from logs.oscillation import oscillation
 from plant import SET_B, kicked, production_plant, steady_state
@@ -74,21 +73,6 @@ NOTES = {
     "study_failed": "runs of the study that did not reach their end",
     "load": "load average of the machine at the start and at the end",
 }  # fmt: skip
-
-
-def in_turn(
-    rounds: int, clock: Callable[[], float] = time.perf_counter, **actions: Callable[[], object]
-) -> dict[str, list[float]]:
-    """Return the times [s] of each action, wall times by default, all of them run once a round, after one warm-up."""
-    taken: dict[str, list[float]] = {name: [] for name in actions}
-    for action in actions.values():
-        action()
-    for _ in range(rounds):
-        for name, action in actions.items():
-            begin = clock()
-            action()
-            taken[name].append(clock() - begin)
-    return taken
 
 
 def ratio(taken: dict[str, list[float]], peer: str) -> float:

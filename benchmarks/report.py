@@ -36,6 +36,21 @@ def median_seconds(action: Callable[[], Any], repeats: int) -> float:
     return statistics.median(taken)
 
 
+def in_turn(
+    rounds: int, clock: Callable[[], float] = time.perf_counter, **actions: Callable[[], object]
+) -> dict[str, list[float]]:
+    """Return the times [s] of each action, wall times by default, all of them run once a round, after one warm-up."""
+    taken: dict[str, list[float]] = {name: [] for name in actions}
+    for action in actions.values():
+        action()
+    for _ in range(rounds):
+        for name, action in actions.items():
+            begin = clock()
+            action()
+            taken[name].append(clock() - begin)
+    return taken
+
+
 def meets(value: float | str | None, note: str) -> bool | None:
     """Return whether a figure is what its note requires; None without requirement or without a number.
 

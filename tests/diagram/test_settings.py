@@ -67,9 +67,7 @@ def test_replays_try_branches_as_a_replay_does():
     many = replays(sticky_loop(False), log, params={"process.K": gains}, start={"valve.x": 0.2}, branches=tried)
     assert sum(map(len, many.taken)) > 0
     for i, gain in enumerate(gains):
-        one = replay(
-            sticky_loop(False), log, params={"process.K": gain}, start={"valve.x": 0.2}, branches=tried
-        )
+        one = replay(sticky_loop(False), log, params={"process.K": gain}, start={"valve.x": 0.2}, branches=tried)
         assert np.array_equal(many.values["PV_m:offset"][i], one.log["PV_m:offset"])
         assert many.taken[i] == one.taken and many.run(i).taken == one.taken
     with pytest.raises(ValueError, match="no pin tells which branch is right"):
