@@ -9,20 +9,28 @@ import json
 import re
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+from logs.hint import nearest
 
 Figures = dict[str, float | str | None]
 REQUIREMENT = re.compile(r"\((?:required|goal): (at most|at least|below) ([-+.\de]+)\b")
 
 
-def options(description: str) -> argparse.Namespace:
-    """Read ``--quick`` and ``--json FILE``."""
+def options(description: str, parts: Sequence[str] = ()) -> argparse.Namespace:
+    """Read ``--quick`` and ``--json FILE``, and ``--only PARTS`` of a benchmark that has some (default: all)."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--quick", action="store_true", help="a short smoke version, for continuous integration")
     parser.add_argument("--json", metavar="FILE", help="also write one flat JSON object ('-': standard output, alone)")
-    return parser.parse_args()
+    parser.add_argument("--only", metavar="A,B", default=",".join(parts), help=f"parts: {', '.join(parts) or 'none'}")
+    chosen = parser.parse_args()
+    chosen.only = [part.strip() for part in chosen.only.split(",") if part.strip()]
+    for part in chosen.only:
+        if part not in parts:
+            parser.error(f"--only {part}: {nearest(part, parts)}")
+    return chosen
 
 
 def median_seconds(action: Callable[[], Any], repeats: int) -> float:
