@@ -97,7 +97,7 @@ def command(
     if not (math.isfinite(longest) and longest > 0.0):
         raise ValueError(f"--longest {longest:g}: give a positive number of hours")
     subject = subject_of(chosen)
-    from diagram.settings import Settings
+    method = method or subject.settings.method
     from study import study
 
     say = Speaker(json_file)
@@ -106,8 +106,7 @@ def command(
         kicks=kicks, kick_size=kick_size, seed=seed, duration=chosen.duration if duration is None else duration,
         every=_interval(chosen, every), measure_from=measure_from,
         signals=None if signals is None else [s.strip() for s in signals.split(",") if s.strip()],
-        settings=Settings(rtol, 1e-3 * rtol, method or subject.settings.method), workers=workers, out=out, fresh=fresh,
-        longest=3600.0 * longest,
+        method=method, rtol=rtol, atol=1e-3 * rtol, workers=workers, out=out, fresh=fresh, longest=3600.0 * longest,
     )  # fmt: skip
     if not result.complete:
         complain(f"stopped by the keyboard; {len(result)} finished runs are kept in '{out}', the same command goes on")
