@@ -9,20 +9,28 @@ import json
 import re
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+from logs.hint import nearest
 
 Figures = dict[str, float | str | None]
 REQUIREMENT = re.compile(r"\((?:required|goal): (at most|at least|below) ([-+.\de]+)\b")
 
 
-def options(description: str) -> argparse.Namespace:
-    """Read ``--quick`` and ``--json FILE``."""
+def options(description: str, parts: Sequence[str] = ()) -> argparse.Namespace:
+    """Read ``--quick`` and ``--json FILE``, and ``--only PARTS`` of a benchmark that has some (default: all)."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--quick", action="store_true", help="a short smoke version, for continuous integration")
     parser.add_argument("--json", metavar="FILE", help="also write one flat JSON object ('-': standard output, alone)")
-    return parser.parse_args()
+    parser.add_argument("--only", metavar="A,B", default=",".join(parts), help=f"parts: {', '.join(parts) or 'none'}")
+    chosen = parser.parse_args()
+    chosen.only = [part.strip() for part in chosen.only.split(",") if part.strip()]
+    for part in chosen.only:
+        if part not in parts:
+            parser.error(f"--only {part}: {nearest(part, parts)}")
+    return chosen
 
 
 def median_seconds(action: Callable[[], Any], repeats: int) -> float:
@@ -34,6 +42,21 @@ def median_seconds(action: Callable[[], Any], repeats: int) -> float:
         action()
         taken.append(time.perf_counter() - begin)
     return statistics.median(taken)
+
+
+def in_turn(
+    rounds: int, clock: Callable[[], float] = time.perf_counter, **actions: Callable[[], object]
+) -> dict[str, list[float]]:
+    """Return the times [s] of each action, wall times by default, all of them run once a round, after one warm-up."""
+    taken: dict[str, list[float]] = {name: [] for name in actions}
+    for action in actions.values():
+        action()
+    for _ in range(rounds):
+        for name, action in actions.items():
+            begin = clock()
+            action()
+            taken[name].append(clock() - begin)
+    return taken
 
 
 def meets(value: float | str | None, note: str) -> bool | None:

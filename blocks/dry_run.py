@@ -149,6 +149,10 @@ def _complete(block: "Block") -> None:
             "has a kernel step but no period_param or timetable, so it would never be called",
         ),
         (not block.sampled and len(block.ports_out) > 0 and k.out is None, "has outputs but no kernel out"),
+        (
+            not block.sampled and k.out is None,
+            "has no kernel out, so nothing could be seen of it; give it an output and a kernel out",
+        ),
         (not block.sampled and len(block.x0) > 0 and k.der is None, "has states but no kernel der"),
         (not block.sampled and k.n_events > 0 and not (k.zc and k.jump), "has n_events, but lacks kernel zc or jump"),
         (not block.sampled and k.zc is not None and k.n_events < 1, "has a kernel zc, but n_events = 0"),

@@ -5,6 +5,7 @@ simulate   the compiled engine                             drive      one block 
 ensemble   one diagram over thousands of parameter sets    reference  slow, independent integrators
 linear     operating points, poles, loops, relative gains      held, interpolated   a log as input of a run
 replay     a diagram held to a log at every logged time        residuals            what had to be added there
+Settings   tolerances and method, for all of these alike
 """
 
 from diagram.composition import wire
@@ -13,6 +14,7 @@ from diagram.ensembles import ensemble
 from diagram.ensembles.result import Ensemble
 from diagram.pins import replay, replays, residuals
 from diagram.playback import held, interpolated
+from diagram.settings import Settings
 from diagram.simulation import Event, Run, simulate
 from diagram.single_block import drive
 from diagram.wiring import WiringError
@@ -22,6 +24,7 @@ __all__ = [
     "Ensemble",
     "Event",
     "Run",
+    "Settings",
     "WiringError",
     "drive",
     "ensemble",

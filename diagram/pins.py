@@ -12,7 +12,7 @@ instant: a valve that slips when OP jumps has slipped before its MV is compared 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +24,7 @@ from diagram.ensembles.result import Ensemble
 from diagram.ensembles.running import Summary, ensemble
 from diagram.pinning import logged, pin_blocks, pinned
 from diagram.progress import Progress
+from diagram.settings import Changes, Settings, settings_of
 from diagram.simulation import Run, simulate
 from logs import Log
 
@@ -54,8 +55,8 @@ def replay(
     params: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
     branches: Branches | None = None,
-    rtol: float = 1e-6,
-    atol: float = 1e-9,
+    settings: Settings | None = None,
+    **changes: Unpack[Changes],
 ) -> Run:
     """Simulate the diagram pinned to a log, from its first to its last time, with one row for each of them.
 
@@ -72,8 +73,8 @@ def replay(
     """
     held = pinned(diagram, log, signals)
     return simulate(
-        held, log.duration, times=log.t, t0=float(log.t[0]), params=params, start=start, rtol=rtol, atol=atol,
-        branches=branches,
+        held, log.duration, times=log.t, t0=float(log.t[0]), params=params, start=start, branches=branches,
+        settings=settings_of(replay, settings, changes),
     )  # fmt: skip
 
 
@@ -87,16 +88,18 @@ def replays(
     start: Mapping[str, ArrayLike] | None = None,
     summary: Summary | None = None,
     keep_logs: bool = True,
-    rtol: float = 1e-6,
-    atol: float = 1e-9,
+    branches: Branches | None = None,
+    settings: Settings | None = None,
     workers: int | None = None,
     progress: Progress = False,
+    **changes: Unpack[Changes],
 ) -> Ensemble:
     """Replay many times on all cores: parameters, start values and logs as arrays, one entry a run.
 
     ``logs``: one for all runs, which share its tables, or one a run with equal numbers of rows: other records, or
     windows of one, ``log.between(t0, t1)``.  ``keep``: the signals to keep, by default the offsets (``PV:offset``,
-    (runs, rows)).  ``summary`` with ``keep_logs=False`` keeps numbers only; the rest as in ``ensemble``.
+    (runs, rows)).  ``summary`` with ``keep_logs=False`` keeps numbers only; ``branches`` as in ``replay``; the rest as
+    in ``ensemble``.
 
     Raises ``ValueError`` if logs differ in their number of rows, or in the signals that they have.
 
@@ -135,8 +138,8 @@ def replays(
         signals=[s for s in held.signals if s.endswith(":offset")] if keep is None else keep,
         summary=summary,
         keep_logs=keep_logs,
-        rtol=rtol,
-        atol=atol,
+        branches=branches,
+        settings=settings_of(replays, settings, changes),
         workers=workers,
         progress=progress,
     )

@@ -4,14 +4,14 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.arguments import by_name
 from blocks.block import Block
-from blocks.ports import nearest, number, shortened
+from blocks.ports import shortened
 from diagram.branches import Branches, Taken, branching, taken
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
@@ -21,10 +21,11 @@ from diagram.inputs import Inputs, close
 from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
+from diagram.settings import Changes, Settings, settings_of
 from diagram.wiring import WiringError
 from engine.branching import Branching, Kept, run_branching
 from engine.cells import run_windows
-from engine.run import METHODS, Outcome, Settings, prepare, run
+from engine.run import Outcome, prepare, run
 from engine.snapshot import Snapshot, total
 from engine.status import HINTS, Statistics, Status
 from logs import Log
@@ -127,20 +128,19 @@ def simulate(
     params: Mapping[str, float] | None = None,
     start: Mapping[str, float] | None = None,
     signals: Sequence[str] | None = None,
-    rtol: float = 1e-6,
-    atol: float = 1e-9,
-    method: str = "auto",
-    max_steps: int = 20_000_000,
     t0: float = 0.0,
+    settings: Settings | None = None,
     on_progress: Callable[[float], None] | None = None,
     branches: Branches | None = None,
+    **changes: Unpack[Changes],
 ) -> Run:
     """Simulate ``duration`` seconds and log every signal, or the ``signals`` named.
 
     Parameters: ``every`` log interval [s] (default: 1000 intervals) or ``times`` [s]; ``inputs`` open input ->
     number, ``(t, values)`` (straight lines), log or table (held; ``diagram.playback``) or source block, or a log or
     table alone for all open inputs that it has; ``params`` as in ``Diagram.with_params``; ``start`` as in
-    ``Diagram.starting_at``; ``rtol``, ``atol`` local error per step; ``method`` "auto", "explicit" or "stiff";
+    ``Diagram.starting_at``; ``settings`` how to integrate, or its fields by name: ``rtol``, ``atol`` local error per
+    step, ``method`` "auto", "explicit" or "stiff", ``max_steps`` budget (20 000 000); ``t0`` [s] when the run begins;
     ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
     ends the run with status INTERRUPTED, and what is simulated so far is kept; ``branches`` of a diagram pinned to a
     log: modes to try where it does not fit (``diagram.branches``).
@@ -160,7 +160,7 @@ def simulate(
     ready = set_up(diagram, inputs, params, start)
     wanted = wanted_signals(ready, signals)
     grid = log_times(duration, every, times, t0, len(wanted))
-    settings = check_settings(rtol, atol, method, max_steps)
+    settings = settings_of(simulate, settings, changes)
     if on_progress is not None and not callable(on_progress):
         raise ValueError(f"on_progress = {on_progress!r}, but it is called with the time reached; give a function of t")
     t0, t_end = float(t0), float(t0) + float(duration)  # the engine is compiled for these and no other numbers
@@ -216,24 +216,6 @@ def set_up(
     if start:
         diagram = diagram.starting_at(start)
     return diagram
-
-
-def check_settings(rtol: float, atol: float, method: str, max_steps: int) -> Settings:
-    """Return the settings of a run; refuse tolerances, methods and budgets that make no sense."""
-    budget = number("simulate", "max_steps", max_steps)
-    if not (budget >= 1.0 and (budget == np.inf or budget % 1.0 == 0.0)):
-        raise ValueError(f"max_steps = {max_steps!r}, but a step budget is a whole number of at least 1; leave it out")
-    settings = Settings(
-        number("simulate", "rtol", rtol), number("simulate", "atol", atol), method, int(min(budget, 2.0**62))
-    )
-    if not (isinstance(method, str) and method in METHODS):
-        raise ValueError(f"method = {method!r}; {nearest(method, list(METHODS))}")
-    if not (1e-13 <= settings.rtol <= 0.1 and 0.0 < settings.atol < np.inf):
-        raise ValueError(
-            f"rtol = {settings.rtol!r}, atol = {settings.atol!r}, but 1e-13 <= rtol <= 0.1 and a finite atol > 0 are "
-            "needed; leave them out for 1e-6 and 1e-9"
-        )
-    return settings
 
 
 def _run(

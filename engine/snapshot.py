@@ -92,7 +92,8 @@ class Snapshot(NamedTuple):
     @property
     def counts(self) -> NDArray[np.int64]:
         """What the run cost so far, in the order of ``COUNTERS``."""
-        return self.I[_COUNTED]
+        counts: NDArray[np.int64] = self.I[_COUNTED]
+        return counts
 
     def _rows(self, kind: int) -> Iterator[tuple[int, int]]:
         for number, f in enumerate(self.component.blocks):
@@ -122,5 +123,5 @@ def total(counts: Sequence[NDArray[np.int64]]) -> Statistics:
     >>> total([np.array([10, 1, 60, 0, 2]), np.array([5, 0, 30, 0, 0])])
     Statistics(steps=15, rejected=1, rhs=90, jacobians=0, events=2, components=2)
     """
-    sums = [sum(column) for column in zip(*(one.tolist() for one in counts), strict=True)]
-    return Statistics(*sums, components=len(counts))
+    columns = zip(*(one.tolist() for one in counts), strict=True)
+    return Statistics(**dict(zip(COUNTERS, map(sum, columns), strict=True)), components=len(counts))

@@ -14,6 +14,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 from diagram.diagram import Diagram
+from diagram.settings import Settings
 from plant import feed as feeds
 from plant import kicked, production_plant
 from plant.parameters import DEFAULT, SETS, Production
@@ -36,6 +37,7 @@ WORDS: Mapping[str, tuple[str, ...]] = {
 }  # fmt: skip
 SLUG = {"slug.flow": 400.0, "slug.gas": 0.05, "slug.period": 500.0}
 SINE = {"sine.amplitude": 0.1, "sine.period": 500.0}
+STIFF = Settings(method="stiff")
 
 
 def production_subject(
@@ -71,7 +73,7 @@ def production_subject(
     still = case == 2 or F_s == "none"
     return Subject(
         title, build, quantities, (lambda diagram: diagram) if still else kicked, CHAIN,
-        CONTENTS, "stiff",
+        CONTENTS, STIFF,
     )  # fmt: skip
 
 
@@ -79,12 +81,12 @@ def like_the_plant(diagram: Diagram) -> Subject | None:
     """Return a diagram that has the plant's signals as a subject with its chain and kicks, None if it has not.
 
     >>> from plant import production_plant
-    >>> like_the_plant(production_plant()).method
+    >>> like_the_plant(production_plant()).settings.method
     'stiff'
     """
     if not {signal for signals in CHAIN.values() for signal in signals} <= set(diagram.signals):
         return None
-    return Subject(diagram.name, lambda _: diagram, stages=CHAIN, kicked=CONTENTS, method="stiff")
+    return Subject(diagram.name, lambda _: diagram, stages=CHAIN, kicked=CONTENTS, settings=STIFF)
 
 
 def _plant(base: Production, F_s: float | str, case: int, name: str, values: Mapping[str, Value]) -> Diagram:

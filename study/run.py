@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from diagram.diagram import Diagram
 from diagram.ensembles.running import cores, ensemble
 from diagram.kept import log_times
 from diagram.progress import Progress, reporting
+from diagram.settings import Changes, Settings, settings_of
 from engine.status import Status
 from logs.files.resumable import RowsFolder, joined, opened
 from study.axes import StudyError, axes_of
@@ -57,15 +58,14 @@ def study(
     measure_from: float | None = None,
     signals: Sequence[str] | None = None,
     measures: OwnMeasures | None = None,
-    rtol: float = 1e-6,
-    atol: float = 1e-9,
-    method: str | None = None,
+    settings: Settings | None = None,
     workers: int | None = None,
     progress: Progress = None,
     out: str | Path | None = None,
     fresh: bool = False,
     longest: float = LONGEST,
     cluster: str | None = None,
+    **changes: Unpack[Changes],
 ) -> StudyResult:
     """Simulate a diagram over a grid or a random sample of parameters, from many starts, and measure every run.
 
@@ -75,7 +75,8 @@ def study(
     starts as the subject does, 0 at rest, N makes N runs of every point, its kicked states times independent factors
     1 -+ ``kick_size``.  ``seed`` fixes hypercube and kicks.  ``duration``, ``every`` [s] of the run and its log;
     ``measure_from`` [s] (default: half of it); ``signals`` to measure; ``measures`` of your own in
-    place of the usual ones.  ``workers`` threads; ``progress`` True, False, a function of (done, runs), default a bar
+    place of the usual ones.  ``settings`` how to integrate (default: as the subject says), or its fields by name, as in
+    ``simulate``.  ``workers`` threads; ``progress`` True, False, a function of (done, runs), default a bar
     on a terminal.  ``out`` a folder for the rows: a call with the same request goes on where the last stopped, and
     gives the same bytes; ``fresh`` throws away what is there.  ``longest`` [s] the most the study may take.
     ``cluster`` address of a Dask scheduler ("tcp://10.0.0.5:8786"): the runs are made there, on ``workers`` threads
@@ -92,6 +93,7 @@ def study(
     [0.143, 0.167]
     """
     chosen = as_subject(subject)
+    how = settings_of(study, settings or chosen.settings, changes)
     axes = [*axes_of("vary", vary), *axes_of("plant", plant), *axes_of("start", start)]
     _check(kick_size, longest, random=random, kicks=kicks, seed=seed, workers=workers)
     grid, since = _times(duration, every, measure_from)
@@ -106,12 +108,12 @@ def study(
     request: dict[str, Any] = {
         "subject": chosen.name, "fingerprint": fingerprint(plain), "code": code(), **spelt(axes), "random": random,
         "kicks": kicks, "kick_size": kick_size, "seed": seed, "duration": float(duration), "every": float(every),
-        "measure_from": since, "signals": list(wanted), "rtol": rtol, "atol": atol, "method": method or chosen.method,
+        "measure_from": since, "signals": list(wanted), "rtol": how.rtol, "atol": how.atol, "method": how.method,
     }  # fmt: skip
     if measures is not None:
         request["measures"] = list(measures.names)
     schema = Schema.of(plan, [first, *_other_shapes(points)], wanted, None if measures is None else measures.names)
-    options = {"duration": duration, "every": every, "rtol": rtol, "atol": atol, "method": method or chosen.method}
+    options = {"duration": duration, "every": every, "settings": how}
     begun = time.perf_counter()
     held = nullcontext(Memory()) if out is None else opened(Path(out), request, KEPT, fresh)
     with held as store, reporting(progress, len(plan), "runs") as tell, stop_asked() as stopped:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from blocks.role import Role
 from diagram.diagram import Diagram
+from diagram.settings import Settings
 from study.axes import Value
 
 Floats = NDArray[np.float64]
@@ -20,7 +21,7 @@ class Subject:
     ``build`` takes values of some ``quantities`` (name -> default; numbers or words) and returns the diagram at rest;
     ``start`` moves it to where it begins when nobody asks for kicks.  ``stages`` (name -> signals) are measured unless
     others are named, in the order in which an oscillation travels; ``kicked`` are the states a start kick moves,
-    ``BLOCK.STATE``; ``method`` is the engine's.
+    ``BLOCK.STATE``; ``settings`` say how it is best integrated.
     """
 
     name: str
@@ -29,7 +30,7 @@ class Subject:
     start: Callable[[Diagram], Diagram] = lambda diagram: diagram
     stages: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     kicked: tuple[str, ...] = ()
-    method: str = "auto"
+    settings: Settings = field(default_factory=Settings)
 
     @property
     def signals(self) -> tuple[str, ...]:

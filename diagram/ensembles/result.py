@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from diagram.branches import Branches, Taken
 from diagram.diagram import Diagram
 from diagram.ensembles.variants import Floats, Variants
 from diagram.simulation import Event, Run, named_events, simulate
@@ -38,7 +39,8 @@ class Ensemble:
     NaN where a variant failed.); ``event_counts`` ((variants,); ``statistics`` the cost of all variants together.);
     ``troubles`` ((variants,) what the blocks say where a variant's model ended, else "".); ``variants``, ``settings``,
     ``duration`` (what was asked for, see ``params``, ``start``, ``seeds``.); ``raw_events`` (per variant (events, 4):
-    t, block, value before, value after; see ``events``.).
+    t, block, value before, value after; see ``events``.); ``branches``, ``taken`` (as in ``simulate`` and ``Run``, per
+    variant).
     """
 
     t: Floats
@@ -53,6 +55,8 @@ class Ensemble:
     settings: Settings
     duration: float
     raw_events: tuple[Floats, ...]
+    branches: Branches | None = None
+    taken: tuple[tuple[Taken, ...], ...] = ()
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Make the arrays read-only again, which a pickle forgets."""
@@ -139,10 +143,9 @@ class Ensemble:
 
     def run(self, i: int) -> Run:
         """Simulate variant ``i`` again, alone and with all signals; the values agree to the last bit."""
-        s = self.settings
         return simulate(
-            self.variant(i), self.duration, times=self.times(i), t0=float(self.variants.t0[i]), rtol=s.rtol,
-            atol=s.atol, method=s.method, max_steps=s.max_steps,
+            self.variant(i), self.duration, times=self.times(i), t0=float(self.variants.t0[i]),
+            settings=self.settings, branches=self.branches,
         )  # fmt: skip
 
     def plot(self, signal: str) -> "Figure":

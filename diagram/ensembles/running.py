@@ -10,11 +10,13 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
 from threading import Lock
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from blocks.block import Block
+from diagram.branches import Branches, Taken, branching, taken
 from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
 from diagram.ensembles.per_run import apart, grids
@@ -26,8 +28,10 @@ from diagram.kept import logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.progress import Progress, reporting
-from diagram.simulation import check_settings, in_order, set_up, troubles
-from engine.run import Outcome, Settings, prepare, run
+from diagram.settings import Changes, Settings, settings_of
+from diagram.simulation import in_order, set_up, troubles
+from engine.branching import Branching, run_branching
+from engine.run import Outcome, prepare, run
 from engine.snapshot import COUNTERS, Snapshot, total
 from engine.status import Status
 from engine.table import Component
@@ -50,14 +54,13 @@ def ensemble(
     signals: Sequence[str] | None = None,
     inputs: Inputs | None = None,
     blocks: Mapping[str, Sequence[Block]] | None = None,
-    rtol: float = 1e-6,
-    atol: float = 1e-9,
-    method: str = "auto",
-    max_steps: int = 20_000_000,
+    settings: Settings | None = None,
+    branches: Branches | None = None,
     workers: int | None = None,
     progress: Progress = None,
     keep_logs: bool = True,
     summary: Summary | None = None,
+    **changes: Unpack[Changes],
 ) -> Ensemble:
     """Simulate the diagram once per variant; variant ``i`` equals ``simulate`` of the same values to the last bit.
 
@@ -69,7 +72,7 @@ def ensemble(
     ``signals`` to log (default all); ``workers`` threads (default all cores);
     ``progress`` True for a bar, False for none, a function of (done, variants), default a bar on a terminal;
     ``keep_logs`` False keeps no values; ``summary`` function ``(t, {signal: (rows,)}) -> {name: number}``, called
-    for each variant that reached its end.  The rest as in ``simulate``.
+    for each variant that reached its end.  ``settings`` and ``branches`` as in ``simulate``.
 
     A variant that fails has its ``status``; Ctrl-C returns what is finished, the rest ``INTERRUPTED``.
     Raises ``ValueError`` for a request that makes no sense, before anything runs.
@@ -85,7 +88,7 @@ def ensemble(
     first, own = apart(diagram, inputs)
     ready = set_up(diagram, first)
     wanted = wanted_signals(ready, signals)
-    settings = check_settings(rtol, atol, method, max_steps)
+    settings = settings_of(ensemble, settings, changes)
     variants = variants_of(ready, params, start, seeds, t0, times, {**own, **(blocks or {})})
     grid = grids(variants.t0, duration, every, times, len(wanted), keep_logs)
     for i, begin in enumerate(variants.t0.tolist()):
@@ -98,7 +101,7 @@ def ensemble(
         )
     if summary is not None and not callable(summary):
         raise ValueError(f"summary = {summary!r}, but it is called for each variant; give a function (t, signals)")
-    runs = _Runs(variants, wanted, grid, float(duration), settings, keep_logs, summary)
+    runs = _Runs(variants, wanted, grid, float(duration), settings, branches, keep_logs, summary)
     _work(runs, len(variants), workers or cores(), progress)
     return runs.result()
 
@@ -155,10 +158,13 @@ class _Runs:
 
     def __init__(
         self, variants: Variants, wanted: tuple[str, ...], grid: Floats, duration: float, settings: Settings,
-        keep_logs: bool, summary: Summary | None,
+        branches: Branches | None, keep_logs: bool, summary: Summary | None,
     ) -> None:  # fmt: skip
         n = len(variants)
+        self.branches = branches
+        self.taken: list[tuple[Taken, ...]] = [()] * n
         self.variants, self.wanted, self.grid, self.duration, self.settings = variants, wanted, grid, duration, settings
+        self._choice(0)  # what makes no sense is refused before anything runs
         self.summary = summary
         self.values = {signal: np.empty((n, grid.shape[-1])) for signal in wanted} if keep_logs else {}
         self.keep_logs = keep_logs
@@ -220,7 +226,8 @@ class _Runs:
 
     def _run(self, layout: _Layout, i: int) -> list[Outcome]:
         outcomes = []
-        t0, past = float(self.variants.t0[i]), self.pasts[i]
+        t0, past, choice = float(self.variants.t0[i]), self.pasts[i], self._choice(i)
+        t_end = t0 + self.duration
         for part in layout.parts:
             I, W = prepare(part.component, self.settings, t0, -np.inf if past is None else past.t)
             begun = Snapshot(part.component, I, W)
@@ -228,10 +235,20 @@ class _Runs:
             self.variants.point_to_tables(begun, i)
             if past is not None:
                 past.put_back(self.variants.diagram.blocks, layout.laid.delays, begun)
-            outcomes.append(
-                run(part.component, layout.laid.flat, I, W, self.times(i), t0 + self.duration, self._listen)
-            )
+            if choice is not None and choice.block in part.component.blocks:
+                outcome, kept = run_branching(part.component, I, W, self.times(i), t_end, choice, self._listen)
+                outcomes.append(outcome)
+                self.taken[i] = taken(self.variants.diagram, choice, kept)
+            else:
+                outcomes.append(run(part.component, layout.laid.flat, I, W, self.times(i), t_end, self._listen))
         return outcomes
+
+    def _choice(self, i: int) -> Branching | None:
+        """Return the branches of variant ``i``, which has pins of its own, None if none are asked for."""
+        if self.branches is None:
+            return None
+        begin = float(self.variants.t0[i])
+        return branching(self.variants.diagram_of(i), self.branches, begin, begin + self.duration)
 
     def times(self, i: int) -> Floats:
         """Return the log times of variant ``i`` [s], (rows,)."""
@@ -278,6 +295,7 @@ class _Runs:
             t=self.grid, values=self.values, status=self.status, ended=self.ended, summary=table,
             event_counts=self.counts[:, -1], troubles=tuple(self.troubles), statistics=cost,
             variants=self.variants, settings=self.settings, duration=self.duration, raw_events=tuple(self.events),
+            branches=self.branches, taken=tuple(self.taken),
         )  # fmt: skip
 
 

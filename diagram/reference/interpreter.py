@@ -243,7 +243,7 @@ class Interpreter:
         self.n_fired += 1
         self.chain += 1
         if block.modes and self.d[b][0] != before:
-            self.events.append((self.t, b, float(before), float(self.d[b][0])))
+            self.events.append((self.t, b, float(before), float(self.d[b][0])))  # type: ignore[arg-type]
 
     def _due(self, b: int) -> float:
         block = self.blocks[b]

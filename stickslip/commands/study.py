@@ -98,6 +98,7 @@ def command(
     if not (math.isfinite(longest) and longest > 0.0):
         raise ValueError(f"--longest {longest:g}: give a positive number of hours")
     subject = subject_of(chosen)
+    method = method or subject.settings.method
     from study import study
 
     say = Speaker(json_file)

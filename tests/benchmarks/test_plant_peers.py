@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import production_control, production_equations, production_lsoda
-from benchmarks.plant import in_turn, largest, ratio
+from benchmarks.plant import largest, ratio
+from benchmarks.report import in_turn
 from diagram import simulate
 from plant import SETS, kicked, production_plant, steady_state
 

@@ -203,3 +203,22 @@ def test_every_block_of_the_catalogue_claims_rightly():
         dry_run(made(**dict.fromkeys(_missing(inspect.signature(made)), 1.0) | dict(NEEDED.get(entry.name, {}))))
     assert Equations("ramp", out=lambda t: 2.0 * t, outputs="y").kernels.timed
     assert not Equations("gain", out=lambda u: 2.0 * u, inputs="u", outputs="y").kernels.timed
+
+
+def _settling_der(t, x, d, u, p, dx):
+    dx[0] = u[0] - x[0]
+
+
+class Unseen(Block):
+    """A block with a state and no output: the engine would take its missing kernel for a dead time."""
+
+    ports_in = (Port("in"),)
+    kernels = Kernels(der=_settling_der, feeds=False)
+
+    def __init__(self):
+        super().__init__(name="unseen", params={}, states={"x": 0.0}, inputs="MV")
+
+
+def test_a_block_without_a_kernel_out_is_refused():
+    with pytest.raises(BlockError, match="'unseen': has no kernel out, so nothing could be seen of it; give it an out"):
+        wire([Step("MV", 1.0), Unseen()])

@@ -143,7 +143,7 @@ def test_the_subject_of_a_plant_case_is_the_case(name):
 
 def test_a_plant_with_another_part_keeps_its_chain():
     subject = subject_of(find("plant_own_map"))
-    assert subject.signals == subject_of(find("plant_1_high")).signals and subject.method == "stiff"
+    assert subject.signals == subject_of(find("plant_1_high")).signals and subject.settings.method == "stiff"
     assert subject.kicked == ("S1.N_oil", "S1.N_metL", "S1.N_metG")
 
 
