@@ -8,7 +8,8 @@ import click
 
 from calibration.spec import Setting
 
-TRAINING, HOLDING, TESTING = 1000, 3000, 5000  # first seeds: to fit, to calibrate on, to report on
+# First seeds: to fit patterns, trees, and the calibration; to choose on (no fit); to report on, and nothing else.
+PATTERNS, TRAINING, HOLDING, CHOOSING, TESTING = 10_000, 20_000, 20_040, 7000, 9000
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
