@@ -23,8 +23,6 @@ TRIANGLE = 2 / np.pi * np.arcsin(np.sin(2 * np.pi * T / 60))
 STICK = view(np.sign(np.roll(TRIANGLE, 15)) + 0.05 * np.random.default_rng(1).normal(size=1500), 5 * TRIANGLE)
 WAVE = 2 * np.pi * T / 60
 SINE = view(np.cos(WAVE) + 0.05 * np.random.default_rng(2).normal(size=1500), 5 * np.sin(WAVE))
-    np.cos(2 * np.pi * T / 60) + 0.05 * np.random.default_rng(2).normal(size=1500), 5 * np.sin(2 * np.pi * T / 60)
-)
 
 
 def test_travel_since_a_turn_of_a_triangle():
