@@ -5,7 +5,9 @@ limits    quantiles of what each kernel gives on some loops: of |z| 30, 60, 85 a
 read-out  ridge regression of one score per kind of loop, and one of stiction, on the pooled numbers
 """
 
-from collections.abc import Callable, Iterator, Sequence
+import hashlib
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +21,9 @@ from detect.judge.features.channels import EVEN, ODD, channels
 from detect.judge.features.patterns import DILATIONS, Kernels, Readout, pooled_of
 from detect.judge.features.view import View, view_of
 from detect.prepare.prepared import Prepared
+from logs.files.resumable import Kept, differences, joined, opened
 
-__all__ = ["fit", "kernels", "pooled_parts"]
+__all__ = ["LIMITED", "fit", "kernels", "pooled_loops", "views"]
 
 Singles = npt.NDArray[np.float32]
 PART = 500  # loops
@@ -30,6 +33,10 @@ LIMITED = 200  # loops that limits are taken from
 DRAWN = 40  # values of z from each of them
 RIDGE = 2000.0
 SEED = 1  # of the kernels
+
+KEPT = Kept(
+    "pooled", "stickslip.calibration.pooled/1", "number", ValueError, partial(differences, phrases_of={})
+)  # fmt: skip
 
 Say = Callable[[str], None]
 
@@ -54,7 +61,9 @@ def kernels(looked_at: Sequence[View]) -> tuple[Kernels, Kernels]:
         weight -= weight.mean(axis=2, keepdims=True)
         weight *= np.exp(0.5 * r.normal(size=(count, 3, 1))) / 3.0
         bare = Kernels(channel, weight.astype(np.float32), np.zeros((count, 4), dtype=np.float32), name == "odd")
-        limit = _limits(bare, [channels(view)[number] for view in looked_at], SHARES[name], r)
+        limit = _limits(
+            bare, [(channels(view)[0] if name == "odd" else channels(view)[1]) for view in looked_at], SHARES[name], r
+        )
         drawn.append(Kernels(bare.channel, bare.weight, limit, bare.odd))
     return drawn[0], drawn[1]
 
@@ -75,29 +84,36 @@ def _limits(bare: Kernels, looked_at: Sequence[Singles], shares: Sequence[float]
     return np.array([np.quantile(np.abs(z) if bare.odd else z, shares) for z in joined], dtype=np.float32)
 
 
-def pooled_parts(
+def pooled_loops(
     folder: Path, seed: int, count: int, odd: Kernels, even: Kernels, workers: int | None = None
-) -> Iterator[tuple[Singles, npt.NDArray[np.str_]]]:
-    """Pooled numbers (n, p) and groups (n,) of ``count`` parts from ``seed`` on, those made before from the folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for k in range(count):
-        file = folder / f"patterns_{seed + k}.npz"
-        if not file.exists():
-            seen = views(seed + k, workers)
-            x = np.array([pooled_of(view, odd, even) for view, _ in seen])
-            part = file.with_suffix(".part.npz")
-            np.savez(part, x=x, group=np.array([truth.group for _, truth in seen]))
-            part.replace(file)
-        with np.load(file) as kept:
-            yield kept["x"], kept["group"]
+) -> tuple[Singles, npt.NDArray[np.str_]]:
+    """Pooled numbers (n, p) and groups (n,) of ``count`` parts from ``seed`` on, those made before from the folder.
+
+    Raises ``ValueError`` if the folder holds what other kernels have pooled.
+    """
+    import polars as pl
+
+    asked = {"seed": seed, "part": PART, "kernels": _digest(odd, even)}
+    with opened(folder, asked, KEPT, fresh=False) as place:
+        place.note()
+        there = place.firsts()
+        for k in range(count):
+            if k * PART not in there:
+                seen = views(seed + k, workers)
+                x = np.array([pooled_of(view, odd, even) for view, _ in seen])
+                columns = {KEPT.key: k * PART + np.arange(len(x)), "group": [truth.group for _, truth in seen], "x": x}
+                place.add(pl.DataFrame(columns))
+        rows = joined(place.rows(), KEPT.key).filter(pl.col(KEPT.key) < count * PART)
+    return rows["x"].to_numpy(), np.array(rows["group"].to_list())
 
 
-def fit(
-    parts: Iterator[tuple[Singles, npt.NDArray[np.str_]]], odd: Kernels, even: Kernels, say: Say = print
-) -> Readout:
-    """The read-out of the parts given."""
-    found = list(parts)
-    x, group = np.concatenate([x for x, _ in found]), np.concatenate([g for _, g in found])
+def _digest(odd: Kernels, even: Kernels) -> str:
+    parts = (array.tobytes() for own in (odd, even) for array in (own.channel, own.weight, own.limit))
+    return hashlib.sha256(b"".join(parts)).hexdigest()[:16]
+
+
+def fit(x: Singles, group: npt.NDArray[np.str_], odd: Kernels, even: Kernels, say: Say = print) -> Readout:
+    """The read-out by the pooled numbers (n, p) and groups (n,) of loops."""
     mean, deviation = np.nanmean(x, axis=0), np.nanstd(x, axis=0) + 1e-6
     groups = sorted(set(group.tolist()))
     bare = Readout(odd, even, mean, deviation, np.eye(x.shape[1], dtype=np.float32), tuple(groups))

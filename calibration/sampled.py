@@ -11,7 +11,7 @@ left to the engine.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -77,10 +77,7 @@ def _controller(own: Mapping[str, float], kind: str) -> Floats:
     return np.array(told)
 
 
-_jit = cast(Any, njit(cache=True, error_model="numpy"))
-
-
-@_jit
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _wave(shape: float, x: float) -> float:
     """``excitation``'s waves."""
     x -= math.floor(x)
@@ -92,14 +89,14 @@ def _wave(shape: float, x: float) -> float:
     return 2.0 * x / rise - 1.0 if x < rise else 1.0 - 2.0 * (x - rise) / (1.0 - rise)
 
 
-@_jit
-def _coloured(r: Any, before: float, time: float) -> float:
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _coloured(r: Any, before: float, time: float) -> Any:
     a = math.exp(-1.0 / time) if time > 0.0 else 0.0
     return a * before + math.sqrt(1.0 - a * a) * r.normal()
 
 
-@_jit
-def _driven(r: Any, t: float, d: Any, kept: Any) -> float:
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _driven(r: Any, t: float, d: Any, kept: Any) -> Any:
     """One value of a disturbance d (``_DRIVE``) at scan t; ``kept``: noise, walk and level."""
     value = d[3] * t
     if d[1] != 0.0:
@@ -114,7 +111,7 @@ def _driven(r: Any, t: float, d: Any, kept: Any) -> float:
     return value + kept[1] + kept[2]
 
 
-@_jit
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _stem(kind: int, op: float, low: float, high: float, f: Any, m: Any) -> None:
     """One sample of a sampled valve; m: MV, stuck, direction, where it stuck, OP before."""
     if kind == 0:
@@ -163,8 +160,8 @@ def _stem(kind: int, op: float, low: float, high: float, f: Any, m: Any) -> None
         m[0] = op - math.copysign(f[1], c)
 
 
-@_jit
-def _sliding(op: float, low: float, high: float, f: Any, m: Any, steps: int) -> float:
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _sliding(op: float, low: float, high: float, f: Any, m: Any, steps: int) -> Any:
     """One scan of a stem with mass under a held OP; m: MV, speed, direction (0 stuck). Returns its mean position."""
     F_s, F_c, F_v, M = f[0], f[1], f[2], f[3]
     h, mean = 1.0 / steps, 0.0
@@ -190,7 +187,7 @@ def _sliding(op: float, low: float, high: float, f: Any, m: Any, steps: int) -> 
     return mean / steps
 
 
-@_jit
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _loop(
     r: Any, scans: int, kinds: Any, drives: Any, f: Any, process: Any, c: Any, sensor: Any, authority: float,
     low: float, high: float, at: Any, out: Any,

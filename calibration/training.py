@@ -31,7 +31,7 @@ BEYOND = 0.05
 TAILS = (0.05, 0.5, 0.95)
 
 
-def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees: int = 600) -> Model:
+def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees: int = 400) -> Model:
     """The model of ``training``, calibrated on ``holding``; ``trees`` of the accusing part, ``say`` tells each step.
 
     Raises ValueError where the two tables have different features.

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from calibration.patterns import SHARES, fit, kernels, pooled_parts, views
+from calibration.patterns import SHARES, fit, kernels, pooled_loops, views
 from detect.judge.features.channels import channels
 from detect.judge.features.convolutions import POOLED
 
@@ -31,13 +31,14 @@ def test_limits_hold_the_shares_asked_for(drawn):
 def test_parts_are_kept_and_equal_when_made_again(drawn, tmp_path):
     looked_at, _ = drawn
     odd, even = kernels(looked_at)
-    x, group = next(pooled_parts(tmp_path, 78, 1, odd, even))
-    file = next(tmp_path.iterdir())
-    again, _ = next(pooled_parts(tmp_path, 78, 1, odd, even))
-    assert np.array_equal(x, again, equal_nan=True)
-    file.unlink()
-    anew, same = next(pooled_parts(tmp_path, 78, 1, odd, even))
+    x, group = pooled_loops(tmp_path, 78, 2, odd, even)
+    parts = sorted((tmp_path / "parts").iterdir())
+    assert len(parts) == 2 and x.shape[1] == 6 * 35 + 40
+    parts[0].unlink()
+    anew, same = pooled_loops(tmp_path, 78, 2, odd, even)
     assert np.array_equal(x, anew, equal_nan=True) and np.array_equal(group, same)
+    with pytest.raises(ValueError, match="holds another pooled"):
+        pooled_loops(tmp_path, 78, 2, odd, odd)
 
 
 def test_the_read_out_finds_what_is_there(drawn):
@@ -47,7 +48,7 @@ def test_the_read_out_finds_what_is_there(drawn):
     group = np.where(rng.random(4000) < 0.5, "cycling", "healthy")
     x = rng.normal(size=(4000, 30)).astype(np.float32)
     x[:, 7] += 2.0 * (group == "cycling")
-    read = fit(iter([(x, group)]), odd, even, say=lambda text: None)
+    read = fit(x, group, odd, even, say=lambda text: None)
     assert read.names == ("cycling", "healthy", "sticky")
     score = read.scores(x)
     assert np.argmax(np.abs(read.weight[:, 2])) == 7

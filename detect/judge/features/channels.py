@@ -67,7 +67,7 @@ def _read(x: Values, turn: float) -> Values:
 
 def _over(x: Values) -> Values:
     d = x - x.mean()
-    return d / (float(d.std()) + 1e-9)
+    return np.asarray(d / (float(d.std()) + 1e-9))
 
 
 def _new(u: Values, y: Values) -> Values:
