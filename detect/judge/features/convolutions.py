@@ -59,7 +59,7 @@ def averaged(x: Any, d: int) -> Any:
 
 
 @njit(cache=True, error_model="numpy", fastmath=True)  # type: ignore[untyped-decorator]
-def convolved(x: Any, channel: Any, weight: Any, d: int, z: Any) -> int:
+def convolved(x: Any, channel: Any, weight: Any, d: int, z: Any) -> Any:
     """Write one kernel's z and return its length; ``channel`` (3,), -1 where unused, ``weight`` (3, TAPS)."""
     n = x.shape[1] - (TAPS - 1) * d
     z[: max(n, 0)] = 0.0
