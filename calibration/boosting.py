@@ -26,8 +26,8 @@ def classifier(x: Values, y: npt.NDArray[Any], trees: int, leaves: int, seed: in
     from sklearn.ensemble import GradientBoostingClassifier
 
     model = GradientBoostingClassifier(
-        n_estimators=trees, learning_rate=0.06, subsample=0.6, max_leaf_nodes=leaves, max_depth=None,
-        min_samples_leaf=8, max_features=0.12, random_state=seed,
+        n_estimators=trees, learning_rate=0.06, subsample=0.5, max_leaf_nodes=leaves, max_depth=None,
+        min_samples_leaf=15, max_features=0.12, random_state=seed,
     )  # fmt: skip
     return model.fit(filled(x), y)
 

@@ -1,13 +1,15 @@
-"""Large sets of simulated loops on disk: chunks of Parquet, one row a loop, made one after the other and resumable.
+"""Large sets of simulated loops on disk: one row a loop, in parts that are made one after the other and resumable.
 
-set.json    what was asked for            chunk_00000.parquet ...    4,000 loops each, in the order of their numbers
+set.json    what was asked for            parts/*.parquet    ``CHUNK`` loops each, in the order of their numbers
 
-A chunk appears whole or not at all, and holds the same loops whenever it is made; a second call makes what is missing.
+The folder is one of ``logs.files.resumable``: a part appears whole or not at all, holds the same loops whenever it is
+made, and a second call makes what is missing.
 """
 
 import json
 from collections.abc import Iterator
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +20,11 @@ from calibration.simulation import simulate
 from calibration.spec import LoopSpec, Setting, Truth
 from diagram.progress import Progress, reporting
 from logs import LoopRecord
-from logs.files.write import replacing
+from logs.files.resumable import PARTS, Kept, differences, opened
 
-CHUNK = 4000
-SCHEMA = "stickslip.calibration/1"
+CHUNK = 500
+SCHEMA = "stickslip.calibration/2"
+KEPT = Kept("set", SCHEMA, "number", ValueError, partial(differences, phrases_of={}))
 
 
 def write(
@@ -36,22 +39,18 @@ def write(
 
     ``progress`` as in ``diagram.ensemble``.  Raises ``ValueError`` if the folder holds another set of loops.
     """
-    asked = {"schema": SCHEMA, "loops": n, "seed": seed, "setting": setting, "chunk": CHUNK}
-    folder.mkdir(parents=True, exist_ok=True)
-    manifest = folder / "set.json"
-    if manifest.exists() and (kept := json.loads(manifest.read_text())) != asked:
-        raise ValueError(f"'{folder}' holds {kept}, but {asked} was asked for; give another folder")
-    with replacing(manifest) as part:
-        part.write_text(json.dumps(asked, indent=1) + "\n")
-    missing = [first for first in range(0, n, CHUNK) if not _file(folder, first).exists()]
-    sizes = {first: min(CHUNK, n - first) for first in missing}
+    asked = {"loops": n, "seed": seed, "setting": setting, "chunk": CHUNK}
     made = 0
-    with reporting(progress, sum(sizes.values()), "loops") as tell:
-        for first, size in sizes.items():
-            specs = draw(size, seed, setting, first=first)
-            _keep(_file(folder, first), specs, simulate(specs, workers))
-            made += size
-            tell(made, sum(sizes.values()))
+    with opened(folder, asked, KEPT, fresh=False) as kept:
+        kept.note()
+        there = kept.firsts()
+        sizes = {first: min(CHUNK, n - first) for first in range(0, n, CHUNK) if first not in there}
+        with reporting(progress, sum(sizes.values()), "loops") as tell:
+            for first, size in sizes.items():
+                specs = draw(size, seed, setting, first=first)
+                kept.add(_table(first, specs, simulate(specs, workers)))
+                made += size
+                tell(made, sum(sizes.values()))
     return made
 
 
@@ -62,7 +61,7 @@ def read(folder: Path) -> Iterator[tuple[LoopSpec, LoopRecord, Truth]]:
     """
     import polars as pl
 
-    files = sorted(folder.glob("chunk_*.parquet"))
+    files = sorted((folder / PARTS).glob("*.parquet"))
     if not files:
         raise FileNotFoundError(f"'{folder}' holds no simulated loops; make them with: python -m calibration simulate")
     for file in files:
@@ -81,17 +80,14 @@ def _record(row: dict[str, Any], spec: LoopSpec, op: Any, pv: Any, sp: Any) -> L
     )  # fmt: skip
 
 
-def _file(folder: Path, first: int) -> Path:
-    return folder / f"chunk_{first // CHUNK:05d}.parquet"
-
-
-def _keep(file: Path, specs: list[LoopSpec], made: list[tuple[LoopRecord, Truth]]) -> None:
-    """Write one chunk."""
+def _table(first: int, specs: list[LoopSpec], made: list[tuple[LoopRecord, Truth]]) -> Any:
+    """One part, whose loops are numbered from ``first`` on."""
     import polars as pl
 
     signals = pl.List(pl.Float64)
-    table = pl.DataFrame(
+    return pl.DataFrame(
         {
+            "number": range(first, first + len(specs)),
             "spec": [json.dumps(asdict(spec)) for spec in specs],
             "truth": [json.dumps(asdict(truth)) for _, truth in made],
             "name": [loop.name for loop, _ in made],
@@ -102,5 +98,3 @@ def _keep(file: Path, specs: list[LoopSpec], made: list[tuple[LoopRecord, Truth]
         },
         schema_overrides={"OP": signals, "PV": signals, "SP": signals},
     )
-    with replacing(file) as part:
-        table.write_parquet(part, compression="zstd")

@@ -8,23 +8,37 @@ import click
 
 from calibration.spec import Setting
 
-TRAINING, HOLDING, TESTING = 1000, 3000, 5000  # first seeds: to fit, to calibrate on, to report on
+# First seeds: to fit patterns, trees, and the calibration; to choose on (no fit); to report on, and nothing else.
+PATTERNS, TRAINING, HOLDING, CHOOSING, TESTING = 10_000, 20_000, 20_040, 7000, 9000
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
-def _table(folder: Path, setting: Setting, seed: int, loops: int, workers: int | None, words: str) -> Any:
-    from rich.progress import track
+def _table(folder: Path, setting: Setting, seed: int, loops: int, workers: int | None) -> Any:
+    from calibration.records import PART, kept_table
 
-    from calibration.records import PART, Table, parts
+    try:
+        return kept_table(folder, setting, seed, max(round(loops / PART), 1), workers)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from None
 
-    count = max(round(loops / PART), 1)
-    found = parts(folder, setting, seed, count, workers)
-    return Table.joined(list(track(found, description=words, total=count)))
+
+def _read_out(folder: Path, loops: int, workers: int | None) -> None:
+    """Fit the patterns, which the features of all loops contain, and write the shipped file."""
+    from calibration.patterns import LIMITED, PART, fit, kernels, pooled_loops, views
+    from detect.judge.features.patterns import FILE
+
+    odd, even = kernels([view for view, _ in views(PATTERNS)][:LIMITED])
+    pooled = pooled_loops(folder / "patterns", PATTERNS + 1, max(round(loops / PART), 1), odd, even, workers)
+    fit(*pooled, odd, even, click.echo).write(FILE)
 
 
 @click.command()
-@click.option("--loops", type=click.IntRange(min=500), default=5000, show_default=True, help="to fit the trees on")
+@click.option("--loops", type=click.IntRange(min=500), default=20_000, show_default=True, help="to fit the trees on")
 @click.option("--holding", type=click.IntRange(min=500), default=2000, show_default=True, help="to calibrate on")
+@click.option(
+    "--patterns", type=click.IntRange(min=0), default=8000, show_default=True,
+    help="to fit the patterns on; 0: those of the shipped file",
+)  # fmt: skip
 @click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
 @click.option(
     "--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated"
@@ -32,14 +46,18 @@ def _table(folder: Path, setting: Setting, seed: int, loops: int, workers: int |
 @click.option(
     "--out", type=click.Path(dir_okay=False, path_type=Path), default=None, help="the model; default: shipped file"
 )
-@click.option("--workers", type=click.IntRange(min=1), default=None, help="threads of the simulation; all if not given")
-def train(loops: int, holding: int, trees: int, folder: Path, out: Path | None, workers: int | None) -> None:
+@click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
+def train(
+    loops: int, holding: int, patterns: int, trees: int, folder: Path, out: Path | None, workers: int | None
+) -> None:
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
     from calibration.training import fit
     from detect.judge.model import FILE
 
-    fitted = _table(folder, "training", TRAINING, loops, workers, "loops to fit on")
-    held = _table(folder, "training", HOLDING, holding, workers, "loops to calibrate on")
+    if patterns:
+        _read_out(folder, patterns, workers)
+    fitted = _table(folder, "training", TRAINING, loops, workers)
+    held = _table(folder, "training", HOLDING, holding, workers)
     model = fit(fitted, held, click.echo, trees=trees)
     file = out or FILE
     model.write(file)
@@ -57,11 +75,11 @@ def train(loops: int, holding: int, trees: int, folder: Path, out: Path | None, 
 @click.option(
     "--model", "file", type=click.Path(dir_okay=False, path_type=Path), default=None, help="default: shipped file"
 )
-@click.option("--workers", type=click.IntRange(min=1), default=None, help="threads of the simulation; all if not given")
+@click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
 def score(loops: int, setting: Setting, seed: int, folder: Path, file: Path | None, workers: int | None) -> None:
     """Say how good the calibrated probability is on loops that no fit has seen, as JSON."""
     from calibration.scoring import score as figures
     from detect.judge.model import FILE, Model
 
-    told = _table(folder, setting, seed, loops, workers, "loops to score on")
+    told = _table(folder, setting, seed, loops, workers)
     click.echo(json.dumps(figures(Model.read(file or FILE), told), indent=1))

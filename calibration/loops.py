@@ -109,7 +109,7 @@ def parameters(spec: LoopSpec, valve: str, limited: bool) -> Mapping[str, float]
     if spec.controller == "pid_weighted":  # a filter no faster than a scan
         found |= {"controller.b": spec.b, "controller.T_d": spec.T_d, "controller.N": min(8.0, spec.T_d)}
     if spec.controller == "pid_series":  # PI of (1 + T_d s)/(1 + T_f s) PV, with s = 1 - 1/z
-        T_f = max(spec.T_d / 8.0, 0.5)
+        T_f = series_filter(spec.T_d)
         found |= {"lead.b_0": (1.0 + spec.T_d) / (1.0 + T_f), "lead.b_1": -spec.T_d / (1.0 + T_f)}
         found["lead.a_1"] = -T_f / (1.0 + T_f)
     if spec.controller == "pi_filtered":
@@ -123,6 +123,11 @@ def parameters(spec: LoopSpec, valve: str, limited: bool) -> Mapping[str, float]
         found |= {"process.K": spec.K, "process.omega": 1.0 / root}
         found["process.zeta"] = (spec.tau1 + spec.tau2) / (2.0 * root)
     return found | _bands(spec, valve, low, high)
+
+
+def series_filter(T_d: float) -> float:
+    """Return the filter's time constant of the PID in series form for a derivative time, both in scans."""
+    return max(T_d / 8.0, 0.5)
 
 
 def _bands(spec: LoopSpec, valve: str, low: float, high: float) -> dict[str, float]:

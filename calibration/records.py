@@ -1,29 +1,43 @@
 """Features and truth of simulated loops, part by part: kept on disk, so that a run that was stopped goes on.
 
 A part is ``PART`` loops of one setting, drawn with a seed of its own; parts of equal setting and seed are equal on
-every machine but for rounding.  What is kept of a record is its features (``detect.judge.features``), not its signals.
+every machine but for rounding.  Features are kept apart from signals (``chunks``), in ``logs.files.resumable``.
 """
 
-from collections.abc import Iterator, Sequence
+import hashlib
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, fields
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from calibration.chunks import read, write
 from calibration.crossings import extent
 from calibration.drawing import draw
 from calibration.simulation import simulate
 from calibration.spec import Setting, Truth
 from detect.judge.features import features_of, view_of
+from detect.judge.features.patterns import FILE as PATTERNS
 from detect.prepare.prepared import Prepared
 from logs import LoopRecord
+from logs.files.resumable import Kept, differences, joined, opened
 
-__all__ = ["PART", "Table", "parts", "row", "table"]
+if TYPE_CHECKING:
+    import polars as pl
+
+__all__ = ["PART", "Table", "kept_table", "row", "table"]
 
 Values = npt.NDArray[np.float64]
 PART = 500  # loops
+KEPT = Kept(
+    "features", "stickslip.calibration.features/1", "number", ValueError,
+    partial(differences, phrases_of={"code": "features or simulation have changed since"}),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,17 +111,61 @@ def table(told: Sequence[tuple[LoopRecord, Truth]]) -> Table:
     return Table(np.array(names), x, unit, truths)
 
 
-def parts(folder: Path, setting: Setting, seed: int, count: int, workers: int | None = None) -> Iterator[Table]:
-    """The tables of ``count`` parts of a setting from ``seed`` on; those that are not in the folder yet are made."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for k in range(count):
-        file = folder / f"{setting}_{seed + k}.npz"
-        if not file.exists():
-            made = table(simulate(draw(PART, seed + k, setting), workers))
-            part = file.with_suffix(".part.npz")
-            arrays: dict[str, Any] = {"names": made.names, "x": made.x, "unit": made.unit, **made.truth}
-            np.savez_compressed(part, **arrays)
-            part.replace(file)
-        with np.load(file) as kept:
-            own = {name: kept[name] for name in kept.files}
-        yield Table(own.pop("names"), own.pop("x"), own.pop("unit"), own)
+def kept_table(folder: Path, setting: Setting, seed: int, count: int, workers: int | None = None) -> Table:
+    """The table of ``count`` parts of a setting from ``seed`` on; parts not yet in the folder are made and kept there.
+
+    ``workers`` processes (default all cores).  Loops of the engine, which take a tenth of a second each, are kept too
+    (``chunks``), so that other features can be tried without simulating them again; those in sampled time are not.
+    Raises ``ValueError`` if the folder holds features of another version.
+    """
+    from rich.progress import track
+
+    asked = {"setting": setting, "seed": seed, "part": PART, "code": _code()}
+    with opened(folder / f"{setting}_{seed}", asked, KEPT, fresh=False) as place:
+        place.note()
+        there = place.firsts()
+        missing = [k for k in range(count) if k * PART not in there]
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            waited = {pool.submit(_made, folder, setting, seed + k): k for k in missing}
+            for done in track(as_completed(waited), f"{setting} loops from seed {seed}", len(missing)):
+                place.add(_frame(done.result(), waited[done] * PART))
+        rows = joined(place.rows(), KEPT.key)
+    return _unframed(rows.filter(rows[KEPT.key] < count * PART))
+
+
+def _made(folder: Path, setting: Setting, seed: int) -> Table:
+    """One part, in this process."""
+    if setting == "training":
+        return table(simulate(draw(PART, seed, setting), 1))
+    loops = folder / f"loops_{setting}_{seed}"
+    write(loops, PART, seed, setting, 1, progress=False)
+    return table([(record, truth) for _, record, truth in read(loops)])
+
+
+def _code() -> str:
+    """What the features of simulated loops depend on, as a digest."""
+    here = Path(__file__).parents[1]
+    digest = hashlib.sha256()
+    for place in ("calibration", "detect/judge/features", "detect/prepare"):
+        for file in sorted((here / place).glob("*.py")):
+            digest.update(file.read_bytes())
+    digest.update(PATTERNS.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _frame(made: Table, first: int) -> "pl.DataFrame":
+    """A table as rows numbered from ``first`` on."""
+    import polars as pl
+
+    columns: dict[str, Any] = {KEPT.key: np.arange(first, first + len(made)), "unit": made.unit}
+    columns |= {f"x {name}": made.x[:, k] for k, name in enumerate(made.names.tolist())}
+    columns |= {f"truth {name}": values for name, values in made.truth.items()}
+    return pl.DataFrame(columns)
+
+
+def _unframed(rows: "pl.DataFrame") -> Table:
+    """The table that rows hold."""
+    names = [column[2:] for column in rows.columns if column.startswith("x ")]
+    truth = {c.removeprefix("truth "): np.array(rows[c].to_list()) for c in rows.columns if c.startswith("truth ")}
+    x = rows.select(f"x {name}" for name in names).to_numpy()
+    return Table(np.array(names), x.astype(np.float64), rows["unit"].to_numpy().astype(np.float64), truth)

@@ -1,7 +1,7 @@
 """The loops of the training law in exact sampled time: what the engine gives, thirty times as fast.
 
     x1 <- F + (x1 - F) exp(-1/tau1),   the second lag and the integrator by the same exact solution over one scan
-    F   = MV of theta scans ago + load, held over a scan; a stem with mass moves in ``STEPS`` steps of a scan, F its mean
+    F   = MV of theta scans ago + load, held over a scan; a stem with mass moves in ``STEPS`` steps, F has its mean
 
 Controller, valve (Kano, Chen, He: sampled; stick_slip: a stem with mass and Coulomb friction), sensor and disturbances
 are those of ``loops.diagram`` with a scan as the unit of time; random numbers are drawn from another generator, so
@@ -11,7 +11,7 @@ left to the engine.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -25,15 +25,15 @@ CONTROLLERS = ("pi", "pi_filtered", "pid_weighted")
 PROCESSES = ("one_lag", "two_lags", "integrating")
 SIGNALS = ("SP", "PV_m", "OP", "MV")
 STEPS = 24  # of a scan, for a stem with mass
-LONGEST = 4096  # scans of dead time
 
 _DRIVE = ("shape", "amplitude", "period", "slope", "sd", "correlation_time", "walk", "move", "hold")
 _VALVE = {"kano": ("S", "J"), "chen": ("S", "J"), "he": ("f_s", "f_d"), "stick_slip": ("F_s", "F_c", "F_v", "M")}
 
 
 def run(
-    structure: tuple[str, str, str], scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Floats
-) -> dict[str, Floats]:
+    structure: tuple[str, str, str], scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int],
+    times: Floats,
+) -> dict[str, Floats]:  # fmt: skip
     """Return SP, PV_m, OP and MV (n, rows) of n loops at ``times`` [scans], (rows,) or (n, rows), in ascending order.
 
     ``structure`` and the parameters in ``columns`` as in ``loops``; ``scans`` that each loop lasts.
@@ -45,9 +45,12 @@ def run(
     for i, (own, seed) in enumerate(zip(columns, seeds, strict=True)):
         drives = np.array([[own.get(f"{on}.{key}", 0.0) for key in _DRIVE] for on in ("load", "SP")])
         friction = np.array([*(own[f"valve.{key}"] for key in _VALVE[valve]), 0.0, 0.0])[:4]
-        _loop(seed, scans, kinds, drives, friction, _process(own, process), _controller(own, controller),
-              np.array([own.get(f"sensor.{key}", 0.0) for key in ("sd", "correlation_time", "step")]),
-              own["F.w_MV"], own["controller.low"], own["controller.high"], at[i], out[i])  # fmt: skip
+        sensor = np.array([own.get(f"sensor.{key}", 0.0) for key in ("sd", "correlation_time", "step")])
+        _loop(
+            np.random.default_rng(seed), scans, kinds, drives, friction, _process(own, process),
+            _controller(own, controller), sensor, own["F.w_MV"], own["controller.low"], own["controller.high"],
+            at[i], out[i],
+        )  # fmt: skip
     return {name: out[:, k] for k, name in enumerate(SIGNALS)}
 
 
@@ -74,10 +77,7 @@ def _controller(own: Mapping[str, float], kind: str) -> Floats:
     return np.array(told)
 
 
-_jit = cast(Any, njit(cache=True, error_model="numpy"))
-
-
-@_jit
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _wave(shape: float, x: float) -> float:
     """``excitation``'s waves."""
     x -= math.floor(x)
@@ -89,29 +89,29 @@ def _wave(shape: float, x: float) -> float:
     return 2.0 * x / rise - 1.0 if x < rise else 1.0 - 2.0 * (x - rise) / (1.0 - rise)
 
 
-@_jit
-def _coloured(before: float, time: float) -> float:
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _coloured(r: Any, before: float, time: float) -> Any:
     a = math.exp(-1.0 / time) if time > 0.0 else 0.0
-    return a * before + math.sqrt(1.0 - a * a) * np.random.normal()
+    return a * before + math.sqrt(1.0 - a * a) * r.normal()
 
 
-@_jit
-def _driven(t: float, d: Any, kept: Any) -> float:
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _driven(r: Any, t: float, d: Any, kept: Any) -> Any:
     """One value of a disturbance d (``_DRIVE``) at scan t; ``kept``: noise, walk and level."""
     value = d[3] * t
     if d[1] != 0.0:
         value += d[1] * _wave(d[0], t / d[2])
     if d[4] > 0.0:
-        kept[0] = _coloured(kept[0], d[5])
+        kept[0] = _coloured(r, kept[0], d[5])
         value += d[4] * kept[0]
     if d[6] > 0.0:
-        kept[1] += d[6] * np.random.normal()
-    if d[7] > 0.0 and np.random.random() * d[8] < 1.0:
-        kept[2] = d[7] * (2.0 * np.random.random() - 1.0)
+        kept[1] += d[6] * r.normal()
+    if d[7] > 0.0 and r.random() * d[8] < 1.0:
+        kept[2] = d[7] * (2.0 * r.random() - 1.0)
     return value + kept[1] + kept[2]
 
 
-@_jit
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _stem(kind: int, op: float, low: float, high: float, f: Any, m: Any) -> None:
     """One sample of a sampled valve; m: MV, stuck, direction, where it stuck, OP before."""
     if kind == 0:
@@ -144,8 +144,7 @@ def _stem(kind: int, op: float, low: float, high: float, f: Any, m: Any) -> None
         return
     op = min(max(op, low), high)
     c = op - m[0]
-    stopped = op == low or op == high
-    if stopped:
+    if op in (low, high):
         m[0] = op
         m[1] = 1.0
     elif kind == 1:
@@ -161,12 +160,12 @@ def _stem(kind: int, op: float, low: float, high: float, f: Any, m: Any) -> None
         m[0] = op - math.copysign(f[1], c)
 
 
-@_jit
-def _sliding(op: float, low: float, high: float, f: Any, m: Any, steps: int) -> float:
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _sliding(op: float, low: float, high: float, f: Any, m: Any, steps: int) -> Any:
     """One scan of a stem with mass under a held OP; m: MV, speed, direction (0 stuck). Returns its mean position."""
     F_s, F_c, F_v, M = f[0], f[1], f[2], f[3]
     h, mean = 1.0 / steps, 0.0
-    for k in range(steps):
+    for _ in range(steps):
         force = op - m[0]
         if m[2] == 0.0 and abs(force) > F_s and low < m[0] + math.copysign(1e-12, force) < high:
             m[2] = math.copysign(1.0, force)
@@ -188,20 +187,19 @@ def _sliding(op: float, low: float, high: float, f: Any, m: Any, steps: int) -> 
     return mean / steps
 
 
-@_jit
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _loop(
-    seed: int, scans: int, kinds: Any, drives: Any, f: Any, process: Any, c: Any, sensor: Any, authority: float,
+    r: Any, scans: int, kinds: Any, drives: Any, f: Any, process: Any, c: Any, sensor: Any, authority: float,
     low: float, high: float, at: Any, out: Any,
 ) -> None:  # fmt: skip
     """One loop from rest; ``out`` (4, rows) at the scans ``at``."""
-    np.random.seed(seed % 4294967296)
     valve, plant, controller = kinds
     K, tau1, tau2, theta = process[0], process[1], process[2], int(process[3])
     e1, e2 = math.exp(-1.0 / tau1), math.exp(-1.0 / tau2) if tau2 > 0.0 else 0.0
     line, head = np.zeros(theta + 1), 0
     load, move, m = np.zeros(3), np.zeros(3), np.zeros(5)
     m[1] = 1.0 if valve < 3 else 0.0
-    load[0], move[0], noise = np.random.normal(), np.random.normal(), np.random.normal()
+    load[0], move[0], noise = r.normal(), r.normal(), r.normal()
     K_p, T_i, T_d, N, b, T_f = c[0], c[1], c[2], c[3], c[4], c[5]
     z = derivative = filtered = x1 = x2 = 0.0
     track = 1.0 / (math.sqrt(T_i * T_d) if T_d > 0.0 else T_i)
@@ -209,9 +207,9 @@ def _loop(
     smooth = 1.0 - math.exp(-1.0 / T_f) if T_f > 0.0 else 1.0
     row = 0
     for k in range(scans):
-        sp = _driven(float(k), drives[1], move)
-        flow = _driven(float(k), drives[0], load)
-        noise = _coloured(noise, sensor[1])
+        sp = _driven(r, float(k), drives[1], move)
+        flow = _driven(r, float(k), drives[0], load)
+        noise = _coloured(r, noise, sensor[1])
         pv = x2 + sensor[0] * noise
         if sensor[2] > 0.0:
             pv = sensor[2] * math.floor(pv / sensor[2] + 0.5)
@@ -226,7 +224,7 @@ def _loop(
         op = min(max(v, low), high)
         z += gained + min(track, 1.0) * (op - v)
         if valve == 3:
-            before = _sliding(op, low, high, f, m, 24)
+            before = _sliding(op, low, high, f, m, STEPS)
         else:
             _stem(valve, op, low, high, f, m)
             before = m[0]

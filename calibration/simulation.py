@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from calibration.crossings import even, extent, period
 from calibration.defects import names, record
 from calibration.excitation import SHAPES
-from calibration.loops import Structure, diagram, parameters, structure_of
+from calibration.loops import STEMS, Structure, diagram, parameters, series_filter, structure_of
 from calibration.sampled import CONTROLLERS, VALVES
 from calibration.sampled import run as sampled
 from calibration.spec import LoopSpec, Truth
@@ -34,7 +34,7 @@ MOST = 25_000  # scans that are logged, about
 SHORTEST, RATIO = 1000.0, 1.4  # runs last a number of scans on a grid of this ratio; what is over comes before the log
 COARSEST = 8.0  # scans per natural period, at least
 FOR_EVER = 1e12  # period of a square wave that does not turn [s]
-LOUDEST = 0.08  # of the range of OP: the noise that proportional action hands on to OP, at most
+LOUDEST = 0.08  # of the range of OP: the noise that proportional and derivative action hand on to OP, at most
 RTOL, ATOL = 1e-4, 1e-9
 
 
@@ -124,7 +124,7 @@ def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
     """Run every loop shortly, without noise, limits and defects, and measure it."""
     batches: dict[tuple[str, ...], list[int]] = defaultdict(list)
     for i, spec in enumerate(specs):
-        batches["kano", spec.process, spec.controller].append(i)
+        batches[pilot_of(spec.valve), spec.process, spec.controller].append(i)
     found: dict[int, Measured] = {}
     for (valve, process, controller), own in batches.items():
         columns, scans = [], []
@@ -132,7 +132,7 @@ def _piloted(specs: Sequence[LoopSpec], workers: int | None) -> list[Measured]:
             spec = specs[i]
             scan = max(NATURALS * spec.natural, INTEGRALS * spec.T_i) / PILOT
             bare = in_scans(spec if spec.group == "cycling" else replace(spec, S=0.0, J=0.0), scan)
-            columns.append({**parameters(bare, "kano", False), **driver(bare, 1.0, PILOT), **QUIET})
+            columns.append({**parameters(bare, valve, False), **driver(bare, 1.0, PILOT), **QUIET})
             scans.append(scan)
         grid = np.arange(SETTLE, PILOT - 1, dtype=np.float64) + 0.5
         seeds = [specs[i].seed for i in own]
@@ -160,7 +160,7 @@ def _ensemble(
     structure: Structure, scans: int, columns: Sequence[Mapping[str, float]], seeds: Sequence[int], times: Floats,
     workers: int | None,
 ) -> Mapping[str, Floats]:  # fmt: skip
-    """Return the signals (n, rows) of loops of one structure: in sampled time where that is exact, else by the engine."""
+    """Return the signals (n, rows) of loops of one structure, in sampled time where that is exact."""
     if structure[0] in VALVES and structure[2] in CONTROLLERS:
         return sampled(structure, scans, columns, seeds, times)
     return by_engine(structure, scans, columns, seeds, times, workers)
@@ -183,6 +183,23 @@ def by_engine(
         i = int(np.argmin(result.ok))
         raise RuntimeError(f"loop with seed {seeds[i]} on {structure}: {result.hint(i)}")
     return result.values
+
+
+def pilot_of(valve: str) -> str:
+    """Return the law of friction of a pilot run: the loop's own, or for stems with mass their limit without mass.
+
+    Under an OP that is held from scan to scan such a stem comes to rest in every scan, as the valve of He does.
+    """
+    return "he" if valve in STEMS else valve
+
+
+def loudness(spec: LoopSpec) -> float:
+    """Return the gain from one noisy value of PV to OP [% of OP per % of PV]; the times of ``spec`` in scans."""
+    if spec.controller == "pid_weighted":
+        return spec.K_p * (1.0 + min(8.0, spec.T_d))
+    if spec.controller == "pid_series":
+        return spec.K_p * (1.0 + spec.T_d) / (1.0 + series_filter(spec.T_d))
+    return spec.K_p
 
 
 def in_scans(spec: LoopSpec, scan: float) -> LoopSpec:
@@ -218,7 +235,9 @@ def driver(spec: LoopSpec, scale: float, length: int) -> Mapping[str, float]:
 
 def trouble(spec: LoopSpec, shown: Measured, time: float, length: int) -> Mapping[str, float]:
     """Return the parameters of noise, transmitter, walking load and set-point moves; period ``time`` [scans]."""
-    loudest = LOUDEST * shown.op / spec.K_p  # a controller that shook its valve with noise would have been detuned
+    loudest = (
+        LOUDEST * shown.op / loudness(spec)
+    )  # a controller that shook its valve with noise would have been detuned
     found = {
         "sensor.sd": min(spec.noise * shown.pv, loudest), "sensor.correlation_time": spec.noise_time * time,
         "sensor.step": shown.pv / spec.coarse if spec.coarse > 0.0 else 0.0,

@@ -41,16 +41,16 @@ def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees:
     train, hold = training.rows(training.seen), holding.rows(holding.seen)
     say(f"{len(train)} loops to fit, {len(hold)} to calibrate on")
     found: dict[str, Any] = {}
-    sticky = classifier(train.x, train.sticky, trees, 12, seed)
+    sticky = classifier(train.x, train.sticky, trees, 24, seed)
     found["sticky"] = taken(sticky, start(sticky, train.x))
     say("stiction or not: fitted")
     rest = train.rows(~train.sticky)
-    others = classifier(rest.x, rest.truth["cause"], max(trees // 6, 10), 6, seed)
+    others = classifier(rest.x, rest.truth["cause"], max(trees // 8, 10), 8, seed)
     found["others"] = taken(others, start(others, rest.x))
     say("other causes: fitted")
     valves = train.rows(train.sticky)
     for which in ("S", "J"):
-        found[which] = _sizes(valves, which, max(trees // 2, 10), seed)
+        found[which] = _sizes(valves, which, max(trees // 3, 10), seed)
         say(f"size of {which}: fitted")
     z = found["sticky"](hold.x)[:, 0]
     a, b = _platt(z, hold.sticky)

@@ -10,7 +10,7 @@ from typing import Any
 from benchmarks.report import Figures
 from calibration import draw, simulate
 from calibration.commands import TESTING
-from calibration.records import PART, Table, parts, table
+from calibration.records import PART, Table, kept_table, table
 from calibration.scoring import score
 from detect.judge.model import calibrated
 
@@ -45,5 +45,4 @@ def figures(quick: bool) -> Figures:
 def _table(quick: bool) -> Table:
     if quick:
         return table(simulate(draw(QUICK, TESTING, "other_physics")))
-    count = LOOPS // PART
-    return Table.joined(list(parts(FOLDER, "other_physics", TESTING, count)))
+    return kept_table(FOLDER, "other_physics", TESTING, LOOPS // PART)

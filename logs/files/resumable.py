@@ -89,6 +89,10 @@ class RowsFolder:
                 part.unlink()
         return found
 
+    def firsts(self) -> set[int]:
+        """The keys that the parts kept so far begin with, without reading them."""
+        return {int(part.stem) for part in (self.path / PARTS).glob("*.parquet")}
+
     def add(self, table: pl.DataFrame) -> None:
         """Write one part."""
         (self.path / PARTS).mkdir(exist_ok=True)

@@ -126,17 +126,17 @@ def test_each_defect_is_really_there() -> None:
 def test_a_set_is_kept_in_chunks_and_taken_up_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("calibration.chunks.CHUNK", 4)
     assert write(tmp_path, 10, seed=6, progress=False) == 10
-    whole = {file.name: file.read_bytes() for file in tmp_path.iterdir()}
-    (tmp_path / "chunk_00001.parquet").unlink()
+    whole = {file.name: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
+    (tmp_path / "parts" / "000000004.parquet").unlink()
     assert write(tmp_path, 10, seed=6, progress=False) == 4
-    assert {file.name: file.read_bytes() for file in tmp_path.iterdir()} == whole
+    assert {file.name: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()} == whole
     made = simulate(draw(10, seed=6))
     for (spec, loop, truth), (there, known), drawn in zip(read(tmp_path), made, draw(10, seed=6), strict=True):
         assert spec == drawn and repr(truth) == repr(known)
         assert loop.pv.tolist() == there.pv.tolist() and loop.op.tolist() == there.op.tolist()
         assert (loop.sp is None) == (there.sp is None) and loop.process == there.process
         assert loop.op_span == there.op_span
-    with pytest.raises(ValueError, match="give another folder"):
+    with pytest.raises(ValueError, match="holds another set"):
         write(tmp_path, 11, seed=6, progress=False)
 
 
@@ -151,5 +151,5 @@ def test_the_command_writes_a_set_and_refuses_another_in_its_place(tmp_path: Pat
     assert first.exit_code == 0 and "3 loops simulated, 0 were there already" in first.output
     assert "0 loops simulated, 3 were there already" in CliRunner().invoke(calibration, ask).output
     other = CliRunner().invoke(calibration, [*ask, "--setting", "other_physics"])
-    assert other.exit_code == 2 and "give another folder" in other.output
+    assert other.exit_code == 2 and "holds another set" in other.output
     assert len(list(read(tmp_path / "loops"))) == 3

@@ -68,7 +68,8 @@ def test_every_process_and_controller_is_what_the_engine_gives(process: str, con
 def test_noise_and_walk_have_their_sizes() -> None:
     structure = ("chen", "one_lag", "pi")
     spec = drawn("external_sine", structure, 1)[0]
-    own = column(spec) | {"sensor.sd": 0.7, "sensor.correlation_time": 5.0, "load.amplitude": 0.0, "controller.K_p": 1e-9}
+    own = column(spec) | {"sensor.sd": 0.7, "sensor.correlation_time": 5.0, "load.amplitude": 0.0}
+    own |= {"controller.K_p": 1e-9}
     times = np.arange(20_000.0)
     noise = run(structure, 20_000, [own] * 2, [1, 2], times)["PV_m"]
     assert noise.std(axis=1) == pytest.approx([0.7, 0.7], rel=0.06)

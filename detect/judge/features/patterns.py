@@ -1,0 +1,112 @@
+"""Scores of patterns in OP and PV: random convolution kernels, and a linear read-out of what is pooled of them.
+
+    score_g = sum over the pooled numbers of weight_g (number - its mean) / its deviation       g: each kind of loop
+
+The kernels are drawn once (``calibration.patterns``), each over one to three channels (``channels``) and with one of
+seven dilations; the read-out is a ridge regression on simulated loops that nothing else is fitted on, so that its
+scores are features like others.
+
+Source: A. Dempster, F. Petitjean, G. I. Webb, ROCKET: exceptionally fast and accurate time series classification using
+random convolutional kernels, Data Mining and Knowledge Discovery 34 (2020) 1454-1495; here the kernels go over several
+channels, which are averaged before the taps are spread, limits are quantiles, and the sign of a wave does not matter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.judge.features.channels import channels
+from detect.judge.features.view import View
+
+__all__ = ["DILATIONS", "FILE", "Kernels", "Readout", "pattern_features", "pooled_of"]
+
+Singles = npt.NDArray[np.float32]
+FILE = Path(__file__).parents[1] / "patterns.npz"
+DILATIONS = (1, 2, 3, 4, 6, 8, 12)  # points; kernel k has that of number k modulo their count
+EXTREME = 5.0  # deviations at which a pooled number is cut
+
+
+@dataclass(frozen=True, eq=False)
+class Kernels:
+    """Kernels over odd or over even channels.
+
+    channel : (k, 3) of each kernel, -1 where unused; weight : (k, 3, 9); limit : (k, 4) that z is held against
+    """
+
+    channel: npt.NDArray[np.int64]
+    weight: Singles
+    limit: Singles
+    odd: bool
+
+    def __call__(self, x: Singles) -> Singles:
+        """What is pooled (6 k,) of channels x (c, n)."""
+        from detect.judge.features.convolutions import POOLED, averaged, pooled
+
+        out = np.full((len(self.channel), POOLED), np.nan, dtype=np.float32)
+        z = np.empty(x.shape[1], dtype=np.float32)
+        for number, d in enumerate(DILATIONS):
+            which = np.arange(number, len(self.channel), len(DILATIONS))
+            if x.shape[1] > d:
+                pooled(averaged(x, d), d, which, self.channel, self.weight, self.limit, self.odd, z, out)
+        return out.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class Readout:
+    """Kernels and the linear read-out of what is pooled of them.
+
+    odd, even : the kernels; mean, deviation : (p,) of the pooled numbers; weight : (p, g); names : of the g scores
+    """
+
+    odd: Kernels
+    even: Kernels
+    mean: Singles
+    deviation: Singles
+    weight: Singles
+    names: tuple[str, ...]
+
+    def scores(self, pooled: Singles) -> Singles:
+        """The scores (..., g) of pooled numbers (..., p)."""
+        told = np.clip((pooled - self.mean) / self.deviation, -EXTREME, EXTREME)
+        return np.asarray(np.nan_to_num(told, nan=0.0) @ self.weight)
+
+    def write(self, file: Path) -> None:
+        """Keep the read-out in a file; ``read`` gives an equal one."""
+        arrays = {f"{kind}/{name}": getattr(getattr(self, kind), name) for kind in ("odd", "even")
+                  for name in ("channel", "weight", "limit")}  # fmt: skip
+        np.savez_compressed(
+            file, names=np.array(self.names), mean=self.mean, deviation=self.deviation, weight=self.weight, **arrays
+        )
+
+    @classmethod
+    def read(cls, file: Path) -> Readout:
+        """The read-out kept in a file."""
+        with np.load(file, allow_pickle=False) as kept:
+            odd, even = (
+                Kernels(kept[f"{kind}/channel"], kept[f"{kind}/weight"], kept[f"{kind}/limit"], kind == "odd")
+                for kind in ("odd", "even")
+            )
+            return cls(odd, even, kept["mean"], kept["deviation"], kept["weight"], tuple(kept["names"].tolist()))
+
+
+@cache
+def _shipped() -> Readout:
+    return Readout.read(FILE)
+
+
+def pooled_of(v: View, odd: Kernels, even: Kernels) -> Singles:
+    """All pooled numbers of a view (p,)."""
+    x, along, since = channels(v)
+    return np.concatenate([odd(x), even(along), since.astype(np.float32)])
+
+
+def pattern_features(v: View) -> dict[str, float]:
+    """The features of this family by name [-]."""
+    read = _shipped()
+    told = read.scores(pooled_of(v, read.odd, read.even))
+    return {f"pattern_{name}": float(value) for name, value in zip(read.names, told, strict=True)}

@@ -1,0 +1,55 @@
+"""The read-out of patterns: limits with the shares asked for, and a regression that finds what is there."""
+
+import numpy as np
+import pytest
+
+from calibration.patterns import SHARES, fit, kernels, pooled_loops, views
+from detect.judge.features.channels import channels
+from detect.judge.features.convolutions import POOLED
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    few = pytest.MonkeyPatch()
+    few.setattr("calibration.patterns.PART", 24)
+    few.setattr("calibration.patterns.COUNT", {"odd": 21, "even": 14})
+    yield [view for view, _ in views(77)], few
+    few.undo()
+
+
+def test_limits_hold_the_shares_asked_for(drawn):
+    looked_at, _ = drawn
+    odd, even = kernels(looked_at)
+    assert (len(odd.channel), len(even.channel)) == (21, 14)
+    for own, number, kind in ((odd, 0, "odd"), (even, 1, "even")):
+        told = np.stack([own(channels(view)[number]).reshape(-1, POOLED) for view in looked_at])
+        above = np.nanmean(told[:, :, :4], axis=0).mean(axis=0)
+        assert above == pytest.approx(1.0 - np.array(SHARES[kind]), abs=0.08)
+        assert own.weight.sum(axis=2) == pytest.approx(np.zeros((len(own.weight), 3)), abs=1e-5)  # blind to offsets
+
+
+def test_parts_are_kept_and_equal_when_made_again(drawn, tmp_path):
+    looked_at, _ = drawn
+    odd, even = kernels(looked_at)
+    x, group = pooled_loops(tmp_path, 78, 2, odd, even)
+    parts = sorted((tmp_path / "parts").iterdir())
+    assert len(parts) == 2 and x.shape[1] == 6 * 35 + 40
+    parts[0].unlink()
+    anew, same = pooled_loops(tmp_path, 78, 2, odd, even)
+    assert np.array_equal(x, anew, equal_nan=True) and np.array_equal(group, same)
+    with pytest.raises(ValueError, match="holds another pooled"):
+        pooled_loops(tmp_path, 78, 2, odd, odd)
+
+
+def test_the_read_out_finds_what_is_there(drawn):
+    looked_at, _ = drawn
+    odd, even = kernels(looked_at)
+    rng = np.random.default_rng(0)
+    group = np.where(rng.random(4000) < 0.5, "cycling", "healthy")
+    x = rng.normal(size=(4000, 30)).astype(np.float32)
+    x[:, 7] += 2.0 * (group == "cycling")
+    read = fit(x, group, odd, even, say=lambda text: None)
+    assert read.names == ("cycling", "healthy", "sticky")
+    score = read.scores(x)
+    assert np.argmax(np.abs(read.weight[:, 2])) == 7
+    assert score[group == "cycling", 2].mean() > score[group == "healthy", 2].mean() + 0.2
