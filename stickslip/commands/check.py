@@ -33,11 +33,7 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @click.option("--measurement", type=click.Choice(MEASUREMENTS), help="What PV measures; otherwise told from the tag.")
 @click.option("--span", nargs=2, type=float, metavar="LO HI", help="Span of PV in its own unit.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
-@click.option(
-    "--simulate",
-    is_flag=True,
-    help="Compare with 600 loops simulated under this record's own conditions; some 10 s on two cores.",
-)
+@click.option("--simulate", is_flag=True, help="Compare with 600 loops simulated like this record; some 10 s.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
