@@ -9,15 +9,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.report import Figures
 from calibration import AtRecord, LoopSpec, Truth, at_record, draw, simulate
 from calibration.records import row
 from calibration.scoring import auc, calibration_error
+from detect.judge.answer import answer
 from detect.judge.model import calibrated
+from detect.prepare.prepared import Prepared
 from logs import LoopRecord
 
-SEED = 9100
+SEED = 73_001  # used for nothing else
 RECORDS, QUICK = 60, 2
 LOOPS, QUICK_LOOPS = 600, 100
 
@@ -27,6 +30,11 @@ NOTES = {
     "simulate_records": "held-out records of the setting other_physics",
     "simulate_auc": "chance that a sticky loop is more probable than another, by simulation",
     "model_auc": "the same by the calibrated model alone, on the same records",
+    "unsure_records": "records that the calibrated answer leaves open",
+    "unsure_simulate_auc": "simulate_auc of those",
+    "unsure_model_auc": "model_auc of those",
+    "unsure_simulate_right": "share of those on the right side of one half, by simulation",
+    "unsure_model_right": "the same by the calibrated model alone",
     "simulate_calibration_error": "expected calibration error, ten bins",
     "model_calibration_error": "the same by the calibrated model alone",
     "simulate_s_error": "median relative error of S over the sticky loops",
@@ -48,6 +56,7 @@ class Pair:
     own: AtRecord | None
     model: tuple[float, float, float] | None
     scale: float
+    unsure: bool = False
 
     @property
     def sticky(self) -> bool:
@@ -65,7 +74,10 @@ def pairs(records: int, loops: int, seed: int = SEED) -> list[Pair]:
         if shown is not None:
             opinion = model.judge(shown[0])
             said = (opinion.probability, opinion.S[0] * shown[1], opinion.J[0] * shown[1])
-        found.append(Pair(spec, truth, _asked(record, loops), said, 1.0 if spec.span_known else spec.unit_op))
+        first = answer(Prepared(record), model)
+        unsure = first.word == "inconclusive" and first.probability is not None
+        scale = 1.0 if spec.span_known else spec.unit_op
+        found.append(Pair(spec, truth, _asked(record, loops), said, scale, unsure))
     return found
 
 
@@ -88,6 +100,7 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
     own = np.array([0.5 if pair.own is None else pair.own.probability for pair in found])
     model = np.array([0.5 if pair.model is None else pair.model[0] for pair in found])
     sized = [pair for pair in found if pair.sticky and pair.own is not None and pair.model is not None]
+    unsure = np.array([pair.unsure for pair in found])
     limits = [pair.own.limit for pair in found if pair.own is not None]
     above = [pair for pair in sized if pair.own and pair.own.limit and _true(pair)[0] > pair.own.limit[0]]
     seconds = [pair.own.seconds for pair in found if pair.own is not None]
@@ -97,6 +110,11 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
         "simulate_records": len(found),
         "simulate_auc": auc(own, sticky),
         "model_auc": auc(model, sticky),
+        "unsure_records": int(unsure.sum()),
+        "unsure_simulate_auc": _auc(own[unsure], sticky[unsure]),
+        "unsure_model_auc": _auc(model[unsure], sticky[unsure]),
+        "unsure_simulate_right": _share(((own > 0.5) == sticky)[unsure].tolist()),
+        "unsure_model_right": _share(((model > 0.5) == sticky)[unsure].tolist()),
         "simulate_calibration_error": calibration_error(own, sticky),
         "model_calibration_error": calibration_error(model, sticky),
         "simulate_s_error": _error([(pair.own.S.value, _true(pair)[0]) for pair in sized if pair.own]),
@@ -109,6 +127,11 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
         "limits_told": _share([limit is not None for limit in limits]),
         "above_limit_probable": _share([pair.own.probability > 0.5 for pair in above if pair.own]),
     }
+
+
+def _auc(p: NDArray[np.float64], sticky: NDArray[np.bool_]) -> float | None:
+    """The area, or None where one side is missing."""
+    return auc(p, sticky) if 0 < int(sticky.sum()) < len(sticky) else None
 
 
 def _true(pair: Pair) -> tuple[float, float]:

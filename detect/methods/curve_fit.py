@@ -29,9 +29,10 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
-from detect.pool import pooled
+from detect.pool import Pool, pooled
 from detect.prepare.against_sine import AgainstSine
 from detect.prepare.half_wave_fits import Samples, free_triangle, sine
+from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, Signal, prepared
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
@@ -116,7 +117,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     ('stiction', True)
     """
     loop = prepared(record)
-    return _frame(p, loop).detect(loop)
+    return refused(CARD, loop, p.SI_stiction) or _frame(p, loop).detect(loop)
 
 
 def _frame(p: Params, loop: Prepared) -> AgainstSine:
@@ -133,9 +134,11 @@ def _bent(phase: Values, apex: float) -> Values:
     return np.minimum(phase / apex, (1.0 - phase) / (1.0 - apex))
 
 
-remember, recall = pooled(
-    lambda p, loop: _frame(p, loop).seen(loop), lambda p, loop, pool: _frame(p, loop).judged(loop, pool)
-)
+def _seen(p: Params, loop: Prepared) -> Pool | Verdict:
+    return refused(CARD, loop, p.SI_stiction) or _frame(p, loop).seen(loop)
+
+
+remember, recall = pooled(_seen, lambda p, loop, pool: _frame(p, loop).judged(loop, pool))
 
 
 def _word(index: float, low: float, p: Params) -> tuple[Word, str]:

@@ -45,8 +45,9 @@ def lateness(half_cycles: Sequence[HalfCycle], resamples: int, seed: int, covera
     """R of half cycles of e = SP - PV, which is negative while PV is above SP.
 
     >>> half = HalfCycle(0, 3, 4, 1.0, area_before=3.0, area_after=1.0, samples=9, sine_misfit=0, triangle_misfit=0)
-    >>> lateness([half, half], 100, 0, 0.9)
-    Lateness(R=3.0, low=3.0, high=3.0, sides={'below': Side(R=3.0, half_cycles=2)})
+    >>> found = lateness([half, half], 100, 0, 0.9)
+    >>> found.R, round(found.low, 9), round(found.high, 9), found.sides
+    (3.0, 3.0, 3.0, {'below': Side(R=3.0, half_cycles=2)})
     """
     before = np.array([half.area_before for half in half_cycles])
     after = np.array([half.area_after for half in half_cycles])

@@ -1,5 +1,6 @@
 """``stickslip check``: one loop from a file, a verdict in words first."""
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,7 +36,7 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @click.option("--span", nargs=2, type=float, metavar="LO HI", help="Span of PV in its own unit.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
 @click.option("--method", "own", multiple=True, metavar="FILE.py:FUNCTION", help="Also show a detector of your own.")
-@click.option("--simulate", is_flag=True, help="Compare with loops simulated under this record's own conditions.")
+@click.option("--simulate", is_flag=True, help="Compare with 600 loops simulated like this record; some 10 s.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
@@ -123,10 +124,13 @@ def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
     The verdict stays the calibrated one; the detection limit becomes that of this very record.
     """
     from calibration import at_record
+    from calibration.by_simulation import LOOPS
 
     if diagnosis.probability is None:
         say("Simulation: not asked, because the calibrated model was not asked either.")
         return {"simulation": None}
+    if sys.stderr.isatty():
+        click.echo(f"Simulating {LOOPS} loops like this record: some 10 s on two idle cores ...", err=True)
     try:
         found = at_record(diagnosis.record)
     except ValueError as error:
