@@ -119,7 +119,7 @@ def figures(found: Sequence[dict[str, Any]]) -> tuple[Figures, dict[str, str]]:
     add("unknown_recall", _outside(found, "ideal"), "unknown")
     add("confident_wrong", _outside(found, "ideal"), "confident_wrong")
     add("pairs_both", [r for r in found if len(r["effects"]) > 1], "both")
-    shrunk = [share for r in at("ideal", *far) if r["cause"] and (share := relative(r)) is not None]
+    shrunk = [part for r in at("ideal", *far) if r["cause"] and (part := relative(r)) is not None]
     out["shrinkage_median"], out["shrinkage_p10"] = _quantile(shrunk, 0.5), _quantile(shrunk, 0.1)
     for name, sticky in (("parameter_error", False), ("stiction_error", True)):
         errors = [
