@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from benchmarks.gap.models import model
 from benchmarks.gap.oracle import possible, relative, restated, right
 from benchmarks.gap.runs import VISIBLE, Run, benchmark
-from benchmarks.gap.scoring import baselines, judged, wilson
+from benchmarks.gap.scoring import baselines, judged, share, wilson
 from benchmarks.report import Figures, publish
 
 NOTES = {
