@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from gap.report import Evidence
+from gap.evidence import Evidence
 
 PRIOR = 6.0  # runs that the benchmark's share counts for beside runs of one's own (A)
 CLOSE = 60.0  # nats between the named set and the next explanation, below which they are close

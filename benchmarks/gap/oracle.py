@@ -43,7 +43,7 @@ def relative(found: Mapping[str, Any]) -> float | None:
 
 def restated(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row with the probability that is stated by now for what its answer rests on."""
-    from gap.report import Evidence
+    from gap.evidence import Evidence
     from gap.sureness import Sureness
 
     if not row.get("evidence") or row["probability"] is None:
