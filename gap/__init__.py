@@ -5,10 +5,10 @@ calibrated a diagram and a log -> how often names are right there, counted on ru
 """
 
 from gap.calibrate import Calibration
-from gap.calibrated import calibrated
 from gap.diagnosis import diagnose
 from gap.effect import Effect, EffectError, Parameter
 from gap.record import GapError
 from gap.report import GapReport
+from gap.self_calibration import calibrated
 
 __all__ = ["Calibration", "Effect", "EffectError", "GapError", "GapReport", "Parameter", "calibrated", "diagnose"]

@@ -17,6 +17,7 @@ GAINED = 12.0  # nats that an effect must gain, at least
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
 EXPLAINED, EXPLAINED_HIDDEN = 0.94, 0.88  # share of a gap that an adequate effect explains
 LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
+EXPLAINED_LIMIT, STANDING = 0.7, 0.003  # the same for a limit at which a share of the rows stands
 OWN_RUNS = 4  # runs of the model with the effect
 
 
@@ -47,7 +48,29 @@ def complete(problem: Problem, fit: Fit) -> bool:
 
 def adequate(problem: Problem, fit: Fit) -> bool:
     """Return whether a fit explains so much of the gap that only its law can be a little different."""
-    return share(problem, fit) >= (EXPLAINED_HIDDEN if fit.effect.hidden else EXPLAINED)
+    enough = EXPLAINED_HIDDEN if fit.effect.hidden else EXPLAINED_LIMIT if stands(problem, fit) else EXPLAINED
+    return share(problem, fit) >= enough
+
+
+def stands(problem: Problem, fit: Fit) -> bool:
+    """Return whether a logged signal stands at the limit that a fit puts there.
+
+    The digits prove such a limit; when exactly an integral stops there is another matter, of the controller's own step.
+    """
+    if fit.candidate.own != ("low", "high"):
+        return False
+    log, base = problem.record.log, fit.candidate.base
+    percent = fit.effect.parameters[0].unit.startswith("%")
+    for s in (str(s) for s in base[fit.place].output_labels if str(s) in log):
+        low, high = base.signal_spans.get(s, (0.0, 1.0))
+        for limit in (
+            fit.values[name] for name in fit.candidate.own if fit.values[name] != fit.candidate.nominal[name]
+        ):
+            at = low + 0.01 * limit * (high - low) if percent else limit
+            near = max(1.5 * problem.record.lattice(s), 1e-5 * (high - low))
+            if float((np.abs(log[s] - at) <= near).mean()) > STANDING:
+                return True
+    return False
 
 
 def own_limit(problem: Problem, fit: Fit) -> float:

@@ -14,7 +14,7 @@ from typing import Any
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress
-from gap.adequacy import adequate, complete, needed
+from gap.adequacy import adequate, complete, needed, stands
 from gap.alternatives import alternatives
 from gap.cache import keep, kept
 from gap.calibrate import kept_calibration
@@ -154,7 +154,7 @@ def told(
     if textured or complete(problem, best):
         return named(problem, [best] if textured else tied(fits), fits, "digits" if textured else "complete")
     good = adequate(problem, best)
-    if good and best.effect.hidden:
+    if good and (best.effect.hidden or stands(problem, best)):
         return named(problem, tied(fits), fits, "adequate")
     pair = paired(problem, fits, catalogue, progress)
     if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair, best):

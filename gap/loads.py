@@ -25,6 +25,7 @@ PULSE = 1e-3  # size of the load that shows the response, in spans of its signal
 LONGEST = 1.0 / 3.0  # period, as a share of the record: a longer one imitates a drift
 SHORTEST = 6.0  # period, in rows
 TRIED = 4  # shapes that are replayed
+FEW, WIDER = 0.99, 3.0  # quantile of the innovations that is looked at too, if it is so many times the usual size
 HARMONICS = 8
 PHASES = 32  # begins of a period that are looked at
 HINT = 0.1  # share of the gap that a shape explains before it is refined
@@ -42,11 +43,14 @@ def fitted_load(candidate: Candidate) -> Fit | None:
     response = _response(candidate)
     if response is None:
         return None
-    e = _trimmed(candidate.absent.e)
     t = candidate.problem.record.log.t[candidate.problem.floor.skipped :]
     problem = candidate.problem
     least = 0.0 if problem.score > problem.limit else HOPE * needed(problem)  # where the gap does not show by itself
-    guesses = planned(candidate.effect, candidate.base, candidate.place, t, e, response, least)
+    guesses = [
+        guess
+        for e in trimmed(candidate.absent.e)
+        for guess in planned(candidate.effect, candidate.base, candidate.place, t, e, response, least)
+    ]
     (low, high), span = candidate.bounds["amplitude"], candidate.bounds
     many = [
         {k: float(np.clip(v, *span[k])) for k, v in guess.items()}
@@ -73,10 +77,18 @@ def planned(
     return _periods(t, e, h, _harmonics(effect, base, place), least)
 
 
-def _trimmed(e: Floats) -> Floats:
-    """Return innovations with the weight that Student's loss gives them, unknown ones 0."""
-    scale = max(1.0, 2.0 * float(np.nanmedian(np.abs(e))))
-    return np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU))
+def trimmed(e: Floats) -> list[Floats]:
+    """Return innovations with the weight that Student's loss gives them, unknown ones 0.
+
+    At the scale of most rows; and, where a few rows are far beyond it, at theirs too: a step near the end of a record
+    is in few rows, which the first scale takes for outliers.
+    """
+    size = np.abs(e[np.isfinite(e)])
+    if len(size) == 0:
+        return []
+    usual, large = max(1.0, 2.0 * float(np.median(size))), 2.0 * float(np.quantile(size, FEW))
+    scales = [usual, large] if large > WIDER * usual else [usual]
+    return [np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU)) for scale in scales]
 
 
 def _response(candidate: Candidate) -> Floats | None:

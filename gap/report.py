@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gap.evidence import Evidence
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -73,21 +75,6 @@ class Shrinkage:
     fraction: float
     low: float
     high: float
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What an answer rests on: ``kind`` of the answer, ``gap`` [nats] to be explained, ``share`` of it that is,
-    ``margin`` [nats] by which the best explanation outside the named set is worse.
-
-    Kinds: "none" (no gap), "digits" (told by the digits of the log), "complete" (nothing is left), "adequate" (nearly
-    nothing), "pair", "unknown".
-    """
-
-    kind: str
-    gap: float
-    share: float = 0.0
-    margin: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)

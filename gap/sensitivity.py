@@ -113,7 +113,7 @@ def _of_noise(candidate: Candidate, nats: float) -> float | None:
     F = float(losses(own).sum())
     for factor in np.geomspace(1.0, candidate.bounds["factor"][1], 400)[1:].tolist():
         if float(losses(own * factor).sum()) - F - n * math.log(factor) >= nats:  # what a fit of the factor gains
-            return factor
+            return float(factor)
     return None
 
 

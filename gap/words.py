@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 
 from blocks.role import Role
 from gap.adequacy import EXPLAINED, needed, share
+from gap.evidence import Evidence
 from gap.floor import losses, scored
 from gap.isolability import classes
 from gap.model import nuisances
 from gap.pairs import Pair
 from gap.problem import Problem
-from gap.report import UNKNOWN, Cause, Evidence, GapReport, Rank, Shrinkage, Size, Where, listed
+from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.search import Candidate, Fit, best_of, refined
 from gap.sensitivity import seen
 from gap.separating import staircase_separates, tags

@@ -8,7 +8,7 @@ from cases.models import ideal_flow
 from gap import calibrated, diagnose
 from gap.cache import folder
 from gap.effects import effect
-from gap.report import Evidence
+from gap.evidence import Evidence
 from gap.sureness import Sureness, counted
 
 FEW = [effect(name) for name in ("process_gain", "valve_gain", "sensor_bias")]

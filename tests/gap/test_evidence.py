@@ -66,3 +66,20 @@ def test_the_swap_of_the_right_segment_takes_the_gap_away(recorded, name, place,
     assert swapped(problem, right).share > 0.95
     assert swapped(problem, wrong).share < 0.5
     assert np.isfinite(swapped(problem, right).noise)
+
+
+def test_a_step_near_the_end_is_found_though_most_rows_are_at_the_floor(recorded):
+    log = recorded("step_disturbance", "feed", seed=9, amplitude=0.016, time=1560.0)
+    report = diagnose(ideal_flow(), log, catalogue=[*FEW, effect("step_disturbance")], progress=False)
+    (cause,) = report.causes
+    assert cause.effect == "step_disturbance"
+    assert cause.parameters["time"].value == pytest.approx(1560.0, abs=2.0)
+    assert cause.parameters["amplitude"].value == pytest.approx(0.016, rel=0.06)
+
+
+@pytest.mark.parametrize(("period", "present"), [(1.8, 0.0), (0.4, 1.0)])
+def test_a_scan_that_meets_a_row_now_and_then_is_read_off(recorded, period, present):
+    log = recorded("scan_time", "controller", seed=9, period=period, present=present)
+    report = diagnose(ideal_flow(), log, catalogue=[*FEW, effect("scan_time")], progress=False)
+    assert [cause.effect for cause in report.causes] == ["scan_time"]
+    assert report.causes[0].parameters["period"].value == pytest.approx(period, rel=1e-3)

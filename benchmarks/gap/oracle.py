@@ -1,0 +1,62 @@
+"""What shrinkage was possible: that of the true effect at its true size, on the rows that judge a diagnosis."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from diagram.diagram import Diagram
+    from logs import Log
+
+
+def possible(model: "Diagram", log: "Log", effects: Mapping[str, Mapping[str, float]]) -> float | None:
+    """Return the held-out shrinkage with the true effect, None for none, several, or one of log or noise only."""
+    from gap.candidates import candidates
+    from gap.diagnosis import prepared
+    from gap.effects import effect
+    from gap.sizes import SEEN, shrinkage
+
+    if len(effects) != 1:
+        return None
+    ((name, values),) = effects.items()
+    one = effect(name)
+    if one.of_log or name == "sensor_noise":
+        return None
+    problem = prepared(model, log)
+    own = {p.name: float(values[p.name]) for p in one.parameters if p.name in values}
+    fits = [f for c in candidates(problem, problem.quiet, [one]) for f in c.tried([own]) if np.isfinite(f.F)]
+    if not fits:
+        return None
+    first = round(SEEN * len(problem.record.log)) - problem.floor.skipped
+    after = min(fits, key=lambda fit: fit.F).e
+    return shrinkage(problem.as_it_is, after, problem.floor.mean / len(problem.record.pinned), first).fraction
+
+
+def relative(found: Mapping[str, Any]) -> float | None:
+    """Return the shrinkage of a row relative to what was possible, at most 1; None where little was possible."""
+    got, best = found.get("shrinkage"), found.get("oracle")
+    if got is None:
+        return None
+    return min(float(got) / max(float(best), 0.05), 1.0) if best is not None and best < 1.0 else min(float(got), 1.0)
+
+
+def restated(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row with the probability that is stated by now for what its answer rests on."""
+    from gap.evidence import Evidence
+    from gap.sureness import Sureness
+
+    if not row.get("evidence") or row["probability"] is None:
+        return row
+    sure = Sureness().probability(Evidence(**row["evidence"]))
+    wrong = bool(row["names"]) and not row["unknown"] and sure > 0.8 and not right(row)
+    return row | {"probability": sure, "confident_wrong": wrong}
+
+
+def right(row: Mapping[str, Any]) -> bool:
+    """Return whether the answer of a row is right: the name up to its class, both names of a pair, unknown, no gap."""
+    if len(row["effects"]) == 1:
+        return bool(row["cause"])
+    if row["effects"]:
+        return bool(row["both"])
+    return bool(row["unknown"]) if row["outside"] else not row["gap"]

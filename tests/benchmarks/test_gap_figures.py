@@ -1,0 +1,42 @@
+"""The figures of the gap benchmark from rows whose shares are known by hand."""
+
+import pytest
+
+from benchmarks.gap.__main__ import figures
+from benchmarks.gap.oracle import relative, restated, right
+
+CLEAR = {"kind": "complete", "gap": 1e4, "share": 1.0, "margin": 1e3}
+ROW = {
+    "setting": "ideal", "severity": "typical", "mv": False, "effects": ["dead_time"], "outside": "", "visible": 1.0,
+    "gap": True, "names": ["dead_time"], "sets": [["dead_time"]], "places": ["process"], "probability": 0.5,
+    "cause": True, "strict": True, "place": True, "top3": True, "error": 0.01, "shrinkage": 0.8, "oracle": 0.8,
+    "unknown": False, "confident_wrong": False, "evidence": CLEAR, "seconds": 2.0, "first": False,
+    "free_run_place": "controller",
+}  # fmt: skip
+WRONG = ROW | {"cause": False, "names": ["sensor_lag"]}
+OUTSIDE = ROW | {"effects": [], "outside": "wavy_trim", "names": ["sensor_noise"], "confident_wrong": False}
+
+
+def test_shares_and_their_counts():
+    out, counts = figures([ROW, ROW, ROW, WRONG])
+    assert out["cause_top1"] == 0.75 and counts["cause_top1"].startswith("3 of 4")
+    assert out["shrinkage_median"] == 1.0  # 0.8 of a possible 0.8
+    assert out["calibration_error"] == pytest.approx(0.25)  # stated 0.5, right 0.75
+    assert out["parameter_error"] == 0.01 and out["stiction_error"] is None and out["unknown_recall"] is None
+
+
+def test_what_is_right_is_said_for_each_kind_of_run():
+    assert right(ROW) and not right(WRONG) and not right(OUTSIDE)
+    assert right(OUTSIDE | {"unknown": True}) and right(ROW | {"effects": [], "gap": False})
+    assert right(ROW | {"effects": ["dead_time", "stiction"], "both": True})
+
+
+def test_the_probability_is_the_one_stated_by_now_and_a_wrong_name_above_it_is_confident():
+    again = restated(dict(OUTSIDE))
+    assert 0.8 < again["probability"] < 1.0 and again["confident_wrong"]
+    assert not restated(OUTSIDE | {"names": ["unknown"], "unknown": True})["confident_wrong"]
+
+
+def test_shrinkage_is_relative_to_the_true_effect():
+    assert relative({"shrinkage": 0.45, "oracle": 0.9}) == 0.5
+    assert relative({"shrinkage": None, "oracle": 0.9}) is None
