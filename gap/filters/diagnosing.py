@@ -119,7 +119,7 @@ def _by_stem(plain: Filtered) -> bool:
     f = plain.explanation.filtering
     excess = dict(zip(f.signals, np.nanmean(plain.judged**2, axis=0) - 1.0, strict=True))
     acting = excess.pop(f.op)
-    return acting < ACTING * max(excess.values())
+    return bool(acting < ACTING * max(excess.values()))
 
 
 def _stems(plain: Found, sticking: Sequence[tuple[Effect, str]]) -> list[Found]:

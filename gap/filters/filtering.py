@@ -137,7 +137,7 @@ class Filtering:
     @cached_property
     def time(self) -> Floats:
         """Time of each scan [s]."""
-        return float(self.record.log.t[0]) + self.period * np.arange(self.scans)
+        return np.asarray(float(self.record.log.t[0]) + self.period * np.arange(self.scans))
 
     @cached_property
     def played(self) -> Floats:

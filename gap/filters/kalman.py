@@ -12,8 +12,6 @@ What the valve makes of the opening x that it is told (``law`` and its numbers a
     0  nothing of its own     1  stops at a and b     2  (a^x - 1)/(a - 1)     3  moves by a per scan at most
 """
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 
@@ -22,7 +20,7 @@ SMALLEST = 1e-16  # variance
 
 
 @njit(cache=True)
-def through(law: int, a: float, b: float, told: float, held: float) -> Any:
+def through(law, a, b, told, held):  # type: ignore[no-untyped-def]
     """Return (mean opening over the scan, slope, opening at its end); ``held``: the opening at its beginning."""
     if law == STOPS:
         value = min(max(told, a), b)
@@ -127,8 +125,10 @@ def along(a, row):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def filtered(F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, skip, op_row, every, period, offset,
-             law, a, b, exact, K, s, e, S, op_path):  # type: ignore[no-untyped-def]  # fmt: skip
+def filtered(  # type: ignore[no-untyped-def]
+    F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, skip, op_row, every, period, offset, law, a, b,
+    exact, K, s, e, S, op_path,
+):  # fmt: skip
     """Write the innovations ``e`` (rows, signals) and their variances ``S``; NaN where a signal is not taken in.
 
     ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``op_row``: which signal is
