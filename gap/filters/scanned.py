@@ -136,7 +136,7 @@ def scanned(
     for s, column in ((op, at_op), (valve_signal, at_mv)):
         if s:
             G[place[s]], r[place[s]] = 0.0, unit[column]
-    s_now: Floats = np.linalg.solve(np.eye(len(signals)) - G, r)
+    s_now: Floats = np.asarray(np.linalg.solve(np.eye(len(signals)) - G, r), dtype=float)
     given = raw_G @ s_now + raw_r  # what blocks give, before it is cut
     F = np.zeros((n, N))
     for b in blocks:
@@ -161,7 +161,7 @@ def scanned(
                 for j in range(k):
                     direct[place[str(s)], index.index(first + j)] = row[j]
     # a signal between scans = still + free (x - x_k): sampled outputs are held
-    free: Floats = np.linalg.solve(np.eye(len(signals)) - G_c, direct)
+    free: Floats = np.asarray(np.linalg.solve(np.eye(len(signals)) - G_c, direct), dtype=float)
     A = np.zeros((len(index), len(index)))
     rate = np.zeros((len(index), N))  # at x = x_k, delayed inputs as at the scan
     late_part: dict[tuple[str, int], Floats] = {}
