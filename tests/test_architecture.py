@@ -33,7 +33,8 @@ def room_of(module: str) -> str | None:
 HEAVY = {"control", "numba", "llvmlite"}
 MAY_IMPORT_HEAVY = {
     "control": {"blocks", "diagram", "benchmarks"},
-    "numba": {"engine", "benchmarks", "detect"},  # in detect: prepare/kernels.py, when first called
+    # in detect: prepare/kernels.py, when first called; in gap: filters/kalman.py and stems.py
+    "numba": {"engine", "benchmarks", "detect", "gap"},
     "llvmlite": {"engine"},
 }
 PACKAGES = sorted({room.split("/")[0] for room in ROOMS})

@@ -57,8 +57,8 @@ def closed(F, v, told, n, free, slope, has_law, out):  # type: ignore[no-untyped
 
 
 @njit(cache=True)
-def spread(P, A, Q, W):  # type: ignore[no-untyped-def]
-    """Replace P by A P A' + Q; W is room for A P."""
+def spread(P, A, Q, room):  # type: ignore[no-untyped-def]
+    """Replace P by A P A' + Q; room is room for A P."""
     n = len(P)
     for i in range(n):
         for j in range(n):
@@ -66,12 +66,12 @@ def spread(P, A, Q, W):  # type: ignore[no-untyped-def]
             for k in range(n):
                 if A[i, k] != 0.0:
                     total += A[i, k] * P[k, j]
-            W[i, j] = total
+            room[i, j] = total
     for i in range(n):
         for j in range(i, n):
             total = Q[i, j]
             for k in range(n):
-                total += W[i, k] * A[j, k]
+                total += room[i, k] * A[j, k]
             P[i, j] = total
             P[j, i] = total
 
@@ -100,12 +100,12 @@ def looked(P, h, r, K):  # type: ignore[no-untyped-def]
 def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
     """Write the gains (signals, n) and variances (signals,) to which the filter settles; P is room and start."""
     n, m = len(Q), len(H)
-    W, B, D = np.empty((n, n)), np.eye(n), np.zeros((n, n))
+    room, B, D = np.empty((n, n)), np.eye(n), np.zeros((n, n))
     for _ in range(every):
-        spread(D, A, Q, W)
+        spread(D, A, Q, room)
         B = A @ B
     for turn in range(400):
-        spread(P, B, D, W)
+        spread(P, B, D, room)
         change = 0.0
         for j in range(m):
             new = looked(P, H[j], r[j], K[j])
@@ -137,7 +137,7 @@ def filtered(  # type: ignore[no-untyped-def]
     """
     n, N = len(start), F.shape[1]
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
-    P, W, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
+    P, room, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
     held = z[n - 1]
     m = len(H)
     memories = len(memory)
@@ -217,5 +217,5 @@ def filtered(  # type: ignore[no-untyped-def]
                 closed(held_F, v, told, n, False, slope, law > 0, A)
                 for i in range(n):
                     A[i, n - 1] += held_F[i, n] + (held_F[i, n + 1] * slope * told[n] if law else 0.0)
-            spread(P, A, Q, W)
+            spread(P, A, Q, room)
         z[:] = new
