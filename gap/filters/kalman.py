@@ -58,7 +58,7 @@ def closed(F, v, told, n, free, slope, has_law, out):  # type: ignore[no-untyped
 
 @njit(cache=True)
 def spread(P, A, Q, room):  # type: ignore[no-untyped-def]
-    """Replace P by A P A' + Q; room is room for A P."""
+    """Replace P by A P A' + Q; A P is put into ``room``."""
     n = len(P)
     for i in range(n):
         for j in range(n):
