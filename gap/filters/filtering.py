@@ -137,7 +137,7 @@ class Filtering:
     @cached_property
     def time(self) -> Floats:
         """Time of each scan [s]."""
-        return float(self.record.log.t[0]) + self.period * np.arange(self.scans)
+        return np.asarray(float(self.record.log.t[0]) + self.period * np.arange(self.scans))
 
     @cached_property
     def played(self) -> Floats:
@@ -145,10 +145,9 @@ class Filtering:
         log = self.record.log
         found = np.empty((self.scans, len(self.record.played)))
         for j, s in enumerate(self.record.played):
-            value = log[s]
-            for row in range(len(value)):
-                begin = row * self.every - (int(self.leads[j, row]) if row else 0)
-                found[begin : (row + 1) * self.every, j] = value[row]
+            found[:, j] = np.repeat(log[s], self.every)[: self.scans]
+            for row in np.flatnonzero(self.leads[j, 1:] * np.diff(log[s])) + 1:
+                found[row * self.every - self.leads[j, row] : row * self.every, j] = log[s][row]
         return found
 
     @cached_property

@@ -130,6 +130,22 @@ def _slopes(now: Filtered, names: Sequence[str]) -> tuple[Floats, Floats, list[s
     return g, information, felt
 
 
+def directions(now: Filtered) -> dict[str, Floats]:
+    """Return parameter -> how the innovations change with it, (rows, signals); what is not felt is left out."""
+    one, found = now.explanation, {}
+    for name in (*one.own, *one.filtering.free):
+        if not math.isfinite(now.values[name]):
+            continue
+        at, _, high = _coordinates(one, name, now.values)
+        step = PROBE if at + PROBE <= high else -PROBE
+        probe = tried(one, {**now.values, **_values(one, [name], np.array([at + step]))})
+        if probe is not None:
+            d = np.nan_to_num((probe.e * np.sqrt(probe.S) - now.e * np.sqrt(now.S)) / np.sqrt(now.S) / step)
+            if float(np.sum(d**2)) > 1.0:
+                found[name] = d
+    return found
+
+
 def _step(g: Floats, information: Floats, damped: float, low: Floats, high: Floats) -> tuple[Floats, float]:
     """Return the step within bounds, and the nats that it promises; what wants to leave its bounds stays at them."""
     n = len(g)

@@ -12,8 +12,6 @@ What the valve makes of the opening x that it is told (``law`` and its numbers a
     0  nothing of its own     1  stops at a and b     2  (a^x - 1)/(a - 1)     3  moves by a per scan at most
 """
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 
@@ -22,7 +20,7 @@ SMALLEST = 1e-16  # variance
 
 
 @njit(cache=True)
-def through(law: int, a: float, b: float, told: float, held: float) -> Any:
+def through(law, a, b, told, held):  # type: ignore[no-untyped-def]
     """Return (mean opening over the scan, slope, opening at its end); ``held``: the opening at its beginning."""
     if law == STOPS:
         value = min(max(told, a), b)
@@ -59,8 +57,8 @@ def closed(F, v, told, n, free, slope, has_law, out):  # type: ignore[no-untyped
 
 
 @njit(cache=True)
-def spread(P, A, Q, W):  # type: ignore[no-untyped-def]
-    """Replace P by A P A' + Q; W is room for A P."""
+def spread(P, A, Q, room):  # type: ignore[no-untyped-def]
+    """Replace P by A P A' + Q; A P is put into ``room``."""
     n = len(P)
     for i in range(n):
         for j in range(n):
@@ -68,12 +66,12 @@ def spread(P, A, Q, W):  # type: ignore[no-untyped-def]
             for k in range(n):
                 if A[i, k] != 0.0:
                     total += A[i, k] * P[k, j]
-            W[i, j] = total
+            room[i, j] = total
     for i in range(n):
         for j in range(i, n):
             total = Q[i, j]
             for k in range(n):
-                total += W[i, k] * A[j, k]
+                total += room[i, k] * A[j, k]
             P[i, j] = total
             P[j, i] = total
 
@@ -102,12 +100,12 @@ def looked(P, h, r, K):  # type: ignore[no-untyped-def]
 def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
     """Write the gains (signals, n) and variances (signals,) to which the filter settles; P is room and start."""
     n, m = len(Q), len(H)
-    W, B, D = np.empty((n, n)), np.eye(n), np.zeros((n, n))
+    room, B, D = np.empty((n, n)), np.eye(n), np.zeros((n, n))
     for _ in range(every):
-        spread(D, A, Q, W)
+        spread(D, A, Q, room)
         B = A @ B
     for turn in range(400):
-        spread(P, B, D, W)
+        spread(P, B, D, room)
         change = 0.0
         for j in range(m):
             new = looked(P, H[j], r[j], K[j])
@@ -127,8 +125,10 @@ def along(a, row):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def filtered(F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, skip, op_row, every, period, offset,
-             law, a, b, exact, K, s, e, S, op_path):  # type: ignore[no-untyped-def]  # fmt: skip
+def filtered(  # type: ignore[no-untyped-def]
+    F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, skip, op_row, every, period, offset, law, a, b,
+    exact, K, s, e, S, op_path,
+):  # fmt: skip
     """Write the innovations ``e`` (rows, signals) and their variances ``S``; NaN where a signal is not taken in.
 
     ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``op_row``: which signal is
@@ -137,7 +137,7 @@ def filtered(F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, s
     """
     n, N = len(start), F.shape[1]
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
-    P, W, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
+    P, room, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
     held = z[n - 1]
     m = len(H)
     memories = len(memory)
@@ -217,5 +217,5 @@ def filtered(F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, s
                 closed(held_F, v, told, n, False, slope, law > 0, A)
                 for i in range(n):
                     A[i, n - 1] += held_F[i, n] + (held_F[i, n + 1] * slope * told[n] if law else 0.0)
-            spread(P, A, Q, W)
+            spread(P, A, Q, room)
         z[:] = new

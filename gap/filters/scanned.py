@@ -136,7 +136,7 @@ def scanned(
     for s, column in ((op, at_op), (valve_signal, at_mv)):
         if s:
             G[place[s]], r[place[s]] = 0.0, unit[column]
-    s_now = np.linalg.solve(np.eye(len(signals)) - G, r)
+    s_now: Floats = np.asarray(np.linalg.solve(np.eye(len(signals)) - G, r), dtype=float)
     given = raw_G @ s_now + raw_r  # what blocks give, before it is cut
     F = np.zeros((n, N))
     for b in blocks:
@@ -148,7 +148,6 @@ def scanned(
     moving = [(b, *rows_of[b.name][:2]) for b in blocks if not b.sampled and rows_of[b.name][1]]
     index = [first + j for _, first, k in moving for j in range(k)]
     still = s_now.copy()
-    free = np.zeros((len(signals), len(index)))  # of a signal to continuous states, sampled outputs held
     G_c = G.copy()
     for b in blocks:
         if b.sampled:
@@ -161,8 +160,8 @@ def scanned(
             if str(s) not in (op, valve_signal):
                 for j in range(k):
                     direct[place[str(s)], index.index(first + j)] = row[j]
-    free = np.linalg.solve(np.eye(len(signals)) - G_c, direct)
-    # a signal between scans = still + free (x - x_k)
+    # a signal between scans = still + free (x - x_k): sampled outputs are held
+    free: Floats = np.asarray(np.linalg.solve(np.eye(len(signals)) - G_c, direct), dtype=float)
     A = np.zeros((len(index), len(index)))
     rate = np.zeros((len(index), N))  # at x = x_k, delayed inputs as at the scan
     late_part: dict[tuple[str, int], Floats] = {}
@@ -186,21 +185,20 @@ def scanned(
     if index:
         grown = _held(A, h)
         F[index] = unit[index] + grown @ rate
-    for name, i, first, length, rest in lines:
-        b = named[name]
-        source = place[str(b.input_labels[i])]
-        now = s_now[source]
+    for name, which, first, length, rest in lines:
+        entering = place[str(named[name].input_labels[which])]
+        now = s_now[entering]
         if index:
-            at_end = now + free[source] @ (F[index] - unit[index])
+            at_end = now + free[entering] @ (F[index] - unit[index])
             now = 0.5 * (now + at_end)
         F[first] = now
         for j in range(1, length):
             F[first + j] = unit[first + j - 1]
-        if rest > 0.0 and (name, i) in late_part:  # after the rest of the scan the next value arrives
+        if rest > 0.0 and (name, which) in late_part:  # after the rest of the scan the next value arrives
             newer = unit[first + length - 2] if length > 1 else now
-            F[index] += np.outer(_held(A, h - rest) @ late_part[name, i], newer - unit[first + length - 1])
-        elif rest == 0.0 and (name, i) not in late_part:
-            raise NotAffine(f"the dead time in '{name}' passes on to nothing that moves")
+            F[index] += np.outer(_held(A, h - rest) @ late_part[name, which], newer - unit[first + length - 1])
+        elif rest > 0.0:
+            raise NotAffine(f"what '{name}' delays by a part of a scan does not enter a block that moves")
     Q = np.zeros((n, n))
     for j, one in enumerate(noise):
         phi = float(np.exp(-h / one.correlation_time)) if one.correlation_time > 0.0 else 0.0
@@ -216,9 +214,9 @@ def scanned(
     beyond = np.empty((2, 2, k, N))
     for side, sign in enumerate((1.0, -1.0)):
         for push, way in enumerate((1.0, -1.0)):
-            a = _beyond(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
+            there = _beyond(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
             beyond[side, push] = (
-                _moved(block, a, first, s_now, unit, place, delayed, at_in + len(inputs)) if a else F[memory]
+                _moved(block, there, first, s_now, unit, place, delayed, at_in + len(inputs)) if there else F[memory]
             )
     slow = [
         j
@@ -267,7 +265,7 @@ def _beyond(block: Block, u: Floats, sign: float, push: float) -> Affine | None:
     names = block.seen_states()
     if not block.sampled or not names:
         return None
-    sp, pv = (block.input_labels.index(block.loop_signal(part)) for part in ("SP", "PV"))
+    sp, pv = (list(block.input_labels).index(str(block.loop_signal(part))) for part in ("SP", "PV"))
     up, down = u.copy(), u.copy()
     up[sp], down[sp] = u[sp] + 0.01, u[sp] - 0.01
     x = np.asarray(block.seen_start(), dtype=float)

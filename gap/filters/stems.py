@@ -27,13 +27,13 @@ EVEN = 0.5  # share of the stems that must count
 
 
 @njit(cache=True)
-def normal(x: float) -> float:
+def normal(x):  # type: ignore[no-untyped-def]
     """Return the distribution function of a normal deviate."""
     return 0.5 * math.erfc(-x / math.sqrt(2.0))
 
 
 @njit(cache=True)
-def stuck(x: float, told: float, S: float, J: float) -> float:
+def stuck(x, told, S, J):  # type: ignore[no-untyped-def]
     """Return where a stem stands after it was told an opening."""
     pull = told - x
     if abs(pull) > 0.5 * (S + J):
@@ -71,8 +71,9 @@ def settled_gains(A, Q, H, r, every, K, s):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def banked(F, v, told, H, lo, hi, memory, beyond, start, U, Y, op_row, every, K, s, jitter, S, J, draws, turns,
-           e, loss, path):  # type: ignore[no-untyped-def]  # fmt: skip
+def banked(  # type: ignore[no-untyped-def]
+    F, v, told, H, lo, hi, memory, beyond, start, U, Y, op_row, every, K, s, jitter, S, J, draws, turns, e, loss, path,
+):  # fmt: skip
     """Write innovations ``e`` (rows, signals) and the loss of each row [nats].
 
     ``draws`` (scans, stems) and ``turns`` (rows,) random numbers; ``jitter`` (every,) of OP behind a row.

@@ -44,7 +44,7 @@ def own_cache(tmp_path_factory):
 def site_record():
     """Simulate the site's flow loop with an effect as its historian would log it, a row every 5 s, for 2 h."""
 
-    def record(name="", place="", seed=1, **values):
+    def record(name="", place="", seed=2, **values):
         t = np.arange(0.0, 7201.0, 5.0)
         SP = np.repeat(np.random.default_rng(seed).uniform(1.05, 1.95, 29).round(2), 50)[: len(t)]
         SP[:50] = 1.5

@@ -1,0 +1,86 @@
+"""Diagnoses where loads are not measured: records of the house's own loop as a site logs it, sizes known (analytic)."""
+
+import numpy as np
+import pytest
+
+from cases.models import ideal_flow, site_flow
+from gap import diagnose
+from gap.effects import effect
+from gap.filters.diagnosing import filtering_of
+from gap.model import read
+from logs import Log
+
+
+def known(*names):
+    return [effect(name) for name in names]
+
+
+def test_no_gap_is_said_with_what_could_have_hidden(site_record):
+    report = diagnose(site_flow(), site_record(), catalogue=known("second_lag", "sensor_bias", "sensor_noise"))
+    assert not report.gap
+    assert report.to_dict()["causes"] == []
+    assert "Possible all the same" in str(report)
+    assert "sensor_bias at sensor" in str(report)
+
+
+def test_a_lag_is_named_with_all_that_leave_the_same_log(site_record):
+    log = site_record("second_lag", "process", tau=2.0)
+    report = diagnose(site_flow(), log, catalogue=known("second_lag", "sensor_lag", "dead_time", "sensor_noise"))
+    assert {report.causes[0].effect, *report.causes[0].ambiguous_with} == {"second_lag", "sensor_lag"}
+    assert report.causes[0].parameters["tau"].low < 2.0 < report.causes[0].parameters["tau"].high
+    assert set(report.where.confidence_set) == {"process", "sensor"}
+    assert report.shrinkage.fraction > 0.9
+
+
+def test_a_noisy_sensor_is_named(site_record):
+    log = site_record("sensor_noise", "sensor", factor=2.0)
+    cause = diagnose(site_flow(), log, catalogue=known("sensor_noise", "second_lag", "sensor_bias")).causes[0]
+    assert cause.effect == "sensor_noise"
+    assert cause.parameters["factor"].value == pytest.approx(2.0, rel=0.05)
+
+
+def test_a_coarse_sensor_is_told_from_a_coarse_log(site_record):
+    coarse = site_record("quantisation", "sensor", step=0.02)
+    cause = diagnose(site_flow(), coarse, catalogue=known("quantisation", "sensor_noise")).causes[0]
+    assert cause.effect == "quantisation"
+    assert cause.parameters["step"].value == pytest.approx(0.02, rel=0.01)
+    plain = site_record()  # the controller has seen what this log leaves out
+    rounded = Log(plain.t, {**{s: plain[s] for s in ("SP", "OP")}, "PV": np.round(plain["PV"] / 0.02) * 0.02})
+    assert "quantisation" not in [
+        cause.effect for cause in diagnose(site_flow(), rounded, catalogue=known("quantisation", "sensor_noise")).causes
+    ]
+
+
+def test_a_compressing_historian_is_named(site_record):
+    log = effect("compression").on_log(site_record(), deviation=0.02)
+    log = Log(log.t, {**{s: log[s] for s in ("SP", "OP")}, "PV": np.round(log["PV"] / 0.0015) * 0.0015})
+    report = diagnose(site_flow(), log, catalogue=known("compression", "sensor_noise", "controller_filter"))
+    assert [cause.effect for cause in report.causes] == ["compression"]
+
+
+def test_another_gain_of_the_controller_is_named_though_switches_hide_it(site_record):
+    log = site_record("controller_gain", "controller", factor=0.84)
+    report = diagnose(site_flow(), log, catalogue=known("controller_gain", "controller_filter", "sensor_noise"))
+    assert report.causes[0].effect == "controller_gain"
+    assert report.causes[0].parameters["factor"].value == pytest.approx(0.84, rel=0.005)
+
+
+def test_stiction_is_told_from_a_deadband(site_record):
+    log = site_record("stiction", "valve", S=5.0, J=2.5)
+    cause = diagnose(site_flow(), log, catalogue=known("stiction", "deadband")).causes[0]
+    assert cause.effect == "stiction"
+    assert cause.parameters["S"].value == pytest.approx(5.0, rel=0.1)
+    assert cause.parameters["J"].value == pytest.approx(2.5, rel=0.3)
+
+
+def test_what_the_catalogue_lacks_is_unknown(site_record):
+    log = site_record("controller_filter", "controller", tau=2.0)
+    report = diagnose(site_flow(), log, catalogue=known("second_lag", "controller_gain", "sensor_noise"))
+    assert [cause.effect for cause in report.causes] == ["unknown"]
+    assert report.where.confidence_set == ("controller",)
+
+
+def test_only_a_scanned_loop_with_an_unmeasured_load_has_a_filter(site_record):
+    log = site_record()
+    assert filtering_of(*read(site_flow(), log)) is not None
+    assert filtering_of(*read(ideal_flow(), log)) is None
