@@ -141,8 +141,11 @@ class FreeModel:
     def fitted(self, start: Mapping[str, float], seen: NDArray[np.bool_] | None = None) -> FreeFit:
         """Return the best fit near start values, judged by the rows that are ``seen`` (default: all)."""
         names = list(self.bounds)
-        low, high = np.array([self.bounds[name] for name in names]).T
         rows = np.ones(len(self.log), dtype=bool) if seen is None else seen
+        if not names:
+            e = self.runs([{}])[0]
+            return FreeFit(self, {}, e, cost_of(e[rows], 0))
+        low, high = np.array([self.bounds[name] for name in names]).T
 
         def left(z: Floats) -> Floats:
             e = self.runs([dict(zip(names, low + z * (high - low), strict=True))])[0, rows]
