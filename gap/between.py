@@ -1,8 +1,8 @@
 """What logged signals do between two rows, as inputs of what they drive.
 
-    a signal that a block makes all the time    goes along straight lines; where a set point jumps at a row, what follows
-                                                from it goes on as before until then, and jumps too
-    a set point, the output of a scan           keeps its value until the next row
+a signal that a block makes all the time    goes along straight lines; where a set point jumps at a row, what follows
+                                            from it goes on as before until then, and jumps too
+a set point, the output of a scan           keeps its value until the next row
 """
 
 import numpy as np

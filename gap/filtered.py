@@ -6,8 +6,8 @@ What drives a process is logged (``parts``), so a log takes it apart:
     valves and planned sources                 simulated as they are, with whatever sticks in them, driven by the log
     the process behind them                    linear about where the model rests, innovations of its Kalman filter
 
-The filter's gain is that of the model with its nuisances; an effect changes the prediction, not the gain.  What a linear
-model misses without a gap is in the floor, since the runs behind that are of the diagram as it is.
+The filter's gain is that of the model with its nuisances; an effect changes the prediction, not the gain.  What a
+linear model misses without a gap is in the floor, since the runs behind that are of the diagram as it is.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,12 +44,12 @@ LEAST = 1e-3  # size of a state that starts at less
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """The filter of a model for records of one kind: the ``nominal`` parts, the gain ``K``, the unit of innovations.
+    """The filter of a model for records of one kind: the ``parts`` of the model, the gain ``K``, the unit of innovations.
 
-    ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody measures,
-    signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white; ``expected``
-    (rows, signals) what is left on average without a gap, since the process is not quite linear; ``usual`` (3, signals)
-    unit, mean and standard deviation of the loss of each signal's residuals then.
+    ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody
+    measures, signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white;
+    ``expected`` (rows, signals) what is left on average without a gap, since the process is not quite linear; ``usual``
+    (3, signals) unit, mean and standard deviation of the loss of each signal's residuals then.
     """
 
     parts: Parts
@@ -98,7 +98,13 @@ class Filter:
         return tuple(block.name for block in quiet.blocks if block.name in found)
 
     def _ruled(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], out: dict[str, Floats]
+        self,
+        diagram: Diagram,
+        found: Parts,
+        record: Record,
+        log: Log,
+        given: Mapping[str, Floats],
+        out: dict[str, Floats],
     ) -> None:
         """Write the offsets of controllers."""
         if not found.judged:
@@ -118,7 +124,13 @@ class Filter:
             out[s][:] = found_offsets
 
     def _measured(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], many: int,
+        self,
+        diagram: Diagram,
+        found: Parts,
+        record: Record,
+        log: Log,
+        given: Mapping[str, Floats],
+        many: int,
         out: dict[str, Floats],
     ) -> None:
         """Write the innovations of measurements."""
@@ -150,9 +162,7 @@ class Filter:
         unit = BESIDE * max(abs(own), LEAST)
         return own + unit * round((mean - own) / unit)
 
-    def _innovations(
-        self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats
-    ) -> Floats:
+    def _innovations(self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats) -> Floats:
         # What the model alone has not is a planned load, which is added: its level changes no slope.
         at = np.array([self.beside(s, m) for s, m in zip(found.given, u[0].mean(axis=0).tolist(), strict=True)])
         shown = np.nanmean(y, axis=0)
@@ -234,9 +244,7 @@ def suspected(quiet: Diagram, record: Record, floor: Floor) -> Record:
     return replace(record, suspects=record.filter.suspects(quiet, record, floor))
 
 
-def driven(
-    diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int
-) -> Floats:
+def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int) -> Floats:
     """Return what a log makes valves and planned sources give, at each row and just before it: (runs, 2, rows, inputs).
 
     ``own`` parameters of these blocks, one value a run.
@@ -337,6 +345,14 @@ def _block(key: str) -> str:
 def _digest(diagram: Diagram, names: Sequence[str]) -> tuple[object, ...]:
     blocks = [diagram[name] for name in names]
     return tuple(
-        (b.name, type(b).__name__, tuple(b.input_labels), tuple(b.output_labels), b.p.tobytes(), b.x0.tobytes(), b.d0.tobytes())
+        (
+            b.name,
+            type(b).__name__,
+            tuple(b.input_labels),
+            tuple(b.output_labels),
+            b.p.tobytes(),
+            b.x0.tobytes(),
+            b.d0.tobytes(),
+        )
         for b in blocks
     )

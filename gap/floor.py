@@ -142,9 +142,7 @@ def settling_rows(model: Diagram, record: Record) -> float:
     return SETTLING * float(np.median(times)) / record.log.dt if times else 0.0
 
 
-def floor_of(
-    found: Floats, settling: float = 0.0, integrating: Sequence[bool] = (), steady: bool = False
-) -> Floor:
+def floor_of(found: Floats, settling: float = 0.0, integrating: Sequence[bool] = (), steady: bool = False) -> Floor:
     """Return the floor that offsets of runs without a gap have, (runs, rows, signals).
 
     ``integrating``: signals whose changes are the residuals in any case; ``steady``: all others have a level.

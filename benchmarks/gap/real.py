@@ -65,7 +65,7 @@ def valve() -> tuple[FreeModel, dict[str, float]]:
 
 
 def sticky_loop(name: str) -> tuple[FreeModel, dict[str, float]]:
-    """Return a loop's valve and process, one lag, driven by its logged OP; PV in its own spread about its mean."""
+    """Return a loop's valve and one lag, driven by its logged OP; both about their mean, PV in its own spread."""
     from blocks import FirstOrder, IdealValve, Sensor
     from diagram import wire
 
@@ -73,12 +73,13 @@ def sticky_loop(name: str) -> tuple[FreeModel, dict[str, float]]:
     t, op, pv = (d[key][:LOOP_ROWS] for key in ("time", "OP", "PV"))
     dt = float(np.median(np.diff(t)))
     middle, spread = float(np.mean(op)), float(np.std(op))
+    op = op - middle
     low, high = float(op.min() - spread), float(op.max() + spread)
     log = Log(t - t[0], {"OP": op, "PV": (pv - pv.mean()) / pv.std()})
     diagram = wire(
         [
             IdealValve(spans={"OP": (low, high), "MV": (low, high)}),
-            FirstOrder(1.0 / spread, 5.0 * dt, u_0=middle, start=float(log["PV"][0]), inputs="MV", outputs="y"),
+            FirstOrder(1.0 / spread, 5.0 * dt, start=float(log["PV"][0]), inputs="MV", outputs="y"),
             Sensor(inputs="y", outputs="PV"),
         ],
         inputs=["OP"],
@@ -102,7 +103,9 @@ def steps(name: str, most: int = 3, catalogue: Sequence[str] | None = None) -> t
         added = fit.model.effects[-1].name if fit.model.effects else "no effect"
         others = ", ".join(f"{one.model.effects[-1].name} {one.rms:.3f}" for one in tried[1:4] if one.model.effects)
         values = ", ".join(f"{key} {value:.4g}" for key, value in fit.values.items())
-        lines.append(f"{added}: error {fit.rms:.3f}, on left-out blocks {error:.3f} ({min(each):.3f} to {max(each):.3f})")
+        lines.append(
+            f"{added}: error {fit.rms:.3f}, on left-out blocks {error:.3f} ({min(each):.3f} to {max(each):.3f})"
+        )
         lines.append(f"    next best: {others or 'none'}; at a bound: {', '.join(fit.at_bound) or 'none'}")
         lines.append(f"    {values}")
     return [fit for fit, _ in found], errors, "\n".join(lines)
@@ -161,7 +164,7 @@ def main() -> None:
     if told.what in ("pump", "loops"):
         print({"pump": pump, "loops": loops}[told.what]())
     else:
-        print(steps(told.what, 3, OF_VALVE + ("sensor_bias", "sensor_span") if told.what == "valve" else None)[2])
+        print(steps(told.what, 3, (*OF_VALVE, "sensor_bias", "sensor_span") if told.what == "valve" else None)[2])
 
 
 if __name__ == "__main__":

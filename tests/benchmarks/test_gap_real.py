@@ -32,7 +32,9 @@ def test_the_level_stations_gain_grows():
 
 def test_a_gain_explains_the_thesiss_figures_and_the_printed_loop_does_not():
     R, _ = indices(loop(2250.0, 0.4), {})[0]
-    assert abs(R - 13.9) < 0.2  # published design figure of the printed loop: 13.65 analytic, lag of the algorithm added
+    assert (
+        abs(R - 13.9) < 0.2
+    )  # published design figure of the printed loop: 13.65 analytic, lag of the algorithm added
     best = min(scored(effect("process_gain"), "process"), key=lambda one: one.distance)
     assert best.distance < 2.0 and 2.4 < best.values["factor"] < 3.1
     np.testing.assert_allclose(best.R["6.1(b)"][0], 3.71, rtol=0.05)  # published

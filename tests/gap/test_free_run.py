@@ -1,4 +1,4 @@
-"""Effects found by free runs: a tank that runs over, made by another integrator, is named; blocks are left out fairly."""
+"""Effects found by free runs: a tank that runs over, made by another integrator, is named; blocks are left out."""
 
 import numpy as np
 import pytest

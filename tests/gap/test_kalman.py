@@ -1,4 +1,4 @@
-"""The filter of a linear model: what it does from row to row by closed forms, its gain by iterating Riccati's equation."""
+"""The filter of a linear model: from row to row by closed forms, its gain by another solver of Riccati's equation."""
 
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
