@@ -44,7 +44,7 @@ LEAST = 1e-3  # size of a state that starts at less
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """The filter of a model for records of one kind: the ``parts`` of the model, the gain ``K``, the unit of innovations.
+    """The filter of a model for records of one kind: its ``parts``, the gain ``K``, the unit of innovations.
 
     ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody
     measures, signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white;

@@ -118,8 +118,12 @@ def loops() -> str:
         fits, errors, _ = steps(name, 1, OF_LOOP)
         if len(fits) > 1 and errors[1] < NAMED * errors[0]:
             one = fits[1].model.effects[-1]
-            sizes = {key.rpartition(".")[2]: v for key, v in fits[1].values.items() if key.startswith(one.name)}
-            said = f"{one.effect.name} ({', '.join(f'{key} {v:.3g} % of the range of OP' for key, v in sizes.items())})"
+            sizes = ", ".join(
+                f"{p.name} {fits[1].values[f'{one.name}.{p.name}']:.3g} {p.unit}" for p in one.effect.parameters
+            )
+            said = f"{one.effect.name}, {sizes}"
+            if fits[1].at_bound:
+                said = f"nothing named: nearest is {said}, but at a bound: {', '.join(fits[1].at_bound)}"
         else:
             said = "nothing named: no effect of the valve leaves less on rows that were not fitted"
         tried = f"error on left-out blocks {errors[0]:.2f}" + (f" -> {errors[1]:.2f}" if len(errors) > 1 else "")
