@@ -12,6 +12,7 @@ linear model misses without a gap is in the floor, since the runs behind that ar
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -62,7 +63,7 @@ class Filter:
     root: Floats
     expected: Floats | None = None
     usual: Floats | None = None
-    known: dict[object, object] = field(default_factory=dict, repr=False)
+    known: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def residuals(
         self, diagram: Diagram, record: Record, params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None
@@ -119,7 +120,7 @@ class Filter:
             if not own:
                 self.known[key] = log, offsets
         else:
-            offsets = self.known[key][1]  # type: ignore[index]
+            offsets = self.known[key][1]
         for s, found_offsets in offsets.items():
             out[s][:] = found_offsets
 
@@ -151,7 +152,7 @@ class Filter:
             return driven(diagram, found, record, log, own, many)
         if key not in self.known:
             self.known[key] = log, driven(diagram, found, record, log, {}, 1)
-        alone: Floats = self.known[key][1]  # type: ignore[index]
+        alone: Floats = self.known[key][1]
         return np.broadcast_to(alone, (many, *alone.shape[1:]))
 
     def beside(self, signal: str, mean: float) -> float:
@@ -174,7 +175,7 @@ class Filter:
             inputs = dict(zip(found.given, at.tolist(), strict=True))
             local = near(piece.starting_at(known_starts(piece, self.start)), found, inputs, shown)
             self.known[key] = _linear(local, found, self.loads, self.dt)
-        model, states = self.known[key]  # type: ignore[misc]
+        model, states = self.known[key]
         K = np.zeros((len(states), len(found.measured)))
         own = {name: i for i, name in enumerate(self.size)}
         for i, name in enumerate(states):
@@ -331,7 +332,7 @@ def _spread(local: Slopes, loads: Mapping[str, tuple[float, float]]) -> tuple[Fl
 def _known_to(record: Record, signal: str) -> float:
     """Return the standard deviation of the rounding of a signal."""
     values = record.log[signal]
-    return max(record.lattice(signal) / np.sqrt(12.0), FINEST * float(np.nanmax(np.abs(values))), 1e-12)
+    return max(record.lattice(signal) / float(np.sqrt(12.0)), FINEST * float(np.nanmax(np.abs(values))), 1e-12)
 
 
 def _each(own: Mapping[str, Floats], many: int) -> list[dict[str, float]]:

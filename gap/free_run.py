@@ -154,14 +154,14 @@ class FreeModel:
 
         def left(z: Floats) -> Floats:
             e = self.runs([dict(zip(names, low + z * (high - low), strict=True))])[0, rows]
-            return np.nan_to_num(e.ravel(), nan=0.0, posinf=1e3)
+            return np.asarray(np.nan_to_num(e.ravel(), nan=0.0, posinf=1e3))
 
         def slopes(z: Floats) -> Floats:
             signs = np.where(z + STEP > 1.0, -STEP, STEP)
             points = [z, *(z + np.eye(len(z))[i] * signs[i] for i in range(len(z)))]
             e = self.runs([dict(zip(names, low + p * (high - low), strict=True)) for p in points])[:, rows]
             e = np.nan_to_num(e.reshape(len(points), -1), nan=0.0, posinf=1e3)
-            return ((e[1:] - e[0]) / signs[:, None]).T
+            return np.asarray(((e[1:] - e[0]) / signs[:, None]).T)
 
         z = np.clip((np.array([start[name] for name in names]) - low) / (high - low), 1e-3, 1.0 - 1e-3)
         best = least_squares(
