@@ -6,12 +6,13 @@ What drives a process is logged (``parts``), so a log takes it apart:
     valves and planned sources                 simulated as they are, with whatever sticks in them, driven by the log
     the process behind them                    linear about where the model rests, innovations of its Kalman filter
 
-The filter's gain is that of the model with its nuisances; an effect changes the prediction, not the gain.  What a linear
-model misses without a gap is in the floor, since the runs behind that are of the diagram as it is.
+The filter's gain is that of the model with its nuisances; an effect changes the prediction, not the gain.  What a
+linear model misses without a gap is in the floor, since the runs behind that are of the diagram as it is.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,12 +45,12 @@ LEAST = 1e-3  # size of a state that starts at less
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """The filter of a model for records of one kind: the ``nominal`` parts, the gain ``K``, the unit of innovations.
+    """The filter of a model for records of one kind: its ``parts``, the gain ``K``, the unit of innovations.
 
-    ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody measures,
-    signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white; ``expected``
-    (rows, signals) what is left on average without a gap, since the process is not quite linear; ``usual`` (3, signals)
-    unit, mean and standard deviation of the loss of each signal's residuals then.
+    ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody
+    measures, signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white;
+    ``expected`` (rows, signals) what is left on average without a gap, since the process is not quite linear; ``usual``
+    (3, signals) unit, mean and standard deviation of the loss of each signal's residuals then.
     """
 
     parts: Parts
@@ -62,7 +63,7 @@ class Filter:
     root: Floats
     expected: Floats | None = None
     usual: Floats | None = None
-    known: dict[object, object] = field(default_factory=dict, repr=False)
+    known: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def residuals(
         self, diagram: Diagram, record: Record, params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None
@@ -98,7 +99,13 @@ class Filter:
         return tuple(block.name for block in quiet.blocks if block.name in found)
 
     def _ruled(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], out: dict[str, Floats]
+        self,
+        diagram: Diagram,
+        found: Parts,
+        record: Record,
+        log: Log,
+        given: Mapping[str, Floats],
+        out: dict[str, Floats],
     ) -> None:
         """Write the offsets of controllers."""
         if not found.judged:
@@ -113,12 +120,18 @@ class Filter:
             if not own:
                 self.known[key] = log, offsets
         else:
-            offsets = self.known[key][1]  # type: ignore[index]
+            offsets = self.known[key][1]
         for s, found_offsets in offsets.items():
             out[s][:] = found_offsets
 
     def _measured(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], many: int,
+        self,
+        diagram: Diagram,
+        found: Parts,
+        record: Record,
+        log: Log,
+        given: Mapping[str, Floats],
+        many: int,
         out: dict[str, Floats],
     ) -> None:
         """Write the innovations of measurements."""
@@ -139,7 +152,7 @@ class Filter:
             return driven(diagram, found, record, log, own, many)
         if key not in self.known:
             self.known[key] = log, driven(diagram, found, record, log, {}, 1)
-        alone: Floats = self.known[key][1]  # type: ignore[index]
+        alone: Floats = self.known[key][1]
         return np.broadcast_to(alone, (many, *alone.shape[1:]))
 
     def beside(self, signal: str, mean: float) -> float:
@@ -150,9 +163,7 @@ class Filter:
         unit = BESIDE * max(abs(own), LEAST)
         return own + unit * round((mean - own) / unit)
 
-    def _innovations(
-        self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats
-    ) -> Floats:
+    def _innovations(self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats) -> Floats:
         # What the model alone has not is a planned load, which is added: its level changes no slope.
         at = np.array([self.beside(s, m) for s, m in zip(found.given, u[0].mean(axis=0).tolist(), strict=True)])
         shown = np.nanmean(y, axis=0)
@@ -164,7 +175,7 @@ class Filter:
             inputs = dict(zip(found.given, at.tolist(), strict=True))
             local = near(piece.starting_at(known_starts(piece, self.start)), found, inputs, shown)
             self.known[key] = _linear(local, found, self.loads, self.dt)
-        model, states = self.known[key]  # type: ignore[misc]
+        model, states = self.known[key]
         K = np.zeros((len(states), len(found.measured)))
         own = {name: i for i, name in enumerate(self.size)}
         for i, name in enumerate(states):
@@ -234,9 +245,7 @@ def suspected(quiet: Diagram, record: Record, floor: Floor) -> Record:
     return replace(record, suspects=record.filter.suspects(quiet, record, floor))
 
 
-def driven(
-    diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int
-) -> Floats:
+def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int) -> Floats:
     """Return what a log makes valves and planned sources give, at each row and just before it: (runs, 2, rows, inputs).
 
     ``own`` parameters of these blocks, one value a run.
@@ -323,7 +332,7 @@ def _spread(local: Slopes, loads: Mapping[str, tuple[float, float]]) -> tuple[Fl
 def _known_to(record: Record, signal: str) -> float:
     """Return the standard deviation of the rounding of a signal."""
     values = record.log[signal]
-    return max(record.lattice(signal) / np.sqrt(12.0), FINEST * float(np.nanmax(np.abs(values))), 1e-12)
+    return max(record.lattice(signal) / float(np.sqrt(12.0)), FINEST * float(np.nanmax(np.abs(values))), 1e-12)
 
 
 def _each(own: Mapping[str, Floats], many: int) -> list[dict[str, float]]:
@@ -337,6 +346,14 @@ def _block(key: str) -> str:
 def _digest(diagram: Diagram, names: Sequence[str]) -> tuple[object, ...]:
     blocks = [diagram[name] for name in names]
     return tuple(
-        (b.name, type(b).__name__, tuple(b.input_labels), tuple(b.output_labels), b.p.tobytes(), b.x0.tobytes(), b.d0.tobytes())
+        (
+            b.name,
+            type(b).__name__,
+            tuple(b.input_labels),
+            tuple(b.output_labels),
+            b.p.tobytes(),
+            b.x0.tobytes(),
+            b.d0.tobytes(),
+        )
         for b in blocks
     )

@@ -4,8 +4,9 @@
     cost = N_eff/2 ln(mean square) + p/2 ln(N_eff)             N_eff = N / 10: rows next to each other say the same
 
 Without stated noise there is no floor to compare with, so effects are added one by one, each time the one that makes
-the cost least, all parameters fitted again together within their bounds, as long as it pays (Schwarz 1978).  A parameter that ends at a bound is a warning: it makes up for something else.
-Whether the names hold is judged by runs on blocks of rows that were left out of the fit, each block in turn.
+the cost least, all parameters fitted again together within their bounds, as long as it pays (Schwarz 1978).  A
+parameter that ends at a bound is a warning: it makes up for something else.  Whether the names hold is judged by runs
+on blocks of rows that were left out of the fit, each block in turn.
 """
 
 import math
@@ -114,7 +115,9 @@ class FreeModel:
         params = {name: columns[name] for name in self.own}
         for one in self.effects:
             given = {p.name: columns[f"{one.name}.{p.name}"] for p in one.effect.parameters}
-            params |= {k: np.broadcast_to(v, len(many)) for k, v in one.effect.settings(one.base, one.place, **given).items()}
+            params |= {
+                k: np.broadcast_to(v, len(many)) for k, v in one.effect.settings(one.base, one.place, **given).items()
+            }
         run = ensemble(
             self.diagram,
             self.log.duration,
@@ -134,29 +137,36 @@ class FreeModel:
     def _can_be(self, values: Mapping[str, float]) -> bool:
         """Return whether every effect can have its values."""
         return not any(
-            one.effect.rules(one.base, one.place, {p.name: values[f"{one.name}.{p.name}"] for p in one.effect.parameters})
+            one.effect.rules(
+                one.base, one.place, {p.name: values[f"{one.name}.{p.name}"] for p in one.effect.parameters}
+            )
             for one in self.effects
         )
 
     def fitted(self, start: Mapping[str, float], seen: NDArray[np.bool_] | None = None) -> FreeFit:
         """Return the best fit near start values, judged by the rows that are ``seen`` (default: all)."""
         names = list(self.bounds)
-        low, high = np.array([self.bounds[name] for name in names]).T
         rows = np.ones(len(self.log), dtype=bool) if seen is None else seen
+        if not names:
+            e = self.runs([{}])[0]
+            return FreeFit(self, {}, e, cost_of(e[rows], 0))
+        low, high = np.array([self.bounds[name] for name in names]).T
 
         def left(z: Floats) -> Floats:
             e = self.runs([dict(zip(names, low + z * (high - low), strict=True))])[0, rows]
-            return np.nan_to_num(e.ravel(), nan=0.0, posinf=1e3)
+            return np.asarray(np.nan_to_num(e.ravel(), nan=0.0, posinf=1e3))
 
         def slopes(z: Floats) -> Floats:
             signs = np.where(z + STEP > 1.0, -STEP, STEP)
             points = [z, *(z + np.eye(len(z))[i] * signs[i] for i in range(len(z)))]
             e = self.runs([dict(zip(names, low + p * (high - low), strict=True)) for p in points])[:, rows]
             e = np.nan_to_num(e.reshape(len(points), -1), nan=0.0, posinf=1e3)
-            return ((e[1:] - e[0]) / signs[:, None]).T
+            return np.asarray(((e[1:] - e[0]) / signs[:, None]).T)
 
         z = np.clip((np.array([start[name] for name in names]) - low) / (high - low), 1e-3, 1.0 - 1e-3)
-        best = least_squares(left, z, slopes, bounds=(0.0, 1.0), x_scale=0.1, max_nfev=EVALUATIONS, xtol=1e-6, ftol=1e-6)
+        best = least_squares(
+            left, z, slopes, bounds=(0.0, 1.0), x_scale=0.1, max_nfev=EVALUATIONS, xtol=1e-6, ftol=1e-6
+        )
         values = dict(zip(names, (low + best.x * (high - low)).tolist(), strict=True))
         e = self.runs([values])[0]
         return FreeFit(self, values, e, cost_of(e[rows], len(names)))
@@ -195,7 +205,11 @@ def _starts(model: FreeModel, values: Mapping[str, float]) -> Iterator[dict[str,
     names = [p.name for p in one.effect.parameters]
     first = one.effect.parameters[0]
     low, high = limits[first.name]
-    grid = np.geomspace(low, high, NODES) if first.spacing == "log" else low + (high - low) * (np.arange(NODES) + 0.5) / NODES
+    grid = (
+        np.geomspace(low, high, NODES)
+        if first.spacing == "log"
+        else low + (high - low) * (np.arange(NODES) + 0.5) / NODES
+    )
     for size in grid:
         for share in SHARES if len(names) > 1 else (0.5,):
             own = {first.name: float(size)} | {
@@ -245,7 +259,7 @@ def folds(log: Log, output: str, blocks: int, count: int) -> list[NDArray[np.boo
 
 
 def left_out(fit: FreeFit, sets: Sequence[NDArray[np.bool_]]) -> tuple[float, list[float]]:
-    """Return the error [unit of the output] of free runs on rows that their fit has not seen: in all, and of each set."""
+    """Return the error [unit of the output] of free runs on rows not seen in their fit: in all, and of each set."""
     errors = []
     total, rows = 0.0, 0
     for out in sets:

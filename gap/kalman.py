@@ -8,12 +8,12 @@ The innovations e_k of the right model are white; its gain comes from the nuisan
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.linalg import expm
+
+from engine.filtering import filtered
 
 Floats = NDArray[np.float64]
 ROUNDS = 60  # of doubling, which is far more than any gain needs
@@ -101,32 +101,4 @@ def innovations(model: Sampled, K: Floats, u: Floats, ends: Floats, y: Floats, x
     """
     drive = u[:-1] @ model.G_0.T + ends[1:] @ model.G_1.T + model.h
     shown = y - u @ model.D.T - model.g
-    return np.asarray(_filtered(model.F, model.C, K, np.ascontiguousarray(drive), shown, x.copy()))
-
-
-@njit(cache=True)
-def _filtered(F: Any, C: Any, K: Any, drive: Any, shown: Any, x: Any) -> Any:
-    rows, m = shown.shape
-    n = len(x)
-    e = np.empty((rows, m))
-    new = np.empty(n)
-    for k in range(rows):
-        for i in range(m):
-            s = 0.0
-            for j in range(n):
-                s += C[i, j] * x[j]
-            e[k, i] = shown[k, i] - s
-        for i in range(n):
-            for j in range(m):
-                if e[k, j] == e[k, j]:
-                    x[i] += K[i, j] * e[k, j]
-        if k == rows - 1:
-            break
-        for i in range(n):
-            s = drive[k, i]
-            for j in range(n):
-                s += F[i, j] * x[j]
-            new[i] = s
-        for i in range(n):
-            x[i] = new[i]
-    return e
+    return np.asarray(filtered(model.F, model.C, K, np.ascontiguousarray(drive), shown, x.copy()))

@@ -4,8 +4,8 @@
     fed      what follows from logged controller outputs and from planned sources alone: valves, mostly
     rest     all other blocks on the way to a measurement: the process, driven by what ``fed`` gives
 
-A controller that reads what is not logged (the flow through a compressor) is in none of the three: its output is logged,
-so the others do without it, and it is not judged.
+A controller that reads what is not logged (the flow through a compressor) is in none of the three: its output is
+logged, so the others do without it, and it is not judged.
 """
 
 from collections.abc import Iterable

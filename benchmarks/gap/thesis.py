@@ -3,8 +3,8 @@
     python -m benchmarks.gap.thesis [--json FILE]
 
 Eq. 6.2 with a sticking valve (table 5.3) gives other indices R (Algorithm 1) than figures 6.1(b), B.3(a) and B.3(b)
-print.  No time series is printed, so each effect of the catalogue is put into the printed loop, over its whole range, and
-scored by summary statistics:
+print.  No time series is printed, so each effect of the catalogue is put into the printed loop, over its whole range,
+and scored by summary statistics:
 
     distance^2 = sum over the three figures of (ln(R / R_printed) / sd)^2        sd^2 = (spread / R)^2 + TOLERANCE^2
 
@@ -124,9 +124,7 @@ def scored(effect: Effect, place: str) -> Iterator[Scored]:
     yield from _nearest(effect.name, place, values, {c: _of(effect, place, values, *c) for c in _conditions()})
 
 
-def _of(
-    effect: Effect, place: str, values: dict[str, Floats], F_s: float, K_p: float
-) -> list[tuple[float, int]]:
+def _of(effect: Effect, place: str, values: dict[str, Floats], F_s: float, K_p: float) -> list[tuple[float, int]]:
     """Return the indices of a condition; a factor of a gain starts on the cycle of that gain."""
     of = {"process_gain": "process", "valve_gain": "process", "controller_gain": "controller"}.get(effect.name, "")
     if not of:
