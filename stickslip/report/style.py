@@ -16,8 +16,9 @@ def _variables(colours: Mapping[str, str], picture: Mapping[str, str]) -> str:
 def in_variables(svg: str) -> str:
     """Return a picture whose colours are those of the page: by day as drawn, at night as ``logs.style`` says.
 
-    >>> in_variables("stroke: #b00020; fill: #123456")
-    'stroke: var(--xb00020); fill: #123456'
+    >>> from logs.style import RED
+    >>> in_variables(f"stroke: {RED}; fill: none")
+    'stroke: var(--xb00020); fill: none'
     """
     for colour in AT_NIGHT:
         svg = svg.replace(f": {colour}", f": var(--x{colour[1:]})")
