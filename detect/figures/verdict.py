@@ -71,7 +71,7 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
     left.plot([], [], color=AFTER, lw=6, label="A2, after it")
     if not used.all():
         left.plot([], [], color=UNUSED, lw=6, label="left out: unlike the others")
-    if len(start) and t[-1] - t[0] > np.sum(end - start) + 1e-9:
+    if len(start) and start[0] > np.nanmin(t):
         left.plot([], [], color=FIT, lw=0.8, label="not whole")
     legend(left)
     left.margins(x=0.01, y=0.05)

@@ -65,9 +65,9 @@ def draw(
     """
     from logs.picture import Picture
 
-    for members in (units or {}).values():
-        for member in members:
-            diagram[member]
+    for inner in (units or {}).values():
+        for name in inner:
+            diagram[name]
     plan = grid(diagram, units)
     ink = _Ink(diagram, plan, marks or {})
     laid = sheet(plan, ink.size, ink.label_width, ink.entry_width)
@@ -148,7 +148,7 @@ class _Ink:
     def __init__(self, diagram: Wired, plan: Grid, marks: Mapping[str, float]) -> None:
         self.diagram, self.plan, self.marks = diagram, plan, marks
         self.lines = {
-            v: _listed(node.members) if node.members else main_parameters(diagram.blocks[node.block])
+            v: _listed(node.inner) if node.inner else main_parameters(diagram.blocks[node.block])
             for v, node in enumerate(plan.nodes)
             if node.kind == "block"
         }
@@ -163,7 +163,7 @@ class _Ink:
         return max(64.0, max(widths) + 16.0), max(least, 32.0 + LINE * len(self.lines[v]))
 
     def _word(self, node: Node) -> str:
-        return f"{len(node.members)} blocks" if node.members else word(self.diagram.blocks[node.block])
+        return f"{len(node.inner)} blocks" if node.inner else word(self.diagram.blocks[node.block])
 
     def label_width(self, arrow: Arrow) -> float:
         """Return the width of the label where an arrow begins."""
@@ -193,7 +193,7 @@ class _Ink:
     def _sign(self, arrow: Arrow) -> str:
         """Return what a signal is multiplied by where it enters a sum: its sign, with the factor if that is not one."""
         node = self.plan.nodes[arrow.target]
-        if node.kind != "block" or node.members:
+        if node.kind != "block" or node.inner:
             return ""
         block = self.diagram.blocks[node.block]
         weight = block.params.get(f"w_{block.ports_in[arrow.into].name}")
@@ -260,8 +260,8 @@ class _Ink:
     def _box(self, ax: "Axes", v: int, node: Node, box: Box) -> None:
         from matplotlib.patches import FancyBboxPatch
 
-        kind = "plain" if node.members else colour(self.diagram.blocks[node.block])
-        mark = max(self.marks.get(name, 0.0) for name in node.members or (self.diagram.blocks[node.block].name,))
+        kind = "plain" if node.inner else colour(self.diagram.blocks[node.block])
+        mark = max(self.marks.get(name, 0.0) for name in node.inner or (self.diagram.blocks[node.block].name,))
         ax.add_patch(FancyBboxPatch(
             (box.x - box.width / 2, box.y - box.height / 2), box.width, box.height,
             boxstyle="round,pad=0,rounding_size=4", facecolor=FILL[kind], edgecolor=EDGE[kind], linewidth=1.2, zorder=3,
@@ -294,7 +294,7 @@ class _Ink:
                 size=VALUE_SIZE,
                 color=INK,
                 math_fontfamily="dejavusans",
-                parse_math=not node.members,
+                parse_math=not node.inner,
                 **text,
             )
 

@@ -14,6 +14,7 @@ __all__ = ["cycles", "finding"]
 
 LATE = 0.5  # of the run: what is said of an oscillation is measured from there on
 FEWEST = 3.0  # cycles in that part, or it is none
+BACK = 0.3  # of what it moves: a signal that ends so near its start comes back
 SMALL = 0.02  # of what the signal moves in the whole run: a smaller ripple is not the finding
 
 
@@ -57,8 +58,12 @@ def finding(run: Run, shown: Sequence[str]) -> str:
         if swings >= FEWEST and 2.0 * found.amplitude > SMALL * float(np.ptp(log[s][np.isfinite(log[s])])):
             return f"{s} oscillates, period {found.period:.3g} s, amplitude {_told(run, s, found.amplitude)}"
     for s in order:
-        if not rests(log[s]) and np.isfinite(log[s][[0, -1]]).all():
-            return f"{s} goes from {_told(run, s, log[s][0], False)} to {_told(run, s, log[s][-1])}"
+        y = log[s][np.isfinite(log[s])]
+        if rests(y) or not np.isfinite(log[s][[0, -1]]).all():
+            continue
+        if abs(y[-1] - y[0]) < BACK * np.ptp(y):
+            return f"{s} moves between {_told(run, s, y.min(), False)} and {_told(run, s, y.max())}"
+        return f"{s} goes from {_told(run, s, log[s][0], False)} to {_told(run, s, log[s][-1])}"
     return ""
 
 

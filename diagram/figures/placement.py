@@ -23,7 +23,7 @@ class Node:
     name: str
     block: int = -1
     group: Group = ()
-    members: tuple[str, ...] = ()  # names of the blocks of a unit
+    inner: tuple[str, ...] = ()  # names of the blocks of a unit
 
 
 @dataclass(frozen=True)
@@ -121,9 +121,9 @@ def _folded(
     place = {block.name: b for b, block in enumerate(diagram.blocks)}
     folded: list[Node] = []
     at: dict[int, int] = {}  # old node -> new node
-    for name, members in units.items():
-        at |= {place[member]: len(folded) for member in members}
-        folded.append(Node("block", name, members=tuple(members)))
+    for name, inner in units.items():
+        at |= {place[block]: len(folded) for block in inner}
+        folded.append(Node("block", name, inner=tuple(inner)))
     for v, node in enumerate(nodes):
         if node.kind == "block" and v not in at:
             at[v] = len(folded)

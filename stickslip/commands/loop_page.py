@@ -3,7 +3,7 @@
 from datetime import timedelta
 from typing import TYPE_CHECKING
 
-from stickslip.commands.one_loop import READ
+from stickslip.commands.one_loop import READ, UNLIKELY
 
 if TYPE_CHECKING:
     from detect import Diagnosis
@@ -65,7 +65,7 @@ def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
     told: dict[str, str] = {}
     if diagnosis.probability is not None:
         told["Probability of stiction"] = f"{diagnosis.probability:.0%}"
-    others = [(name, p) for name, p in diagnosis.causes.items() if name != "stiction"]
+    others = [(name, p) for name, p in diagnosis.causes.items() if name != "stiction" and p >= UNLIKELY]
     if others:
         told["Other causes"] = ", ".join(f"{CAUSES[name].spoken} {p:.0%}" for name, p in others[:SEVERAL])
     for name, size in (diagnosis.amount or {}).items():

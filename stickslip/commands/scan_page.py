@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 ROWS = 500  # on the page
 DETAILS = 20  # loops told in full below the list, where they have no page of their own
-MEMBERS = 12  # of a group that are named
+NAMED = 12  # of a group that are named
 
 Row = dict[str, Any]
 
@@ -69,22 +69,22 @@ def _changed(result: "ScanResult") -> "list[Section]":
 def _groups(result: "ScanResult") -> "list[Section]":
     from stickslip.report.page import Section, table_to_html
 
-    members: dict[str, list[Row]] = {}
+    found: dict[str, list[Row]] = {}
     for row in result.table.iter_rows(named=True):
         if row["group"]:
-            members.setdefault(row["group"], []).append(row)
-    if not members:
+            found.setdefault(row["group"], []).append(row)
+    if not found:
         return []
-    section = Section("Loops that share an oscillation", f"{len(members)} groups", "open", "")
+    section = Section("Loops that share an oscillation", f"{len(found)} groups", "open", "")
     section.reason = "The same period, in step all the time: one source moves them. Look at the likely source first."
     rows = []
-    for source, group in sorted(members.items(), key=lambda item: -len(item[1])):
+    for source, group in sorted(found.items(), key=lambda item: -len(item[1])):
         first = next((row for row in group if row["loop"] == source), group[0])
         names = [row["loop"] for row in group if row["loop"] != source]
-        more = f" and {len(names) - MEMBERS} more" if len(names) > MEMBERS else ""
+        more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         rows.append([
             source, spoken(first["verdict"] or "error"), number(first["probability"], ".2f"), str(len(group)),
-            number(first["period_s"], ".3g"), ", ".join(names[:MEMBERS]) + more,
+            number(first["period_s"], ".3g"), ", ".join(names[:NAMED]) + more,
         ])  # fmt: skip
     head = ["likely source", "verdict", "probability", "loops", "period [s]", "with it"]
     section.figures.append(table_to_html(head, rows))

@@ -20,9 +20,9 @@ def captioned(svg: str, caption: str, finding: str = "") -> str:
     """Return a picture with a sentence below it, for ``Section.figures``; ``finding`` stands first and stronger.
 
     >>> captioned("<svg></svg>", "a < b", "Found.")
-    '<svg></svg><figcaption><b>Found.</b> a &lt; b</figcaption>'
+    '<svg></svg><figcaption><strong>Found.</strong> a &lt; b</figcaption>'
     """
-    strong = f"<b>{html.escape(finding)}</b> " if finding else ""
+    strong = f"<strong>{html.escape(finding)}</strong> " if finding else ""
     return f"{svg}<figcaption>{strong}{html.escape(caption)}</figcaption>"
 
 

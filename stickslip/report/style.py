@@ -16,8 +16,9 @@ def _variables(colours: Mapping[str, str], picture: Mapping[str, str]) -> str:
 def in_variables(svg: str) -> str:
     """Return a picture whose colours are those of the page: by day as drawn, at night as ``logs.style`` says.
 
-    >>> in_variables("stroke: #b00020; fill: #123456")
-    'stroke: var(--xb00020); fill: #123456'
+    >>> from logs.style import RED
+    >>> in_variables(f"stroke: {RED}; fill: none")
+    'stroke: var(--xb00020); fill: none'
     """
     for colour in AT_NIGHT:
         svg = svg.replace(f": {colour}", f": var(--x{colour[1:]})")
@@ -63,7 +64,7 @@ figure.scroll svg { min-width: 680px; }
 .grid > div { min-width: 0; max-width: 600px; }
 figcaption { color: var(--soft); font-size: 14.5px; max-width: 80ch; margin: 4px 0 18px; position: sticky; left: 0;
   width: fit-content; }
-figcaption b { color: var(--ink); font-weight: 600; }
+figcaption strong { color: var(--ink); font-weight: 600; }
 /* A shade at the edge tells that a table or a picture goes on to the side. */
 .scroll { overflow-x: auto; background: linear-gradient(to left, var(--card), var(--card)) left / 24px 100%,
   linear-gradient(to left, var(--card), var(--card)) right / 24px 100%,
