@@ -173,9 +173,17 @@ _RELATIONS = (
     '<Relationship Id="rId1" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/worksheet" '
     'Target="{target}"/></Relationships>'
 )
+_OFFICE = "application/vnd.openxmlformats-officedocument"
 _TYPES = (
     '<?xml version="1.0"?><Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
-    '<Default Extension="xml" ContentType="application/xml"/></Types>'
+    '<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
+    f'<Override PartName="/xl/workbook.xml" ContentType="{_OFFICE}.spreadsheetml.sheet.main+xml"/>'
+    f'<Override PartName="/xl/worksheets/sheet1.xml" ContentType="{_OFFICE}.spreadsheetml.worksheet+xml"/></Types>'
+)
+_ROOT = (
+    '<?xml version="1.0"?><Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'
+    '<Relationship Id="rId1" Type="http://schemas.openxmlformats.org/officeDocument/2006/relationships/officeDocument" '
+    'Target="xl/workbook.xml"/></Relationships>'
 )
 
 
@@ -183,6 +191,7 @@ def workbook(rows: str, name: str = "Trend", target: str = "worksheets/sheet1.xm
     """A workbook of one sheet with these rows of XML."""
     return _zipped(
         ("[Content_Types].xml", _TYPES.encode()),
+        ("_rels/.rels", _ROOT.encode()),
         ("xl/workbook.xml", _WORKBOOK.format(name=name, entity=entity).encode()),
         ("xl/_rels/workbook.xml.rels", _RELATIONS.format(target=target).encode()),
         ("xl/worksheets/sheet1.xml", _SHEET.format(rows=rows).encode()),
