@@ -166,7 +166,7 @@ def test_several_loops_of_one_file(tmp_path):
 
 def test_a_workbook(read):
     pytest.importorskip("python_calamine")
-    from benchmarks.hostile_files import sheet_rows, workbook
+    from benchmarks.hostile_binary import sheet_rows, workbook
 
     days = [str(45_418.0 + i / 8640) for i in range(N)]
     cells = [("time", "FIC101.PV", "FIC101.OP"), *zip(days, map(str, PV), map(str, OP), strict=True)]
