@@ -52,7 +52,8 @@ def mutated(content: bytes, seed: int) -> bytes:
 
 _SPLINTERS = (
     b"", b"\0", b"\xff\xfe", b'"', b'""', b"\n", b"\r", b",", b";", b"\t", b"nan", b"inf", b"-1", b"1e999", b"\xc3",
-    b"=",     b"<b>", b"9" * 400, b"0001-01-01", b"2024-02-30 25:61", b"\xe2\x80\xa8", b"#", b"PAR1", b"\x1f\x8b", b"PK\x03\x04",
+    b"=", b"<b>", b"9" * 400, b"0001-01-01", b"2024-02-30 25:61", b"\xe2\x80\xa8", b"#", b"PAR1", b"\x1f\x8b",
+    b"PK\x03\x04",
 )  # fmt: skip
 
 Made = Iterator[tuple[str, str, str | bytes, str]]
