@@ -28,7 +28,9 @@ from types import FrameType
 
 from click.testing import CliRunner, Result
 
-from benchmarks.hostile_files import files, good_rows, mutated, sheet_rows, table, workbook
+from benchmarks.hostile_binary import sheet_rows, workbook
+from benchmarks.hostile_files import files, mutated
+from benchmarks.hostile_rows import good_rows, table
 from benchmarks.report import Figures, publish
 from stickslip.cli import cli
 

@@ -8,11 +8,14 @@ a master, or have a deadband.  One Parquet file a loop, 7,200 samples each.  A c
 """
 
 import argparse
+import contextlib
 import multiprocessing
+import os
 import resource
 import shutil
 import sys
 import tempfile
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -125,16 +128,38 @@ def _scanned(source: Path, out: Path) -> tuple[float, Any, float]:
 
 
 def _scan(source: str, out: str, told: Any) -> None:
-    from os import cpu_count
-
     from scan import scan
 
+    peak, over = [0.0], threading.Event()
+
+    def watch() -> None:
+        while not over.wait(0.2):
+            peak[0] = max(peak[0], _resident(os.getpid()))
+
+    watching = threading.Thread(target=watch)
+    watching.start()
     begin = time.perf_counter()
-    scan(source, out)
-    seconds = time.perf_counter() - begin
-    own, child = (resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    # The largest child stands for every one: memory of a process that has ended is known only so.
-    told.put((seconds, (own + (cpu_count() or 1) * child) / 1024.0))
+    try:
+        scan(source, out)
+        seconds = time.perf_counter() - begin
+    finally:
+        over.set()
+        watching.join()
+    told.put((seconds, peak[0]))
+
+
+def _resident(first: int) -> float:
+    """Memory of a process and all that come from it [MB]; pages that they share count for each."""
+    parents, pages = {}, {}
+    for entry in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError, ValueError):  # it has ended meanwhile
+            fields = (entry / "stat").read_text().rpartition(")")[2].split()
+            parents[int(entry.name)], pages[int(entry.name)] = int(fields[1]), int(fields[21])
+    family, grown = {first}, True
+    while grown:
+        more = {pid for pid, parent in parents.items() if parent in family} - family
+        family, grown = family | more, bool(more)
+    return sum(pages.get(pid, 0) for pid in family) * resource.getpagesize() / 1e6
 
 
 def _on_cluster(source: Path, folder: Path, seconds: float) -> Figures:

@@ -20,8 +20,9 @@ HEAD = """# JSON schemas
 
 `--json FILE` writes one JSON document, `--json -` writes it to standard output, alone. `schema` names its form and the
 number of it, which grows when a field goes or changes its meaning; new fields may come at any time. Numbers are finite:
-what is unknown or does not apply is null. Times are in seconds, amplitudes in the unit of the signal, S and J in the unit that stands
-beside them. A name in angle brackets stands for any name. This page is written by `python docs/schemas.py`.
+what is unknown or does not apply is null. Times are in seconds, amplitudes in the unit of the signal, S and J in the
+unit that stands beside them. A name in angle brackets stands for any name. This page is written by
+`python docs/schemas.py`.
 
 ```
 stickslip check FIC101.csv --json - | jq '.verdict, .period_s, .amplitude'

@@ -44,8 +44,8 @@ def on_cluster(
         waiting = as_completed(futures)  # type: ignore[no-untyped-call]
         del futures  # a future that is held keeps its result on the cluster
         for future in waiting:
-            fault = future.exception()
-            if fault is not None and not isinstance(fault, KilledWorker):
-                raise fault
-            yield numbers[future.key], LOST if fault is not None else future.result()
+            failed = future.exception()
+            if failed is not None and not isinstance(failed, KilledWorker):
+                raise failed
+            yield numbers[future.key], LOST if failed is not None else future.result()
             future.release()

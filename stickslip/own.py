@@ -109,7 +109,7 @@ def case_named(given: str, option: str = "CASE") -> "Case":
     return Case(name, f"{made.name or name}, a case of your own", about, lambda: made, DURATION, EVERY, lambda: ())
 
 
-@dataclass(frozen=True)
+@dataclass
 class OwnMethod:
     """A detector of the user's own that is a function alone; it is shown and has no vote."""
 

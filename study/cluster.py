@@ -49,7 +49,8 @@ def made_on_cluster(make: Callable[[], Any], parts: Sequence[Sequence[int]], add
 
 
 def _part(content: bytes, runs: list[int]) -> "pl.DataFrame":
-    return _made(content).part(runs, 0)
+    rows: pl.DataFrame = _made(content).part(runs, 0)
+    return rows
 
 
 @lru_cache(maxsize=2)

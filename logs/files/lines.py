@@ -108,8 +108,9 @@ def _padded_titles(lines: list[str], separator: str) -> int:
     if not first or any(_FIGURES.match(cell) for cell in header):
         return 0
     named = [cell for cell in header if cell]
-    # "PV, OP, PV, OP" cannot do without the row of tags above it.
-    return first - 1 if len(set(named)) < len(named) else first
+    # "PV, OP, PV, OP" cannot do without the row of tags above it; a title stands in the first cell, a tag above its PV.
+    above = [cell.strip(' "') for cell in lines[first - 1].split(separator)]
+    return first - 1 if len(set(named)) < len(named) or not above[0] else first
 
 
 def _without_footer(numbered: Numbered, separator: str, notes: list[str]) -> Numbered:

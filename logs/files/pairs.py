@@ -10,7 +10,7 @@ from logs.files.time_names import is_time_name
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["is_paired", "long_from_pairs", "numbered_pairs"]
+__all__ = ["is_paired", "long_from_pairs", "numbered_pairs", "with_times_named"]
 
 _MARK = "\x1f"  # stands between the name of a repeated time column and its number; no file has it in a name
 
@@ -23,6 +23,22 @@ def is_paired(header: list[str]) -> bool:
     """
     times = [i for i, name in enumerate(header) if name == header[0] and is_time_name(name)]
     return len(times) > 1 and all(after - before > 1 for before, after in pairwise([*times, len(header)]))
+
+
+def with_times_named(header: list[str], first: list[str]) -> list[str]:
+    """The header of pairs whose tag stands above the time and nothing above the value, with a name for each.
+
+    ``first`` is the first row below it.
+
+    >>> with_times_named(["FIC1.PV", "", "FIC1.OP", ""], ["2024-05-06 07:00", "4", "2024-05-06 07:00", "50"])
+    ['Time', 'FIC1.PV', 'Time', 'FIC1.OP']
+    """
+    tags, blanks = header[0::2], header[1::2]
+    if len(header) < 4 or len(header) % 2 or not all(tags) or any(blanks) or len(first) != len(header):
+        return header
+    if not all(":" in cell for cell in first[0::2]) or any(":" in cell for cell in first[1::2]):
+        return header
+    return [name for tag in tags for name in ("Time", tag)]
 
 
 def numbered_pairs(header: list[str]) -> list[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from logs.errors import ReadError
 from logs.files.headers import told_apart, with_tag_row, without_twins
 from logs.files.lines import LOOK, cells_of, numbered_lines, width_of, without_frame
-from logs.files.pairs import is_paired, long_from_pairs, numbered_pairs
+from logs.files.pairs import is_paired, long_from_pairs, numbered_pairs, with_times_named
 from logs.files.size import check_columns
 from logs.files.states import is_blank, is_state
 from logs.files.time_names import is_date_name, is_time_name
@@ -91,6 +91,8 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
     if not rows:
         raise ReadError(f"the file has a header ({', '.join(header)}) and no rows; export a range that holds data")
     header, rows = _without_trailing_separator(header, rows, chosen)
+    if split_units and not all(header):
+        header = with_times_named(header, [cell.strip() for cell in cells_of(*rows[0], chosen)])
     paired = split_units and is_paired(header)
     if paired:
         header = numbered_pairs(header)

@@ -6,7 +6,7 @@ import pytest
 
 
 @pytest.mark.parametrize(
-    "name", ["plant.py", "logs/__init__.py", "scan.py", "gap.py", "control.py", "numpy/__init__.py", "click.py"]
+    "name", ["plant.py", "logs/__init__.py", "gap.py", "control.py", "numpy/__init__.py", "click.py"]
 )
 def test_a_users_file_is_named(shell, tmp_path, name):
     file = tmp_path / name
