@@ -58,9 +58,10 @@ def test_every_process_and_controller_is_what_the_engine_gives(process: str, con
     structure = ("chen", process, controller)
     specs = drawn("external_square", structure, 2)
     fast, slow = both(specs, structure)
-    # the engine's continuous PID moves OP within a scan, that of sampled time does not
-    limit = 0.1 if controller == "pid_weighted" else 1e-3
-    for name in ("OP", "PV_m"):
+    # the engine's continuous PID moves OP within a scan, where it is logged here, that of sampled time does not; each
+    # turn of the square wave kicks its derivative
+    for name, loose in (("OP", 0.25), ("PV_m", 0.15)):
+        limit = loose if controller == "pid_weighted" else 1e-3
         apart = np.sqrt(np.mean((fast[name] - slow[name]) ** 2, axis=1)) / np.std(slow[name], axis=1)
         assert apart.max() < limit, name
 

@@ -35,7 +35,7 @@ def model():
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
     from calibration.training import fit
 
-    return fit(made(1200, 0), made(800, 1), say=lambda text: None, trees=60)
+    return fit(made(1200, 0), made(800, 1), say=lambda text: None, trees=120)
 
 
 def test_what_is_known_is_found_again(model):
