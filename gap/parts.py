@@ -46,7 +46,7 @@ def parts(diagram: Diagram, record: Record) -> Parts:
     >>> t = np.arange(30.0)
     >>> found = parts(loop, Record(Log(t, {"OP": t, "PV": t}), (), ("OP", "PV")))
     >>> found.ruled, found.fed, found.rest, found.given
-    (('SP', 'controller'), ('valve',), ('process',), ('MV',))
+    (('SP', 'controller'), ('valve', 'process'), (), ())
     """
     logged = {*record.played, *record.pinned}
     drivers = {s: diagram.blocks[b].name for s, (b, _) in diagram.driven.items()}

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from diagram.diagram import Diagram
 from gap.floor import Floor, losses, scored
 from gap.offsets import known_starts, offsets
-from gap.record import Record
+from gap.record import FEWEST, Record
 from gap.sureness import Sureness
 
 Floats = NDArray[np.float64]
@@ -107,9 +107,10 @@ class Problem:
         """
         if self.floor.coloured or self.free:
             return self
-        rows = round(EARLY * len(self.record.log))
+        scored_rows = round(EARLY * len(self.record.log)) - self.floor.skipped
+        if scored_rows < FEWEST:
+            return self
         head = replace(self, record=self.record.first_part(EARLY))
-        scored_rows = rows - self.floor.skipped
         e = self.as_it_is[:scored_rows]
         excess = float(losses(e).sum()) - self.floor.mean * scored_rows
         share = scored_rows / self.rows

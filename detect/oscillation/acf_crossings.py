@@ -179,7 +179,7 @@ def _find_one(t: Values, x: Values, p: Params) -> Gate:
         return Gate(False, None, 0.0, 0.0, 0.0, f"{n} samples are too few to test for an oscillation.")
     grid = np.linspace(t[0], t[-1], n)
     y = np.interp(grid, t, x)
-    centred = grid - np.mean(grid)
+    centred = np.linspace(-0.5, 0.5, n)  # the time, in record lengths
     y = y - np.mean(y)
     y = y - centred * (centred @ y) / (centred @ centred)
     std = float(np.std(y))

@@ -21,7 +21,7 @@ SMALL = 0.02  # of what the signal moves in the whole run: a smaller ripple is n
 def cycles(log: Log, signal: str) -> float:
     """Return how often a signal would swing over the run if it swung as in its second half; 0 where it does not.
 
-    >>> from blocks.sources import Sine
+    >>> from blocks.periodic import Sine
     >>> from diagram import simulate, wire
     >>> round(cycles(simulate(wire([Sine("F", amplitude=1.0, period=2.0)], outputs=["F"]), 100.0, every=0.1).log, "F"))
     50

@@ -24,8 +24,8 @@ def record(wave, loop):
 
 
 KEYS = [
-    "schema", "loop", "verdict", "probability", "causes", "amount", "detection_limit", "reason", "action",
-    "assumptions", "methods",
+    "schema", "loop", "verdict", "probability", "period_s", "amplitude", "causes", "amount", "detection_limit",
+    "reason", "action", "assumptions", "methods",
 ]  # fmt: skip
 
 

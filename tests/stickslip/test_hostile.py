@@ -79,7 +79,7 @@ def test_a_scan_of_all_of_them_at_once(hostile, tmp_path):
 
 @pytest.mark.parametrize("text", [text for text in INJECTIONS if "<" in text or "script" in text or "=" in text])
 def test_a_page_runs_nothing_that_a_file_says(text, tmp_path, monkeypatch):
-    section = Section(text, text, "bad", text, story=text, truth=text, lesson=text, notes=[text])
+    section = Section(text, text, "bad", text, before=text, aside=text, after=text, notes=[text])
     assert faults_of_page(page(text, text, [section], table=[[text], [text]], guide=text)) == []
 
 

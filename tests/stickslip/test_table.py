@@ -101,7 +101,10 @@ def test_cards_as_a_page(call, tmp_path):
     [
         ((), "name a file, a folder or a case"),
         (("nowhere.csv",), "'nowhere.csv' is no file, no folder and no case; the cases are ideal_high"),
-        (("ideal_high", "--method", "magic"), "there is no method 'magic'; known: area_ratio"),
+        (
+            ("ideal_high", "--method", "magic"),
+            "there is no method 'magic'; did you mean 'harmonics'? known: area_ratio",
+        ),
         (("ideal_high", "--loop", "LIC9"), "no loop 'LIC9'; known: ideal_high"),
         (("ideal_high", "--cards"), "--cards needs no SOURCE"),
         (("ideal_high", "--simulated", "2"), "--simulated draws its own loops"),
