@@ -20,12 +20,13 @@ SHOWN = 6  # effects that are listed
 @click.argument("run", type=click.Path(path_type=Path))
 @click.option("--model", required=True, metavar="MODEL", help="Name of a case, or FILE.py:FUNCTION.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the runs without a gap.")
+@click.option("--seed", type=int, metavar="N", default=0, show_default=True, help="Seed of the runs without a gap.")
 @click.option("--calibrate", is_flag=True, help="Count how often names are right on runs of MODEL with known effects.")
 @click.option(
     "--minutes",
     type=click.FloatRange(min=0.0, min_open=True),
-    help="With --calibrate: stop after so many minutes; the next call goes on. Without it, all runs are made.",
+    metavar="MINUTES",
+    help="With --calibrate: stop after this time; the next call goes on. Without it, all runs are made.",
 )
 @json_option
 @user_errors
