@@ -45,6 +45,10 @@ def as_block(system: Any) -> Block:
             f"{system.name}: a measured frequency response has no states to integrate; fit a transfer function to it "
             "and give that"
         )
+    if isinstance(system, type):
+        raise BlockError(
+            f"{system.__name__} is a class and no block; call it with its parameters: {system.__name__}(...)"
+        )
     raise BlockError(
         f"{system!r} is neither a block nor a diagram nor a python-control system; give one of them, or make a block "
         "of your equations with blocks.Equations"

@@ -56,10 +56,14 @@ class Equations(Block):
         labels: Mapping[str, str] | None = None,
         units: Mapping[str, str] | None = None,
     ) -> None:
+        if not isinstance(states, Mapping | None):
+            raise BlockError(
+                f"{name}: states = {states!r}, but each needs its start value; give {{'{names(states)[0]}': 0.0}}"
+            )
         states = dict(states or {})
         ins = names(inputs)
         outs = names(outputs) if outputs is not None else tuple(states)
-        given = with_defaults((der, out), params, {*states, *ins, "t"})
+        given = with_defaults(name, (der, out), params, {*states, *ins, "t"})
         places = where(name, {"x": states, "u": ins, "p": given})
         if (der is None) != (not states):
             raise BlockError(f"{name}: der gives the rates of the states; give both der= and states=, or neither")

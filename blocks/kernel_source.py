@@ -26,9 +26,12 @@ def names(given: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def with_defaults(
-    functions: Sequence[Function | None], params: Mapping[str, float] | None, taken: set[str]
+    name: str, functions: Sequence[Function | None], params: Mapping[str, float] | None, taken: set[str]
 ) -> dict[str, float]:
-    """Return the parameters, those that are defaults of arguments included."""
+    """Return the parameters, those that are defaults of arguments included; refuse what is no function."""
+    for function in functions:
+        if function is not None and not callable(function):
+            raise BlockError(f"{name}: {function!r} is no function; give one whose arguments are names")
     found = {
         key: argument.default
         for function in functions

@@ -42,14 +42,23 @@ class _Call:
     def step(self, t: float, state: Any, u: Floats, p: Floats) -> tuple[Any, Sequence[float]]:
         """Call the function with the sample ``u`` at ``t`` [s]; return the next state and the outputs."""
         groups: dict[str, Any] = {"t": (t,), "u": u.tolist(), "p": p.tolist(), "state": (state,)}
-        given = self.function(*(groups[group][i] for group, i in self.wanted))
+        try:
+            given = self.function(*(groups[group][i] for group, i in self.wanted))
+        except Exception as error:
+            error.add_note(f"{self.block}: step failed at t = {t:g} s with inputs {groups['u']}")
+            raise
         has_state = any(group == "state" for group, _ in self.wanted)
         if has_state and not (isinstance(given, tuple) and len(given) == 2):
             raise BlockError(f"{self.block}: step takes state, but returns {given!r}; return (next state, outputs)")
         state, outputs = given if has_state else (state, given)
-        values = np.atleast_1d(np.asarray(outputs, dtype=float)).ravel()
+        try:
+            values = np.asarray([] if outputs is None else outputs, dtype=float).ravel()
+        except (TypeError, ValueError):  # not numbers
+            values = np.empty(0)
         if len(values) != self.count:
-            raise BlockError(f"{self.block}: step returns {outputs!r}, but has {self.count} outputs; return one each")
+            raise BlockError(
+                f"{self.block}: step returns {outputs!r}, but has {self.count} outputs; return one number each"
+            )
         return state, values.tolist()
 
 
@@ -91,7 +100,7 @@ class SampledFunction(Block):
         units: Mapping[str, str] | None = None,
     ) -> None:
         ins, outs = names(inputs), names(outputs)
-        given = {**with_defaults((step,), params, {*ins, "t", "state"}), "dt": dt, "offset": offset}
+        given = {**with_defaults(name, (step,), params, {*ins, "t", "state"}), "dt": dt, "offset": offset}
         where(name, {"u": ins, "p": given, "state": ("state",)})
         places = {"t": ("t", 0), "state": ("state", 0)}
         places |= {key: (group, i) for group, keys in (("u", ins), ("p", given)) for i, key in enumerate(keys)}

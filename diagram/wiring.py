@@ -37,6 +37,14 @@ def drivers(blocks: Sequence[Block], inputs: Sequence[str]) -> dict[str, tuple[i
     return found
 
 
+def _remedy(signal: str) -> str:
+    """Return what to do about a signal that nothing drives; python-control calls unnamed ports u[0], u[1], ..."""
+    declared = f"or declare it with inputs=['{signal}']"
+    if signal.startswith("u[") and signal.endswith("]"):
+        return f"a system of python-control is joined by its labels: give it inputs=, outputs= and name=, {declared}"
+    return declared
+
+
 def check_readers(
     blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], inputs: Sequence[str], outputs: Sequence[str]
 ) -> None:
@@ -49,7 +57,7 @@ def check_readers(
             if signal not in driven and signal not in inputs:
                 raise WiringError(
                     f"input {port.name} of block '{block.name}' reads signal '{signal}', which nothing drives; "
-                    f"{nearest(signal, known)}; or declare it with inputs=['{signal}']"
+                    f"{nearest(signal, known)}; {_remedy(signal)}"
                 )
     for signal in inputs:
         if signal not in read:

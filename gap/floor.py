@@ -94,7 +94,8 @@ def whitened(r: Floats, A: Floats, L: Floats) -> Floats:
 
 def losses(e: Floats) -> Floats:
     """Return the loss of every innovation, 0 where it is unknown."""
-    return np.nan_to_num(0.5 * (NU + 1.0) * np.log1p((e / UNIT) ** 2 / NU), nan=0.0, posinf=1e9)
+    with np.errstate(over="ignore"):  # a square beyond all numbers has the largest loss
+        return np.nan_to_num(0.5 * (NU + 1.0) * np.log1p((e / UNIT) ** 2 / NU), nan=0.0, posinf=1e9)
 
 
 def scored(e: Floats) -> Floats:

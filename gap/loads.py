@@ -88,7 +88,8 @@ def trimmed(e: Floats) -> list[Floats]:
         return []
     usual, large = max(1.0, 2.0 * float(np.median(size))), 2.0 * float(np.quantile(size, FEW))
     scales = [usual, large] if large > WIDER * usual else [usual]
-    return [np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU)) for scale in scales]
+    with np.errstate(over="ignore", invalid="ignore"):  # beyond all squares the weight is 0, and so is the innovation
+        return [np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU)) for scale in scales]
 
 
 def _response(candidate: Candidate) -> Floats | None:

@@ -46,8 +46,14 @@ def in_loop(problem: Problem) -> tuple[str, ...]:
     e = np.abs(problem.as_it_is)
     pinned, steps = problem.record.pinned, problem.record.steps
     coarse = [s for s in pinned if steps[s] and any(steps[s] > 3.0 * steps[o] for o in pinned if o != s)]
-    small = [s for k, s in enumerate(pinned) if float(np.nanmedian(e[:, k])) < IN_ACCORD * USUAL]
+    small = [s for k, s in enumerate(pinned) if _median(e[:, k]) < IN_ACCORD * USUAL]
     return tuple(s for s in coarse if any(o != s for o in small))
+
+
+def _median(e: Floats) -> float:
+    """Return the median of the finite values; infinite without any, such as where a signal is never logged."""
+    known = e[np.isfinite(e)]
+    return float(np.median(known)) if len(known) else np.inf
 
 
 def with_lattices(problem: Problem, runs: int, seed: int) -> Problem:

@@ -10,7 +10,7 @@ __all__ = ["CAUSES", "Doing", "confirming_steps"]
 
 @dataclass(frozen=True)
 class Doing:
-    """One cause in words: how it is called, what is done, by whom, and what confirms it."""
+    """One cause in words: how it is called, what is done, by whom, and what confirms it, empty if nothing is needed."""
 
     spoken: str
     action: str
@@ -64,13 +64,13 @@ CAUSES: Mapping[str, Doing] = {
         "a load that drifts", "Nothing at the valve: OP goes one way with the load", "operations",
         "log until OP has turned back several times",
     ),
-    "healthy": Doing("a loop that does its work", "Nothing", "nobody", "none needed"),
+    "healthy": Doing("a loop that does its work", "Nothing needs to be done", "", ""),
 }  # fmt: skip
 """By cause, as in ``calibration.CAUSES``; a test holds one list to the other."""
 
 
 def confirming_steps(cause: str, S: float, unit: str) -> str:
-    """The confirming test for a cause, with steps of a quarter of S, up to one and a half times S.
+    """The confirming test for a cause, with steps of a quarter of S, up to 1.5 S; empty if none is needed.
 
     >>> confirming_steps("stiction", 4.0, "% of OP")[:60]
     'put the loop in manual, move OP by 8 % of OP one way until P'

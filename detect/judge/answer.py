@@ -26,7 +26,7 @@ from detect.prepare.prepared import Prepared
 from detect.verdict import Verdict
 from detect.words import Word
 
-__all__ = ["Amount", "Answer", "answer"]
+__all__ = ["Amount", "Answer", "answer", "next_step"]
 
 CLEARED = 0.5  # of OP's travel: a larger detection limit clears nothing
 FOLLOWS = 0.5  # share of PV's variance that OP through a lag must tell, to clear
@@ -125,10 +125,10 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
     why_not = _shortcoming(view, said) or _at_end(loop)
     chances = f"Probability of stiction {p:.0%}; {_others(causes)}."
     if why_not:
-        return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", _next(causes, S, stem))
+        return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", next_step(causes, S, stem))
     if p >= model.accuse:
         reason = f"{chances} S is about {S}, J about {J}. OP travels {rounded(travel):g} {unit}."
-        return Answer("stiction", p, causes, S, J, limit, reason, _next({"stiction": 1.0}, S, stem))
+        return Answer("stiction", p, causes, S, J, limit, reason, next_step({"stiction": 1.0}, S, stem))
     if p <= model.clear:
         kept = _kept_open(found, limit, travel)
         if kept is None and limit is not None:
@@ -137,12 +137,12 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
                 f"S is below {rounded(size):g} {unit}: OP travels {rounded(travel):g} {unit} and turns back, PV "
                 f"follows it, and a larger stick would have shown. {chances}"
             )
-            return Answer("no_stiction", p, causes, None, None, (size, unit), reason, _next(causes, S, stem))
-        return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", _next(causes, S, stem))
+            return Answer("no_stiction", p, causes, None, None, (size, unit), reason, next_step(causes, S, stem))
+        return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", next_step(causes, S, stem))
     between = (
         f"The record leaves it open: stiction is called from {model.accuse:.0%} on, cleared up to {model.clear:.1%}."
     )
-    return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", _next(causes, S, stem))
+    return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", next_step(causes, S, stem))
 
 
 def _shortcoming(view: View, said: Opinion) -> str:
@@ -191,12 +191,12 @@ def _others(causes: Mapping[str, float]) -> str:
     return ", ".join(f"{CAUSES[name].spoken} {p:.0%}" for name, p in shown)
 
 
-def _next(causes: Mapping[str, float], S: Amount, stem_logged: bool) -> str:
+def next_step(causes: Mapping[str, float], S: Amount, stem_logged: bool) -> str:
     """Action, owner and test for the most probable cause; for stiction as long as it is not ruled out."""
     top = next(iter(causes))
     doing = CAUSES[top]
     test = confirming_steps(top, S.value, S.unit)
-    said = f"{doing.action} ({doing.owner}). To confirm: {test}."
+    said = f"{doing.action} ({doing.owner}). To confirm: {test}." if test else f"{doing.action}."
     if top != "stiction" and causes.get("stiction", 0.0) > 0.2:
         said += f" To rule out the valve: {confirming_steps('stiction', S.value, S.unit)}."
     if causes.get("stiction", 0.0) > 0.2 and not stem_logged:
@@ -215,6 +215,6 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
         if told.verdict == "stiction" and len(plain) == 3 and bool(np.all(np.isfinite(plain))):
             sizes[name] = Amount(plain[0], plain[1], plain[2], unit)
     S = sizes["S"]
-    action = _next({"stiction": 1.0}, S, True) if S is not None else ""
+    action = next_step({"stiction": 1.0}, S, True) if S is not None else ""
     reason = f"The stem is logged, so it answers and PV is not asked. {told.reason}"
     return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)

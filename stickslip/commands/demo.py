@@ -65,7 +65,13 @@ class Judged:
 
 
 @click.command("demo")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("stickslip-demo"), help="Folder for the page.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("stickslip-demo"),
+    show_default=True,
+    help="Folder for the page.",
+)
 @json_option
 @user_errors
 def command(out: Path, json_file: str | None) -> None:

@@ -1,5 +1,6 @@
 """``stickslip gap``: where a model and a record part, which effect explains it, how far the gap shrinks."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,13 +20,24 @@ SHOWN = 6  # effects that are listed
 @click.argument("run", type=click.Path(path_type=Path))
 @click.option("--model", required=True, metavar="MODEL", help="Name of a case, or FILE.py:FUNCTION.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the runs without a gap.")
+@click.option("--seed", type=int, metavar="N", default=0, show_default=True, help="Seed of the runs without a gap.")
 @click.option("--calibrate", is_flag=True, help="Count how often names are right on runs of MODEL with known effects.")
-@click.option("--minutes", type=float, default=1e9, help="With --calibrate: stop after so long; the next call goes on.")
+@click.option(
+    "--minutes",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="MINUTES",
+    help="With --calibrate: stop after this time; the next call goes on. Without it, all runs are made.",
+)
 @json_option
 @user_errors
 def command(
-    run: Path, model: str, html: Path | None, seed: int, calibrate: bool, minutes: float, json_file: str | None
+    run: Path,
+    model: str,
+    html: Path | None,
+    seed: int,
+    calibrate: bool,
+    minutes: float | None,
+    json_file: str | None,
 ) -> None:
     """Say where MODEL and the record RUN part, which effect explains it, and how far the gap shrinks then.
 
@@ -57,7 +69,8 @@ def command(
     diagram = diagram_named(model, "--model")
     say = Speaker(json_file)
     if calibrate:
-        for line in str(calibrated(diagram, log, seed=seed, seconds=60.0 * minutes)).splitlines():
+        seconds = math.inf if minutes is None else 60.0 * minutes
+        for line in str(calibrated(diagram, log, seed=seed, seconds=seconds)).splitlines():
             say(line)
     report = diagnose(diagram, log, seed=seed)
     say("GAP" if report.gap else "NO GAP", fg="red" if report.gap else "green", bold=True)

@@ -18,7 +18,15 @@ if TYPE_CHECKING:
 @click.argument("case")
 @click.option("--loop", "loops", multiple=True, metavar="CONTROLLER", help="Only this loop; repeatable.")
 @click.option("--set", "settings", multiple=True, metavar="BLOCK.PARAM=VALUE", help="Change a parameter; repeatable.")
-@click.option("--at", "t", type=float, default=0.0, help="Time at which sources stand still, in seconds (default 0).")
+@click.option(
+    "--at",
+    "t",
+    type=float,
+    metavar="SECONDS",
+    default=0.0,
+    show_default=True,
+    help="Time whose source values are held.",
+)
 @click.option("--plot", "bode", type=click.Path(path_type=Path), help="Draw the Bode plots (.png, .svg or .pdf).")
 @click.option("--poles", "poles", type=click.Path(path_type=Path), help="Draw the poles (.png, .svg or .pdf).")
 @json_option
@@ -29,7 +37,7 @@ def command(
 ) -> None:  # fmt: skip
     """Find where a CASE rests and show it as a control engineer does: poles, loops, relative gains.
 
-    Sticky valves are seen without friction. 'stickslip simulate --list' shows all cases. A case of your own is
+    Friction in the valves is left out. 'stickslip simulate --list' shows all cases. A case of your own is
     FILE.py:FUNCTION: that file IS EXECUTED.
 
     \b
@@ -38,7 +46,7 @@ def command(
       stickslip linearise plant_1_high --loop PCS11 --loop LCS11 --plot bode.png --poles poles.png
 
     \b
-    Exit codes: 0 done, 2 the request makes no sense or the case has no rest.
+    Exit codes: 0 done, 2 the request makes no sense or the case has no steady state.
     """
     from stickslip.own import case_named
 

@@ -28,10 +28,14 @@ Tell = Callable[[str], None]
 
 @click.command("reproduce")
 @click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("stickslip-reproduce"), help="Folder for the page."
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("stickslip-reproduce"),
+    show_default=True,
+    help="Folder for the page.",
 )
 @click.option(
-    "--quick", is_flag=True, help=f"{QUICK} starts instead of 1000 and set E only: seconds instead of minutes."
+    "--quick", is_flag=True, help=f"Use {QUICK} starts instead of 1000, and set E only: seconds instead of minutes."
 )
 @click.option("--scan", is_flag=True, help="Also scan the drop over VPCS1 and the gain of PCS11 (some minutes more).")
 @json_option

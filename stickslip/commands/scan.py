@@ -18,18 +18,25 @@ SHOWN = 20  # rows on the terminal
 @click.command("scan")
 @click.argument("source")
 @click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("stickslip-scan"), show_default=True, help="Folder."
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("stickslip-scan"),
+    show_default=True,
+    help="Folder for the results.",
 )
 @click.option("--map", "loop_map", type=click.Path(path_type=Path), help="CSV file that names the tags of each loop.")
-@click.option("--workers", type=int, metavar="N", help="Processes (default: one a core).")
+@click.option("--workers", type=int, metavar="N", help="Number of processes (default: one per core).")
 @click.option("--cluster", metavar="ADDRESS", help="Dask scheduler to send the work to, e.g. tcp://10.0.0.5:8786.")
 @click.option(
-    "--simulate", type=click.IntRange(1, 500), metavar="N", help="Simulate the first N under their own conditions."
+    "--simulate",
+    type=click.IntRange(1, 500),
+    metavar="N",
+    help="For each of the first N, simulate loops under its own conditions.",
 )
 @click.option("--fresh", is_flag=True, help="Throw away what another scan left in the folder.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write the ranked list as one page.")
 @click.option(
-    "--reports", type=click.IntRange(1, 500), metavar="N", help="With --html: a page for each of the first N."
+    "--reports", type=click.IntRange(1, 500), metavar="N", help="With --html: write a page for each of the first N too."
 )
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write the ranked list as CSV.")
 @json_option
@@ -42,7 +49,7 @@ def command(
 
     SOURCE is a folder of CSV or Parquet files, one wide or long file of a historian, or a query
     'duckdb:SELECT ...'. Loops are told by their tags (FIC101.PV, FIC101.OP, ...), or by --map loops.csv.
-    An interrupted scan goes on where it stopped: call it again. --simulate N takes some ten seconds a loop.
+    An interrupted scan goes on where it stopped: call it again. --simulate N takes about ten seconds per loop.
 
     \b
     Examples:

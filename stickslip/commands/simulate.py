@@ -29,10 +29,12 @@ MOST_ROWS = 10_000_000  # some 500 MB of log
 @click.option("--plot", "picture", type=click.Path(path_type=Path), help="Draw the trends (.png, .svg or .pdf).")
 @click.option("--diagram", type=click.Path(path_type=Path), help="Draw the block diagram (.png, .svg or .pdf).")
 @click.option("--set", "settings", multiple=True, metavar="BLOCK.PARAM=VALUE", help="Change a parameter; repeatable.")
-@click.option("--duration", type=float, help="Seconds to simulate instead of the case's own.")
-@click.option("--every", type=float, help="Log interval in seconds instead of the case's own.")
+@click.option("--duration", type=float, metavar="SECONDS", help="Time to simulate, instead of the case's own.")
+@click.option("--every", type=float, metavar="SECONDS", help="Log interval, instead of the case's own.")
 @click.option("--method", type=click.Choice(METHODS), default="auto", show_default=True, help="How to integrate.")
-@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative error allowed per step.")
+@click.option(
+    "--rtol", type=float, metavar="NUMBER", default=1e-6, show_default=True, help="Relative error allowed per step."
+)
 @click.option("--numbers/--no-numbers", default=False, help="Also reproduce the case's published numbers.")
 @json_option
 @user_errors

@@ -38,34 +38,62 @@ TITLES = {
 
 @click.command("study")
 @click.argument("case")
-@click.option("--vary", multiple=True, metavar="BLOCK.PARAM=VALUES", help="Vary a parameter of the built diagram.")
+@click.option("--vary", multiple=True, metavar="BLOCK.PARAM=VALUES", help="Vary a parameter of a block; repeatable.")
 @click.option(
-    "--plant", multiple=True, metavar="NAME=VALUES", help="Vary a quantity of the plant: it is built at its new rest."
+    "--plant",
+    multiple=True,
+    metavar="NAME=VALUES",
+    help="Vary a quantity of the plant, which is built at its new steady state; repeatable.",
 )
-@click.option("--start", multiple=True, metavar="BLOCK.STATE=VALUES", help="Vary a start value.")
-@click.option("--random", type=int, metavar="N", help="Draw N points (Latin hypercube) for axes with a law.")
-@click.option("--kicks", type=int, metavar="N", help="Run every point from N kicked starts; 0: from rest.")
+@click.option("--start", multiple=True, metavar="BLOCK.STATE=VALUES", help="Vary a start value; repeatable.")
+@click.option("--random", type=int, metavar="N", help="Draw N points (Latin hypercube) from the distributions.")
+@click.option("--kicks", type=int, metavar="N", help="Run every point from N disturbed starts; 0: from rest.")
 @click.option(
-    "--kick-size", type=float, default=0.03, show_default=True, help="Largest kick, share of the start value."
+    "--kick-size",
+    type=float,
+    metavar="SHARE",
+    default=0.03,
+    show_default=True,
+    help="Largest disturbance, as a share of the start value.",
 )
-@click.option("--seed", type=int, default=2009, show_default=True, help="Fixes kicks and random points.")
-@click.option("--duration", type=float, help="Seconds to simulate instead of the case's own.")
-@click.option("--every", type=float, help="Log interval in seconds (default: 0.5 for the plant, else the case's own).")
-@click.option("--from", "measure_from", type=float, help="Measure from this second on (default: half the duration).")
+@click.option(
+    "--seed", type=int, metavar="N", default=2009, show_default=True, help="Seed of starts and random points."
+)
+@click.option("--duration", type=float, metavar="SECONDS", help="Time to simulate, instead of the case's own.")
+@click.option(
+    "--every", type=float, metavar="SECONDS", help="Log interval (default: 0.5 for the plant, else the case's own)."
+)
+@click.option(
+    "--from",
+    "measure_from",
+    type=float,
+    metavar="SECONDS",
+    help="Measure from this time on (default: half the duration).",
+)
 @click.option(
     "--signals", metavar="A,B,...", help="Signals to measure, in the order to draw (default: valve to shaft)."
 )
 @click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("stickslip-study"), show_default=True, help="Folder."
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("stickslip-study"),
+    show_default=True,
+    help="Folder for the results.",
 )
-@click.option("--workers", type=int, metavar="N", help="Threads (default: all cores; on a cluster 1 a worker).")
+@click.option(
+    "--workers", type=int, metavar="N", help="Number of threads (default: one per core; on a cluster one per worker)."
+)
 @click.option("--cluster", metavar="ADDRESS", help="Dask scheduler to send the runs to, e.g. tcp://10.0.0.5:8786.")
 @click.option(
     "--method", type=click.Choice(METHODS), help="How to integrate (default: as the case is best integrated)."
 )
-@click.option("--rtol", type=float, default=1e-6, show_default=True, help="Relative error allowed per step.")
+@click.option(
+    "--rtol", type=float, metavar="NUMBER", default=1e-6, show_default=True, help="Relative error allowed per step."
+)
 @click.option("--fresh", is_flag=True, help="Throw away what another study left in the folder.")
-@click.option("--longest", type=float, default=24.0, show_default=True, help="Hours the study may take.")
+@click.option(
+    "--longest", type=float, metavar="HOURS", default=24.0, show_default=True, help="Time that the study may take."
+)
 @json_option
 @user_errors
 def command(
@@ -78,7 +106,7 @@ def command(
 
     \b
     VALUES are a,b,c or low:high:count (':log' added: even ratios) or uniform(low,high), loguniform(low,high),
-    normal(mean,sd). Lists form a grid; laws share the points of --random. A call with the same request goes on
+    normal(mean,sd). Lists form a grid; distributions share the points of --random. A call with the same request goes on
     where the last one stopped. A case of your own is FILE.py:FUNCTION: that file IS EXECUTED.
 
     \b

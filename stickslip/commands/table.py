@@ -21,14 +21,20 @@ PICTURES = (".png", ".svg", ".pdf")
 @click.command("table")
 @click.argument("sources", metavar="[SOURCE]...", nargs=-1)
 @click.option(
-    "--method", "chosen", multiple=True, metavar="NAME", help="Only this method, or FILE.py:FUNCTION; repeatable."
+    "--method",
+    "chosen",
+    multiple=True,
+    metavar="NAME",
+    help="Only this method, or your own FILE.py:FUNCTION; repeatable.",
 )
 @click.option("--loop", "loops", multiple=True, metavar="TAG", help="Only this loop; repeatable.")
 @click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
 @click.option("--labels", type=click.Path(path_type=Path), help="CSV with loop, label, tag: score each method by tag.")
 @click.option("--cards", is_flag=True, help="Show what each method is, with its measured rates, and stop.")
 @click.option("--simulated", type=click.IntRange(1, 500), metavar="N", help="Judge N simulated loops of known cause.")
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the simulated loops.")
+@click.option(
+    "--seed", type=click.IntRange(0), metavar="N", default=1, show_default=True, help="Seed of the simulated loops."
+)
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write the table as CSV.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file page with the table and a picture.")
 @click.option("--plot", "picture", type=click.Path(path_type=Path), help="Draw verdicts and times (.png, .svg, .pdf).")

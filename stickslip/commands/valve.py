@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 @click.command("valve")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--pv", help="Name of the measurement column.")
-@click.option("--op", help="Name of the controller output column.")
-@click.option("--mv", help="Name of the stem position column.")
-@click.option("--time", help="Name of the time column.")
+@click.option("--pv", metavar="COLUMN", help="Name of the measurement column.")
+@click.option("--op", metavar="COLUMN", help="Name of the controller output column.")
+@click.option("--mv", metavar="COLUMN", help="Name of the stem position column.")
+@click.option("--time", metavar="COLUMN", help="Name of the time column.")
 @click.option("--interval", type=float, metavar="SECONDS", help="Time between rows, for a file without time.")
-@click.option("--loop", help="Which loop, when the file holds several.")
+@click.option("--loop", metavar="TAG", help="Name of the loop, where the file holds several.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with the picture.")
 @json_option

@@ -6,7 +6,7 @@ import pytest
 
 from blocks import PI, BlockError, Constant, FirstOrder, StateSpace, Step, TransferFunction, as_block
 from blocks.nonlinear_system import NonlinearSystem
-from diagram import drive, ensemble, simulate, wire
+from diagram import WiringError, drive, ensemble, simulate, wire
 
 T = np.linspace(0.0, 20.0, 201)
 TIGHT = {"rtol": 1e-10, "atol": 1e-12, "max_step": 0.1}
@@ -228,3 +228,12 @@ def test_the_independent_simulator_agrees_on_a_loop_of_all_kinds():
 
 def by_name_only(t, x, u, params):
     return [u[0] - x[0] + 0.0 * len({**params, 1: u})]
+
+
+def test_a_class_and_a_system_without_labels_are_refused_with_what_to_do():
+    with pytest.raises(BlockError, match=r"PI is a class and no block; call it with its parameters: PI\(...\)"):
+        wire([Step("SP", 1.0), PI])
+    with pytest.raises(
+        WiringError, match=r"reads signal 'u\[0\]'.*joined by its labels: give it inputs=, outputs= and name="
+    ):
+        wire([Step("OP", 1.0), ct.tf([1], [1, 1])])

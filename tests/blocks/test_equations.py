@@ -142,6 +142,8 @@ REFUSALS = {
     "no der": (lambda: lag(der=None), ["give both der= and states="]),
     "outputs": (lambda: lag(outputs="level"), ["level", "give out="]),
     "label": (lambda: lag(labels={"pv": "x"}), ["no port 'pv'", "did you mean 'PV'"]),
+    "states without starts": (lambda: lag(states=["PV"]), ["states = ['PV']", "start value", "{'PV': 0.0}"]),
+    "no function": (lambda: lag(der=3.0), ["lag", "3.0 is no function"]),
     "param": (lambda: lag(params={"K": "big", "tau": 1.0}), ["K = 'big'"]),
 }  # fmt: skip
 

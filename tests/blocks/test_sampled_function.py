@@ -64,6 +64,14 @@ REFUSALS = {
         lambda: drive(SampledFunction("f", lambda u: (1, 2), dt=1.0, inputs="u", outputs="y"), 1.0, u=0.0),
         ["(1, 2)", "1 output"],
     ),
+    "no return": (
+        lambda: drive(SampledFunction("f", lambda u: None, dt=1.0, inputs="u", outputs="y"), 1.0, u=0.0),
+        ["f: step returns None", "return one number each"],
+    ),
+    "no number": (
+        lambda: drive(SampledFunction("f", lambda u: "high", dt=1.0, inputs="u", outputs="y"), 1.0, u=0.0),
+        ["f: step returns 'high'", "return one number each"],
+    ),
     "no state back": (
         lambda: drive(SampledFunction("f", lambda state, u: u, dt=1.0, inputs="u", outputs="y"), 1.0, u=0.0),
         ["return (next state, outputs)"],
@@ -78,3 +86,10 @@ def test_refusals(what):
         attempt()
     for word in words:
         assert word in str(caught.value), str(caught.value)
+
+
+def test_an_error_of_the_function_says_where_it_was_called():
+    block = SampledFunction("filter", lambda u: 1.0 / (u - 3.0), dt=1.0, inputs="u", outputs="y")
+    with pytest.raises(ZeroDivisionError) as caught:
+        drive(block, 2.0, every=1.0, u=3.0)
+    assert "filter: step failed at t = 0 s with inputs [3.0]" in caught.value.__notes__

@@ -37,6 +37,22 @@ def test_every_command_shows_examples_and_exit_codes(call, command):
     assert "Examples:" in result.stdout and "Exit codes:" in result.stdout
 
 
+@pytest.mark.parametrize("command", list(COMMANDS))
+def test_every_option_is_explained_by_a_sentence_and_names_its_unit(command):
+    for option in cli.get_command(None, command).params:
+        if option.param_type_name != "option":
+            continue
+        help_ = option.help or ""
+        assert help_[:1].isupper() and help_.endswith("."), option.opts
+        if option.type.name.split()[0] in (
+            "float",
+            "integer",
+        ):  # FLOAT or INTEGER RANGE says nothing of seconds or hours
+            assert option.metavar, option.opts
+        if isinstance(option.default, int | float | Path) and not option.is_flag:
+            assert option.show_default, option.opts
+
+
 def test_version_is_the_one_of_the_package(call):
     result = call("--version")
     assert result.exit_code == 0

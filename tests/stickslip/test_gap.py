@@ -84,3 +84,16 @@ def test_bad_input_is_exit_code_two(call, model, good, arguments, words):
 
 def test_help_says_that_the_file_is_executed(call):
     assert "IS EXECUTED" in call("gap", "--help").stdout
+
+
+def test_a_calibration_takes_the_minutes_that_are_given(call, written, model, monkeypatch):
+    import gap
+
+    asked = []
+    monkeypatch.setattr(gap, "calibrated", lambda *_, seconds, **__: asked.append(seconds) or "")
+    path = written(1.3)
+    for options in ((), ("--minutes", "10")):
+        assert call("gap", path, "--model", f"{model}:loop", "--calibrate", *options).exit_code == 1
+    assert asked == [float("inf"), 600.0]
+    refused = call("gap", path, "--model", f"{model}:loop", "--calibrate", "--minutes", "0")
+    assert refused.exit_code == 2 and "--minutes" in refused.output

@@ -8,7 +8,7 @@ import pytest
 from cases.stories import EXPORTS
 from detect import diagnose
 from detect.judge.actions import CAUSES, confirming_steps
-from detect.judge.answer import answer
+from detect.judge.answer import Amount, answer, next_step
 from detect.judge.features import features
 from detect.judge.model import FILE, Model, calibrated, rounded
 from detect.prepare.prepared import Prepared
@@ -166,7 +166,7 @@ def test_the_answer_needs_no_library_of_trees():
 
     code = f"""
 import sys
-from detect.judge.answer import answer
+from detect.judge.answer import Amount, answer, next_step
 from detect.prepare.prepared import Prepared
 from logs import read_loop
 print(answer(Prepared(read_loop({str(EXPORTS / "FIC101_pi_export.csv")!r}))).word)
@@ -174,3 +174,12 @@ print("sklearn" in sys.modules)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["stiction", "False"]
+
+
+def test_a_healthy_loop_is_told_in_a_plain_sentence():
+    S = Amount(1.0, 0.5, 2.0, "% of OP")
+    assert next_step({"healthy": 0.95, "stiction": 0.05}, S, False) == "Nothing needs to be done."
+    said = next_step({"sensor": 0.95, "stiction": 0.05}, S, False)
+    assert "(instrument technician). To confirm: compare" in said
+    for one in CAUSES.values():  # a test has somebody who makes it
+        assert bool(one.owner) == bool(one.test)
