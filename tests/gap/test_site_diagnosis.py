@@ -10,7 +10,6 @@ from gap.filters.diagnosing import filtering_of
 from gap.model import read
 from logs import Log
 
-
 LEVEL = {"loop": level_loop, "middle": 0.5, "reach": 0.1, "digit": 0.0005}
 
 
@@ -112,4 +111,5 @@ def test_a_small_sine_into_a_level_is_named_and_nothing_where_there_is_none(site
 
 def test_a_coarse_sensor_of_a_level_is_named(site_record):
     log = site_record("quantisation", "sensor", **LEVEL, step=0.0031)
-    assert diagnose(level_loop(), log, catalogue=known("quantisation", "sensor_noise")).causes[0].effect == "quantisation"
+    report = diagnose(level_loop(), log, catalogue=known("quantisation", "sensor_noise"))
+    assert [cause.effect for cause in report.causes] == ["quantisation"]
