@@ -25,6 +25,7 @@ from gap.model import Nuisance
 
 Floats = NDArray[np.float64]
 ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
+LATE = 100  # scans of dead time at most: each is one more z, and the work grows with the cube of their number
 FAR = 50.0  # of OP's unit: how far beyond its limit a controller is looked at
 
 
