@@ -12,8 +12,6 @@ from functools import cached_property
 
 import numpy as np
 
-from blocks.first_order import FirstOrder
-from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.effect import Effect
@@ -63,8 +61,8 @@ class Outcome:
 def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
     """Return the filter's view of a record; None for a diagram that has no such filter.
 
-    It needs a load that nobody measures, blocks that scan in step with the log's rows, and a controller whose output
-    and measurement are logged and nothing behind the valve is.
+    It needs a load that nobody measures, blocks that scan in step with the log's rows, and a single controller, whose
+    output and measurement are logged and nothing else that the diagram drives is.
     """
     coloured = any(one.correlation_time > 0.0 for one in nuisances(diagram))
     period, dt = base_period(diagram), record.log.dt
@@ -72,9 +70,6 @@ def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
         return None
     if float(np.ptp(np.diff(record.log.t))) > 1e-6 * dt:
         return None
-    processes = [block for block in diagram.blocks if block.role is Role.PROCESS]
-    if not all(isinstance(block, FirstOrder) and block.dead_time == 0.0 for block in processes):
-        return None  # the matrices hold for others too, but how often names are right has not been counted there
     quiet = silenced(diagram)
     start = start_values(quiet, record)
     model, quiet = diagram.starting_at(start), quiet.starting_at(start)

@@ -25,6 +25,7 @@ from gap.model import Nuisance
 
 Floats = NDArray[np.float64]
 ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
+LATE = 100  # scans of dead time at most: each is one more z, and the work grows with the cube of their number
 FAR = 50.0  # of OP's unit: how far beyond its limit a controller is looked at
 
 
@@ -78,7 +79,7 @@ def scanned(
     ``noise`` its nuisances with their sizes; ``controller`` the block whose output is cut; ``logged`` signals to
     observe, ``inputs`` open inputs; ``near`` the value of each signal (``operating``), at no limit; ``valve_signal``:
     where a law acts on the opening; ``load_signal``: to which planned loads are added; ``period`` of a scan [s].
-    Raises ``NotAffine`` if a block bends.
+    Raises ``NotAffine`` if a block bends, or delays by more than ``LATE`` scans.
     """
     h = period
     blocks = [b for b in blocks if b.role not in ONLOOKERS]
@@ -97,6 +98,8 @@ def scanned(
     names = [*(f"{b}.{s}" for b, s in own), *(f"{one.block} noise" for one in noise)]
     lines = []
     for b, whole, rest in late:
+        if whole > LATE:
+            raise NotAffine(f"'{b.name}' delays by {whole:.0f} scans, more than {LATE}: its filter would take too long")
         for i in range(len(b.input_labels)):
             length = round(whole) + (1 if rest > 1e-9 else 0)
             lines.append((b.name, i, len(names), length, rest if rest > 1e-9 else 0.0))

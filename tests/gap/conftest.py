@@ -42,20 +42,20 @@ def own_cache(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def site_record():
-    """Simulate the site's flow loop with an effect as its historian would log it, a row every 5 s, for 2 h."""
+    """Simulate a loop of a site, by default its flow loop, as its historian would log it, a row every 5 s, for 2 h."""
 
-    def record(name="", place="", seed=2, **values):
+    def record(name="", place="", seed=2, loop=site_flow, middle=1.5, reach=0.45, digit=0.0015, **values):
         t = np.arange(0.0, 7201.0, 5.0)
-        SP = np.repeat(np.random.default_rng(seed).uniform(1.05, 1.95, 29).round(2), 50)[: len(t)]
-        SP[:50] = 1.5
-        model = site_flow(rest=1.5)
+        SP = np.repeat(np.random.default_rng(seed).uniform(middle - reach, middle + reach, 29).round(2), 50)[: len(t)]
+        SP[:50] = middle
+        model = loop(rest=middle)
         if name:
             one = effect(name)
-            model = one.started(one.insert(model, place, **values), place, {"SP": 1.5, "PV": 1.5, "OP": 0.5})
+            model = one.started(one.insert(model, place, **values), place, {"SP": middle, "PV": middle, "OP": 0.5})
         many = ensemble(
             model, t[-1], times=t, inputs=Log(t, {"SP": SP}), seeds=[seed], signals=["OP", "PV"], progress=False
         )
-        steps = {"OP": 0.001, "PV": 0.0015}
+        steps = {"OP": 0.001, "PV": digit}
         return Log(t, {"SP": SP, **{s: np.round(many.values[s][0] / q) * q for s, q in steps.items()}})
 
     return record

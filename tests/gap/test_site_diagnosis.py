@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
-from cases.models import ideal_flow, site_flow
+from cases.models import ideal_flow, level_cascade, level_loop, second_order_flow, site_flow
 from gap import diagnose
 from gap.effects import effect
 from gap.filters.diagnosing import filtering_of
 from gap.model import read
 from logs import Log
+
+LEVEL = {"loop": level_loop, "middle": 0.5, "reach": 0.1, "digit": 0.0005}
 
 
 def known(*names):
@@ -83,4 +85,31 @@ def test_what_the_catalogue_lacks_is_unknown(site_record):
 def test_only_a_scanned_loop_with_an_unmeasured_load_has_a_filter(site_record):
     log = site_record()
     assert filtering_of(*read(site_flow(), log)) is not None
+    assert filtering_of(*read(second_order_flow(rest=1.5), log)) is not None
+    assert filtering_of(*read(level_loop(), site_record(**LEVEL))) is not None
     assert filtering_of(*read(ideal_flow(), log)) is None
+    cascade = Log(log.t, {"SP_L": log["SP"], "SP": log["SP"], "L": log["PV"], "PV": log["PV"], "OP": log["OP"]})
+    assert filtering_of(*read(level_cascade(), cascade)) is None  # two controllers
+
+
+def test_a_lag_in_a_loop_of_second_order_with_dead_time_is_named(site_record):
+    log = site_record("sensor_lag", "sensor", loop=second_order_flow, tau=4.0)
+    catalogue = known("second_lag", "sensor_lag", "dead_time", "controller_filter", "sensor_noise")
+    report = diagnose(second_order_flow(), log, catalogue=catalogue)
+    assert {report.causes[0].effect, *report.causes[0].ambiguous_with} == {"second_lag", "sensor_lag"}
+    assert report.causes[0].parameters["tau"].value == pytest.approx(4.0, rel=0.1)
+
+
+def test_a_small_sine_into_a_level_is_named_and_nothing_where_there_is_none(site_record):
+    catalogue = known("sine_disturbance", "sensor_drift", "controller_gain", "sensor_noise")
+    log = site_record("sine_disturbance", "feed", **LEVEL, amplitude=0.012, period=500.0, phase=0.3)
+    cause = diagnose(level_loop(), log, catalogue=catalogue).causes[0]
+    assert cause.effect == "sine_disturbance"
+    assert cause.parameters["amplitude"].value == pytest.approx(0.012, rel=0.3)
+    assert not diagnose(level_loop(), site_record(**LEVEL), catalogue=catalogue).gap
+
+
+def test_a_coarse_sensor_of_a_level_is_named(site_record):
+    log = site_record("quantisation", "sensor", **LEVEL, step=0.0031)
+    report = diagnose(level_loop(), log, catalogue=known("quantisation", "sensor_noise"))
+    assert [cause.effect for cause in report.causes] == ["quantisation"]
