@@ -46,7 +46,7 @@ def paired(
     found = joined(problem, fits)
     if not found or problem.limit + needed(problem) < found[0].second.F:
         legal = list(catalogue)
-        for first in [fit for fit in fits if not fit.candidate.noisy][:FIRSTS]:
+        for first in [fit for fit in fits if fit.present and not fit.candidate.noisy][:FIRSTS]:
             base = inserted(problem.quiet, first)
             seconds = [
                 one
@@ -54,9 +54,10 @@ def paired(
                 if not (one.effect is first.effect and one.place == first.place)
                 and (first.effect.hidden or not smooth(one))
             ]
-            ordered = ranked(seconds, progress, hidden=False)  # a hidden mode is found as the first or not at all
-            if ordered:
-                found.append(improved(problem, Pair(first, ordered[0])))
+            # A hidden mode is found as the first or not at all.
+            second = next((fit for fit in ranked(seconds, progress, hidden=False) if fit.present), None)
+            if second is not None:
+                found.append(improved(problem, Pair(first, second)))
     return min(found, key=lambda pair: pair.total, default=None)
 
 

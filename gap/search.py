@@ -76,7 +76,11 @@ class Candidate:
         full = [{**self.nominal, **values} for values in many]
         if self.effect and not self.noisy:
             effect, place = self.effect, self.place
-            full = [v for v in full if not effect.rules(self.base, place, {name: v[name] for name in self.own})]
+            own = [{name: v[name] for name in self.own} for v in full]  # with all at infinity there is no effect
+            full = [
+                v for v, sizes in zip(full, own, strict=True)
+                if any(map(math.isfinite, sizes.values())) and not effect.rules(self.base, place, sizes)
+            ]  # fmt: skip
         if not full:
             return []
         columns = {name: np.array([values[name] for values in full]) for name in self.nominal}

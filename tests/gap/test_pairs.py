@@ -51,3 +51,10 @@ def test_two_effects_that_set_the_same_parameter_are_no_candidate(log):
     problem = prepared(ideal_flow(), log)
     gain, other = (candidates(problem, problem.quiet, [effect("process_gain")])[0] for _ in range(2))
     assert together(gain, other) is None
+
+
+def test_an_effect_that_is_not_there_is_no_replay(log):
+    problem = prepared(ideal_flow(), log)
+    (slow,) = candidates(problem, problem.quiet, [effect("valve_rate_limit")])
+    assert slow.tried([{}]) == []  # a rate without limit has no block that could be run
+    assert len(slow.tried([{"rate": 5.0}])) == 1
