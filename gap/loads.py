@@ -119,8 +119,9 @@ def _steps(t: Floats, e: Floats, h: Floats, least: float) -> list[dict[str, floa
     product = np.fft.rfft(e, size, axis=0) * np.conj(np.fft.rfft(H, size, axis=0))
     hit = -np.fft.irfft(product.sum(axis=1), size)[:n]
     power = np.cumsum((H**2).sum(axis=1))[::-1]  # of a step at row k: what of H lies inside the record
-    gain = hit**2 / np.maximum(power, 1e-300)
-    gain[power < 0.001 * power[0]] = 0.0
+    least_power = 0.001 * power[0]  # a step that hardly shows inside the record is none
+    gain = hit**2 / np.maximum(power, max(least_power, 1e-300))
+    gain[power < least_power] = 0.0
     if 0.5 * float(gain.max(initial=0.0)) < least:
         return []
     found = [{"amplitude": hit[k] / power[k], "time": float(t[k])} for k in _peaks(gain, n // 50 + 1)]
