@@ -30,7 +30,7 @@ from gap.instants import with_instants
 from gap.model import read, silenced
 from gap.pairs import paired
 from gap.problem import Problem, Settled
-from gap.record import FEWEST, GapError
+from gap.record import FEWEST, GapError, Record
 from gap.report import GapReport
 from gap.search import Candidate, Fit, best_of, refined, settled
 from gap.start import start_values
@@ -66,7 +66,7 @@ def diagnose(
     filtering = filtering_of(opened, record)
     if filtering is not None:
         return told_by_filters(outcome(filtering, catalogue, seed, progress))
-    problem = prepared(diagram, log, seed)
+    problem = _prepared(opened, record, seed)
     legal = candidates(problem, problem.quiet, catalogue)
     fits = ranked(legal, progress)
     problem, fits = _instants_again(problem, fits)
@@ -108,7 +108,11 @@ def _compression(problem: Problem, effect: Effect) -> Fit | None:
 
 def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = None) -> Problem:
     """Return the problem that a model and a log pose; ``floor`` if it is known from an equal record."""
-    model, record = read(diagram, log)
+    return _prepared(*read(diagram, log), seed, floor)
+
+
+def _prepared(model: Diagram, record: Record, seed: int, floor: Floor | None = None) -> Problem:
+    """Return the problem of a model whose logged sources are open."""
     quiet = silenced(model)
     filtered = filter_of(model, quiet, record)
     record = record if filtered is None else filtered
@@ -121,10 +125,10 @@ def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = No
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)
         keep(model, record, floor)
-    left = len(log) - floor.skipped
+    left = len(record.log) - floor.skipped
     if left < FEWEST:
         raise GapError(
-            f"of the log's {len(log)} rows {max(left, 0)} are left once the model has settled, which is too few to "
+            f"of the log's {len(record.log)} rows {max(left, 0)} are left once the model has settled, which is too few to "
             f"tell a gap; give at least {floor.skipped + FEWEST}"
         )
     sure = kept_calibration(model, record).sureness

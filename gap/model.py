@@ -66,6 +66,20 @@ def silenced(diagram: Diagram) -> Diagram:
     return diagram.with_params(quiet) if quiet else diagram
 
 
+def known_within(diagram: Diagram) -> dict[str, tuple[float, float]]:
+    """Return the parameters of a diagram that are known within a tolerance only: block.parameter -> (low, high).
+
+    >>> from cases.models import ideal_flow
+    >>> known_within(ideal_flow().with_tolerances({"process.K": 0.5}))
+    {'process.K': (1.5, 4.5)}
+    """
+    found = {}
+    for key, share in diagram.tolerances.items():
+        value = float(diagram.params[key])
+        found[key] = (value - share * abs(value), value + share * abs(value))
+    return found
+
+
 def with_logged_sources(diagram: Diagram, log: Log) -> Diagram:
     """Return the diagram with the sources that the log knows (set points) replaced by open inputs of their names."""
     known = [

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from diagram.diagram import Diagram
 from gap.floor import Floor, losses, scored
+from gap.model import known_within
 from gap.offsets import known_starts, offsets
 from gap.record import FEWEST, Record
 from gap.sureness import Sureness
@@ -48,11 +49,7 @@ class Problem:
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:
         """Parameters of the model that are known within a tolerance only, with (low, high)."""
-        found = {}
-        for key, share in self.quiet.tolerances.items():
-            value = float(self.quiet.params[key])
-            found[key] = (value - share * abs(value), value + share * abs(value))
-        return found
+        return known_within(self.quiet)
 
     def innovations(
         self,

@@ -13,24 +13,31 @@ __all__ = ["best_delays", "he_stems", "kano_stems", "lagged", "polygons", "stick
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _follow(
+    u: Any, kinetic: float, stuck: float, moving: float, here: float, way: float, limit: float, out: Any
+) -> None:
+    """One stem out (n,) from ``here`` on; it gives way to OP ``limit`` ahead, or to OP ``stuck`` behind."""
+    for k in range(len(u)):
+        over = way * (u[k] - here)
+        if over < -stuck:
+            way = -way
+            here = u[k] - way * kinetic
+            limit = moving
+        elif over > limit:
+            here = u[k] - way * kinetic
+            limit = moving
+        else:
+            limit = stuck
+        out[k] = here
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def sticks(u: Any, S: Any, J: Any, start: Any, eps: float, out: Any) -> None:
     """Stems out (m, n) of OP u (n,) for S, J, start (m,); see ``stick.stick``."""
     for i in range(len(S)):
         static, kinetic = 0.5 * (S[i] + J[i]), 0.5 * (S[i] - J[i])
-        moving, stuck = kinetic + eps, static + eps
-        here, way, limit = u[0] - start[i] * static, 1.0, static + eps
-        for k in range(len(u)):
-            over = way * (u[k] - here)
-            if over < -stuck:
-                way = -way
-                here = u[k] - way * kinetic
-                limit = moving
-            elif over > limit:
-                here = u[k] - way * kinetic
-                limit = moving
-            else:
-                limit = stuck
-            out[i, k] = here
+        stuck, moving = static + eps, kinetic + eps
+        _follow(u, kinetic, stuck, moving, u[0] - start[i] * static, 1.0, stuck, out[i])
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
@@ -39,21 +46,8 @@ def kano_stems(u: Any, S: Any, J: Any, way: float, least: float, out: Any) -> No
     for i in range(len(S)):
         static, kinetic = 0.5 * (S[i] + J[i]), 0.5 * (S[i] - J[i])
         stuck, moving = static + least, kinetic + least
-        side, limit = way, moving
-        here = u[0] - side * kinetic
-        out[i, 0] = here
-        for k in range(1, len(u)):
-            away = side * (u[k] - here)
-            if away < -stuck:
-                side = -side
-                here = u[k] - side * kinetic
-                limit = moving
-            elif away > limit:
-                here = u[k] - side * kinetic
-                limit = moving
-            else:
-                limit = stuck
-            out[i, k] = here
+        out[i, 0] = u[0] - way * kinetic
+        _follow(u[1:], kinetic, stuck, moving, out[i, 0], way, moving, out[i, 1:])
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]

@@ -26,7 +26,7 @@ from gap.filters import kalman
 from gap.filters.affine import NotAffine
 from gap.filters.scanned import Scanned, base_period, operating, scanned
 from gap.inserted import percent_out
-from gap.model import Nuisance, nuisances
+from gap.model import Nuisance, known_within, nuisances
 from gap.paths import given, noise_of
 from gap.record import Record, rounding
 
@@ -102,11 +102,7 @@ class Filtering:
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:
         """Parameters of the model that are known within a tolerance only, with (low, high)."""
-        found = {}
-        for key, share in self.quiet.tolerances.items():
-            value = float(self.quiet.params[key])
-            found[key] = (value - share * abs(value), value + share * abs(value))
-        return found
+        return known_within(self.quiet)
 
     @cached_property
     def Y(self) -> Floats:
