@@ -72,7 +72,7 @@ def main() -> int:
         return 2
     if arguments != ["test"]:
         return subprocess.run([str(BIN / "python"), "-m", "stickslip", *arguments], check=False).returncode
-    print("the tests take about four minutes on two cores", flush=True)
+    print("the tests take about eight minutes on two cores", flush=True)
     for step in TEST_STEPS:
         print("+", *step, flush=True)
         code = subprocess.run([str(BIN / step[0]), *step[1:]], cwd=ROOT, check=False).returncode

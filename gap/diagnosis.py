@@ -128,8 +128,8 @@ def _prepared(model: Diagram, record: Record, seed: int, floor: Floor | None = N
     left = len(record.log) - floor.skipped
     if left < FEWEST:
         raise GapError(
-            f"of the log's {len(record.log)} rows {max(left, 0)} are left once the model has settled, which is too few to "
-            f"tell a gap; give at least {floor.skipped + FEWEST}"
+            f"of the log's {len(record.log)} rows {max(left, 0)} are left once the model has settled, which is "
+            f"too few to tell a gap; give at least {floor.skipped + FEWEST}"
         )
     sure = kept_calibration(model, record).sureness
     problem = with_lattices(Problem(model, quiet, record, floor, start, sureness=sure), RUNS, seed + 1)
