@@ -22,11 +22,11 @@ from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE
 from gap.effects.quantisation import Quantisation
-from gap.filtered import filter_of, floor_of_record, suspected
 from gap.filters.diagnosing import filtering_of, outcome
 from gap.filters.telling import told as told_by_filters
 from gap.floor import Floor, measured
 from gap.instants import with_instants
+from gap.linearised.filtered import filter_of, floor_of_record, suspected
 from gap.model import read, silenced
 from gap.pairs import paired
 from gap.problem import Problem, Settled

@@ -74,7 +74,7 @@ def spacing(values: ArrayLike) -> float:
 
 
 class Residuals(Protocol):
-    """What makes residuals of a diagram and a log in place of a pinned replay (``gap.filtered``)."""
+    """What makes residuals of a diagram and a log in place of a pinned replay (``gap.linearised.filtered``)."""
 
     def residuals(
         self, diagram: Diagram, record: "Record", params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None

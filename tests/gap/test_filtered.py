@@ -5,11 +5,11 @@ import pytest
 
 from benchmarks.gap.plant import MODELS, PlantRun
 from gap import diagnose
-from gap.between import jumps
 from gap.effects import effect
-from gap.filtered import filter_of
+from gap.linearised.between import jumps
+from gap.linearised.filtered import filter_of
+from gap.linearised.parts import parts
 from gap.model import read, silenced
-from gap.parts import parts
 
 
 @pytest.fixture(scope="module")

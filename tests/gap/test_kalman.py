@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
 
-from gap.kalman import gain, innovations, noise, sampled
+from gap.linearised.kalman import gain, innovations, noise, sampled
 
 RNG = np.random.default_rng(3)
 A = np.array([[-0.5, 0.3], [0.0, -0.05]])

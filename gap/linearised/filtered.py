@@ -24,12 +24,12 @@ from diagram.ensembles.running import ensemble
 from diagram.inputs import close
 from diagram.linear.slopes import Slopes, slopes
 from diagram.pins import replays
-from gap.between import BEFORE, as_input, until
 from gap.floor import Floor, floor_of, losses, residuals, settling_rows, without_gap
-from gap.kalman import Sampled, gain, innovations, noise, sampled
+from gap.linearised.between import BEFORE, as_input, until
+from gap.linearised.kalman import Sampled, gain, innovations, noise, sampled
+from gap.linearised.parts import Parts, ancestors, parts
 from gap.model import nuisances
 from gap.offsets import known_starts
-from gap.parts import Parts, ancestors, parts
 from gap.record import Record
 from logs import Log
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.playback import held
-from gap.parts import ancestors
+from gap.linearised.parts import ancestors
 from gap.record import Record
 from logs import Log
 
