@@ -321,3 +321,12 @@ def test_the_rule_of_hidden_modules_can_fail() -> None:
 def test_files_are_short() -> None:
     lengths = sorted(len(path.read_text().splitlines()) for _, path in FILES)
     assert lengths[-1] < 400 and lengths[len(lengths) * 9 // 10] < 300
+
+
+def test_no_room_is_above_a_quarter_of_the_house():
+    lines = dict.fromkeys(PACKAGES, 0)
+    for room, path in FILES:
+        assert room is not None
+        lines[room.split("/")[0]] += len(path.read_text().splitlines())
+    largest = max(lines, key=lambda room: lines[room])
+    assert lines[largest] <= 0.25 * sum(lines.values()), (largest, lines)
