@@ -16,7 +16,6 @@ import os
 import random
 import re
 import resource
-import signal
 import sys
 import tempfile
 import time
@@ -24,7 +23,6 @@ import warnings
 from collections.abc import Iterator, Sequence
 from html.parser import HTMLParser
 from pathlib import Path
-from types import FrameType
 
 from click.testing import CliRunner, Result
 
@@ -32,6 +30,7 @@ from benchmarks.hostile_binary import sheet_rows, workbook
 from benchmarks.hostile_files import files, mutated
 from benchmarks.hostile_rows import good_rows, table
 from benchmarks.report import Figures, publish
+from logs.time_limit import time_limit
 from stickslip.cli import cli
 
 SECONDS = 30  # for one command on one file; the slowest takes 3 s on two quiet cores
@@ -101,21 +100,14 @@ def faults_of_csv(text: str) -> list[str]:
 @contextlib.contextmanager
 def limited(seconds: int = SECONDS, memory: int = MEMORY) -> Iterator[None]:
     """Give the block ``seconds`` [s] and ``memory`` [bytes] more than the process has; raise where it wants more."""
-
-    def late(number: int, frame: FrameType | None) -> None:
-        raise TimeoutError(f"more than {seconds} s")
-
     with open("/proc/self/statm") as statm:
         size = int(statm.read().split()[0]) * resource.getpagesize()
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    before = signal.signal(signal.SIGALRM, late)
     resource.setrlimit(resource.RLIMIT_AS, (size + memory, hard))
-    signal.alarm(seconds)
     try:
-        yield
+        with time_limit(seconds, f"more than {seconds} s"):
+            yield
     finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 

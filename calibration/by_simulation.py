@@ -23,6 +23,7 @@ from calibration.posterior import Reading, read
 from calibration.records import Table, row, table
 from calibration.simulation import simulate
 from calibration.spec import LoopSpec
+from detect.chances import chance
 from detect.judge.answer import Amount
 from detect.judge.model import Model, calibrated, rounded
 from logs import LoopRecord
@@ -77,7 +78,7 @@ class AtRecord:
         """What was simulated and found, and the detection limit, in words."""
         found = (
             f"{self.loops} loops were simulated under the conditions of this record, half of them with a sticky valve. "
-            f"Among those most like it the probability of stiction is {self.probability:.0%}; if the valve sticks, "
+            f"Among those most like it the probability of stiction is {chance(self.probability)}; if the valve sticks, "
             f"S is {self.S}."
         )
         if self.limit is None:

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from logs import LoopRecord
+from logs.time_limit import time_limit
 from scan.sources import Job
 from scan.together import phasors
 
@@ -32,7 +28,7 @@ def judged(job: Job, number: int) -> list[Row]:
     while True:
         name = ""
         try:
-            with _within(SECONDS_MAX):
+            with time_limit(SECONDS_MAX, f"the loop took more than {SECONDS_MAX} s"):
                 name, record = next(read, ("", None))
                 if record is None:
                     return rows
@@ -81,22 +77,3 @@ def _sizes(name: str, size: Amount | None) -> Row:
     if size is None:
         return {}
     return {name: size.value, f"{name}_low": size.low, f"{name}_high": size.high}
-
-
-@contextmanager
-def _within(seconds: int) -> Iterator[None]:
-    """Raise TimeoutError in this block after ``seconds``, where the system has alarms and this is the main thread."""
-    if not hasattr(signal, "SIGALRM") or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def late(number: int, frame: FrameType | None) -> None:
-        raise TimeoutError(f"the loop took more than {seconds} s")
-
-    before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)

@@ -7,7 +7,18 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is first imported
 
+import pytest
 from hypothesis import settings
 
 settings.register_profile("stickslip", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("stickslip")
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """A Dask cluster of two workers on this machine, anew for every file, because tests kill workers."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
+    ) as started:
+        yield started

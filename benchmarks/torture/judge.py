@@ -10,10 +10,7 @@ jump of the engine's may therefore stand on the other side of it for the oracle:
 what the engine has just before, at and just behind that time.
 """
 
-import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -24,6 +21,7 @@ from benchmarks.torture.c_program import NoCompiler, OracleFailed, covers, progr
 from benchmarks.torture.draw import Drawn
 from diagram import simulate
 from diagram.reference import simulate_reference
+from logs.time_limit import time_limit
 
 Floats = NDArray[np.float64]
 AGREED = 1e-5  # largest difference, as a share of 1 + the largest value of the signal
@@ -126,29 +124,13 @@ def _asked(drawn: Drawn, oracle: str, turn: int) -> Floats:
     """Return the oracle's signals, (times, signals)."""
     if oracle == "c":
         return solve(drawn.diagram, drawn.duration, drawn.times, SHARES[turn])
-    with _at_most(PATIENCE):
-        run = simulate_reference(
-            drawn.diagram, drawn.duration, times=drawn.times, max_steps=REFERENCE_STEPS, **REFERENCE[turn]
-        )
+    try:
+        with time_limit(PATIENCE, f"it took longer than {PATIENCE:g} s"):
+            run = simulate_reference(
+                drawn.diagram, drawn.duration, times=drawn.times, max_steps=REFERENCE_STEPS, **REFERENCE[turn]
+            )
+    except TimeoutError as late:
+        raise OracleFailed(str(late)) from None
     if not run.ok:
         raise OracleFailed(run.status.name)
     return np.stack([run.log[s] for s in drawn.diagram.signals], axis=1)
-
-
-@contextmanager
-def _at_most(seconds: float) -> Iterator[None]:
-    """Let the block fail with ``OracleFailed`` after so many seconds (where the system has alarms)."""
-
-    def stop(*_: object) -> None:
-        raise OracleFailed(f"it took longer than {seconds:g} s")
-
-    if not hasattr(signal, "SIGALRM"):
-        yield
-        return
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)

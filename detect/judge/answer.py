@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from detect.chances import chance
 from detect.judge.actions import CAUSES, confirming_steps
 from detect.judge.features import features_of, view_of
 from detect.judge.features.view import View
@@ -123,7 +124,7 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
     p, stem = said.probability, loop.record.mv is not None
     causes = dict(said.causes)
     why_not = _shortcoming(view, said) or _at_end(loop)
-    chances = f"Probability of stiction {p:.0%}; {_others(causes)}."
+    chances = f"Probability of stiction {chance(p)}; {_others(causes)}."
     if why_not:
         return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", next_step(causes, S, stem))
     if p >= model.accuse:
@@ -140,7 +141,8 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
             return Answer("no_stiction", p, causes, None, None, (size, unit), reason, next_step(causes, S, stem))
         return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", next_step(causes, S, stem))
     between = (
-        f"The record leaves it open: stiction is called from {model.accuse:.0%} on, cleared up to {model.clear:.1%}."
+        f"The record leaves it open: stiction is called from {100.0 * model.accuse:.0f} % on, cleared up to "
+        f"{100.0 * model.clear:.1f} %."
     )
     return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", next_step(causes, S, stem))
 
@@ -188,7 +190,7 @@ def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, trav
 
 def _others(causes: Mapping[str, float]) -> str:
     shown = [(name, p) for name, p in causes.items() if name != "stiction"][:2]
-    return ", ".join(f"{CAUSES[name].spoken} {p:.0%}" for name, p in shown)
+    return ", ".join(f"{CAUSES[name].spoken} {chance(p)}" for name, p in shown)
 
 
 def next_step(causes: Mapping[str, float], S: Amount, stem_logged: bool) -> str:

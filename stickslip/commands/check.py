@@ -146,6 +146,7 @@ def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
 
 def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     """Print verdict, reason, assumptions and the methods' numbers, in this order."""
+    from detect.chances import chance
     from detect.judge.actions import CAUSES
     from detect.words import WORDS
 
@@ -158,7 +159,7 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
         say.paragraph(f"Next: {diagnosis.action}")
     if diagnosis.causes:
         say()
-        say.table(["cause", "probability"], [[CAUSES[c].spoken, f"{p:.1%}"] for c, p in diagnosis.causes.items()])
+        say.table(["cause", "probability"], [[CAUSES[c].spoken, chance(p)] for c, p in diagnosis.causes.items()])
     say()
     say("Read and assumed:")
     for sentence in diagnosis.assumptions:

@@ -120,6 +120,7 @@ def _rows(
     judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]"
 ) -> list[tuple[int, list[str]]]:
     """Return one row a loop as in ``COLUMNS``, the likeliest valve first, each with the number of its loop."""
+    from detect.chances import chance
     from detect.words import WORDS
 
     order: list[tuple[tuple[int, float, float], int, list[str]]] = []
@@ -131,9 +132,8 @@ def _rows(
             travel, why, gain = "-", "OP hardly moves, or its span is not known." if one is not None else "", 0.0
             if suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
-            chance = "-" if answer.probability is None else f"{answer.probability:.2f}"
             period = "-" if answer.period is None else f"{answer.period:.3g}"
-            row = [name, WORDS[answer.verdict].spoken, chance, period, travel, why.rstrip(".")]
+            row = [name, WORDS[answer.verdict].spoken, chance(answer.probability), period, travel, why.rstrip(".")]
             place = FIRST.index(answer.verdict) if one is None else int(answer.verdict != "stiction")
             order.append(((place, -gain, -(answer.probability or 0.0)), len(order), row))
     return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]

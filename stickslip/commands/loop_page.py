@@ -56,6 +56,7 @@ def _lead(diagnosis: "Diagnosis") -> str:
 
 
 def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
+    from detect.chances import chance
     from detect.judge.actions import CAUSES
     from detect.words import WORDS
     from stickslip.report.page import Section, pairs
@@ -64,10 +65,10 @@ def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
     section = Section("The answer", word.spoken.upper(), word.kind, diagnosis.reason)
     told: dict[str, str] = {}
     if diagnosis.probability is not None:
-        told["Probability of stiction"] = f"{diagnosis.probability:.0%}"
+        told["Probability of stiction"] = chance(diagnosis.probability)
     others = [(name, p) for name, p in diagnosis.causes.items() if name != "stiction" and p >= UNLIKELY]
     if others:
-        told["Other causes"] = ", ".join(f"{CAUSES[name].spoken} {p:.0%}" for name, p in others[:SEVERAL])
+        told["Other causes"] = ", ".join(f"{CAUSES[name].spoken} {chance(p)}" for name, p in others[:SEVERAL])
     for name, size in (diagnosis.amount or {}).items():
         told[f"{_SIZES[name]} {name}"] = str(size)
     if diagnosis.detection_limit is not None:
@@ -134,6 +135,7 @@ def _test(diagnosis: "Diagnosis") -> "Section | None":
 
 
 def _over_time(found: "OverTime") -> "Section":
+    from detect.chances import chance
     from detect.figures.evidence import plot_over_time
     from detect.words import WORDS
     from stickslip.report.page import Section, figure_to_svg, table_to_html
@@ -146,7 +148,7 @@ def _over_time(found: "OverTime") -> "Section":
     rows = [
         [
             _when(found, w.start), _when(found, w.end), str(w.samples), WORDS[w.verdict].spoken,
-            "-" if w.probability is None else f"{100.0 * w.probability:.0f} %", *_size(w.S),
+            chance(w.probability), *_size(w.S),
             "-" if w.J is None else f"{w.J.value:.2g}", "" if w.S is None else w.S.unit,
         ]
         for w in found.windows

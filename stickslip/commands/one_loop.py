@@ -34,6 +34,7 @@ def with_told(
 
 def section_of(diagnosis: "Diagnosis") -> "Section":
     """Return the article on one loop of a page."""
+    from detect.chances import chance
     from detect.judge.actions import CAUSES
     from detect.words import WORDS
     from stickslip.report.page import Section, figure_to_svg
@@ -45,7 +46,7 @@ def section_of(diagnosis: "Diagnosis") -> "Section":
     section.notes.extend(f"{name} {size}." for name, size in (diagnosis.amount or {}).items())
     if diagnosis.causes:
         likely = {cause: p for cause, p in diagnosis.causes.items() if p >= UNLIKELY or cause == "stiction"}
-        chances = ", ".join(f"{CAUSES[cause].spoken} {p:.0%}" for cause, p in likely.items())
+        chances = ", ".join(f"{CAUSES[cause].spoken} {chance(p)}" for cause, p in likely.items())
         section.notes.append(f"Probabilities: {chances}.")
     section.notes.extend(diagnosis.assumptions)
     section.figures.append(figure_to_svg(diagnosis.plot(words=False)))

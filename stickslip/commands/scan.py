@@ -121,12 +121,13 @@ def _headline(result: "ScanResult") -> str:
 
 
 def _rows(result: "ScanResult", most: int) -> tuple[list[str], list[list[str]]]:
+    from detect.chances import chance
     from stickslip.commands.scan_page import cause, number, size, spoken
 
     head = ["rank", "loop", "verdict", "probability", "likely cause", "S [% of OP]", "period [s]"]
     rows = [
         [
-            str(row["rank"]), row["loop"], spoken(row["verdict"] or "error"), number(row["probability"], ".2f"),
+            str(row["rank"]), row["loop"], spoken(row["verdict"] or "error"), chance(row["probability"]),
             cause(row), size(row), number(row["period_s"], ".3g"),
         ]
         for row in result.table.head(most).iter_rows(named=True)

@@ -67,6 +67,7 @@ def _changed(result: "ScanResult") -> "list[Section]":
 
 
 def _groups(result: "ScanResult") -> "list[Section]":
+    from detect.chances import chance
     from stickslip.report.page import Section, table_to_html
 
     found: dict[str, list[Row]] = {}
@@ -83,7 +84,7 @@ def _groups(result: "ScanResult") -> "list[Section]":
         names = [row["loop"] for row in group if row["loop"] != source]
         more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         rows.append([
-            source, spoken(first["verdict"] or "error"), number(first["probability"], ".2f"), str(len(group)),
+            source, spoken(first["verdict"] or "error"), chance(first["probability"]), str(len(group)),
             number(first["period_s"], ".3g"), ", ".join(names[:NAMED]) + more,
         ])  # fmt: skip
     head = ["likely source", "verdict", "probability", "loops", "period [s]", "with it"]
@@ -92,6 +93,7 @@ def _groups(result: "ScanResult") -> "list[Section]":
 
 
 def _list(result: "ScanResult", rows: Sequence[Row], links: Mapping[int, str]) -> "Section":
+    from detect.chances import chance
     from stickslip.report.page import Section, ordered_table
 
     shown = f"the first {len(rows)} of {len(result.table)}" if len(rows) < len(result.table) else f"{len(rows)} loops"
@@ -100,7 +102,7 @@ def _list(result: "ScanResult", rows: Sequence[Row], links: Mapping[int, str]) -
             "data", "what to do"]  # fmt: skip
     cells = [
         [
-            row["loop"], str(row["rank"]), spoken(row["verdict"] or "error"), number(row["probability"], ".2f"),
+            row["loop"], str(row["rank"]), spoken(row["verdict"] or "error"), chance(row["probability"]),
             cause(row), size(row), number(row["period_s"], ".3g"), row["group"] or "",
             (row["health"] or "").replace("_", " "), _first_sentence(row["error"] or row["action"] or row["reason"]),
         ]

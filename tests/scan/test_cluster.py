@@ -10,15 +10,7 @@ import pytest
 from logs import ReadError
 from scan import scan
 
-distributed = pytest.importorskip("distributed")
-
-
-@pytest.fixture(scope="module")
-def cluster():
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
-    ) as started:
-        yield started
+pytest.importorskip("distributed")
 
 
 @pytest.fixture(scope="module")

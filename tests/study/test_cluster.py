@@ -9,18 +9,10 @@ from logs.files.resumable import parquet
 from plant.loops import integrating_loop
 from study import StudyError, study
 
-distributed = pytest.importorskip("distributed")
+pytest.importorskip("distributed")
 
 GRID = {"valve.F_s": [1750.0, 2000.0, 2250.0], "controller.K_p": [0.1, 0.2, 0.4]}
 OPTIONS = {"start": {"process.PV": [0.5]}, "kicks": 2, "duration": 400.0, "every": 1.0}
-
-
-@pytest.fixture(scope="module")
-def cluster():
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
-    ) as started:
-        yield started
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,29 @@
+"""A probability is never said to be 0 % or 100 %, and a report on a plainly sticky valve says so."""
+
+import re
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cases.stories import EXPORTS
+from detect import diagnose
+from detect.chances import chance
+from logs import read_loop
+
+
+@given(st.floats(0.0, 1.0))
+def test_whole_percent_and_never_certain(p):
+    said = chance(p)
+    number = float(re.search(r"\d+", said)[0])
+    assert 1 <= number <= 99  # analytic: what lies strictly between 0 and 100
+    assert abs(number - 100.0 * p) <= (0.5 if said[0].isdigit() else 1.0) + 1e-9
+
+
+def test_the_answer_and_the_page_do_not_claim_certainty():
+    from stickslip.commands.loop_page import loop_page
+
+    diagnosis = diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv"))
+    assert diagnosis.probability >= 0.995, "snapshot: this example is as clear as any"
+    assert "Probability of stiction over 99 %" in diagnosis.reason
+    page = loop_page(diagnosis)
+    assert "over 99 %" in page and not re.search(r"stiction (<[^>]*>)*100 ?%", page)
