@@ -51,8 +51,8 @@ def _both(folder: Path, seeds: dict[Setting, int], loops: dict[Setting, float], 
 
 
 @click.command()
-@click.option("--loops", type=click.IntRange(min=500), default=30_000, show_default=True, help="to fit the trees on")
-@click.option("--holding", type=click.IntRange(min=500), default=4000, show_default=True, help="to calibrate on")
+@click.option("--loops", type=click.IntRange(min=1), default=30_000, show_default=True, help="to fit the trees on")
+@click.option("--holding", type=click.IntRange(min=1), default=4000, show_default=True, help="to calibrate on")
 @click.option(
     "--patterns", type=click.IntRange(min=0), default=30_000, show_default=True,
     help="to fit the patterns on; 0: those of the shipped file",

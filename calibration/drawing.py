@@ -36,7 +36,7 @@ NOT_CYCLING = 0.2  # share of the sticky loops that disturbance or set point mus
 INTEGRATING = 0.25  # share of integrating processes
 CYCLE = (0.9, 1.9)  # range of OP over S in a loop that cycles by stiction, as seen in simulation
 TRAVEL = (0.8, 6.0)  # the same where something else moves OP
-GIVE = (0.003, 0.06)  # of S: how far a creeping valve gives before it breaks away
+GIVE = (0.003, 0.06)  # of S: the force that moves a creeping valve over the stiffness of its friction
 UNEVENNESS = (0.01, 0.3)  # standard deviation of the logarithm of its jumps
 
 _VALVES = {

@@ -125,7 +125,7 @@ def fit(x: Singles, group: npt.NDArray[np.str_], odd: Kernels, even: Kernels, sa
     none = np.zeros((0, 0), dtype=np.float32)
     bare = Readout(odd, even, mean, deviation, none, none, none, none, ())
     network = MLPClassifier(
-        (INNER,), alpha=DECAY, max_iter=PASSES, batch_size=BATCH, learning_rate_init=RATE, random_state=SEED
+        (INNER,), alpha=DECAY, max_iter=PASSES, batch_size=min(BATCH, len(x)), learning_rate_init=RATE, random_state=SEED
     )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ConvergenceWarning)  # the passes are counted, which keeps it from learning by heart

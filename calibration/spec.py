@@ -54,8 +54,8 @@ class LoopSpec:
     door : float               deviation of the historian's compression [share of the range]; 0: none
     stale : float              share of samples held, PV and OP together; stale_hold : mean length [samples]
     sp_logged, process_known, span_known : bool
-    give, unevenness : float   of "creeping": how far it gives before it breaks away [share of S], standard deviation
-                               of the logarithm of the jump from one slip to the next
+    give, unevenness : float   of "creeping": its force to break away over the stiffness of its friction [share of S],
+                               standard deviation of the logarithm of the jump from one slip to the next [-]
     dt : float                 sampling interval of the log [s]
     unit_pv, zero_pv, unit_op : float   scales and offset of the log
     """

@@ -26,7 +26,7 @@ import numpy.typing as npt
 from detect.judge.features.channels import channels
 from detect.judge.features.view import View
 
-__all__ = ["DILATIONS", "FILE", "Kernels", "Readout", "pattern_features", "pooled_of"]
+__all__ = ["DILATIONS", "FILE", "Kernels", "Readout", "pattern_features", "pooled_of", "shipped"]
 
 Singles = npt.NDArray[np.float32]
 FILE = Path(__file__).parents[1] / "patterns.npz"
@@ -125,7 +125,8 @@ def _total(z: Singles) -> Singles:
 
 
 @cache
-def _shipped() -> Readout:
+def shipped() -> Readout:
+    """The read-out that the package ships."""
     return Readout.read(FILE)
 
 
@@ -137,6 +138,6 @@ def pooled_of(v: View, odd: Kernels, even: Kernels) -> Singles:
 
 def pattern_features(v: View) -> dict[str, float]:
     """The features of this family by name [-]."""
-    read = _shipped()
+    read = shipped()
     told = read.scores(pooled_of(v, read.odd, read.even))
     return {f"pattern_{name}": float(value) for name, value in zip(read.names, told, strict=True)}
