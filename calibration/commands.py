@@ -5,11 +5,17 @@ from pathlib import Path
 from typing import Any, get_args
 
 import click
+import numpy as np
 
 from calibration.spec import Setting
 
-# First seeds: to fit patterns, trees, and the calibration; to choose on (no fit); to report on, and nothing else.
-PATTERNS, TRAINING, HOLDING, CHOOSING, TESTING = 10_000, 20_000, 20_040, 7000, 9000
+# First seeds of the two laws that are learnt from: to fit patterns, trees, and the calibration.
+PATTERNS: dict[Setting, int] = {"training": 10_001, "creeping": 31_000}
+TREES: dict[Setting, int] = {"training": 20_000, "creeping": 30_000}
+HOLDING: dict[Setting, int] = {"training": 20_040, "creeping": 30_060}
+SHARE: dict[Setting, float] = {"training": 2 / 3, "creeping": 1 / 3}  # of the loops for the trees
+KERNELS = 10_000  # seed of the loops that the limits of the kernels are taken from
+CHOOSING, TESTING = (7000, 7100), 9100  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
@@ -27,16 +33,28 @@ def _read_out(folder: Path, loops: int, workers: int | None) -> None:
     from calibration.patterns import LIMITED, PART, fit, kernels, pooled_loops, views
     from detect.judge.features.patterns import FILE
 
-    odd, even = kernels([view for view, _ in views(PATTERNS)][:LIMITED])
-    pooled = pooled_loops(folder / "patterns", PATTERNS + 1, max(round(loops / PART), 1), odd, even, workers)
-    fit(*pooled, odd, even, click.echo).write(FILE)
+    odd, even = kernels([view for view, _ in views(KERNELS)][:LIMITED])
+    count = max(round(loops / len(PATTERNS) / PART), 1)
+    pooled = [
+        pooled_loops(folder / f"patterns_{setting}", seed, count, odd, even, workers, setting)
+        for setting, seed in PATTERNS.items()
+    ]
+    x, group = (np.concatenate(both) for both in zip(*pooled, strict=True))
+    fit(x, group, odd, even, click.echo).write(FILE)
+
+
+def _both(folder: Path, seeds: dict[Setting, int], loops: dict[Setting, float], workers: int | None) -> Any:
+    """The tables of both laws, one after the other."""
+    from calibration.records import Table
+
+    return Table.joined([_table(folder, law, seed, round(loops[law]), workers) for law, seed in seeds.items()])
 
 
 @click.command()
-@click.option("--loops", type=click.IntRange(min=500), default=20_000, show_default=True, help="to fit the trees on")
-@click.option("--holding", type=click.IntRange(min=500), default=2000, show_default=True, help="to calibrate on")
+@click.option("--loops", type=click.IntRange(min=1), default=30_000, show_default=True, help="to fit the trees on")
+@click.option("--holding", type=click.IntRange(min=1), default=4000, show_default=True, help="to calibrate on")
 @click.option(
-    "--patterns", type=click.IntRange(min=0), default=8000, show_default=True,
+    "--patterns", type=click.IntRange(min=0), default=30_000, show_default=True,
     help="to fit the patterns on; 0: those of the shipped file",
 )  # fmt: skip
 @click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
@@ -56,8 +74,8 @@ def train(
 
     if patterns:
         _read_out(folder, patterns, workers)
-    fitted = _table(folder, "training", TRAINING, loops, workers)
-    held = _table(folder, "training", HOLDING, holding, workers)
+    fitted = _both(folder, TREES, {law: share * loops for law, share in SHARE.items()}, workers)
+    held = _both(folder, HOLDING, dict.fromkeys(HOLDING, holding / len(HOLDING)), workers)
     model = fit(fitted, held, click.echo, trees=trees)
     file = out or FILE
     model.write(file)

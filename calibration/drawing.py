@@ -36,14 +36,18 @@ NOT_CYCLING = 0.2  # share of the sticky loops that disturbance or set point mus
 INTEGRATING = 0.25  # share of integrating processes
 CYCLE = (0.9, 1.9)  # range of OP over S in a loop that cycles by stiction, as seen in simulation
 TRAVEL = (0.8, 6.0)  # the same where something else moves OP
+GIVE = (0.003, 0.06)  # of S: the force that moves a creeping valve over the stiffness of its friction
+UNEVENNESS = (0.01, 0.3)  # standard deviation of the logarithm of its jumps
 
 _VALVES = {
     "training": (("kano", 0.25), ("chen", 0.25), ("he", 0.25), ("stick_slip", 0.25)),
     "other_physics": (("stribeck", 0.75), ("lugre", 0.25)),
+    "creeping": (("creeping", 1.0),),
 }
 _CONTROLLERS = {
     "training": (("pi", 0.35), ("pi_filtered", 0.25), ("pid_weighted", 0.4)),
     "other_physics": (("pid_series", 1.0),),
+    "creeping": (("pi", 0.35), ("pi_filtered", 0.25), ("pid_weighted", 0.4)),
 }
 _PROCESSES = (("one_lag", 0.35), ("two_lags", 0.4), ("integrating", INTEGRATING))
 _DRIVERS = ("sine", "square", "saw", "triangle", "stochastic", "moves", "moves_SP", "stochastic_SP")
@@ -53,8 +57,9 @@ def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0) ->
     """Return ``n`` loops: half sticky (a fifth of these not cycling), the rest spread evenly over ``OTHERS``.
 
     ``setting`` "other_physics" has another law of friction (Stribeck with mass, LuGre), a pneumatic lag, a PID in
-    series form, longer dead times and other colours of disturbance; no calibration may use it.  ``first``: number of
-    the first loop, where a large set is drawn in parts.
+    series form, longer dead times and other colours of disturbance; no calibration may use it.  "creeping" is
+    "training" with a valve that gives a little before it breaks away, slips by another jump each time, and has J of 0.1
+    to 1 S in place of 0.3 to 1 S.  ``first``: number of the first loop, where a large set is drawn in parts.
 
     Raises ``ValueError`` unless n >= 1, seed >= 0 and the setting is known.
 
@@ -91,6 +96,8 @@ def one(group: str, stream: Sequence[int], setting: Setting = "training") -> Loo
     law = _pick(r, _VALVES[setting])
     values |= _loop(r, group, law, setting)
     values |= _valve(r, group, law, values["natural"] / values["per_natural"])
+    if law == "creeping":
+        values |= {"give": _log(r, *GIVE), "unevenness": _log(r, *UNEVENNESS)}
     values |= _driver(r, group, setting, values)
     values |= _data(r, group)
     return LoopSpec(**values)
@@ -113,7 +120,7 @@ def _loop(r: Random, group: str, law: str, setting: Setting) -> dict[str, Any]:
     if process == "integrating" and group == "deadband":
         process = "two_lags"  # with an integrating process a deadband makes a cycle of its own
     tau1 = 10.0
-    theta = tau1 * (_log(r, 0.1, 5.0) if setting == "training" else _log(r, 0.3, 4.0))
+    theta = tau1 * (_log(r, 0.1, 5.0) if setting != "other_physics" else _log(r, 0.3, 4.0))
     tau2 = tau1 * r.uniform(0.1, 1.0) if process != "one_lag" else 0.0
     K = _log(r, 0.3, 3.0) * (1.0 if r.random() < 0.5 else -1.0)
     K /= tau1 if process == "integrating" else 1.0
@@ -150,10 +157,10 @@ def _loop(r: Random, group: str, law: str, setting: Setting) -> dict[str, Any]:
 
 def _valve(r: Random, group: str, law: str, scan: float) -> dict[str, Any]:
     """Draw the bands of friction and the lag of stem and actuator [s]."""
-    S, share = _log(r, 2.0, 15.0), float(r.uniform(0.3, 1.0))
+    S, share = _log(r, 2.0, 15.0), float(r.uniform(0.1 if law == "creeping" else 0.3, 1.0))
     sticky = group in ("cycling", "excited")
     bands = {"S": S, "J": S * share} if sticky else {"S": 0.0, "J": 0.0}
-    slowest = 1.5 if law == "stick_slip" else 0.6
+    slowest = 1.5 if law in ("stick_slip", "creeping") else 0.6
     return {"valve": law, "valve_lag": scan * _log(r, 0.15, slowest)} | bands
 
 
@@ -180,7 +187,7 @@ def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> di
     elif group == "cycling":
         driver = "none"
     if driver in ("stochastic", "moves"):
-        time *= _log(r, 0.1, 0.5) if setting == "training" else 0.15
+        time *= _log(r, 0.1, 0.5) if setting != "other_physics" else 0.15
     virtual = loop["S"] if loop["J"] > 0.0 else _log(r, 2.0, 15.0)  # so that the range of OP tells no cause
     free = group == "excited" or (group != "cycling" and r.random() < NOT_CYCLING)
     swing = 0.0 if group == "cycling" else min(virtual * _log(r, *(TRAVEL if free else CYCLE)), 85.0)

@@ -139,6 +139,9 @@ def _bands(spec: LoopSpec, valve: str, low: float, high: float) -> dict[str, flo
         return found | {"valve.S": S, "valve.J": J}
     if valve == "he":
         return found | {"valve.f_s": static, "valve.f_d": kinetic}
+    if valve == "creeping":
+        creep = {"valve.give": spec.give * S, "valve.uneven": spec.unevenness, "valve.lag": spec.valve_lag}
+        return found | {"valve.S": S, "valve.J": J} | creep
     mass = (spec.valve_lag / (2.0 * DAMPING)) ** 2
     found |= {"valve.F_s": max(static, 1e-3), "valve.F_c": max(kinetic, 1e-3), "valve.F_v": spec.valve_lag}
     found["valve.M"] = mass

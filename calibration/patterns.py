@@ -2,7 +2,7 @@
 
 kernels   drawn from a seed: one to three channels, 9 weights each of mean zero, a size of the channel's own
 limits    quantiles of what each kernel gives on some loops: of |z| 30, 60, 85 and 97 %, of z 10, 35, 65 and 90 %
-read-out  ridge regression of one score per kind of loop, and one of stiction, on the pooled numbers
+read-out  a network of one layer between the pooled numbers and the kinds of loop, by scikit-learn
 """
 
 import hashlib
@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from calibration.drawing import draw
 from calibration.simulation import simulate
-from calibration.spec import Truth
+from calibration.spec import Setting, Truth
 from detect.judge.features.channels import EVEN, ODD, channels
 from detect.judge.features.patterns import DILATIONS, Kernels, Readout, pooled_of
 from detect.judge.features.view import View, view_of
@@ -31,7 +31,8 @@ COUNT = {"odd": 420, "even": 180}  # kernels
 SHARES = {"odd": (0.3, 0.6, 0.85, 0.97), "even": (0.1, 0.35, 0.65, 0.9)}
 LIMITED = 200  # loops that limits are taken from
 DRAWN = 40  # values of z from each of them
-RIDGE = 2000.0
+INNER, PASSES = 64, 12  # numbers of the inner layer, passes over the loops
+DECAY, RATE, BATCH = 1.0, 5e-4, 128
 SEED = 1  # of the kernels
 
 KEPT = Kept(
@@ -41,9 +42,9 @@ KEPT = Kept(
 Say = Callable[[str], None]
 
 
-def views(seed: int, workers: int | None = None) -> list[tuple[View, Truth]]:
-    """The views on one part of the training law that show enough, and what is true of them."""
-    found = ((view_of(Prepared(loop)), truth) for loop, truth in simulate(draw(PART, seed), workers))
+def views(seed: int, workers: int | None = None, setting: Setting = "training") -> list[tuple[View, Truth]]:
+    """The views on one part of a setting that show enough, and what is true of them."""
+    found = ((view_of(Prepared(loop)), truth) for loop, truth in simulate(draw(PART, seed, setting), workers))
     return [(view, truth) for view, truth in found if view is not None]
 
 
@@ -85,21 +86,22 @@ def _limits(bare: Kernels, looked_at: Sequence[Singles], shares: Sequence[float]
 
 
 def pooled_loops(
-    folder: Path, seed: int, count: int, odd: Kernels, even: Kernels, workers: int | None = None
-) -> tuple[Singles, npt.NDArray[np.str_]]:
+    folder: Path, seed: int, count: int, odd: Kernels, even: Kernels, workers: int | None = None,
+    setting: Setting = "training",
+) -> tuple[Singles, npt.NDArray[np.str_]]:  # fmt: skip
     """Pooled numbers (n, p) and groups (n,) of ``count`` parts from ``seed`` on, those made before from the folder.
 
     Raises ``ValueError`` if the folder holds what other kernels have pooled.
     """
     import polars as pl
 
-    asked = {"seed": seed, "part": PART, "kernels": _digest(odd, even)}
+    asked = {"setting": setting, "seed": seed, "part": PART, "kernels": _digest(odd, even)}
     with opened(folder, asked, KEPT, fresh=False) as place:
         place.note()
         there = place.firsts()
         for k in range(count):
             if k * PART not in there:
-                seen = views(seed + k, workers)
+                seen = views(seed + k, workers, setting)
                 x = np.array([pooled_of(view, odd, even) for view, _ in seen])
                 columns = {KEPT.key: k * PART + np.arange(len(x)), "group": [truth.group for _, truth in seen], "x": x}
                 place.add(pl.DataFrame(columns))
@@ -114,15 +116,21 @@ def _digest(odd: Kernels, even: Kernels) -> str:
 
 def fit(x: Singles, group: npt.NDArray[np.str_], odd: Kernels, even: Kernels, say: Say = print) -> Readout:
     """The read-out by the pooled numbers (n, p) and groups (n,) of loops."""
+    import warnings
+
+    from sklearn.exceptions import ConvergenceWarning
+    from sklearn.neural_network import MLPClassifier
+
     mean, deviation = np.nanmean(x, axis=0), np.nanstd(x, axis=0) + 1e-6
-    groups = sorted(set(group.tolist()))
-    bare = Readout(odd, even, mean, deviation, np.eye(x.shape[1], dtype=np.float32), tuple(groups))
-    told = np.concatenate([bare.scores(rows) for rows in np.array_split(x, 50)])
-    sticky = np.isin(group, ("cycling", "excited"))
-    target = np.column_stack([*(group == g for g in groups), sticky]).astype(np.float32)
-    target -= target.mean(axis=0)
-    gram = told.T @ told
-    gram[np.diag_indices(len(gram))] += RIDGE
-    weight = np.linalg.solve(gram, told.T @ target).astype(np.float32)
-    say(f"patterns: {len(x)} loops, {x.shape[1]} pooled numbers, {target.shape[1]} scores")
-    return Readout(odd, even, mean, deviation, weight, (*groups, "sticky"))
+    none = np.zeros((0, 0), dtype=np.float32)
+    bare = Readout(odd, even, mean, deviation, none, none, none, none, ())
+    network = MLPClassifier(
+        (INNER,), alpha=DECAY, max_iter=PASSES, batch_size=min(BATCH, len(x)), learning_rate_init=RATE, random_state=SEED
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)  # the passes are counted, which keeps it from learning by heart
+        network.fit(bare.standard(x), group)
+    (inner, out), (b, c) = network.coefs_, network.intercepts_
+    say(f"patterns: {len(x)} loops, {x.shape[1]} pooled numbers, {len(c)} kinds of loop")
+    layers = (a.astype(np.float16) for a in (inner, b, out, c))
+    return Readout(odd, even, mean, deviation, *layers, tuple(network.classes_.tolist()))

@@ -135,7 +135,7 @@ def kept_table(folder: Path, setting: Setting, seed: int, count: int, workers: i
 
 def _made(folder: Path, setting: Setting, seed: int) -> Table:
     """One part, in this process."""
-    if setting == "training":
+    if setting != "other_physics":
         return table(simulate(draw(PART, seed, setting), 1))
     loops = folder / f"loops_{setting}_{seed}"
     write(loops, PART, seed, setting, 1, progress=False)

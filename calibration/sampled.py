@@ -3,6 +3,7 @@
     x1 <- F + (x1 - F) exp(-1/tau1),   the second lag and the integrator by the same exact solution over one scan
     F   = MV of theta scans ago + load, held over a scan; a stem with mass moves in ``STEPS`` steps, F has its mean
 
+A valve that creeps (``_creeping``) is here only: it sticks as Chen's does, but gives a little before it breaks away.
 Controller, valve (Kano, Chen, He: sampled; stick_slip: a stem with mass and Coulomb friction), sensor and disturbances
 are those of ``loops.diagram`` with a scan as the unit of time; random numbers are drawn from another generator, so
 that with noise records agree in law, not value by value.  Structures that are not in ``VALVES`` and ``CONTROLLERS`` are
@@ -20,14 +21,16 @@ from numpy.typing import NDArray
 __all__ = ["CONTROLLERS", "SIGNALS", "VALVES", "run"]
 
 Floats = NDArray[np.float64]
-VALVES = ("kano", "chen", "he", "stick_slip")
+VALVES = ("kano", "chen", "he", "stick_slip", "creeping")
 CONTROLLERS = ("pi", "pi_filtered", "pid_weighted")
 PROCESSES = ("one_lag", "two_lags", "integrating")
 SIGNALS = ("SP", "PV_m", "OP", "MV")
 STEPS = 24  # of a scan, for a stem with mass
+LEAVES = 0.97  # of the force at which Dahl's friction would slide: there a creeping valve breaks away
 
 _DRIVE = ("shape", "amplitude", "period", "slope", "sd", "correlation_time", "walk", "move", "hold")
-_VALVE = {"kano": ("S", "J"), "chen": ("S", "J"), "he": ("f_s", "f_d"), "stick_slip": ("F_s", "F_c", "F_v", "M")}
+_VALVE = {"kano": ("S", "J"), "chen": ("S", "J"), "he": ("f_s", "f_d"), "stick_slip": ("F_s", "F_c", "F_v", "M"),
+          "creeping": ("S", "J", "give", "uneven", "lag")}  # fmt: skip
 
 
 def run(
@@ -44,7 +47,7 @@ def run(
     kinds = VALVES.index(valve), PROCESSES.index(process), CONTROLLERS.index(controller)
     for i, (own, seed) in enumerate(zip(columns, seeds, strict=True)):
         drives = np.array([[own.get(f"{on}.{key}", 0.0) for key in _DRIVE] for on in ("load", "SP")])
-        friction = np.array([*(own[f"valve.{key}"] for key in _VALVE[valve]), 0.0, 0.0])[:4]
+        friction = np.array([*(own[f"valve.{key}"] for key in _VALVE[valve]), 0.0, 0.0, 0.0])[:5]
         sensor = np.array([own.get(f"sensor.{key}", 0.0) for key in ("sd", "correlation_time", "step")])
         _loop(
             np.random.default_rng(seed), scans, kinds, drives, friction, _process(own, process),
@@ -188,6 +191,45 @@ def _sliding(op: float, low: float, high: float, f: Any, m: Any, steps: int) -> 
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _creeping(r: Any, op: float, low: float, high: float, f: Any, m: Any) -> None:
+    """One scan of a valve that gives before it breaks away; m: MV, stuck, direction, force to break away, air.
+
+    air <- air + (1 - exp(-1/lag)) (OP - air),   F = air - MV: the force on the stem, friction holds it
+    stuck     dF/dMV = (F_b / (give LEAVES)) (1 - sgn(dMV) F LEAVES / F_b)     Dahl's friction: it gives and creeps
+              |F| > F_b: it slips, MV = air - dir (S - J)/2
+    sliding   as Chen's valve, until air turns back; then F_b is drawn anew: (S - J)/2 + J exp(uneven n)
+
+    Without give, unevenness and lag it is Chen's valve.  Source of the friction: P. R. Dahl (1968), A solid friction
+    model, TOR-0158(3107-18)-1, Aerospace Corporation.
+    """
+    kinetic, jump, before = 0.5 * (f[0] - f[1]), f[1], m[4]
+    m[4] += (1.0 - math.exp(-1.0 / f[4]) if f[4] > 0.0 else 1.0) * (op - before)
+    air = m[4]
+    if f[0] <= 0.0:
+        m[0] = air
+        return
+    if m[3] == 0.0:  # at rest, never moved
+        m[3] = kinetic + jump
+    if m[1] == 0.0 and m[2] * (air - m[0]) <= kinetic + 1e-14 * abs(op):
+        m[1] = 1.0
+        m[3] = kinetic + jump * math.exp(min(f[3] * r.normal(), 1.0))
+    if m[1] == 1.0:
+        way = math.copysign(1.0, air - before)
+        stiffness = m[3] / (f[2] * LEAVES) if f[2] > 0.0 else math.inf
+        for k in range(STEPS):
+            step = before + (air - before) * (k + 1.0) / STEPS
+            held = max(1.0 - way * (step - m[0]) * LEAVES / m[3], 1.0 - LEAVES)
+            m[0] += (air - before) / STEPS / (1.0 + stiffness * held)
+            if abs(step - m[0]) > m[3]:
+                m[1] = 0.0
+                m[2] = math.copysign(1.0, step - m[0])
+                break
+    if m[1] == 0.0:
+        m[0] = air - m[2] * kinetic
+    m[0] = min(max(m[0], low), high)
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _loop(
     r: Any, scans: int, kinds: Any, drives: Any, f: Any, process: Any, c: Any, sensor: Any, authority: float,
     low: float, high: float, at: Any, out: Any,
@@ -198,7 +240,7 @@ def _loop(
     e1, e2 = math.exp(-1.0 / tau1), math.exp(-1.0 / tau2) if tau2 > 0.0 else 0.0
     line, head = np.zeros(theta + 1), 0
     load, move, m = np.zeros(3), np.zeros(3), np.zeros(5)
-    m[1] = 1.0 if valve < 3 else 0.0
+    m[1] = 0.0 if valve == 3 else 1.0
     load[0], move[0], noise = r.normal(), r.normal(), r.normal()
     K_p, T_i, T_d, N, b, T_f = c[0], c[1], c[2], c[3], c[4], c[5]
     z = derivative = filtered = x1 = x2 = 0.0
@@ -225,6 +267,9 @@ def _loop(
         z += gained + min(track, 1.0) * (op - v)
         if valve == 3:
             before = _sliding(op, low, high, f, m, STEPS)
+        elif valve == 4:
+            _creeping(r, op, low, high, f, m)
+            before = m[0]
         else:
             _stem(valve, op, low, high, f, m)
             before = m[0]

@@ -186,11 +186,11 @@ def by_engine(
 
 
 def pilot_of(valve: str) -> str:
-    """Return the law of friction of a pilot run: the loop's own, or for stems with mass their limit without mass.
+    """Return the law of friction of a pilot run: the loop's own, or its limit without mass and without creep.
 
     Under an OP that is held from scan to scan such a stem comes to rest in every scan, as the valve of He does.
     """
-    return "he" if valve in STEMS else valve
+    return "he" if valve in STEMS else "chen" if valve == "creeping" else valve
 
 
 def loudness(spec: LoopSpec) -> float:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-Setting: TypeAlias = Literal["training", "other_physics"]
+Setting: TypeAlias = Literal["training", "other_physics", "creeping"]
 Cause: TypeAlias = Literal[
     "stiction", "tight_tuning", "external_oscillation", "sensor", "saturation", "deadband", "dead_loop",
     "cascade_slave", "drift", "healthy",
@@ -24,12 +24,13 @@ class LoopSpec:
     OP and MV are in % of the OP span, PV in % of its span before ``unit_pv`` and ``zero_pv``.
 
     seed : int                 of the loop's random numbers
-    setting : str              "training", or "other_physics" for tests that no calibration has seen
+    setting : str              "training" and "creeping" to learn from, "other_physics" for tests that no
+                               calibration has seen
     group : str                what was asked for, finer than the cause: "cycling", "excited", "external_sine", ...
     cause : str                one of ``CAUSES``
-    valve : str                law of friction: "kano", "chen", "he", "stick_slip", "stribeck", "lugre"
+    valve : str                law of friction: "kano", "chen", "he", "stick_slip", "creeping", "stribeck", "lugre"
     S, J : float               deadband plus stickband, slip jump [% of OP]
-    valve_lag : float          time constant of actuator and stem [s]; of the laws with mass only
+    valve_lag : float          time constant of actuator and stem [s]; of "creeping" and the laws with mass only
     process : str              "one_lag", "two_lags", "integrating"
     K, tau1, tau2, theta : float   gain [% of PV per % of OP; per s where integrating], lags and dead time [s]
     controller : str           "pi", "pi_filtered", "pid_weighted", "pid_series"
@@ -53,6 +54,8 @@ class LoopSpec:
     door : float               deviation of the historian's compression [share of the range]; 0: none
     stale : float              share of samples held, PV and OP together; stale_hold : mean length [samples]
     sp_logged, process_known, span_known : bool
+    give, unevenness : float   of "creeping": its force to break away over the stiffness of its friction [share of S],
+                               standard deviation of the logarithm of the jump from one slip to the next [-]
     dt : float                 sampling interval of the log [s]
     unit_pv, zero_pv, unit_op : float   scales and offset of the log
     """
@@ -105,6 +108,8 @@ class LoopSpec:
     unit_pv: float
     zero_pv: float
     unit_op: float
+    give: float = 0.0
+    unevenness: float = 0.0
 
 
 @dataclass(frozen=True)

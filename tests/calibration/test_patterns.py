@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from calibration.patterns import SHARES, fit, kernels, pooled_loops, views
+from calibration.scoring import auc
 from detect.judge.features.channels import channels
 from detect.judge.features.convolutions import POOLED
 
@@ -45,11 +46,14 @@ def test_the_read_out_finds_what_is_there(drawn):
     looked_at, _ = drawn
     odd, even = kernels(looked_at)
     rng = np.random.default_rng(0)
-    group = np.where(rng.random(4000) < 0.5, "cycling", "healthy")
-    x = rng.normal(size=(4000, 30)).astype(np.float32)
+    group = rng.choice(["cycling", "healthy", "drift"], 12_000)
+    x = rng.normal(size=(12_000, 30)).astype(np.float32)
     x[:, 7] += 2.0 * (group == "cycling")
-    read = fit(x, group, odd, even, say=lambda text: None)
-    assert read.names == ("cycling", "healthy", "sticky")
-    score = read.scores(x)
-    assert np.argmax(np.abs(read.weight[:, 2])) == 7
-    assert score[group == "cycling", 2].mean() > score[group == "healthy", 2].mean() + 0.2
+    read = fit(x[:10_000], group[:10_000], odd, even, say=lambda text: None)
+    assert read.names == ("cycling", "drift", "healthy", "sticky")
+    told = read.scores(x[10_000:])
+    shares = np.exp(told[:, :3])
+    assert shares.sum(axis=1) == pytest.approx(np.ones(2000), abs=1e-4)  # analytic
+    assert told[:, 3] == pytest.approx(np.log(shares[:, 0] / (1 - shares[:, 0])), abs=1e-3)  # analytic: ln of the odds
+    # analytic: two Gaussians 2 apart have the AUC Phi(2 / sqrt 2) = 0.921
+    assert auc(told[:, 3], group[10_000:] == "cycling") == pytest.approx(0.921, abs=0.03)

@@ -8,7 +8,7 @@ import pytest
 from calibration import LoopSpec
 from calibration.drawing import one
 from calibration.loops import parameters
-from calibration.sampled import CONTROLLERS, VALVES, run
+from calibration.sampled import CONTROLLERS, LEAVES, VALVES, run
 from calibration.simulation import QUIET, by_engine, driver, in_scans
 
 SCANS = 400
@@ -40,7 +40,7 @@ def drawn(group: str, structure: tuple[str, str, str], count: int, **more: objec
     return found
 
 
-@pytest.mark.parametrize("valve", VALVES)
+@pytest.mark.parametrize("valve", [valve for valve in VALVES if valve != "creeping"])
 def test_a_sine_through_a_sticky_valve_is_what_the_engine_gives(valve: str) -> None:
     structure = (valve, "two_lags", "pi")
     specs = drawn("excited", structure, 3, driver="sine", driver_on="load", S=3.0, J=1.5)
@@ -82,3 +82,43 @@ def test_noise_and_walk_have_their_sizes() -> None:
     walk = run(structure, 2000, [own | {"sensor.sd": 0.0, "load.walk": 0.1}] * 200, range(200), np.array([1999.0]))
     # analytic: a walk of 0.1 a scan is 0.1 sqrt(2000) = 4.5 wide after 2,000 scans; the lag takes little of it
     assert walk["PV_m"].std() / gain == pytest.approx(4.5, rel=0.2)
+
+
+def creeping(load: dict[str, float], scans: int = SCANS, **valve: float) -> dict[str, np.ndarray]:
+    """Return OP and MV of a creeping valve of S = 4, J = 2 whose OP follows the set point alone."""
+    spec = drawn("excited", ("creeping", "one_lag", "pi"), 1, S=4.0, J=2.0)[0]
+    own = column(spec) | {f"SP.{key}": value for key, value in load.items()} | {"F.w_MV": 0.0, "load.amplitude": 0.0}
+    own |= {"load.sd": 0.0, "load.move": 0.0, "controller.K_p": 1.0, "controller.T_i": 1e12, "controller.action": 1.0}
+    own |= {f"valve.{key}": value for key, value in ({"give": 0.0, "uneven": 0.0, "lag": 0.0} | valve).items()}
+    both = run(("creeping", "one_lag", "pi"), scans, [own], [3], np.arange(scans - 1) + 0.5)
+    chen = run(("chen", "one_lag", "pi"), scans, [own], [3], np.arange(scans - 1) + 0.5)
+    return {"OP": both["OP"][0], "MV": both["MV"][0], "chen": chen["MV"][0]}
+
+
+SINE = {"shape": 0.0, "amplitude": 6.0, "period": 97.0}
+
+
+def test_a_creeping_valve_that_does_not_give_is_that_of_chen() -> None:
+    told = creeping(SINE)
+    assert np.ptp(told["MV"]) > 5.0 and np.abs(told["MV"] - told["chen"]).max() < 1e-12  # analytic: the same balance
+
+
+def test_a_creeping_valve_gives_as_dahl_says_until_it_breaks_away() -> None:
+    give, force = 0.1, 3.0  # force to break away (S + J)/2
+    told = creeping({"slope": 0.02}, give=give)
+    stuck = np.arange(len(told["OP"])) < np.argmax(np.diff(told["MV"]) > 1.0)
+    held = told["OP"] - told["MV"]
+    # analytic: MV = -give ln(1 - F/F_max) with F_max = force / LEAVES, on a load that only grows
+    expected = -give * np.log(1.0 - held[stuck] * LEAVES / force)
+    assert told["MV"][stuck] == pytest.approx(expected, abs=0.01 * give)
+    assert held[stuck].max() == pytest.approx(force, abs=0.03)
+    assert np.diff(told["MV"]).max() == pytest.approx(2.0, abs=0.05)  # it slips by J
+
+
+def test_the_jumps_of_a_creeping_valve_differ_as_asked() -> None:
+    told = creeping(SINE, scans=30_000, uneven=0.2)
+    jumps = np.abs(np.diff(told["MV"]))
+    slips = jumps[jumps > 0.7]
+    assert len(slips) > 400
+    assert np.std(np.log(slips)) == pytest.approx(0.2, abs=0.04)  # what OP moves within a scan is small
+    assert np.median(slips) == pytest.approx(2.0, rel=0.15)

@@ -24,12 +24,12 @@ def test_the_model_file_is_small() -> None:
     assert FILE.stat().st_size < 1_500_000
 
 
-def test_features_are_kept_part_by_part(tmp_path, monkeypatch) -> None:
+def test_features_are_kept_part_by_part(tmp_path, monkeypatch, here) -> None:
     monkeypatch.setattr("calibration.records.PART", 4)  # read when a part is made, in this process
     monkeypatch.setattr(
         "calibration.records._made", lambda folder, setting, seed: table(simulate(draw(4, seed, setting)))
     )
-    monkeypatch.setattr("calibration.records.ProcessPoolExecutor", Here)
+    monkeypatch.setattr("calibration.records.ProcessPoolExecutor", here)
     two = kept_table(tmp_path, "training", 5, 2)
     parts = sorted((tmp_path / "training_5" / "parts").iterdir())
     assert len(two) == 8 and [part.stem for part in parts] == ["000000000", "000000004"]
@@ -44,23 +44,3 @@ def same(a: Table, b: Table) -> bool:
     """Whether two tables are equal."""
     truth = all(np.array_equal(a.truth[k], b.truth[k], equal_nan=a.truth[k].dtype.kind == "f") for k in a.truth)
     return truth and a.names.tolist() == b.names.tolist() and np.array_equal(a.x, b.x, equal_nan=True)
-
-
-class Here:
-    """Does at once, in this process, what is submitted."""
-
-    def __init__(self, *_: object, **__: object) -> None:
-        pass
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-    def submit(self, work, *args):
-        from concurrent.futures import Future
-
-        done: Future = Future()
-        done.set_result(work(*args))
-        return done

@@ -1,0 +1,40 @@
+"""``python -m calibration train`` from nothing to a model that answers, on a few loops."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from calibration.__main__ import calibration
+from detect.judge.features import patterns
+from detect.judge.model import FILE, Model
+
+LOOPS = 28  # of a part: every kind is among them
+
+
+@pytest.fixture
+def small(monkeypatch, tmp_path, here):
+    """Parts of a few loops, few kernels, and pattern scores that are kept elsewhere."""
+    pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
+    for place in ("records", "patterns"):
+        monkeypatch.setattr(f"calibration.{place}.PART", LOOPS)
+    monkeypatch.setattr("calibration.patterns.COUNT", {"odd": 21, "even": 14})
+    monkeypatch.setattr("calibration.records.ProcessPoolExecutor", here)
+    monkeypatch.setattr(patterns, "FILE", tmp_path / "patterns.npz")
+    patterns.shipped.cache_clear()
+    yield tmp_path
+    patterns.shipped.cache_clear()
+
+
+def test_a_model_is_made_from_nothing(small):
+    sizes = ["--loops", "84", "--holding", "56", "--patterns", "56", "--trees", "20"]
+    places = ["--folder", str(small / "parts"), "--out", str(small / "model.npz")]
+    done = CliRunner().invoke(calibration, ["train", *sizes, *places], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    made, kept = Model.read(small / "model.npz"), Model.read(FILE)
+    assert made.names == kept.names  # what is shipped was made from the features that there are
+    assert set(made.causes) == set(kept.causes)
+    assert made.about["fitted_on"] <= 84 and made.about["calibrated_on"] <= 56
+    p, others = made.probabilities(np.zeros((1, len(made.names))))
+    assert p + others.sum(axis=1) == pytest.approx([1.0])
+    read = patterns.Readout.read(small / "patterns.npz")
+    assert len(read.odd.channel) == 21 and set(read.kinds) >= {"cycling", "excited", "healthy"}
