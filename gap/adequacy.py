@@ -5,11 +5,14 @@
 3. it explains nearly the whole gap: a law that differs a little from the true one leaves a little.
 """
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from gap.floor import scored, without_gap
 from gap.model import silenced
-from gap.offsets import offsets
+from gap.modes import CHARGE
 from gap.problem import SIGMAS, Problem
 from gap.search import Fit
 
@@ -33,8 +36,8 @@ def share(problem: Problem, fit: Fit) -> float:
 
 
 def scored_alone(fit: Fit) -> float:
-    """Return the score of a fit's innovations, in their own unit."""
-    return float(scored(fit.e))
+    """Return the score of a fit's innovations, in their own unit, with what modes set right cost."""
+    return float(scored(fit.e)) + fit.charge
 
 
 def complete(problem: Problem, fit: Fit) -> bool:
@@ -47,30 +50,43 @@ def complete(problem: Problem, fit: Fit) -> bool:
 
 
 def adequate(problem: Problem, fit: Fit) -> bool:
-    """Return whether a fit explains so much of the gap that only its law can be a little different."""
-    enough = EXPLAINED_HIDDEN if fit.effect.hidden else EXPLAINED_LIMIT if stands(problem, fit) else EXPLAINED
-    return share(problem, fit) >= enough
+    """Return whether a fit explains so much of the gap that only its law can be a little different.
+
+    At a limit at which the log stands, when exactly an integral stops is a matter of the controller's own step: there
+    it is enough that nothing is left elsewhere.
+    """
+    enough = EXPLAINED_HIDDEN if fit.effect.hidden else EXPLAINED
+    if share(problem, fit) >= enough:
+        return True
+    away = ~standing(problem, fit)
+    if away.all():
+        return False
+    e = fit.e[away]
+    usual = problem.floor.mean * len(e) + SIGMAS * problem.floor.sd * float(np.sqrt(len(e)))
+    return share(problem, fit) >= EXPLAINED_LIMIT or float(scored(e)) <= usual + needed(problem)
 
 
 def stands(problem: Problem, fit: Fit) -> bool:
-    """Return whether a logged signal stands at the limit that a fit puts there.
+    """Return whether a logged signal stands at the limit that a fit puts there; the digits prove such a limit."""
+    return bool(standing(problem, fit).any())
 
-    The digits prove such a limit; when exactly an integral stops there is another matter, of the controller's own step.
-    """
-    if fit.candidate.own != ("low", "high"):
-        return False
+
+def standing(problem: Problem, fit: Fit) -> NDArray[np.bool_]:
+    """Return the scored rows at and beside which a logged signal stands at the limit that a fit puts there, (rows,)."""
     log, base = problem.record.log, fit.candidate.base
-    percent = fit.effect.parameters[0].unit.startswith("%")
-    for s in (str(s) for s in base[fit.place].output_labels if str(s) in log):
-        low, high = base.signal_spans.get(s, (0.0, 1.0))
-        for limit in (
-            fit.values[name] for name in fit.candidate.own if fit.values[name] != fit.candidate.nominal[name]
-        ):
-            at = low + 0.01 * limit * (high - low) if percent else limit
+    found = np.zeros(len(log), dtype=bool)
+    if fit.candidate.own == ("low", "high"):
+        percent = fit.effect.parameters[0].unit.startswith("%")
+        for s in (str(s) for s in base[fit.place].output_labels if str(s) in log):
+            low, high = base.signal_spans.get(s, (0.0, 1.0))
             near = max(1.5 * problem.record.lattice(s), 1e-5 * (high - low))
-            if float((np.abs(log[s] - at) <= near).mean()) > STANDING:
-                return True
-    return False
+            for name in (n for n in fit.candidate.own if fit.values[n] != fit.candidate.nominal[n]):
+                at = low + 0.01 * fit.values[name] * (high - low) if percent else fit.values[name]
+                rows = np.abs(log[s] - at) <= near
+                if float(rows.mean()) > STANDING:
+                    found |= rows
+    found[1:-1] |= found[:-2] | found[2:]
+    return found[problem.floor.skipped :]
 
 
 def own_limit(problem: Problem, fit: Fit) -> float:
@@ -82,7 +98,8 @@ def own_limit(problem: Problem, fit: Fit) -> float:
     logs = without_gap(model, problem.record, OWN_RUNS, 1)
     if not logs:
         return problem.limit
-    scores = problem.floor.score(offsets(silenced(model), problem.record, logs=logs))
+    e, kept = replace(problem, start={}).replayed(silenced(model), logs=logs)
+    scores = scored(e) + CHARGE * kept
     scores = scores[np.isfinite(scores)]
     if len(scores) < 2:
         return problem.limit

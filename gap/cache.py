@@ -17,7 +17,7 @@ from gap.floor import Floor, settling_rows, skipped_rows
 from gap.record import Record
 from logs.files.write import replacing
 
-VERSION = 2  # of what a floor is
+VERSION = 3  # of what a floor is
 
 
 def folder() -> Path:

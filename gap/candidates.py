@@ -11,7 +11,7 @@ import numpy as np
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
-from gap.adequacy import needed
+from gap.adequacy import needed, stands
 from gap.effect import Effect
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
@@ -97,7 +97,8 @@ def _finished(found: Sequence[Fit]) -> list[Fit]:
         near = (
             k < (FOLLOWED_FREE if problem.free else FOLLOWED) and fit.present and fit.total <= ordered[0].total + margin
         )
-        if near and not fit.followed and (not fit.effect.hidden or problem.free):
+        exact = stands(problem, fit)  # what the digits give is not to be moved
+        if near and not fit.followed and not exact and (not fit.effect.hidden or problem.free):
             fit = replace(refined(fit), followed=True)
         done.append(fit)
     return sorted(done, key=lambda fit: fit.total)

@@ -28,6 +28,7 @@ from gap.floor import Floor, measured
 from gap.instants import with_instants
 from gap.linearised.filtered import filter_of, floor_of_record, suspected
 from gap.model import read, silenced
+from gap.nesting import one_of_nested
 from gap.pairs import paired
 from gap.problem import Problem, Settled
 from gap.record import FEWEST, GapError, Record
@@ -149,6 +150,7 @@ def told(
     ``textured``: whether the first is told by the digits of the log, which need no other proof; ``legal`` all
     candidates, of which a record without a gap says what it would have shown.
     """
+    fits = one_of_nested(problem, fits)
     best = fits[0] if fits else None
     gained = problem.score - best.total if best else 0.0
     if not textured and problem.score <= problem.limit and gained <= needed(problem):

@@ -73,7 +73,8 @@ class Effect:
     """Base of all effects: subclasses fill in the class data and ``put`` or ``settings``, or both.
 
     Class data: ``name``; ``role`` of the blocks it may be at; ``parameters``; ``hidden``, whether it has a mode that no
-    log shows (a stem that sticks); ``of_log``, whether it acts on the log only.
+    log shows (a stem that sticks); ``of_log``, whether it acts on the log only; ``nests`` the effect that
+    it is where its further parameters are neutral.
     """
 
     name: ClassVar[str] = ""
@@ -81,6 +82,7 @@ class Effect:
     parameters: ClassVar[tuple[Parameter, ...]] = ()
     hidden: ClassVar[bool] = False
     of_log: ClassVar[bool] = False
+    nests: ClassVar[str] = ""
 
     def __repr__(self) -> str:
         said = ", ".join(f"{p.name} [{p.unit}]" for p in self.parameters)

@@ -35,6 +35,7 @@ ORDER = 24  # rows that a prediction of the residuals may look back
 WORTH = 0.5  # nats a row that predicting residuals must gain to be done
 GROWTH = 1.5  # a level whose variance grows by this between the thirds of a record has none
 SMALLEST = 1e-12
+MECHANICAL = 1e-4  # share of its travel to which a stem's position is known
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,17 +146,24 @@ def settling_rows(model: Diagram, record: Record) -> float:
     return SETTLING * float(np.median(times)) / record.log.dt if times else 0.0
 
 
-def floor_of(found: Floats, settling: float = 0.0, integrating: Sequence[bool] = (), steady: bool = False) -> Floor:
+def floor_of(
+    found: Floats,
+    settling: float = 0.0,
+    integrating: Sequence[bool] = (),
+    steady: bool = False,
+    least: Sequence[float] = (),
+) -> Floor:
     """Return the floor that offsets of runs without a gap have, (runs, rows, signals).
 
-    ``integrating``: signals whose changes are the residuals in any case; ``steady``: all others have a level.
+    ``integrating``: signals whose changes are the residuals in any case; ``steady``: all others have a level;
+    ``least`` scale of each signal's residuals [its unit], where a model is sharper than its plant can be.
     """
     skipped = skipped_rows(found.shape[1], settling)
     changes = np.array(integrating or [False] * found.shape[-1])
     if not steady:
         changes |= _drifting(found[:, skipped:])
     r = residuals(found, changes)[:, skipped:]
-    A, L = _predictor(r)
+    A, L = _predictor(r, np.array(least or [SMALLEST] * found.shape[-1]))
     scores = np.sort(scored(whitened(r, A, L)))
     return Floor(changes, A, L, skipped, scores, r.shape[1])
 
@@ -168,11 +176,12 @@ def _drifting(found: Floats) -> NDArray[np.bool_]:
     return np.asarray(late > GROWTH * np.maximum(early, SMALLEST**2))
 
 
-def _predictor(r: Floats) -> tuple[Floats, Floats]:
-    """Return (A, L) of residuals without a gap, (runs, rows, signals)."""
+def _predictor(r: Floats, least: Floats) -> tuple[Floats, Floats]:
+    """Return (A, L) of residuals without a gap, (runs, rows, signals), whose scales are at least so large."""
     m = r.shape[-1]
     flat = np.nan_to_num(r).reshape(-1, m)
-    plain = np.maximum(np.sqrt(np.mean(flat**2, axis=0)), SMALLEST)
+    own, least = np.sqrt(np.mean(flat**2, axis=0)), np.maximum(least, SMALLEST)
+    still, plain = own < least, np.maximum(own, least)  # what is still by itself needs no prediction
     none = np.zeros((0, m, m)), np.diag(plain)
     rows = r.shape[1]
     if rows <= 3 * ORDER:
@@ -186,6 +195,7 @@ def _predictor(r: Floats) -> tuple[Floats, Floats]:
     C = np.linalg.solve(G + 1e-9 * np.trace(G) / len(G) * np.eye(len(G)), past.T @ now)
     left = now - past @ C
     S = left.T @ left / len(left)
+    S[still, still] = 1.0
     gain = -0.5 * np.linalg.slogdet(S + 1e-12 * np.eye(m))[1]
     if gain < WORTH:
         return none
@@ -199,4 +209,19 @@ def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: in
     found = offsets(quiet, record, logs=logs)
     # The integral of a controller runs on freely: its level says nothing, however well the model keeps it.
     integrating = [model.blocks[model.driven[s][0]].role is Role.CONTROLLER for s in record.pinned]
-    return floor_of(found, settling_rows(model, record), integrating), logs
+    least = [sharpest(model, record, s) for s in record.pinned]
+    return floor_of(found, settling_rows(model, record), integrating, least=least), logs
+
+
+def sharpest(model: Diagram, record: Record, signal: str) -> float:
+    """Return the least scale that residuals of a signal are judged by [its unit].
+
+    The log's rounding, of which a model that only hands a signal on shows nothing; and of a valve, whose stem no law
+    foretells to the last digit of a log, a ten-thousandth of the travel.
+    """
+    rounding = record.steps[signal] / float(np.sqrt(12.0))
+    if model.blocks[model.driven[signal][0]].role is not Role.VALVE:
+        return rounding
+    known = record.log[signal][record.log.good(signal)]
+    low, high = model.signal_spans.get(signal, (float(known.min()), float(known.max())))
+    return max(rounding, MECHANICAL * (high - low))

@@ -4,25 +4,29 @@ Each limit is tried at the ends of the range and at some quantiles of the signal
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.role import Role
 from gap.ranges import between
 from gap.search import Candidate, Fit, best_of
 
 Floats = NDArray[np.float64]
 QUANTILES = (1.0, 0.995, 0.98, 0.94, 0.85, 0.7, 0.5)  # of the signal, at which an upper limit is tried
 SETTLED = 0.2  # nats that an interpolated limit must promise to be tried
+STANDS = 5  # rows at which a record that begins at a limit stands there
+NEAR = 1e-9  # of a signal: so near it stands
+ROUNDS = 3  # in which the start of an integral is found
 
 
 def fitted_limits(candidate: Candidate) -> Fit | None:
     """Return the best fit of two limits; None if no run succeeded."""
     seen = reached(candidate)
-    best: Fit | None = candidate.absent
+    best = _started_behind(candidate, seen) or candidate.absent
+    candidate = best.candidate
     for name in ("high", "low"):
-        if best is None:
-            return None
         values = dict(best.values)
         quantiles = QUANTILES if name == "high" else [1.0 - q for q in QUANTILES]
         grid = np.unique(np.quantile(seen, quantiles))
@@ -31,7 +35,40 @@ def fitted_limits(candidate: Candidate) -> Fit | None:
             size, F = between(fits, name)
             if min(fit.F for fit in fits) - SETTLED > F:
                 fits += candidate.tried([{**values, name: size}])
-        best = best_of([best, *fits])
+        best = best_of([best, *fits]) or best
+    return best if math.isfinite(best.F) else None
+
+
+def _started_behind(candidate: Candidate, seen: Floats) -> Fit | None:
+    """Return the fit of the limit at which a record begins, its controller started with the integral that it had.
+
+    Such a record does not say how far behind the limit the integral is; the offset of the first row off it does.  None
+    where the record begins elsewhere, or nothing is gained.
+    """
+    record, block = candidate.problem.record, candidate.base[candidate.place]
+    signal = str(block.output_labels[0])
+    if block.role is not Role.CONTROLLER or signal not in record.pinned or len(block.state_names) != 1:
+        return None
+    away = np.flatnonzero(np.abs(np.diff(record.log[signal])) > max(1.5 * record.lattice(signal), NEAR)) + 1
+    if len(away) == 0 or away[0] < STANDS or seen[0] not in (seen.min(), seen.max()):
+        return None
+    key, k = f"{block.name}.{block.state_names[0]}", record.pinned.index(signal)
+    limit = {"high" if seen[0] == seen.max() else "low": float(seen[0])}
+    best = best_of(candidate.tried([limit]))
+    for _ in range(ROUNDS):
+        if best is None or candidate.effect is None:
+            return None
+        problem = best.candidate.problem
+        settings = candidate.effect.settings(
+            candidate.base, candidate.place, **{n: best.values[n] for n in candidate.own}
+        )
+        offset = float(problem.offsets(candidate.changed, settings)[0, away[0], k])
+        start = problem.start.get(key, float(block.x0[0])) + offset
+        moved = replace(candidate, problem=replace(problem, start={**problem.start, key: start}))
+        found = best_of(moved.tried([best.values]))
+        if found is None or found.F > best.F - SETTLED:
+            break
+        best = found
     return best
 
 

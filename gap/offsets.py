@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from diagram.branches import Branches
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
 from diagram.pins import replays
@@ -27,10 +28,22 @@ def offsets(
     ``params``, ``start``: block.name -> one value a run, or one for all.  ``logs``: one a run in place of the record's,
     with the same signals and rows.
     """
+    return branched(diagram, record, params, start, logs)[0]
+
+
+def branched(
+    diagram: Diagram,
+    record: Record,
+    params: Mapping[str, ArrayLike] | None = None,
+    start: Mapping[str, ArrayLike] | None = None,
+    logs: Sequence[Log] | None = None,
+    branches: Branches | None = None,
+) -> tuple[Floats, Floats]:
+    """Return the offsets, as ``offsets`` does, and how many ``branches`` were kept in each run, (runs,)."""
     if record.filter is not None:
         found = record.filter.residuals(diagram, record, params, logs)
         found[:, _missing(record)] = np.nan
-        return found
+        return found, np.zeros(len(found))
     keep = [f"{s}:offset" for s in record.pinned]
     given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
     if logs is None:
@@ -38,15 +51,18 @@ def offsets(
         t0 = np.full(1 if not given and not start else (), log.t[0])  # an array says that there is one run
         many = ensemble(
             held(diagram, record), log.duration, t0=t0, times=log.t, params=given, start=start,
-            signals=keep, progress=False,
+            signals=keep, progress=False, branches=branches,
         )  # fmt: skip
     else:
         signals = [*record.played, *record.pinned]
-        many = replays(diagram, list(logs), signals=signals, keep=keep, params=given, start=start, progress=False)
+        many = replays(
+            diagram, list(logs), signals=signals, keep=keep, params=given, start=start, progress=False,
+            branches=branches,
+        )  # fmt: skip
     found = np.stack([many.values[f"{s}:offset"] for s in record.pinned], axis=-1)
     found[~many.ok] = np.nan
     found[:, _missing(record)] = np.nan
-    return found
+    return found, np.array([float(len(one)) for one in many.taken]) if many.taken else np.zeros(len(found))
 
 
 @lru_cache(maxsize=16)

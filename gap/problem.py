@@ -1,6 +1,6 @@
 """One record and one model, and what every candidate explanation of their gap is measured with."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -10,9 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 from diagram.diagram import Diagram
 from gap.floor import Floor, losses, scored
 from gap.model import known_within
-from gap.offsets import known_starts, offsets
+from gap.modes import branches_of
+from gap.offsets import branched, known_starts, offsets
 from gap.record import FEWEST, Record
 from gap.sureness import Sureness
+from logs import Log
 
 Floats = NDArray[np.float64]
 AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
@@ -58,11 +60,29 @@ class Problem:
         record: Record | None = None,
     ) -> Floats:
         """Return the innovations of a diagram, one run for each entry of the parameters, (runs, rows, signals)."""
-        ready = _started(diagram, self)
-        e = self.floor.innovations(offsets(ready, record or self.record, params))
-        if self.floor.coloured:
+        return self.replayed(diagram, params, record)[0]
+
+    def offsets(self, diagram: Diagram, params: Mapping[str, ArrayLike]) -> Floats:
+        """Return what the pins add to a diagram that starts as the record does, (runs, rows, signals)."""
+        return offsets(_started(diagram, self), self.record, params)
+
+    def replayed(
+        self,
+        diagram: Diagram,
+        params: Mapping[str, ArrayLike] | None = None,
+        record: Record | None = None,
+        logs: Sequence[Log] | None = None,
+    ) -> tuple[Floats, Floats]:
+        """Return the innovations, and how many modes of a stem that the model lacks were set right, (runs,).
+
+        ``logs``: one a run in place of the record's.
+        """
+        ready, branches = _started(diagram, self), branches_of(diagram, self.quiet, self.record, self.floor)
+        found, kept = branched(ready, record or self.record, params, logs=logs, branches=branches)
+        e = self.floor.innovations(found)
+        if self.floor.coloured and logs is None:
             e[:, self.at_limit[: e.shape[1]]] = np.nan
-        return e
+        return e, kept
 
     @cached_property
     def at_limit(self) -> NDArray[np.bool_]:

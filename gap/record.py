@@ -16,6 +16,7 @@ LATTICE = 1e-3  # how far, in steps, values may lie off a lattice that they are 
 FINEST = 1e-12  # of the largest value: numbers themselves are not more exact
 FEW = 0.1  # distinct values for each row, at most, where a signal has few
 UNEVEN = 0.02  # how far, in steps, they may lie off their lattice
+APART = 2.5  # roundings of the log by which they lie apart, where it has rounded them again
 FEWEST = 20  # rows below which a record says too little
 
 
@@ -69,8 +70,11 @@ def spacing(values: ArrayLike) -> float:
         if k[-1] < 2.0:
             return 0.0
         step = float(np.polyfit(k, levels, 1)[0])
-    off = np.abs(levels - np.round(levels / step) * step)
-    return step if float(np.max(off)) < UNEVEN * step else 0.0
+    k = np.round(levels / step)  # multiples of the step, of which zero is one
+    step = float(k @ levels / (k @ k)) if k.any() else step
+    off, again = np.abs(levels - np.round(levels / step) * step), rounding(known)
+    again = again if APART * again < step else 0.0
+    return step if float(np.max(off)) < UNEVEN * step + 0.51 * again else 0.0
 
 
 class Residuals(Protocol):

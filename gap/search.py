@@ -15,6 +15,7 @@ from diagram.diagram import Diagram
 from gap.effect import Effect
 from gap.effects.sensor_noise import SensorNoise
 from gap.floor import scored
+from gap.modes import CHARGE
 from gap.problem import Problem, Settled
 from gap.robust import step
 
@@ -88,10 +89,14 @@ class Candidate:
         if self.effect and not self.noisy:
             params |= self.effect.settings(self.base, self.place, **{name: columns[name] for name in self.own})
         params = {key: np.broadcast_to(v, len(full)) for key, v in params.items()}
-        e = self.problem.innovations(self.changed, params)
+        e, kept = self.problem.replayed(self.changed, params)
         if self.noisy:  # a replay has no noise; another size of it is another unit of the innovations
             return [narrowed(Fit(self, values, 0.0, one)) for values, one in zip(full, e, strict=True)]
-        return [Fit(self, values, float(scored(one)), one) for values, one in zip(full, e, strict=True)]
+        charges = (CHARGE * kept).tolist()
+        return [
+            Fit(self, values, float(scored(one)) + charge, one, charge=charge)
+            for values, one, charge in zip(full, e, charges, strict=True)
+        ]
 
     @cached_property
     def noisy(self) -> bool:
@@ -108,8 +113,8 @@ class Candidate:
 class Fit:
     """A candidate with the values that suit the record best.
 
-    ``F`` its score; ``e`` (rows, signals) the innovations that are left; ``price`` nats for its parameters;
-    ``followed`` whether it has been fitted to the end.
+    ``F`` its score; ``e`` (rows, signals) the innovations that are left; ``price`` nats for its parameters, ``charge``
+    for modes of a stem that were set right, which are part of ``F``; ``followed`` whether it has been fitted to the end.
     """
 
     candidate: Candidate
@@ -117,6 +122,7 @@ class Fit:
     F: float
     e: Floats = field(repr=False)
     price: float = 0.0
+    charge: float = 0.0
     followed: bool = False
 
     def of(self, candidate: Candidate) -> "Fit":

@@ -15,28 +15,14 @@ from gap.effect import Effect
 from gap.floor import measured, without_gap
 from gap.offsets import offsets
 from gap.problem import Problem
-from gap.record import Record
 from gap.search import Candidate, Fit
-from logs import Log
+from gap.straightness import deviation_of, sloping
 
 Floats = NDArray[np.float64]
 IN_ACCORD = 0.3  # of the usual size: innovations this small were not made by the historian's rounding
 USUAL = 0.6745  # median of |e| without a gap
 STRAIGHT = 0.05  # share of straight triples beyond what the model's own runs have
-DEVIATIONS = 13  # sizes of a compression that are tried
 RUNS = 6  # of a compressed model, whose scores tell what is usual
-
-
-def straight(values: Floats, step: float) -> float:
-    """Return the share of three neighbours that lie on a line without being equal, within the rounding ``step``.
-
-    >>> straight(np.array([0.0, 1.0, 2.0, 3.0, 1.0]), 0.0).__round__(3)
-    0.667
-    """
-    bend, rise = np.abs(np.diff(values, 2)), np.abs(np.diff(values))
-    near = 1.01 * step + 1e-9 * float(np.nanmax(np.abs(values), initial=0.0))
-    lined = (bend <= near) & (rise[1:] > 2.0 * near) & np.isfinite(bend)
-    return float(lined.mean()) if len(bend) else 0.0
 
 
 def in_loop(problem: Problem) -> tuple[str, ...]:
@@ -85,15 +71,18 @@ def fitted_compression(problem: Problem, effect: Effect, place: str) -> tuple[Fi
     None where the log has no more of them than noise makes.
     """
     record = problem.record
-    signal = next((s for s in record.pinned if straight(record.log[s], record.steps[s]) > STRAIGHT), None)
+    signal = next(
+        (s for s in record.pinned if s not in record.lattices and sloping(record.log[s], record.steps[s]) > STRAIGHT),
+        None,
+    )
     if signal is None:
         return None
-    wanted = straight(record.log[signal], record.steps[signal])
+    wanted = sloping(record.log[signal], record.steps[signal])
     plain = without_gap(problem.model, record, RUNS, 1)
-    usual_share = max((straight(log[signal], record.steps[signal]) for log in plain), default=1.0)
+    usual_share = max((sloping(log[signal], record.steps[signal]) for log in plain), default=1.0)
     if wanted < usual_share + STRAIGHT:  # a slow signal, coarsely rounded, has straight lines of its own
         return None
-    deviation = _matching(plain[0], effect, place, signal, record, wanted)
+    deviation = deviation_of(plain[0], effect, place, signal, record.steps[signal], wanted, sloping)
     logs = [effect.on_log(log, place, deviation=deviation) for log in plain]
     usual = problem.floor.score(offsets(problem.quiet, record, logs=logs))
     candidate = Candidate(problem, problem.quiet, effect, place)
@@ -102,18 +91,3 @@ def fitted_compression(problem: Problem, effect: Effect, place: str) -> tuple[Fi
     explained = abs(problem.score - F) < 6.0 * spread + 0.1 * abs(problem.score - problem.level)
     e = problem.as_it_is / max(1.0, float(np.nanstd(problem.as_it_is)))
     return Fit(candidate, {"deviation": deviation}, problem.level, e), explained
-
-
-def _matching(log: Log, effect: Effect, place: str, signal: str, record: Record, wanted: float) -> float:
-    """Return the deviation whose log has the share of straight triples."""
-    low, high = effect.parameters[0].low, effect.parameters[0].high
-    for _ in range(3):
-        sizes = np.geomspace(low, high, DEVIATIONS)
-        shares = []
-        for size in sizes:
-            made = effect.on_log(log, place, deviation=float(size))
-            values = record.rounded({signal: made[signal]})[signal]
-            shares.append(straight(values, record.steps[signal]))
-        k = int(np.clip(np.searchsorted(shares, wanted), 1, len(sizes) - 1))
-        low, high = float(sizes[k - 1]), float(sizes[k])
-    return float(np.sqrt(low * high))

@@ -168,7 +168,7 @@ def held_out(problem: Problem, fits: Sequence[Fit]) -> Shrinkage | None:
     if fit.effect.of_log:
         return None
     candidate = fit.candidate
-    head = replace(problem, record=problem.record.first_part(SEEN))
+    head = replace(candidate.problem, record=problem.record.first_part(SEEN))
     again = best_of(replace(candidate, problem=head).tried([fit.values]))
     if again is not None and not fit.effect.hidden:
         again = refined(again, rounds=3)

@@ -33,6 +33,7 @@ class Stiction(Inserted):
     where = "at"
     state = "x"
     hidden = True
+    nests = "deadband"
 
     def made(self, diagram: Diagram, place: str) -> Block:
         """Return the stem."""

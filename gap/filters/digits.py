@@ -11,6 +11,7 @@ from gap.filters.filtering import Explanation, Filtering
 from gap.filters.fitting import Found, refined, tried
 from gap.floor import without_gap
 from gap.record import rounding
+from gap.straightness import deviation_of, lined
 from logs import Log
 
 Floats = NDArray[np.float64]
@@ -19,7 +20,6 @@ FEW = 0.1  # levels for each row, at most
 TRIED = 3000  # steps near the usual distance of neighbours
 UNEVEN = 0.05  # of a step, beyond the log's rounding
 STRAIGHT = 0.2  # share of straight triples beyond what the model's own log has
-SIZES = 13  # deviations that are tried
 
 
 def levels(values: Floats) -> float:
@@ -40,17 +40,6 @@ def levels(values: Floats) -> float:
     step = float(np.polyfit(np.round(found / step), found, 1)[0])
     off = np.abs(found - np.round(found / step) * step)
     return float(f"{step:.4g}") if float(off.max()) <= 0.51 * fine + UNEVEN * step else 0.0
-
-
-def straight(values: Floats, step: float) -> float:
-    """Return the share of three neighbours that lie on a line, within the rounding ``step``.
-
-    >>> straight(np.array([0.0, 1.0, 2.0, 2.0, 2.0, 5.0]), 0.0)
-    0.5
-    """
-    bend = np.abs(np.diff(values, 2))
-    bend = bend[np.isfinite(bend)]
-    return float(np.mean(bend <= 1.01 * step + 1e-9)) if len(bend) else 0.0
 
 
 def coarse_sensor(plain: Found, effect: Effect, place: str) -> Found | None:
@@ -77,13 +66,13 @@ def compressed(plain: Found, effect: Effect, place: str, seed: int) -> Found | N
         if signal == f.op:
             continue
         step, values = rounding(f.Y[:, j]), f.Y[:, j]
-        wanted = straight(values, step)
+        wanted = lined(values, step)
         if wanted < STRAIGHT:
             continue
         plain_logs = without_gap(f.model, f.record, 1, seed + 1)
-        if not plain_logs or wanted < straight(plain_logs[0][signal], step) + STRAIGHT:
+        if not plain_logs or wanted < lined(plain_logs[0][signal], step) + STRAIGHT:
             continue
-        deviation = _matching(plain_logs[0], effect, place, signal, step, wanted)
+        deviation = deviation_of(plain_logs[0], effect, place, signal, step, wanted, lined)
         one = Explanation(_without(f, j), effect, place)
         blind = Explanation(_without(f, j)).filtered(plain.best.values)
         refitted = refined(blind, tuple(f.free))
@@ -98,17 +87,3 @@ def _without(f: Filtering, j: int) -> Filtering:
     quality = {s: log.good(s) & (s != f.signals[j]) for s in log.names}
     other = Log(log.t, {s: log[s] for s in log.names}, quality=quality)
     return replace(f, record=replace(f.record, log=other))
-
-
-def _matching(log: Log, effect: Effect, place: str, signal: str, step: float, wanted: float) -> float:
-    """Return the deviation whose log has this share of straight triples."""
-    low, high = effect.parameters[0].low, effect.parameters[0].high
-    for _ in range(3):
-        sizes = np.geomspace(low, high, SIZES)
-        shares = []
-        for size in sizes:
-            values = effect.on_log(log, place, deviation=float(size))[signal]
-            shares.append(straight(np.round(values / step) * step if step else values, step))
-        k = int(np.clip(np.searchsorted(np.maximum.accumulate(shares), wanted), 1, len(sizes) - 1))
-        low, high = float(sizes[k - 1]), float(sizes[k])
-    return float(np.sqrt(low * high))
