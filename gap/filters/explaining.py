@@ -9,6 +9,7 @@ import numpy as np
 from blocks.role import Role
 from diagram.progress import Progress, reporting
 from gap.effect import Effect
+from gap.effects.controller_limits import ControllerLimits
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_saturation import SensorSaturation
@@ -17,9 +18,11 @@ from gap.filters.fitting import Found, best_of, grid, refined, tried
 from gap.filters.switches import with_switches
 from gap.loads import planned
 
+STEPPED = (ScanTime, ControllerLimits)
 PERIODS = (*range(2, 13), 15, 20)  # scans of a slower controller that are tried
 SLOWER = 3  # of these that are looked at with switches of their own
 QUANTILES = (1.0, 0.995, 0.98, 0.95, 0.9)  # of OP, at which an upper limit is tried
+LEAST = 5.0  # nats that a second limit must gain
 FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
 FIRSTS, FOLLOWED = 3, 8  # explanations that are fitted to the end with switches of their own, and without
 LAGGING, BEHIND = 60.0, 0.7  # nats, or share of the gap, by which a few sizes may lag behind a fit to be fitted too
@@ -135,8 +138,8 @@ def total(one: Found) -> float:
 
 
 def free_names(one: Explanation) -> tuple[str, ...]:
-    """Return the parameters that a fit varies."""
-    own = () if isinstance(one.effect, ScanTime) else one.own
+    """Return the parameters that a fit varies: not those whose few possible values the log shows."""
+    own = () if isinstance(one.effect, STEPPED) else one.own
     return (*own, *one.filtering.free)
 
 
@@ -205,7 +208,9 @@ def _limited(plain: Found, one: Explanation) -> Filtered | None:
     for name in ("high", "low"):
         quantiles = QUANTILES if name == "high" else [1.0 - q for q in QUANTILES]
         sizes = np.unique(np.nanquantile(logged, quantiles)) * percent
-        found = best_of([found, *(tried(one, {**values, name: float(size)}) for size in sizes)])
+        best = best_of([tried(one, {**values, name: float(size)}) for size in sizes])
+        if best is not None and (found is None or best.nll < found.nll - LEAST):
+            found = best
         if found is not None:
             values = dict(found.values)
     return found
