@@ -94,7 +94,9 @@ def refined(start: Filtered, names: Sequence[str], rounds: int = ROUNDS) -> Foun
         at, low, high = (np.array(v) for v in zip(*(_coordinates(one, name, now.values) for name in felt), strict=True))
         moved = False
         for _ in range(4):
-            widest = WIDEST * np.array([1.0 if logarithmic(one, name) else max(1.0, x) for name, x in zip(felt, at, strict=True)])
+            widest = WIDEST * np.array(
+                [1.0 if logarithmic(one, name) else max(1.0, x) for name, x in zip(felt, at, strict=True)]
+            )
             d, promised = _step(g, information, damped, np.maximum(low - at, -widest), np.minimum(high - at, widest))
             if promised < SETTLED:
                 break
