@@ -156,10 +156,8 @@ def adequate(plain: Found, one: Found) -> bool:
 
 def explained(plain: Found, one: Found) -> float:
     """Return the share of the gap that an explanation explains: of what lies above the floor of its own filter."""
-    floor = 0.5 * float(np.isfinite(one.best.judged).sum())
+    floor = min(one.nll, plain.nll)
     if one.best.mixed is None:
-        floor += 0.5 * float(np.nansum(np.log(one.best.S[one.best.explanation.filtering.skipped :])))
-    else:
-        floor = min(one.nll, plain.nll)
+        floor = one.nll - 0.5 * float(np.nansum(one.best.judged**2 - 1.0))
     removable = plain.nll - floor
     return (plain.nll - one.nll) / removable if removable > 1.0 else 1.0

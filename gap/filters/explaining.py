@@ -1,7 +1,7 @@
 """The best values of every effect at every place, by likelihood."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from blocks.role import Role
 from diagram.progress import Progress, reporting
 from gap.effect import Effect
+from gap.effects.controller_limits import ControllerLimits
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_saturation import SensorSaturation
@@ -17,8 +18,11 @@ from gap.filters.fitting import Found, best_of, grid, refined, tried
 from gap.filters.switches import with_switches
 from gap.loads import planned
 
-PERIODS = (2, 3, 4, 5, 6, 8, 10, 12)  # scans of a slower controller that are tried
+STEPPED = (ScanTime, ControllerLimits)
+PERIODS = (*range(2, 13), 15, 20)  # scans of a slower controller that are tried
+SLOWER = 3  # of these that are looked at with switches of their own
 QUANTILES = (1.0, 0.995, 0.98, 0.95, 0.9)  # of OP, at which an upper limit is tried
+LEAST = 5.0  # nats that a second limit must gain
 FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
 FIRSTS, FOLLOWED = 3, 8  # explanations that are fitted to the end with switches of their own, and without
 LAGGING, BEHIND = 60.0, 0.7  # nats, or share of the gap, by which a few sizes may lag behind a fit to be fitted too
@@ -42,7 +46,7 @@ def coarse(plain: Found, effect: Effect, place: str) -> Filtered | None:
     one = Explanation(f, effect, place)
     free = {key: plain.best.values[key] for key in f.free}
     if isinstance(effect, ScanTime):
-        return best_of([tried(one, {**free, **values}) for values in _scans(one)]) if _irregular(plain) else None
+        return _slower(one, free) if _irregular(plain) else None
     if one.load:
         return _load(plain, one)
     if one.own == ("low", "high"):
@@ -71,7 +75,8 @@ def ranked(plain: Found, catalogue: Iterable[Effect], progress: Progress = None)
     looked = []
     with reporting(progress, len(legal), "effects") as tell:
         for done, (effect, place) in enumerate(legal):
-            start = coarse(_apart(plain) if effect.role is Role.CONTROLLER else plain, effect, place)
+            apart = effect.role is Role.CONTROLLER and not isinstance(effect, ScanTime)
+            start = coarse(_apart(plain) if apart else plain, effect, place)
             if start is not None:  # a sharp likelihood is seen only near its top
                 looked.append(first_fit(plain, start))
             tell(done + 1, len(legal))
@@ -133,8 +138,8 @@ def total(one: Found) -> float:
 
 
 def free_names(one: Explanation) -> tuple[str, ...]:
-    """Return the parameters that a fit varies."""
-    own = () if isinstance(one.effect, ScanTime) else one.own
+    """Return the parameters that a fit varies: not those whose few possible values the log shows."""
+    own = () if isinstance(one.effect, STEPPED) else one.own
     return (*own, *one.filtering.free)
 
 
@@ -172,14 +177,23 @@ def _both(start: Filtered, names: Sequence[str]) -> Found:
     return found
 
 
+def _slower(one: Explanation, free: Mapping[str, float]) -> Filtered | None:
+    """Return the best of the slower scans: the likeliest ones with and without the rows near switches, each with
+    switches that suit it.
+    """
+    counted = replace(one.filtering, apart=True).counted
+    looked = [found for values in _scans(one) if (found := tried(one, {**free, **values})) is not None]
+    near = sorted(looked, key=lambda x: x.nll)[:SLOWER]
+    near += sorted(looked, key=lambda x: float(x.losses[counted].sum()))[:SLOWER]
+    near += [found for x in near if (found := tried(one, {**x.values, "present": 0.0})) is not None]
+    return best_of([with_switches(found) for found in near])
+
+
 def _scans(one: Explanation) -> list[dict[str, float]]:
-    """Return periods, first scans and kinds of integral to try."""
+    """Return periods and first scans to try, of an integral that takes in the present error."""
     h = one.filtering.period
     return [
-        {"period": h * period, "offset": h * offset, "present": present}
-        for period in PERIODS
-        for offset in range(period)
-        for present in (1.0, 0.0)
+        {"period": h * period, "offset": h * offset, "present": 1.0} for period in PERIODS for offset in range(period)
     ]
 
 
@@ -194,7 +208,9 @@ def _limited(plain: Found, one: Explanation) -> Filtered | None:
     for name in ("high", "low"):
         quantiles = QUANTILES if name == "high" else [1.0 - q for q in QUANTILES]
         sizes = np.unique(np.nanquantile(logged, quantiles)) * percent
-        found = best_of([found, *(tried(one, {**values, name: float(size)}) for size in sizes)])
+        best = best_of([tried(one, {**values, name: float(size)}) for size in sizes])
+        if best is not None and (found is None or best.nll < found.nll - LEAST):
+            found = best
         if found is not None:
             values = dict(found.values)
     return found

@@ -121,6 +121,11 @@ class Filtering:
         return np.array(found)
 
     @cached_property
+    def sure(self) -> Floats:
+        """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
+        return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
+
+    @cached_property
     def skipped(self) -> int:
         """Rows at the beginning that are not judged."""
         return min(SKIPPED, len(self.Y) // 4)
@@ -300,10 +305,15 @@ class Filtered:
 
     @cached_property
     def losses(self) -> Floats:
-        """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]."""
-        if self.mixed is not None:
-            return self.mixed
-        return np.asarray(0.5 * np.nansum(self.e**2 + np.log(self.S), axis=1))
+        """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats].
+
+        What is logged and has no innovation is sure: an output that stands at a limit, or has not been made anew.
+        """
+        f = self.explanation.filtering
+        sure = (np.isnan(self.e) & np.isfinite(f.Y)) @ f.sure
+        return np.asarray(
+            sure + (0.5 * np.nansum(self.e**2 + np.log(self.S), axis=1) if self.mixed is None else self.mixed)
+        )
 
     @cached_property
     def nll(self) -> float:
@@ -329,7 +339,8 @@ def run(
     skip = np.zeros(f.Y.shape, dtype=bool)
     if period > 1 and op_row >= 0:
         scans = (np.arange(len(f.Y)) * f.every - offset) // period
-        skip[1:, op_row] = np.diff(scans) == 0
+        same = np.abs(np.diff(f.Y[:, op_row])) < 0.5 * np.sqrt(12.0 * f.r[op_row])
+        skip[1:, op_row] = (np.diff(scans) == 0) & same
     told = one.told if one.told is not None else np.zeros(one.F.shape[1])
     H = one.H
     K, s, r = np.zeros((m, n)), np.ones(m), f.r

@@ -3,7 +3,8 @@
     g_i = d nll / d x_i,   I_ij = sum over rows and signals of  d_i d_j / s + (d_i ln s)(d_j ln s) / 2
     x <- x - (I + lambda diag I)^-1 g                              within the bounds
 
-d: slope of what is missed at a row; x: logarithm of a size whose range is logarithmic, else the size in its range.
+d: slope of what is missed at a row; x: logarithm of a size whose range is logarithmic, unless 0 is neutral: then the
+size in the middle of that range, since what a small size does grows with it; else the size in its range.
 Parameters of the model with a tolerance are free in every fit, within it.
 """
 
@@ -51,17 +52,22 @@ class Found:
         }
 
 
-def logarithmic(one: Explanation, name: str) -> bool:
-    """Return whether a parameter is fitted by its logarithm."""
+def spread(one: Explanation, name: str) -> bool:
+    """Return whether the range of a parameter is logarithmic."""
     if name in one.filtering.free:
         return True
     return any(p.name == name and p.spacing == "log" for p in one.effect.parameters) if one.effect else False
 
 
+def logarithmic(one: Explanation, name: str) -> bool:
+    """Return whether a parameter is fitted by its logarithm."""
+    return spread(one, name) and one.nominal[name] != 0.0
+
+
 def width(one: Explanation, name: str) -> float:
-    """Return the length of a parameter's range."""
+    """Return the unit in which a parameter is fitted that is not fitted by its logarithm."""
     low, high = one.bounds[name]
-    return high - low
+    return math.sqrt(low * high) if spread(one, name) else high - low
 
 
 def tried(one: Explanation, values: Mapping[str, float]) -> Filtered | None:
@@ -88,7 +94,10 @@ def refined(start: Filtered, names: Sequence[str], rounds: int = ROUNDS) -> Foun
         at, low, high = (np.array(v) for v in zip(*(_coordinates(one, name, now.values) for name in felt), strict=True))
         moved = False
         for _ in range(4):
-            d, promised = _step(g, information, damped, low - at, high - at)
+            widest = WIDEST * np.array(
+                [1.0 if logarithmic(one, name) else max(1.0, x) for name, x in zip(felt, at, strict=True)]
+            )
+            d, promised = _step(g, information, damped, np.maximum(low - at, -widest), np.minimum(high - at, widest))
             if promised < SETTLED:
                 break
             ahead = tried(one, {**now.values, **_values(one, felt, at + d)})
@@ -170,7 +179,6 @@ def _step(g: Floats, information: Floats, damped: float, low: Floats, high: Floa
         held[worst] = True
         low, high = low.copy(), high.copy()
         low[worst] = high[worst] = d[worst]
-    d = np.clip(d, np.maximum(low, -WIDEST), np.minimum(high, WIDEST))
     return d, -float(g @ d + 0.5 * d @ information @ d)
 
 
@@ -180,7 +188,8 @@ def _coordinates(one: Explanation, name: str, values: Mapping[str, float]) -> tu
     value = float(np.clip(values[name], low, high))
     if logarithmic(one, name):
         return math.log(value), math.log(low), math.log(high)
-    return value / (high - low), low / (high - low), high / (high - low)
+    unit = width(one, name)
+    return value / unit, low / unit, high / unit
 
 
 def _values(one: Explanation, names: Sequence[str], x: Floats) -> dict[str, float]:
@@ -188,7 +197,7 @@ def _values(one: Explanation, names: Sequence[str], x: Floats) -> dict[str, floa
     found = {}
     for name, one_x in zip(names, x.tolist(), strict=True):
         low, high = one.bounds[name]
-        value = math.exp(one_x) if logarithmic(one, name) else one_x * (high - low)
+        value = math.exp(one_x) if logarithmic(one, name) else one_x * width(one, name)
         found[name] = float(np.clip(value, low, high))
     return found
 
@@ -197,7 +206,7 @@ def grid(one: Explanation, name: str) -> list[float]:
     """Return sizes of a parameter to look at first: evenly in their logarithm, or to both sides of neutral."""
     low, high = one.bounds[name]
     nominal = one.nominal[name]
-    if logarithmic(one, name):
+    if spread(one, name):
         if low < nominal < high < math.inf:
             near = [nominal * math.exp(way * by) for by in NEARBY for way in (1.0, -1.0)]
             return [size for size in near if low <= size <= high]

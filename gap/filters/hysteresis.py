@@ -56,9 +56,8 @@ def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtere
     U = np.column_stack([f.played, f.time, np.ones(f.scans), np.zeros(f.scans)])
     A, K, s = np.empty((n, n)), np.zeros((kinds, n)), np.ones(kinds)
     kalman.closed(m.F, m.v, m.told, n, True, 0.0, False, A)
-    P = stems.settled_gains(A, m.Q, np.ascontiguousarray(m.H[:, :n]), f.r, f.every, K, s)
-    jitter = np.empty(f.every)
-    stems.unsure(A, m.Q, np.ascontiguousarray(m.v[:n]), P, f.every, jitter)
+    stems.settled_gains(A, m.Q, np.ascontiguousarray(m.H[:, :n]), f.r, f.every, K, s)
+    jitter = stems.unsure(m.Q, m.v[:n])
     e, loss, path = np.empty(f.Y.shape), np.empty(len(f.Y)), np.empty(len(f.Y))
     op_row = f.signals.index(f.op) if f.op in f.signals else -1
     stems.banked(

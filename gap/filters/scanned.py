@@ -90,7 +90,7 @@ def scanned(
         raise NotAffine("an input is not logged")
     op = str(named[controller].output_labels[0])
     at = np.array([near[s] for s in signals])
-    tables = [affine(b, at[[place[str(s)] for s in b.input_labels]]) for b in blocks]
+    tables = [affine(_inside(b, near), at[[place[str(s)] for s in b.input_labels]]) for b in blocks]
 
     # --- columns of what everything is made of
     own = [(b.name, s) for b, a in zip(blocks, tables, strict=True) for s in a.states]
@@ -252,6 +252,14 @@ def _moved(
     ).reshape(m, unit.shape[1])
     found: Floats = a.moved[:, :k] @ unit[first : first + k] + a.moved[:, k : k + m] @ inputs
     return found + np.outer(a.moved[:, k + m], unit[at_t]) + np.outer(a.moved[:, k + m + 1], unit[at_t + 1])
+
+
+def _inside(block: Block, near: Mapping[str, float]) -> Block:
+    """Return a controller with the memory that gives its usual output: a log may begin as if it were at a limit."""
+    names = block.seen_states()
+    if block.role is not Role.CONTROLLER or not block.sampled or not block.limit_params or not names:
+        return block
+    return block.starting_at(**{names[0]: near[str(block.output_labels[0])]})
 
 
 def _held(A: Floats, t: float) -> Floats:

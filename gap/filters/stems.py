@@ -6,7 +6,7 @@ opening is known.  At a row
     w_i <- w_i N(e_i; 0, 1),      likelihood of the row = sum w_i N(e_i; 0, 1)
 
 and stems are drawn again where the weights are uneven.  Between rows nobody knows what the valve was told: each stem
-sees its own mean of OP with a random part of the size that the filter gives it; at a row all see the logged OP.  With
+sees its own mean of OP with the random part that each scan's noise gives it; at a row all see the logged OP.  With
 the same random numbers for all sizes the likelihood is smooth in them.
 
     a stem sticks at x until |OP - x| > (S + J)/2, and then stands at OP -+ (S - J)/2          (``quasi_static_stem``)
@@ -41,25 +41,17 @@ def stuck(x, told, S, J):  # type: ignore[no-untyped-def]
     return x
 
 
-@njit(cache=True)
-def unsure(A, Q, v, P, every, out):  # type: ignore[no-untyped-def]
-    """Write the standard deviation of OP at each scan behind a row; P is that after the row."""
-    n = len(P)
-    W, h = np.empty((n, n)), np.empty(n)
-    for k in range(every):
-        total = 0.0
-        for i in range(n):
-            h[i] = 0.0
-            for j in range(n):
-                h[i] += P[i, j] * v[j]
-            total += v[i] * h[i]
-        out[k] = math.sqrt(max(total, 0.0))
-        spread(P, A, Q, W)
+def unsure(Q: Any, v: Any) -> float:
+    """Return the standard deviation of what the noise of one scan alone makes of OP.
+
+    The rest of what is not known between two rows lasts, and the rows on both sides tell it.
+    """
+    return math.sqrt(max(float(v @ Q @ v), 0.0))
 
 
 @njit(cache=True)
 def settled_gains(A, Q, H, r, every, K, s):  # type: ignore[no-untyped-def]
-    """Write the gains and variances of all signals; return the covariance behind a row."""
+    """Write the gains and variances of all signals behind a row."""
     n, m = len(Q), len(H)
     P, W = np.eye(n) * 1e-4, np.empty((n, n))
     for _ in range(80):
@@ -67,7 +59,6 @@ def settled_gains(A, Q, H, r, every, K, s):  # type: ignore[no-untyped-def]
             spread(P, A, Q, W)
         for j in range(m):
             s[j] = looked(P, H[j], r[j], K[j])
-    return P
 
 
 @njit(cache=True)
@@ -76,7 +67,7 @@ def banked(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     """Write innovations ``e`` (rows, signals) and the loss of each row [nats].
 
-    ``draws`` (scans, stems) and ``turns`` (rows,) random numbers; ``jitter`` (every,) of OP behind a row.
+    ``draws`` (scans, stems) and ``turns`` (rows,) random numbers; ``jitter`` of OP between rows.
     """
     n, N, M, m = len(start), F.shape[1], draws.shape[1], len(H)
     z = np.empty((M, n))
@@ -149,7 +140,7 @@ def banked(  # type: ignore[no-untyped-def]
             op = min(max(value, lo), hi)
             row[n] = op
             known = phase == 0 and np.isfinite(seen)
-            row[n] = seen if known else min(max(op + jitter[phase] * draws[k, i], lo), hi)
+            row[n] = seen if known else min(max(op + jitter * draws[k, i], lo), hi)
             x[i] = stuck(x[i], along(told, row), S, J)
             row[n] = op
             row[n + 1] = x[i]

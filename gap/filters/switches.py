@@ -30,7 +30,7 @@ def with_switches(now: Filtered) -> Filtered:
         found = tried(replace(now.explanation, filtering=f.with_leads(trial)), now.values)
         if found is None:
             return now
-        loss.append(np.nansum(found.e**2 + np.log(found.S), axis=1))
+        loss.append(found.losses)
     cost = np.array(loss)
     for j in switching:
         for row in np.flatnonzero(np.diff(log[f.record.played[j]]) != 0.0) + 1:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gap.filters.diagnosing import Outcome, adequate, explained, worst
-from gap.filters.explaining import free_names, total
+from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered, Filtering
 from gap.filters.fitting import Found, refined
 from gap.filters.hysteresis import followed_on, left
@@ -129,7 +129,7 @@ def _sizes(one: Found) -> dict[str, Size]:
         spread = {**STEM_SPREAD, **DIGITS_SPREAD}.get(p.name)
         if spread is not None and (explanation.sticks or p.name in DIGITS_SPREAD):
             wide = SURE * spread * (value if p.name != "J" else one.best.values["S"] * 0.5)
-        elif p.name == "period" and p.name not in one.names:
+        elif isinstance(effect, STEPPED):
             wide = 0.0
         else:
             wide = SURE * one.sd.get(p.name, np.inf)
@@ -164,8 +164,8 @@ def _ranking(o: Outcome, sure: float) -> tuple[Rank, ...]:
 def held_out(o: Outcome) -> Shrinkage | None:
     """Return how far the gap shrinks behind the part of the record on which the model and the effect are fitted again.
 
-    Loss of a row and signal: (e^2 + ln s - ln s_1)/2, s_1 what the effect's own filter expects, so that the floor is
-    1/2; of a bank of stems its own loss, and the floor is what its innovations would give if they were of unit size.
+    Loss of a row and signal, less what the effect's own filter would leave if its innovations were of unit size, plus
+    1/2, which is the floor.
     """
     best = o.same[0].best
     if best.explanation.effect is None or best.explanation.effect.of_log:
@@ -175,11 +175,7 @@ def held_out(o: Outcome) -> Shrinkage | None:
     before = _ahead(o.plain.best, first)
     after = _ahead(best, first)
     signals = best.e.shape[1]
-    if after.mixed is None:
-        reference = 0.5 * np.nansum(np.log(after.S[first:]), axis=1) / signals
-    else:
-        size = np.nansum(after.e[first:] ** 2 - 1.0, axis=1)
-        reference = (after.losses[first:] - 0.5 * size) / signals - 0.5
+    reference = (after.losses[first:] - 0.5 * np.nansum(after.e[first:] ** 2 - 1.0, axis=1)) / signals - 0.5
     b, a = before.losses[first:] / signals - reference, after.losses[first:] / signals - reference
     parts = np.array_split(np.arange(len(b)), BLOCKS)
     bs, as_ = np.array([b[part].mean() for part in parts]), np.array([a[part].mean() for part in parts])
