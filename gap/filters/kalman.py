@@ -41,19 +41,52 @@ def through(law, a, b, told, held):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def closed(F, v, told, n, free, slope, has_law, out):  # type: ignore[no-untyped-def]
-    """Write what z becomes of z with controller and valve in the loop, (n, n)."""
+def commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted):  # type: ignore[no-untyped-def]
+    """Write z and what each controller gives at scan ``k`` into ``row``; the last one reads those before it.
+
+    ``scans``: which compute now, the others hold what they gave; ``free``: which are at no limit; ``wanted``: what they
+    would give without limits.
+    """
+    n = len(z)
+    row[:n] = z
+    row[n : n + len(v) + 1] = 0.0
+    for c in range(len(v)):
+        scans[c] = (k - offset[c]) % period[c] == 0
+        wanted[c] = along(v[c], row) if scans[c] else z[last[c]]
+        row[n + c] = min(max(wanted[c], limits[c, 0]), limits[c, 1]) if scans[c] else wanted[c]
+        free[c] = row[n + c] == wanted[c]
+
+
+@njit(cache=True)
+def slopes(v, n, scans, free, last, W):  # type: ignore[no-untyped-def]
+    """Write how what each controller gives follows z, (controllers, n)."""
+    for c in range(len(v)):
+        W[c] = 0.0
+        if not scans[c]:
+            W[c, last[c]] = 1.0
+        elif free[c]:
+            seen_through(v[c], W[:c], n, W[c])
+
+
+@njit(cache=True)
+def seen_through(h, W, n, out):  # type: ignore[no-untyped-def]
+    """Write the row ``h`` over [z, controllers, ...] as one over z."""
+    out[:] = h[:n]
+    for c in range(len(W)):
+        if h[n + c] != 0.0:
+            out += h[n + c] * W[c]
+
+
+@njit(cache=True)
+def closed(F, W, told, n, slope, has_law, out):  # type: ignore[no-untyped-def]
+    """Write what z becomes of z with controllers and valve in the loop, (n, n)."""
+    seen = np.zeros(n)
+    if has_law:
+        seen_through(told, W, n, seen)
     for i in range(n):
-        for j in range(n):
-            value = F[i, j]
-            if free:
-                value += F[i, n] * v[j]
-            if has_law:
-                seen = told[j]
-                if free:
-                    seen += told[n] * v[j]
-                value += F[i, n + 1] * slope * seen
-            out[i, j] = value
+        seen_through(F[i], W, n, out[i])
+        if has_law:
+            out[i] += F[i, n + len(W)] * slope * seen
 
 
 @njit(cache=True)
@@ -98,7 +131,9 @@ def looked(P, h, r, K):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
-    """Write the gains (signals, n) and variances (signals,) to which the filter settles; P is room and start."""
+    """Write the gains (signals, n) and variances (signals,) to which the filter settles; P is start, and then the
+    covariance behind a row.
+    """
     n, m = len(Q), len(H)
     room, B, D = np.empty((n, n)), np.eye(n), np.zeros((n, n))
     for _ in range(every):
@@ -126,56 +161,53 @@ def along(a, row):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def filtered(  # type: ignore[no-untyped-def]
-    F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, skip, op_row, every, period, offset, law, a, b,
-    exact, K, s, e, S, op_path,
+    F, v, told, H, Q, limits, memory, of, beyond, last, period, offset, start, U, Y, r, skip, acts, every, law, a, b,
+    exact, K, s, e, S, given,
 ):  # fmt: skip
     """Write the innovations ``e`` (rows, signals) and their variances ``S``; NaN where a signal is not taken in.
 
-    ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``op_row``: which signal is
-    the controller's output, -1 for none; ``period``, ``offset``: scans of the controller; ``exact``: the covariance is
-    carried along, else gains ``K`` and variances ``s`` are steady.
+    ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``acts``: which controller
+    gives a signal, -1 for none; ``of``: to which controller each ``memory`` belongs; ``period``, ``offset``: scans of
+    each controller; ``exact``: the covariance is carried along, else gains ``K`` and variances ``s`` are steady;
+    ``given`` (scans, controllers) is written too.
     """
-    n, N = len(start), F.shape[1]
+    n, N, C, m = len(start), F.shape[1], len(v), len(H)
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
     P, room, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
-    held = z[n - 1]
-    m = len(H)
-    memories = len(memory)
+    scans, free, wanted = np.ones(C, dtype=np.bool_), np.ones(C, dtype=np.bool_), np.empty(C)
+    side, push = np.zeros(C, dtype=np.int64), np.zeros(C, dtype=np.int64)
+    W, h = np.empty((C, n)), np.empty(n)
+    held = z[last[C - 1]]
     for k in range(len(U)):
-        scans = (k - offset) % period == 0
-        row[n + 2 :] = U[k]
+        row[n + C + 1 :] = U[k]
         if k % every == 0:
             i = k // every
             for j in range(m):
                 e[i, j] = np.nan
                 S[i, j] = np.nan
-                row[:n] = z
-                guess = z[n - 1]
-                if j == op_row:
-                    if scans:
-                        guess = along(v, row)
+                commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted)
+                c = acts[j]
+                if c >= 0:
+                    lo, hi, guess = limits[c, 0], limits[c, 1], wanted[c]
                     inside = lo < guess < hi
                     at_limit = Y[i, j] >= hi - 1.8 * np.sqrt(12.0 * r[j]) or Y[i, j] <= lo + 1.8 * np.sqrt(12.0 * r[j])
                     beyond_it = Y[i, j] > hi + 4.0 * np.sqrt(r[j]) or Y[i, j] < lo - 4.0 * np.sqrt(r[j])
-                    guess = min(max(guess, lo), hi)
-                    miss = Y[i, j] - guess
+                    miss = Y[i, j] - min(max(guess, lo), hi)
                     if at_limit and not beyond_it and (not inside or abs(miss) < 12.0 * np.sqrt(s[j])):
                         continue
                 else:
-                    row[n] = row[n + 1] = 0.0
-                    if H[j, n] != 0.0 or H[j, n + 1] != 0.0:
-                        row[n] = min(max(along(v, row), lo), hi) if scans else z[n - 1]
-                        row[n + 1] = through(law, a, b, along(told, row), held)[2] if law else 0.0
-                    guess = along(H[j], row)
-                    miss = Y[i, j] - guess
+                    row[n + C] = through(law, a, b, along(told, row), held)[2] if law else 0.0
+                    miss = Y[i, j] - along(H[j], row)
                 if skip[i, j] or not np.isfinite(miss):
                     continue
                 if exact:
-                    h = np.zeros(n)
-                    if j == op_row and not scans:
-                        h[n - 1] = 1.0
+                    slopes(v, n, scans, free, last, W)
+                    if c < 0:
+                        seen_through(H[j], W, n, h)
+                    elif scans[c]:
+                        seen_through(v[c], W[:c], n, h)
                     else:
-                        h[:] = H[j, :n]
+                        h[:] = W[c]
                     variance = looked(P, h, r[j], k_now)
                     z += k_now * miss
                 else:
@@ -183,39 +215,31 @@ def filtered(  # type: ignore[no-untyped-def]
                     z += K[j] * miss
                 e[i, j] = miss / np.sqrt(variance)
                 S[i, j] = variance
-        row[:n] = z
-        row[n] = 0.0
-        row[n + 1] = 0.0
-        free, slope, side, push = True, 1.0, 0, 0
-        value = z[n - 1]
-        if scans:
-            value = along(v, row)
-            row[n] = min(max(value, lo), hi)
-            if row[n] != value:
-                free = False
-                side = 0 if value > row[n] else 1
-        else:
-            row[n] = value
-        op_path[k] = row[n]
+        commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted)
+        given[k] = row[n : n + C]
+        slope = 1.0
         if law:
-            row[n + 1], slope, held = through(law, a, b, along(told, row), held)
-        table = F if scans else held_F
+            row[n + C], slope, held = through(law, a, b, along(told, row), held)
         for i in range(n):
-            new[i] = along(table[i], row)
-        if scans and not free and memories:
-            gained = new[memory[0]] - z[memory[0]]
-            push = 0 if (gained > 0.0) == (side == 0) else 1
-            for j in range(memories):
-                new[memory[j]] = along(beyond[side, push, j], row)
+            new[i] = along(F[i], row)
+        for q in range(len(memory)):
+            c, i = of[q], memory[q]
+            if q == 0 or of[q - 1] != c:
+                side[c] = 0 if wanted[c] > row[n + c] else 1
+                push[c] = 0 if (new[i] > z[i]) == (side[c] == 0) else 1
+            if not scans[c]:
+                new[i] = z[i]
+            elif not free[c]:
+                new[i] = along(beyond[side[c], push[c], q], row)
         if exact:
-            if scans:
-                closed(F, v, told, n, free, slope, law > 0, A)
-                if not free:
-                    for j in range(memories):
-                        A[memory[j]] = beyond[side, push, j, :n]
-            else:
-                closed(held_F, v, told, n, False, slope, law > 0, A)
-                for i in range(n):
-                    A[i, n - 1] += held_F[i, n] + (held_F[i, n + 1] * slope * told[n] if law else 0.0)
+            slopes(v, n, scans, free, last, W)
+            closed(F, W, told, n, slope, law > 0, A)
+            for q in range(len(memory)):
+                c, i = of[q], memory[q]
+                if not scans[c]:
+                    A[i] = 0.0
+                    A[i, i] = 1.0
+                elif not free[c]:
+                    seen_through(beyond[side[c], push[c], q], W, n, A[i])
             spread(P, A, Q, room)
         z[:] = new
