@@ -344,15 +344,16 @@ def run(
             scans = (np.arange(len(f.Y)) * f.every - one.offset[c]) // one.period[c]
             skip[1:, j] = np.diff(scans) == 0
     told = one.told if one.told is not None else np.zeros(one.F.shape[1])
-    K, s, r = np.zeros((m, n)), np.ones(m), f.r
+    K, s, r, P = np.zeros((m, n)), np.ones(m), f.r, np.zeros((f.every, n, n))
+    P[0] = 1e-4 * np.eye(n)
     if not exact:
         A = np.empty((n, n))
         kalman.closed(one.F, one.free, told, n, 1.0, law > 0, A)
-        kalman.steady(A, one.Q, one.shown, r, f.every, np.eye(n) * 1e-4, K, s)
+        kalman.steady(A, one.Q, one.shown, r, f.every, P, K, s)
     e, S = np.empty(f.Y.shape), np.empty(f.Y.shape)
     given = np.empty((f.scans, len(one.v)))
     kalman.filtered(
         one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period, one.offset,
-        one.start, U, f.Y, r, skip, f.acts, f.every, law, a, b, exact, K, s, e, S, given,
+        one.start, U, f.Y, r, skip, f.acts, f.every, law, a, b, exact, P, K, s, e, S, given,
     )  # fmt: skip
     return Filtered(explanation, values, e, S, given)

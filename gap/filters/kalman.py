@@ -5,18 +5,25 @@
 
     nll = 1/2 sum over rows and signals of (e^2 + ln s)                               up to a constant
 
-r is the variance of the log's rounding, step^2 / 12.  The mean goes through the limits of the controller and the law of
-the valve as they are; the covariance through their slopes, or steady where there are none (``steady``).
+r is the variance of the log's rounding, step^2 / 12.  The mean goes through the law of the valve as it is, the
+covariance through its slope, or steady where there is none (``steady``).  Near a limit of a controller nobody knows
+whether it is reached.  What is wanted is N(w, sd^2): so OP is the mean of what lies within the limits, its slope the
+share p that does, memories are the mean of both cases, and their variance grows by p (1 - p) (their difference)^2.
+Until it has settled again the covariance is carried along.
 
 What the valve makes of the opening x that it is told (``law`` and its numbers a, b):
     0  nothing of its own     1  stops at a and b     2  (a^x - 1)/(a - 1)     3  moves by a per scan at most
 """
+
+import math
 
 import numpy as np
 from numba import njit
 
 NONE, STOPS, CURVED, SLOW = 0, 1, 2, 3
 SMALLEST = 1e-16  # variance
+CLOSE = 4.0  # standard deviations from a limit within which it may be reached
+SETTLED = 0.02  # share by which variances may still differ from steady ones
 
 
 @njit(cache=True)
@@ -44,8 +51,8 @@ def through(law, a, b, told, held):  # type: ignore[no-untyped-def]
 def commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted):  # type: ignore[no-untyped-def]
     """Write z and what each controller gives at scan ``k`` into ``row``; the last one reads those before it.
 
-    ``scans``: which compute now, the others hold what they gave; ``free``: which are at no limit; ``wanted``: what they
-    would give without limits.
+    ``scans``: which compute now, the others hold what they gave; ``free``: 1 for those at no limit, else 0; ``wanted``:
+    what they would give without limits.
     """
     n = len(z)
     row[:n] = z
@@ -54,18 +61,45 @@ def commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted): 
         scans[c] = (k - offset[c]) % period[c] == 0
         wanted[c] = along(v[c], row) if scans[c] else z[last[c]]
         row[n + c] = min(max(wanted[c], limits[c, 0]), limits[c, 1]) if scans[c] else wanted[c]
-        free[c] = row[n + c] == wanted[c]
+        free[c] = 1.0 if row[n + c] == wanted[c] else 0.0
 
 
 @njit(cache=True)
 def slopes(v, n, scans, free, last, W):  # type: ignore[no-untyped-def]
-    """Write how what each controller gives follows z, (controllers, n)."""
+    """Write how what each controller gives follows z, (controllers, n); ``free``: the share that is at no limit."""
     for c in range(len(v)):
         W[c] = 0.0
         if not scans[c]:
             W[c, last[c]] = 1.0
-        elif free[c]:
+        else:
             seen_through(v[c], W[:c], n, W[c])
+            W[c] *= free[c]
+
+
+@njit(cache=True)
+def deviation(h, P):  # type: ignore[no-untyped-def]
+    """Return the standard deviation of what is seen through a row over z."""
+    total = 0.0
+    for i in range(len(h)):
+        if h[i] != 0.0:
+            total += h[i] * along(P[i], h)
+    return math.sqrt(max(total, 0.0))
+
+
+@njit(cache=True)
+def within(wanted, sd, lo, hi):  # type: ignore[no-untyped-def]
+    """Return (mean of what lies within limits, share of it) of N(wanted, sd^2).
+
+    E = lo A + hi (1 - B) + wanted (B - A) + sd (phi(a) - phi(b)),  a, b the limits in sd from wanted, A = Phi(a), ...
+    """
+    a, b = (lo - wanted) / sd, (hi - wanted) / sd
+    A, B = 0.5 * math.erfc(-a / math.sqrt(2.0)), 0.5 * math.erfc(-b / math.sqrt(2.0))
+    mean = wanted * (B - A) + sd * (math.exp(-0.5 * a * a) - math.exp(-0.5 * b * b)) / math.sqrt(2.0 * math.pi)
+    if A > 0.0:
+        mean += lo * A
+    if B < 1.0:
+        mean += hi * (1.0 - B)
+    return mean, B - A
 
 
 @njit(cache=True)
@@ -131,10 +165,11 @@ def looked(P, h, r, K):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
-    """Write the gains (signals, n) and variances (signals,) to which the filter settles; P is start, and then the
-    covariance behind a row.
+    """Write the gains (signals, n) and variances (signals,) to which the filter settles.
+
+    ``P`` (every, n, n) the covariance at each scan behind a row; the first one is start too.
     """
-    n, m = len(Q), len(H)
+    n, m, all_of_them, P = len(Q), len(H), P, P[0]
     room, B, D = np.empty((n, n)), np.eye(n), np.zeros((n, n))
     for _ in range(every):
         spread(D, A, Q, room)
@@ -148,6 +183,9 @@ def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
             s[j] = new
         if change < 1e-10 and turn > 3:
             break
+    for k in range(1, every):
+        all_of_them[k] = all_of_them[k - 1]
+        spread(all_of_them[k], A, Q, room)
 
 
 @njit(cache=True)
@@ -162,21 +200,27 @@ def along(a, row):  # type: ignore[no-untyped-def]
 @njit(cache=True)
 def filtered(  # type: ignore[no-untyped-def]
     F, v, told, H, Q, limits, memory, of, beyond, last, period, offset, start, U, Y, r, skip, acts, every, law, a, b,
-    exact, K, s, e, S, given,
+    exact, steady_P, K, s, e, S, given,
 ):  # fmt: skip
     """Write the innovations ``e`` (rows, signals) and their variances ``S``; NaN where a signal is not taken in.
 
     ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``acts``: which controller
     gives a signal, -1 for none; ``of``: to which controller each ``memory`` belongs; ``period``, ``offset``: scans of
-    each controller; ``exact``: the covariance is carried along, else gains ``K`` and variances ``s`` are steady;
-    ``given`` (scans, controllers) is written too.
+    each controller; ``exact``: the covariance is carried along, else ``steady_P`` (every, n, n), ``K`` and ``s`` are
+    what ``steady`` gives; ``given`` (scans, controllers) is written too.
     """
     n, N, C, m = len(start), F.shape[1], len(v), len(H)
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
     P, room, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
-    scans, free, wanted = np.ones(C, dtype=np.bool_), np.ones(C, dtype=np.bool_), np.empty(C)
+    scans, free, wanted, carried = np.ones(C, dtype=np.bool_), np.ones(C), np.empty(C), exact
+    sd, at_once = np.zeros((every, C)), np.zeros((C, n))
+    slopes(v, n, scans, free, last, at_once)
+    if not exact:
+        for k in range(every):
+            for c in range(C):
+                sd[k, c] = deviation(at_once[c], steady_P[k])
     side, push = np.zeros(C, dtype=np.int64), np.zeros(C, dtype=np.int64)
-    W, h = np.empty((C, n)), np.empty(n)
+    W, h, apart = np.empty((C, n)), np.empty(n), np.zeros(len(memory))
     held = z[last[C - 1]]
     for k in range(len(U)):
         row[n + C + 1 :] = U[k]
@@ -200,7 +244,7 @@ def filtered(  # type: ignore[no-untyped-def]
                     miss = Y[i, j] - along(H[j], row)
                 if skip[i, j] or not np.isfinite(miss):
                     continue
-                if exact:
+                if carried:
                     slopes(v, n, scans, free, last, W)
                     if c < 0:
                         seen_through(H[j], W, n, h)
@@ -215,7 +259,35 @@ def filtered(  # type: ignore[no-untyped-def]
                     z += K[j] * miss
                 e[i, j] = miss / np.sqrt(variance)
                 S[i, j] = variance
+        if carried and not exact and k % every == 0:
+            carried = False
+            for i in range(n):
+                if abs(P[i, i] - steady_P[0, i, i]) > SETTLED * steady_P[0, i, i]:
+                    carried = True
+                    break
         commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted)
+        for c in range(C):
+            if not (scans[c] and np.isfinite(limits[c, 0]) and np.isfinite(limits[c, 1])):
+                continue
+            far = min(wanted[c] - limits[c, 0], limits[c, 1] - wanted[c])
+            if not carried and far < CLOSE * sd[k % every, c]:
+                carried = True
+                P[:] = steady_P[k % every]
+            if carried:
+                slopes(v, n, scans, free, last, W)
+                seen_through(v[c], W[:c], n, h)
+                spread_here = deviation(h, P)
+                if spread_here > 0.0 and abs(far) < CLOSE * spread_here:
+                    row[n + c], free[c] = within(wanted[c], spread_here, limits[c, 0], limits[c, 1])
+                    for d in range(c + 1, C):
+                        row[n + d] = 0.0
+                    for d in range(c + 1, C):
+                        if scans[d]:
+                            wanted[d] = along(v[d], row)
+                            row[n + d] = min(max(wanted[d], limits[d, 0]), limits[d, 1])
+                            free[d] = 1.0 if row[n + d] == wanted[d] else 0.0
+                        else:
+                            row[n + d] = wanted[d]
         given[k] = row[n : n + C]
         slope = 1.0
         if law:
@@ -225,13 +297,15 @@ def filtered(  # type: ignore[no-untyped-def]
         for q in range(len(memory)):
             c, i = of[q], memory[q]
             if q == 0 or of[q - 1] != c:
-                side[c] = 0 if wanted[c] > row[n + c] else 1
+                side[c] = 0 if limits[c, 1] - wanted[c] < wanted[c] - limits[c, 0] else 1
                 push[c] = 0 if (new[i] > z[i]) == (side[c] == 0) else 1
+            apart[q] = 0.0
             if not scans[c]:
                 new[i] = z[i]
-            elif not free[c]:
-                new[i] = along(beyond[side[c], push[c], q], row)
-        if exact:
+            elif free[c] < 1.0:
+                apart[q] = along(beyond[side[c], push[c], q], row) - new[i]
+                new[i] += (1.0 - free[c]) * apart[q]
+        if carried:
             slopes(v, n, scans, free, last, W)
             closed(F, W, told, n, slope, law > 0, A)
             for q in range(len(memory)):
@@ -239,7 +313,11 @@ def filtered(  # type: ignore[no-untyped-def]
                 if not scans[c]:
                     A[i] = 0.0
                     A[i, i] = 1.0
-                elif not free[c]:
-                    seen_through(beyond[side[c], push[c], q], W, n, A[i])
+                elif free[c] < 1.0:
+                    seen_through(beyond[side[c], push[c], q], W, n, h)
+                    A[i] = free[c] * A[i] + (1.0 - free[c]) * h
             spread(P, A, Q, room)
+            for q in range(len(memory)):
+                c, i = of[q], memory[q]
+                P[i, i] += free[c] * (1.0 - free[c]) * apart[q] ** 2
         z[:] = new

@@ -68,8 +68,8 @@ class Scanned:
     def free(self) -> Floats:
         """How OPs at no limit follow z, (controllers, n)."""
         W = np.empty((len(self.v), self.n))
-        all_of_them = np.ones(len(self.v), dtype=bool)
-        kalman.slopes(self.v, self.n, all_of_them, all_of_them, self.last, W)
+        count = len(self.v)
+        kalman.slopes(self.v, self.n, np.ones(count, dtype=bool), np.ones(count), self.last, W)
         return W
 
     @property

@@ -82,7 +82,7 @@ def banked(  # type: ignore[no-untyped-def]
     """
     n, N, C, M, m = len(start), F.shape[1], len(v), draws.shape[1], len(H)
     period, offset, scans = np.ones(C, dtype=np.int64), np.zeros(C, dtype=np.int64), np.ones(C, dtype=np.bool_)
-    free, wanted, at_mv = np.ones(C, dtype=np.bool_), np.empty(C), n + C
+    free, wanted, at_mv = np.ones(C), np.empty(C), n + C
     lo, hi = limits[moves, 0], limits[moves, 1]
     z = np.empty((M, n))
     x = np.empty(M)
@@ -163,7 +163,7 @@ def banked(  # type: ignore[no-untyped-def]
                 if q == 0 or of[q - 1] != c:
                     side = 0 if wanted[c] > row[n + c] else 1
                     push = 0 if (new[at_z] > z[i, at_z]) == (side == 0) else 1
-                if not free[c]:
+                if free[c] < 1.0:
                     new[at_z] = along(beyond[side, push, q], row)
             z[i] = new
 
