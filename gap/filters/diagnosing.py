@@ -61,8 +61,8 @@ class Outcome:
 def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
     """Return the filter's view of a record; None for a diagram that has no such filter.
 
-    It needs a load that nobody measures, blocks that scan in step with the log's rows, and a single controller, whose
-    output and measurement are logged and nothing else that the diagram drives is.
+    It needs a load that nobody measures, blocks that scan in step with the log's rows, and controllers, each with its
+    output and measurement logged, and nothing else logged that the diagram drives.
     """
     coloured = any(one.correlation_time > 0.0 for one in nuisances(diagram))
     period, dt = base_period(diagram), record.log.dt
@@ -76,9 +76,8 @@ def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
     leads = np.zeros((len(record.played), len(record.log)), dtype=np.int64)
     found = Filtering(model, quiet, record, leads)
     try:
-        controller = quiet[found.controller]
-        pv = str(controller.loop_signal("PV"))
-        if set(found.signals) != {pv, found.op}:
+        measured = {str(quiet[name].loop_signal("PV")) for name in found.controllers}
+        if set(found.signals) != measured | set(found.ops):
             return None
         Explanation(found).filtered({})
     except (NotAffine, np.linalg.LinAlgError, ValueError):
@@ -115,11 +114,10 @@ def outcome(f: Filtering, catalogue: Sequence[Effect], seed: int = 0, progress: 
 
 
 def _by_stem(plain: Filtered) -> bool:
-    """Return whether a stem may be it: what the controller makes of the measurement, it leaves nearly as it was."""
-    f = plain.explanation.filtering
-    excess = dict(zip(f.signals, np.nanmean(plain.judged**2, axis=0) - 1.0, strict=True))
-    acting = excess.pop(f.op)
-    return bool(acting < ACTING * max(excess.values()))
+    """Return whether a stem may be it: what controllers make of measurements, it leaves nearly as it was."""
+    excess = np.nanmean(plain.judged**2, axis=0) - 1.0
+    acts = plain.explanation.filtering.acts >= 0
+    return bool(excess[acts].max() < ACTING * excess[~acts].max())
 
 
 def _stems(plain: Found, sticking: Sequence[tuple[Effect, str]]) -> list[Found]:

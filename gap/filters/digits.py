@@ -63,7 +63,7 @@ def compressed(plain: Found, effect: Effect, place: str, seed: int) -> Found | N
     """Return a compression that makes as many straight lines as the log has; None if it has none beyond noise."""
     f = plain.best.explanation.filtering
     for j, signal in enumerate(f.signals):
-        if signal == f.op:
+        if signal in f.ops:
             continue
         step, values = rounding(f.Y[:, j]), f.Y[:, j]
         wanted = lined(values, step)

@@ -201,7 +201,8 @@ def _limited(plain: Found, one: Explanation) -> Filtered | None:
     """Return the best of some upper and lower limits within what OP reached."""
     f = one.filtering
     percent = 100.0 if one.effect and one.effect.parameters[0].unit.startswith("%") else 1.0
-    logged = f.record.log[f.op][f.record.log.good(f.op)]
+    op = f.op_at(one.place)
+    logged = f.record.log[op][f.record.log.good(op)]
     free = {key: plain.best.values[key] for key in f.free}
     found = None
     values: dict[str, float] = dict(free)

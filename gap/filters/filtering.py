@@ -15,7 +15,6 @@ from gap.effect import Effect
 from gap.effects.deadband import Deadband
 from gap.effects.disturbance import Disturbance
 from gap.effects.quantisation import Quantisation
-from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
 from gap.effects.step_disturbance import StepDisturbance
 from gap.effects.stiction import Stiction
@@ -27,7 +26,7 @@ from gap.filters.affine import NotAffine
 from gap.filters.scanned import Scanned, base_period, operating, scanned
 from gap.inserted import percent_out
 from gap.model import Nuisance, known_within, nuisances
-from gap.paths import given, noise_of
+from gap.paths import given, made_of, noise_of
 from gap.record import Record, rounding
 
 Floats = NDArray[np.float64]
@@ -81,23 +80,42 @@ class Filtering:
         return round(self.record.log.dt / self.period)
 
     @cached_property
-    def controller(self) -> str:
-        """The block whose output acts on the process."""
+    def controllers(self) -> tuple[str, ...]:
+        """The blocks that scan and act, the outer one of a cascade before those whose set points it moves."""
         found = [b for b in self.quiet.blocks if b.role is Role.CONTROLLER and b.sampled]
-        inner = [b for b in found if not any({*b.output_labels} & {*c.input_labels} for c in found)]
-        if len(inner) != 1:
-            raise NotAffine("the diagram has no single controller that scans and acts on a valve")
-        return inner[0].name
+        if not found:
+            raise NotAffine("the diagram has no controller that scans")
+        given_by = {str(b.output_labels[0]): b for b in found}
+
+        def depth(block: Block) -> int:
+            behind = [given_by[s] for s in made_of(self.quiet, str(block.loop_signal("SP"))) if s in given_by]
+            return 1 + max((depth(b) for b in behind), default=0)
+
+        return tuple(b.name for b in sorted(found, key=depth))
 
     @cached_property
-    def op(self) -> str:
-        """The output of the controller."""
-        return str(self.quiet[self.controller].output_labels[0])
+    def ops(self) -> tuple[str, ...]:
+        """The outputs of the controllers."""
+        return tuple(str(self.quiet[name].output_labels[0]) for name in self.controllers)
 
     @cached_property
     def signals(self) -> tuple[str, ...]:
-        """Logged signals in the order in which they are taken in: measurements first."""
-        return tuple(sorted(self.record.pinned, key=lambda s: s == self.op))
+        """Logged signals in the order in which they are taken in: measurements first, then outputs of controllers."""
+        return tuple(sorted(self.record.pinned, key=lambda s: self.ops.index(s) if s in self.ops else -1))
+
+    @cached_property
+    def acts(self) -> NDArray[np.int64]:
+        """Which controller gives each signal, -1 for measurements."""
+        return np.array([self.ops.index(s) if s in self.ops else -1 for s in self.signals])
+
+    def op_at(self, place: str) -> str:
+        """Return the output of the controller at a place, or of the one that the place follows."""
+        block = self.quiet[place]
+        behind = [
+            str(block.output_labels[0]),
+            *(one for s in block.input_labels for one in made_of(self.quiet, str(s))),
+        ]
+        return next((s for s in behind if s in self.ops), self.ops[-1])
 
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:
@@ -228,13 +246,13 @@ class Explanation:
         valve = given(f.quiet, self.place) if self.law or self.sticks else ""
         load = str(f.quiet[self.place].output_labels[0]) if self.load else ""
         blocks = self._blocks(params)
-        return scanned(blocks, noise, f.controller, f.signals, f.record.played, self.near, valve, load, f.period)
+        return scanned(blocks, noise, f.controllers, f.signals, f.record.played, self.near, valve, load, f.period)
 
     @cached_property
     def near(self) -> dict[str, float]:
         """A value of each signal at which nothing is at a limit."""
         f = self.filtering
-        return operating(self.changed, f.seen, f.record.played, f.controller)
+        return operating(self.changed, f.seen, f.record.played, f.controllers)
 
     def _blocks(self, params: Mapping[str, float]) -> list[Block]:
         """Return the blocks of the changed diagram with these parameters, by ``block.name``."""
@@ -281,19 +299,16 @@ class Explanation:
         full = {**self.nominal, **values}
         one = self.matrices(full)
         a, b = self.numbers(full)
-        period = offset = 0
-        if isinstance(self.effect, ScanTime):
-            period, offset = round(full["period"] / f.period), round(full["offset"] / f.period)
-        period = max(period, 1)
         U = np.column_stack([f.played, f.time, np.ones(f.scans), self.wave(full)])
-        exact = (self.law != kalman.NONE or period > 1) if exact is None else exact
-        return run(f, one, U, self.law, a, b, period, offset, exact, self, full)
+        exact = (self.law != kalman.NONE or bool((one.period > 1).any())) if exact is None else exact
+        return run(f, one, U, self.law, a, b, exact, self, full)
 
 
 @dataclass(frozen=True, eq=False)
 class Filtered:
     """What an explanation with certain ``values`` leaves: innovations ``e`` (rows, signals) of unit variance if it is
-    right, their variances ``S``, and ``OP`` at each scan; ``mixed`` the loss of each row where many filters are one.
+    right, their variances ``S``, and ``OP`` of each controller at each scan; ``mixed`` the loss of each row where many
+    filters are one.
     """
 
     explanation: Explanation
@@ -328,39 +343,28 @@ class Filtered:
 
 
 def run(
-    f: Filtering, one: Scanned, U: Floats, law: int, a: float, b: float, period: int, offset: int, exact: bool,
-    explanation: Explanation, values: Mapping[str, float],
+    f: Filtering, one: Scanned, U: Floats, law: int, a: float, b: float, exact: bool, explanation: Explanation,
+    values: Mapping[str, float],
 ) -> Filtered:  # fmt: skip
     """Return what a filter with these matrices leaves of a record."""
     n, m = one.n, len(f.signals)
-    op_row = f.signals.index(f.op) if f.op in f.signals else -1
-    held = one.F.copy()
-    held[one.slow] = np.eye(n, one.F.shape[1])[one.slow]
     skip = np.zeros(f.Y.shape, dtype=bool)
-    if period > 1 and op_row >= 0:
-        scans = (np.arange(len(f.Y)) * f.every - offset) // period
-        same = np.abs(np.diff(f.Y[:, op_row])) < 0.5 * np.sqrt(12.0 * f.r[op_row])
-        skip[1:, op_row] = (np.diff(scans) == 0) & same
+    for j, c in enumerate(f.acts):
+        if c >= 0 and one.period[c] > 1:  # the log shows the same output again, and rounds it to the same value
+            scans = (np.arange(len(f.Y)) * f.every - one.offset[c]) // one.period[c]
+            same = np.abs(np.diff(f.Y[:, j])) < 0.5 * np.sqrt(12.0 * f.r[j])
+            skip[1:, j] = (np.diff(scans) == 0) & same
     told = one.told if one.told is not None else np.zeros(one.F.shape[1])
-    H = one.H
-    K, s, r = np.zeros((m, n)), np.ones(m), f.r
+    K, s, r, P = np.zeros((m, n)), np.ones(m), f.r, np.zeros((f.every, n, n))
+    P[0] = 1e-4 * np.eye(n)
     if not exact:
         A = np.empty((n, n))
-        kalman.closed(one.F, one.v, told, n, True, 1.0, law > 0, A)
-        kalman.steady(A, one.Q, _looks(one, op_row, n), r, f.every, np.eye(n) * 1e-4, K, s)
+        kalman.closed(one.F, one.free, told, n, 1.0, law > 0, A)
+        kalman.steady(A, one.Q, one.shown, r, f.every, P, K, s)
     e, S = np.empty(f.Y.shape), np.empty(f.Y.shape)
-    path = np.empty(f.scans)
+    given = np.empty((f.scans, len(one.v)))
     kalman.filtered(
-        one.F, held, one.v, told, H, one.Q, *one.limits, one.memory, one.beyond, one.start, U, f.Y, r, skip, op_row,
-        f.every, period, offset, law, a, b, exact, K, s, e, S, path,
+        one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period, one.offset,
+        one.start, U, f.Y, r, skip, f.acts, f.every, law, a, b, exact, P, K, s, e, S, given,
     )  # fmt: skip
-    return Filtered(explanation, values, e, S, path)
-
-
-def _looks(one: Scanned, op_row: int, n: int) -> Floats:
-    """Return the rows of z with which signals are seen."""
-    H = one.H[:, :n].copy()
-    for j in range(len(H)):
-        if j != op_row:
-            H[j] += one.H[j, n] * one.v[:n]
-    return H
+    return Filtered(explanation, values, e, S, given)

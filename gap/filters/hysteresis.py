@@ -55,14 +55,14 @@ def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtere
         raise ValueError("a bank needs a cut at the valve")
     U = np.column_stack([f.played, f.time, np.ones(f.scans), np.zeros(f.scans)])
     A, K, s = np.empty((n, n)), np.zeros((kinds, n)), np.ones(kinds)
-    kalman.closed(m.F, m.v, m.told, n, True, 0.0, False, A)
-    stems.settled_gains(A, m.Q, np.ascontiguousarray(m.H[:, :n]), f.r, f.every, K, s)
-    jitter = stems.unsure(m.Q, m.v[:n])
+    kalman.closed(m.F, m.free, m.told, n, 0.0, False, A)
+    stems.settled_gains(A, m.Q, m.shown, f.r, f.every, K, s)
+    moves = int(np.argmax(np.abs(m.told[n : n + len(m.v)])))
+    jitter = stems.unsure(m.Q, m.free[moves][:n])
     e, loss, path = np.empty(f.Y.shape), np.empty(len(f.Y)), np.empty(len(f.Y))
-    op_row = f.signals.index(f.op) if f.op in f.signals else -1
     stems.banked(
-        m.F, m.v, m.told, m.H, *m.limits, m.memory, m.beyond, m.start, U, f.Y, op_row, f.every, K, s, jitter, S, J,
-        bank.draws, bank.turns, e, loss, path,
+        m.F, m.v, m.told, m.H, m.limits, m.memory, m.of, m.beyond, m.last, m.start, U, f.Y, f.acts, moves, f.every, K,
+        s, jitter, S, J, bank.draws, bank.turns, e, loss, path,
     )  # fmt: skip
     e = stems.deviates(e)
     return Filtered(one, full, e, np.ones_like(e), path, loss)

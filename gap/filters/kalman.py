@@ -5,18 +5,25 @@
 
     nll = 1/2 sum over rows and signals of (e^2 + ln s)                               up to a constant
 
-r is the variance of the log's rounding, step^2 / 12.  The mean goes through the limits of the controller and the law of
-the valve as they are; the covariance through their slopes, or steady where there are none (``steady``).
+r is the variance of the log's rounding, step^2 / 12.  The mean goes through the law of the valve as it is, the
+covariance through its slope, or steady where there is none (``steady``).  Near a limit of a controller nobody knows
+whether it is reached.  What is wanted is N(w, sd^2): so OP is the mean of what lies within the limits, its slope the
+share p that does, memories are the mean of both cases, and their variance grows by p (1 - p) (their difference)^2.
+Until it has settled again the covariance is carried along.
 
 What the valve makes of the opening x that it is told (``law`` and its numbers a, b):
     0  nothing of its own     1  stops at a and b     2  (a^x - 1)/(a - 1)     3  moves by a per scan at most
 """
+
+import math
 
 import numpy as np
 from numba import njit
 
 NONE, STOPS, CURVED, SLOW = 0, 1, 2, 3
 SMALLEST = 1e-16  # variance
+CLOSE = 4.0  # standard deviations from a limit within which it may be reached
+SETTLED = 0.02  # share by which variances may still differ from steady ones
 
 
 @njit(cache=True)
@@ -41,19 +48,79 @@ def through(law, a, b, told, held):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def closed(F, v, told, n, free, slope, has_law, out):  # type: ignore[no-untyped-def]
-    """Write what z becomes of z with controller and valve in the loop, (n, n)."""
+def commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted):  # type: ignore[no-untyped-def]
+    """Write z and what each controller gives at scan ``k`` into ``row``; the last one reads those before it.
+
+    ``scans``: which compute now, the others hold what they gave; ``free``: 1 for those at no limit, else 0; ``wanted``:
+    what they would give without limits.
+    """
+    n = len(z)
+    row[:n] = z
+    row[n : n + len(v) + 1] = 0.0
+    for c in range(len(v)):
+        scans[c] = (k - offset[c]) % period[c] == 0
+        wanted[c] = along(v[c], row) if scans[c] else z[last[c]]
+        row[n + c] = min(max(wanted[c], limits[c, 0]), limits[c, 1]) if scans[c] else wanted[c]
+        free[c] = 1.0 if row[n + c] == wanted[c] else 0.0
+
+
+@njit(cache=True)
+def slopes(v, n, scans, free, last, W):  # type: ignore[no-untyped-def]
+    """Write how what each controller gives follows z, (controllers, n); ``free``: the share that is at no limit."""
+    for c in range(len(v)):
+        W[c] = 0.0
+        if not scans[c]:
+            W[c, last[c]] = 1.0
+        else:
+            seen_through(v[c], W[:c], n, W[c])
+            W[c] *= free[c]
+
+
+@njit(cache=True)
+def deviation(h, P):  # type: ignore[no-untyped-def]
+    """Return the standard deviation of what is seen through a row over z."""
+    total = 0.0
+    for i in range(len(h)):
+        if h[i] != 0.0:
+            total += h[i] * along(P[i], h)
+    return math.sqrt(max(total, 0.0))
+
+
+@njit(cache=True)
+def within(wanted, sd, lo, hi):  # type: ignore[no-untyped-def]
+    """Return (mean of what lies within limits, share of it) of N(wanted, sd^2).
+
+    E = lo A + hi (1 - B) + wanted (B - A) + sd (phi(a) - phi(b)),  a, b the limits in sd from wanted, A = Phi(a), ...
+    """
+    a, b = (lo - wanted) / sd, (hi - wanted) / sd
+    A, B = 0.5 * math.erfc(-a / math.sqrt(2.0)), 0.5 * math.erfc(-b / math.sqrt(2.0))
+    mean = wanted * (B - A) + sd * (math.exp(-0.5 * a * a) - math.exp(-0.5 * b * b)) / math.sqrt(2.0 * math.pi)
+    if A > 0.0:
+        mean += lo * A
+    if B < 1.0:
+        mean += hi * (1.0 - B)
+    return mean, B - A
+
+
+@njit(cache=True)
+def seen_through(h, W, n, out):  # type: ignore[no-untyped-def]
+    """Write the row ``h`` over [z, controllers, ...] as one over z."""
+    out[:] = h[:n]
+    for c in range(len(W)):
+        if h[n + c] != 0.0:
+            out += h[n + c] * W[c]
+
+
+@njit(cache=True)
+def closed(F, W, told, n, slope, has_law, out):  # type: ignore[no-untyped-def]
+    """Write what z becomes of z with controllers and valve in the loop, (n, n)."""
+    seen = np.zeros(n)
+    if has_law:
+        seen_through(told, W, n, seen)
     for i in range(n):
-        for j in range(n):
-            value = F[i, j]
-            if free:
-                value += F[i, n] * v[j]
-            if has_law:
-                seen = told[j]
-                if free:
-                    seen += told[n] * v[j]
-                value += F[i, n + 1] * slope * seen
-            out[i, j] = value
+        seen_through(F[i], W, n, out[i])
+        if has_law:
+            out[i] += F[i, n + len(W)] * slope * seen
 
 
 @njit(cache=True)
@@ -98,8 +165,11 @@ def looked(P, h, r, K):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
-    """Write the gains (signals, n) and variances (signals,) to which the filter settles; P is room and start."""
-    n, m = len(Q), len(H)
+    """Write the gains (signals, n) and variances (signals,) to which the filter settles.
+
+    ``P`` (every, n, n) the covariance at each scan behind a row; the first one is start too.
+    """
+    n, m, all_of_them, P = len(Q), len(H), P, P[0]
     room, B, D = np.empty((n, n)), np.eye(n), np.zeros((n, n))
     for _ in range(every):
         spread(D, A, Q, room)
@@ -113,6 +183,9 @@ def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
             s[j] = new
         if change < 1e-10 and turn > 3:
             break
+    for k in range(1, every):
+        all_of_them[k] = all_of_them[k - 1]
+        spread(all_of_them[k], A, Q, room)
 
 
 @njit(cache=True)
@@ -126,56 +199,59 @@ def along(a, row):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def filtered(  # type: ignore[no-untyped-def]
-    F, held_F, v, told, H, Q, lo, hi, memory, beyond, start, U, Y, r, skip, op_row, every, period, offset, law, a, b,
-    exact, K, s, e, S, op_path,
+    F, v, told, H, Q, limits, memory, of, beyond, last, period, offset, start, U, Y, r, skip, acts, every, law, a, b,
+    exact, steady_P, K, s, e, S, given,
 ):  # fmt: skip
     """Write the innovations ``e`` (rows, signals) and their variances ``S``; NaN where a signal is not taken in.
 
-    ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``op_row``: which signal is
-    the controller's output, -1 for none; ``period``, ``offset``: scans of the controller; ``exact``: the covariance is
-    carried along, else gains ``K`` and variances ``s`` are steady.
+    ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``acts``: which controller
+    gives a signal, -1 for none; ``of``: to which controller each ``memory`` belongs; ``period``, ``offset``: scans of
+    each controller; ``exact``: the covariance is carried along, else ``steady_P`` (every, n, n), ``K`` and ``s`` are
+    what ``steady`` gives; ``given`` (scans, controllers) is written too.
     """
-    n, N = len(start), F.shape[1]
+    n, N, C, m = len(start), F.shape[1], len(v), len(H)
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
     P, room, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
-    held = z[n - 1]
-    m = len(H)
-    memories = len(memory)
+    scans, free, wanted, carried = np.ones(C, dtype=np.bool_), np.ones(C), np.empty(C), exact
+    sd, at_once = np.zeros((every, C)), np.zeros((C, n))
+    slopes(v, n, scans, free, last, at_once)
+    if not exact:
+        for k in range(every):
+            for c in range(C):
+                sd[k, c] = deviation(at_once[c], steady_P[k])
+    side, push = np.zeros(C, dtype=np.int64), np.zeros(C, dtype=np.int64)
+    W, h, apart = np.empty((C, n)), np.empty(n), np.zeros(len(memory))
+    held = z[last[C - 1]]
     for k in range(len(U)):
-        scans = (k - offset) % period == 0
-        row[n + 2 :] = U[k]
+        row[n + C + 1 :] = U[k]
         if k % every == 0:
             i = k // every
             for j in range(m):
                 e[i, j] = np.nan
                 S[i, j] = np.nan
-                row[:n] = z
-                guess = z[n - 1]
-                if j == op_row:
-                    if scans:
-                        guess = along(v, row)
+                commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted)
+                c = acts[j]
+                if c >= 0:
+                    lo, hi, guess = limits[c, 0], limits[c, 1], wanted[c]
                     inside = lo < guess < hi
                     at_limit = Y[i, j] >= hi - 1.8 * np.sqrt(12.0 * r[j]) or Y[i, j] <= lo + 1.8 * np.sqrt(12.0 * r[j])
                     beyond_it = Y[i, j] > hi + 4.0 * np.sqrt(r[j]) or Y[i, j] < lo - 4.0 * np.sqrt(r[j])
-                    guess = min(max(guess, lo), hi)
-                    miss = Y[i, j] - guess
+                    miss = Y[i, j] - min(max(guess, lo), hi)
                     if at_limit and not beyond_it and (not inside or abs(miss) < 12.0 * np.sqrt(s[j])):
                         continue
                 else:
-                    row[n] = row[n + 1] = 0.0
-                    if H[j, n] != 0.0 or H[j, n + 1] != 0.0:
-                        row[n] = min(max(along(v, row), lo), hi) if scans else z[n - 1]
-                        row[n + 1] = through(law, a, b, along(told, row), held)[2] if law else 0.0
-                    guess = along(H[j], row)
-                    miss = Y[i, j] - guess
+                    row[n + C] = through(law, a, b, along(told, row), held)[2] if law else 0.0
+                    miss = Y[i, j] - along(H[j], row)
                 if skip[i, j] or not np.isfinite(miss):
                     continue
-                if exact:
-                    h = np.zeros(n)
-                    if j == op_row and not scans:
-                        h[n - 1] = 1.0
+                if carried:
+                    slopes(v, n, scans, free, last, W)
+                    if c < 0:
+                        seen_through(H[j], W, n, h)
+                    elif scans[c]:
+                        seen_through(v[c], W[:c], n, h)
                     else:
-                        h[:] = H[j, :n]
+                        h[:] = W[c]
                     variance = looked(P, h, r[j], k_now)
                     z += k_now * miss
                 else:
@@ -183,39 +259,65 @@ def filtered(  # type: ignore[no-untyped-def]
                     z += K[j] * miss
                 e[i, j] = miss / np.sqrt(variance)
                 S[i, j] = variance
-        row[:n] = z
-        row[n] = 0.0
-        row[n + 1] = 0.0
-        free, slope, side, push = True, 1.0, 0, 0
-        value = z[n - 1]
-        if scans:
-            value = along(v, row)
-            row[n] = min(max(value, lo), hi)
-            if row[n] != value:
-                free = False
-                side = 0 if value > row[n] else 1
-        else:
-            row[n] = value
-        op_path[k] = row[n]
+        if carried and not exact and k % every == 0:
+            carried = False
+            for i in range(n):
+                if abs(P[i, i] - steady_P[0, i, i]) > SETTLED * steady_P[0, i, i]:
+                    carried = True
+                    break
+        commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted)
+        for c in range(C):
+            if not (scans[c] and np.isfinite(limits[c, 0]) and np.isfinite(limits[c, 1])):
+                continue
+            far = min(wanted[c] - limits[c, 0], limits[c, 1] - wanted[c])
+            if not carried and far < CLOSE * sd[k % every, c]:
+                carried = True
+                P[:] = steady_P[k % every]
+            if carried:
+                slopes(v, n, scans, free, last, W)
+                seen_through(v[c], W[:c], n, h)
+                spread_here = deviation(h, P)
+                if spread_here > 0.0 and abs(far) < CLOSE * spread_here:
+                    row[n + c], free[c] = within(wanted[c], spread_here, limits[c, 0], limits[c, 1])
+                    for d in range(c + 1, C):
+                        row[n + d] = 0.0
+                    for d in range(c + 1, C):
+                        if scans[d]:
+                            wanted[d] = along(v[d], row)
+                            row[n + d] = min(max(wanted[d], limits[d, 0]), limits[d, 1])
+                            free[d] = 1.0 if row[n + d] == wanted[d] else 0.0
+                        else:
+                            row[n + d] = wanted[d]
+        given[k] = row[n : n + C]
+        slope = 1.0
         if law:
-            row[n + 1], slope, held = through(law, a, b, along(told, row), held)
-        table = F if scans else held_F
+            row[n + C], slope, held = through(law, a, b, along(told, row), held)
         for i in range(n):
-            new[i] = along(table[i], row)
-        if scans and not free and memories:
-            gained = new[memory[0]] - z[memory[0]]
-            push = 0 if (gained > 0.0) == (side == 0) else 1
-            for j in range(memories):
-                new[memory[j]] = along(beyond[side, push, j], row)
-        if exact:
-            if scans:
-                closed(F, v, told, n, free, slope, law > 0, A)
-                if not free:
-                    for j in range(memories):
-                        A[memory[j]] = beyond[side, push, j, :n]
-            else:
-                closed(held_F, v, told, n, False, slope, law > 0, A)
-                for i in range(n):
-                    A[i, n - 1] += held_F[i, n] + (held_F[i, n + 1] * slope * told[n] if law else 0.0)
+            new[i] = along(F[i], row)
+        for q in range(len(memory)):
+            c, i = of[q], memory[q]
+            if q == 0 or of[q - 1] != c:
+                side[c] = 0 if limits[c, 1] - wanted[c] < wanted[c] - limits[c, 0] else 1
+                push[c] = 0 if (new[i] > z[i]) == (side[c] == 0) else 1
+            apart[q] = 0.0
+            if not scans[c]:
+                new[i] = z[i]
+            elif free[c] < 1.0:
+                apart[q] = along(beyond[side[c], push[c], q], row) - new[i]
+                new[i] += (1.0 - free[c]) * apart[q]
+        if carried:
+            slopes(v, n, scans, free, last, W)
+            closed(F, W, told, n, slope, law > 0, A)
+            for q in range(len(memory)):
+                c, i = of[q], memory[q]
+                if not scans[c]:
+                    A[i] = 0.0
+                    A[i, i] = 1.0
+                elif free[c] < 1.0:
+                    seen_through(beyond[side[c], push[c], q], W, n, h)
+                    A[i] = free[c] * A[i] + (1.0 - free[c]) * h
             spread(P, A, Q, room)
+            for q in range(len(memory)):
+                c, i = of[q], memory[q]
+                P[i, i] += free[c] * (1.0 - free[c]) * apart[q] ** 2
         z[:] = new

@@ -1,13 +1,14 @@
-"""A diagram from one scan to the next: what is linear in it as matrices, cut where the controller and the valve act.
+"""A diagram from one scan to the next: what is linear in it as matrices, cut where controllers and the valve act.
 
     s_k  = S z_k + S_in u_k + S_op OP_k + S_mv MV_k                signals just after scan k
     z_k+1 = F z_k + F_in u_k + F_op OP_k + F_mv MV_k + w_k          w_k ~ N(0, Q), independent
 
 z: states of continuous blocks, memories of sampled ones, loads and noise in force, values on their way through dead
-times, the last OP.  u: logged inputs, the time, 1, and planned loads (means over the interval).  OP is what a
-controller gives within its limits, MV what the valve makes of the opening that it is told: neither is linear, so both
-are inputs here and computed where a log is filtered.  Between scans nothing but continuous blocks moves, under held
-inputs, so the matrices are exact (matrix exponential); what passes a dead time while it moves is held at its mean.
+times, the last OPs.  u: logged inputs, the time, 1, and planned loads (means over the interval).  OP is what each
+controller gives within its limits, the outer one of a cascade first, MV what the valve makes of the opening that it is
+told: none is linear, so they are inputs here and computed where a log is filtered.  Between scans nothing but
+continuous blocks moves, under held inputs, so the matrices are exact (matrix exponential); what passes a dead time
+while it moves is held at its mean.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,10 +21,12 @@ from scipy.linalg import expm
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
+from gap.filters import kalman
 from gap.filters.affine import Affine, NotAffine, affine
 from gap.model import Nuisance
 
 Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
 ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
 LATE = 100  # scans of dead time at most: each is one more z, and the work grows with the cube of their number
 FAR = 50.0  # of OP's unit: how far beyond its limit a controller is looked at
@@ -31,12 +34,13 @@ FAR = 50.0  # of OP's unit: how far beyond its limit a controller is looked at
 
 @dataclass(frozen=True, eq=False)
 class Scanned:
-    """Matrices over the columns [z, OP, MV, u]: ``n`` of z, then 1, 1, then the inputs by name.
+    """Matrices over the columns [z, OPs, MV, u]: ``n`` of z, one for each controller, 1, then the inputs by name.
 
-    ``F`` next z; ``v`` what the controller would give without limits; ``told`` the opening that the valve is told, none
-    without a cut there; ``H`` logged signals; ``Q``; ``limits`` of OP; ``beyond`` rows of F for the ``memory`` of the
-    controller while it is at a limit: (high or low, pushed further or not, memories, columns); ``slow`` what stands
-    still at scans that the controller leaves out; ``start`` z at first.
+    ``F`` next z; ``v`` what controllers would give without limits, (controllers, columns), each follows those before it
+    only; ``told`` the opening that the valve is told, none without a cut there; ``H`` logged signals; ``Q``; ``limits``
+    of OPs, (controllers, 2); ``beyond`` rows of F for the ``memory`` of the controllers, ``of`` which each is, while
+    that is at a limit: (high or low, pushed further or not, memories, columns); ``last`` where z has the last OPs;
+    ``period`` and ``offset`` of controllers in scans; ``start`` z at first.
     """
 
     names: tuple[str, ...]
@@ -46,16 +50,34 @@ class Scanned:
     told: Floats | None
     H: Floats
     Q: Floats
-    limits: tuple[float, float]
-    memory: NDArray[np.int64]
+    limits: Floats
+    memory: Whole
+    of: Whole
     beyond: Floats
-    slow: NDArray[np.int64]
+    last: Whole
+    period: Whole
+    offset: Whole
     start: Floats
 
     @property
     def n(self) -> int:
         """Length of z."""
         return len(self.names)
+
+    @property
+    def free(self) -> Floats:
+        """How OPs at no limit follow z, (controllers, n)."""
+        W = np.empty((len(self.v), self.n))
+        count = len(self.v)
+        kalman.slopes(self.v, self.n, np.ones(count, dtype=bool), np.ones(count), self.last, W)
+        return W
+
+    @property
+    def shown(self) -> Floats:
+        """How logged signals follow z while OPs are at no limit, (signals, n)."""
+        C = len(self.v)
+        found: Floats = self.H[:, : self.n] + self.H[:, self.n : self.n + C] @ self.free
+        return found
 
 
 def base_period(diagram: Diagram) -> float:
@@ -66,7 +88,7 @@ def base_period(diagram: Diagram) -> float:
 def scanned(
     blocks: Sequence[Block],
     noise: Sequence[Nuisance],
-    controller: str,
+    controllers: Sequence[str],
     logged: Sequence[str],
     inputs: Sequence[str],
     near: Mapping[str, float],
@@ -76,10 +98,11 @@ def scanned(
 ) -> Scanned:
     """Return the matrices of the blocks of a silent diagram.
 
-    ``noise`` its nuisances with their sizes; ``controller`` the block whose output is cut; ``logged`` signals to
-    observe, ``inputs`` open inputs; ``near`` the value of each signal (``operating``), at no limit; ``valve_signal``:
-    where a law acts on the opening; ``load_signal``: to which planned loads are added; ``period`` of a scan [s].
-    Raises ``NotAffine`` if a block bends, or delays by more than ``LATE`` scans.
+    ``noise`` its nuisances with their sizes; ``controllers`` the blocks whose outputs are cut, the outer one of a
+    cascade first; ``logged`` signals to observe, ``inputs`` open inputs; ``near`` the value of each signal
+    (``operating``), at no limit; ``valve_signal``: where a law acts on the opening; ``load_signal``: to which planned
+    loads are added; ``period`` of a scan [s].
+    Raises ``NotAffine`` if a block bends, delays by more than ``LATE`` scans, or scans at times of its own.
     """
     h = period
     blocks = [b for b in blocks if b.role not in ONLOOKERS]
@@ -88,7 +111,9 @@ def scanned(
     place = {s: i for i, s in enumerate(signals)}
     if len(place) < len(signals) or any(str(s) not in place for b in blocks for s in b.input_labels):
         raise NotAffine("an input is not logged")
-    op = str(named[controller].output_labels[0])
+    acting = [named[name] for name in controllers]
+    ops = [str(b.output_labels[0]) for b in acting]
+    period, offset = _scans(blocks, acting, h)
     at = np.array([near[s] for s in signals])
     tables = [affine(_inside(b, near), at[[place[str(s)] for s in b.input_labels]]) for b in blocks]
 
@@ -104,10 +129,11 @@ def scanned(
             length = round(whole) + (1 if rest > 1e-9 else 0)
             lines.append((b.name, i, len(names), length, rest if rest > 1e-9 else 0.0))
             names += [f"{b.name} input {i} late {j + 1}" for j in range(length)]
-    names.append("last OP")
+    last = len(names) + np.arange(len(ops))
+    names += [f"last {s}" for s in ops]
     n, kinds = len(names), (*inputs, "t", "1", "load")
-    N = n + 2 + len(kinds)
-    at_op, at_mv, at_in = n, n + 1, n + 2
+    at_mv, at_in = n + len(ops), n + len(ops) + 1
+    N = at_in + len(kinds)
     unit = np.eye(N)
     in_force = {one.block: unit[len(own) + j] for j, one in enumerate(noise)}
     delayed = {(name, i): unit[first + length - 1] for name, i, first, length, _ in lines}
@@ -136,7 +162,7 @@ def scanned(
     if load_signal:
         r[place[load_signal]] += unit[N - 1]
     raw_G, raw_r = G.copy(), r.copy()
-    for s, column in ((op, at_op), (valve_signal, at_mv)):
+    for s, column in (*((s, n + c) for c, s in enumerate(ops)), (valve_signal, at_mv)):
         if s:
             G[place[s]], r[place[s]] = 0.0, unit[column]
     s_now: Floats = np.asarray(np.linalg.solve(np.eye(len(signals)) - G, r), dtype=float)
@@ -160,7 +186,7 @@ def scanned(
     for b, first, k in moving:
         a = rows_of[b.name][2]
         for row, s in zip(a.given, b.output_labels, strict=True):
-            if str(s) not in (op, valve_signal):
+            if str(s) not in (*ops, valve_signal):
                 for j in range(k):
                     direct[place[str(s)], index.index(first + j)] = row[j]
     # a signal between scans = still + free (x - x_k): sampled outputs are held
@@ -208,25 +234,23 @@ def scanned(
         k = len(own) + j
         F[k, k] = phi
         Q[k, k] = (1.0 - phi**2) * one.sd**2
-    F[n - 1, at_op] = 1.0
+    F[last, n + np.arange(len(ops))] = 1.0
 
-    # --- the controller at a limit
-    first, k, _, block = rows_of[controller]
-    low, high = block.limits if block.limit_params else (-np.inf, np.inf)
-    memory = np.arange(first, first + k)
-    beyond = np.empty((2, 2, k, N))
-    for side, sign in enumerate((1.0, -1.0)):
-        for push, way in enumerate((1.0, -1.0)):
-            there = _beyond(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
-            beyond[side, push] = (
-                _moved(block, there, first, s_now, unit, place, delayed, at_in + len(inputs)) if there else F[memory]
-            )
-    slow = [
-        j
-        for b in blocks
-        if b.sampled and b.period > 1.5 * h
-        for j in range(rows_of[b.name][0], sum(rows_of[b.name][:2]))
-    ]
+    # --- controllers at a limit
+    limits = np.array([b.limits if b.limit_params else (-np.inf, np.inf) for b in acting])
+    memory = [rows_of[b.name][0] + j for b in acting for j in range(rows_of[b.name][1])]
+    of = [c for c, b in enumerate(acting) for _ in range(rows_of[b.name][1])]
+    beyond = np.broadcast_to(F[memory], (2, 2, len(memory), N)).copy()
+    for c, block in enumerate(acting):
+        own = np.flatnonzero(np.array(of) == c)
+        for side, sign in enumerate((1.0, -1.0)):
+            for push, way in enumerate((1.0, -1.0)):
+                there = _beyond(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
+                if there:
+                    first = rows_of[block.name][0]
+                    beyond[side, push, own] = _moved(
+                        block, there, first, s_now, unit, place, delayed, at_in + len(inputs)
+                    )
     start = np.zeros(n)
     for b in blocks:
         first, k, a, _ = rows_of[b.name]
@@ -234,11 +258,24 @@ def scanned(
         start[first : first + k] = [values[s] for s in a.states]
     for name, i, first, length, _ in lines:
         start[first : first + length] = at[place[str(named[name].input_labels[i])]]
-    start[n - 1] = at[place[op]]
-    H = np.stack([given[place[s]] if s == op else s_now[place[s]] for s in logged])
+    start[last] = at[[place[s] for s in ops]]
+    H = np.stack([given[place[s]] if s in ops else s_now[place[s]] for s in logged])
     told = given[place[valve_signal]] if valve_signal else None
-    return Scanned(tuple(names), kinds, F, given[place[op]], told, H, Q, (low, high), memory, beyond,
-                   np.array(slow, dtype=np.int64), start)  # fmt: skip
+    return Scanned(tuple(names), kinds, F, given[[place[s] for s in ops]], told, H, Q, limits, np.array(memory),
+                   np.array(of), beyond, last, period, offset, start)  # fmt: skip
+
+
+def _scans(blocks: Sequence[Block], acting: Sequence[Block], h: float) -> tuple[Whole, Whole]:
+    """Return period and first scan of each controller, in scans; everything else has to scan at each of them."""
+    for b in blocks:
+        whole = b in acting and abs(b.period / h - round(b.period / h)) < 1e-6
+        if b.sampled and not whole and abs(b.period / h - 1.0) > 1e-6:
+            raise NotAffine(
+                f"'{b.name}' scans every {b.period:g} s, but only controllers may leave out scans of {h:g} s"
+            )
+    period = [max(round(b.period / h), 1) for b in acting]
+    offset = [round(b.params.get(b.offset_param or "", 0.0) / h) for b in acting]
+    return np.array(period), np.array(offset)
 
 
 def _moved(
@@ -286,10 +323,12 @@ def _beyond(block: Block, u: Floats, sign: float, push: float) -> Affine | None:
     return affine(block.starting_at(**{names[0]: sign * FAR}), at)
 
 
-def operating(diagram: Diagram, seen: Mapping[str, float], inputs: Sequence[str], controller: str) -> dict[str, float]:
+def operating(
+    diagram: Diagram, seen: Mapping[str, float], inputs: Sequence[str], controllers: Sequence[str]
+) -> dict[str, float]:
     """Return the values of all signals near which blocks are looked at: those seen, the others as they follow.
 
-    The controller's error is 0 there.
+    The errors of ``controllers`` are 0 there.
     """
     blocks = [b for b in diagram.blocks if b.role not in ONLOOKERS]
     found = {str(s): 0.0 for b in blocks for s in b.output_labels} | dict.fromkeys(inputs, 0.0) | dict(seen)
@@ -301,5 +340,7 @@ def operating(diagram: Diagram, seen: Mapping[str, float], inputs: Sequence[str]
             found |= {str(s): float(y) for s, y in zip(b.output_labels, out, strict=True) if str(s) not in seen}
         if before == found:
             break
-    sp, pv = (str(diagram[controller].loop_signal(part)) for part in ("SP", "PV"))
-    return found | {pv: found[sp]}
+    for name in controllers:
+        sp, pv = (str(diagram[name].loop_signal(part)) for part in ("SP", "PV"))
+        found[pv] = found[sp]
+    return found

@@ -215,11 +215,10 @@ def abnormal_segment(plain: Filtered) -> tuple[str, ...]:
     """
     f = plain.explanation.filtering
     excess = np.nanmean(plain.judged**2, axis=0) - 1.0
-    measured = [j for j, s in enumerate(f.signals) if s != f.op]
-    acting = [j for j, s in enumerate(f.signals) if s == f.op]
+    measured, acting = np.flatnonzero(f.acts < 0), np.flatnonzero(f.acts >= 0)
     k = int(np.argmax(excess))
-    if acting and measured and excess[acting[0]] < max(3.0 * excess[measured].max(), ABNORMAL):
-        k = measured[int(np.argmax(excess[measured]))]
+    if len(acting) and len(measured) and excess[acting].max() < max(3.0 * excess[measured].max(), ABNORMAL):
+        k = int(measured[np.argmax(excess[measured])])
     driver = f.quiet.blocks[f.quiet.driven[f.signals[k]][0]].name
     logged = [s for s in f.record.log.names if s in f.quiet.signals]
     blocks = next(one.blocks for one in f.quiet.segments(logged) if driver in one.blocks)

@@ -3,18 +3,21 @@
 import numpy as np
 import pytest
 
-from cases.models import second_order_flow, site_flow
-from diagram import ensemble
+from cases.models import level_cascade, second_order_flow, site_flow
+from diagram import ensemble, simulate
+from diagram.inputs import close
+from diagram.playback import held
 from gap.effects import effect
 from gap.filters import kalman
 from gap.filters.affine import NotAffine, affine
 from gap.filters.checks import checks
-from gap.filters.digits import levels, straight
+from gap.filters.digits import levels
 from gap.filters.filtering import Explanation, Filtering
 from gap.filters.fitting import refined
 from gap.filters.scanned import operating, scanned
 from gap.filters.stems import stuck
 from gap.model import nuisances, read, silenced
+from gap.straightness import lined
 from logs import Log
 
 NEAR = {"SP": 1.5, "PV": 1.5, "OP": 0.5, "MV": 0.5}
@@ -33,23 +36,28 @@ EFFECTS = [
 
 
 def matrices(quiet, noise=()):
-    near = operating(quiet, NEAR, ["SP"], "controller")
-    return scanned(quiet.blocks, noise, "controller", ["PV", "OP"], ["SP"], near)
+    near = operating(quiet, NEAR, ["SP"], ["controller"])
+    return scanned(quiet.blocks, noise, ["controller"], ["PV", "OP"], ["SP"], near)
 
 
 def walked(one, SP):
-    """Return PV and OP at each scan, by the matrices alone."""
-    z, found = one.start, []
+    """Return logged signals at each scan, by the matrices alone."""
+    z, found, n, C = one.start, [], one.n, len(one.v)
     for k, sp in enumerate(SP):
-        row = np.concatenate([z, [0.0, 0.0, sp, float(k), 1.0, 0.0]])
-        told = one.v @ row
-        row[one.n] = np.clip(told, *one.limits)
-        found.append([one.H[0] @ row, row[one.n]])
+        row = np.concatenate([z, np.zeros(C + 1), [sp, float(k), 1.0, 0.0]])
+        wanted = np.empty(C)
+        for c in range(C):
+            wanted[c] = one.v[c] @ row
+            row[n + c] = np.clip(wanted[c], *one.limits[c])
+        shown = one.H @ row
+        shown[-1] = row[n + C - 1]  # the last one logged is the last controller's output, within its limits
+        found.append(shown)
         z = one.F @ row
-        if row[one.n] != told:
-            side = 0 if told > row[one.n] else 1
-            further = (z[one.memory[0]] > row[one.memory[0]]) == (side == 0)
-            z[one.memory] = one.beyond[side, 0 if further else 1] @ row
+        for c in np.flatnonzero(row[n : n + C] != wanted):
+            own = one.memory[one.of == c]
+            side = 0 if wanted[c] > row[n + c] else 1
+            further = (z[own[0]] > row[own[0]]) == (side == 0)
+            z[own] = one.beyond[side, 0 if further else 1, one.of == c] @ row
     return np.array(found)
 
 
@@ -75,6 +83,40 @@ def test_a_process_with_a_dead_time_of_its_own_moves_as_the_engine_does():
     assert np.abs(walked(matrices(quiet), SP)[:, 0] - run.values["PV"][0]).max() < 1e-8
 
 
+@pytest.mark.parametrize(
+    ("name", "place", "values"),
+    [
+        ("", "", {}),
+        ("second_lag", "vessel", {"tau": 20.0}),
+        ("dead_time", "process", {"theta": 2.3}),
+        ("controller_filter", "level_controller", {"tau": 30.0}),
+        ("controller_limits", "level_controller", {"low": 0.0, "high": 60.0}),
+        ("sensor_span", "level_sensor", {"factor": 1.1}),
+    ],
+)
+def test_a_cascade_moves_as_the_engine_does_with_both_controllers_at_their_limits(name, place, values):
+    # oracle: the engine; the level's set point jumps so far that the flow's set point and OP reach their limits
+    quiet = silenced(level_cascade()).with_params({"process.K": 0.9})
+    changed = effect(name).insert(quiet, place, **values) if name else quiet
+    t = np.arange(900.0)
+    SP = np.where(t < 50.0, 0.5, np.where(t < 400.0, 0.8, 0.45))
+    names = ["L", "PV", "SP", "OP"]
+    log = Log(t, {"SP_L": SP})
+    run = simulate(
+        close(changed, {"SP_L": held(log, "SP_L")}), t[-1], every=1.0, signals=names, rtol=1e-11, atol=1e-13
+    ).log
+    seen = {"SP_L": 0.5, "L": 0.5, "SP": 0.5, "PV": 0.5, "OP": 0.5}
+    acting = ["level_controller", "controller"]
+    one = scanned(changed.blocks, (), acting, names, ["SP_L"], operating(changed, seen, ["SP_L"], acting))
+    found = walked(one, SP)
+    low, high = changed["level_controller"].limits
+    assert run["SP"].max() == pytest.approx(high)
+    assert run["OP"].max() == pytest.approx(min(1.0, high / 0.9))
+    for j, s in enumerate(names):
+        value = np.clip(found[:, j], low, high) if s == "SP" else found[:, j]
+        assert np.abs(value - run[s]).max() < 1e-8, s  # at a limit blocks are looked at far beyond it
+
+
 def test_a_block_that_bends_has_no_matrices():
     curved = effect("valve_characteristic").insert(silenced(site_flow(rest=1.5)), "valve", rangeability=9.0)
     law = curved["valve:valve_characteristic/law"]
@@ -92,7 +134,7 @@ def test_the_likelihood_is_that_of_the_whole_covariance():
     U = np.column_stack([np.full(scans, 1.5), np.arange(float(scans)), np.ones(scans), np.zeros(scans)])
     A = np.empty((n, n))
     told = np.zeros(one.F.shape[1])
-    kalman.closed(one.F, one.v, told, n, True, 1.0, False, A)
+    kalman.closed(one.F, one.free, told, n, 1.0, False, A)
     P0, r = 1e-4 * np.eye(n), np.array([2e-7, 8e-8])
     H = one.H[:, :n]
     mean, covariances, powers = one.start.copy(), [P0], [np.eye(n)]
@@ -100,7 +142,7 @@ def test_the_likelihood_is_that_of_the_whole_covariance():
     for k in range(scans):
         row = np.concatenate([mean, [0.0, 0.0], U[k]])
         means.append(one.H @ row)
-        row[n] = one.v @ row
+        row[n] = one.v[0] @ row
         mean = one.F @ row
         covariances.append(A @ covariances[-1] @ A.T + one.Q)
         powers.append(A @ powers[-1])
@@ -115,10 +157,11 @@ def test_the_likelihood_is_that_of_the_whole_covariance():
     y = m + np.linalg.cholesky(C) @ rng.normal(size=len(m))
     whole = 0.5 * float((y - m) @ np.linalg.solve(C, y - m) + np.linalg.slogdet(C)[1])
     e, S = np.empty((rows, 2)), np.empty((rows, 2))
-    held, empty = one.F.copy(), np.zeros((rows, 2), dtype=bool)
+    empty, acts, none = np.zeros((rows, 2), dtype=bool), np.array([-1, 0]), np.zeros((every, n, n))
     kalman.filtered(
-        one.F, held, one.v, told, one.H, one.Q, *one.limits, one.memory, one.beyond, one.start, U, y.reshape(rows, 2),
-        r, empty, 1, every, 1, 0, 0, 0.0, 0.0, True, np.zeros((2, n)), np.ones(2), e, S, np.empty(scans),
+        one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period, one.offset,
+        one.start, U, y.reshape(rows, 2), r, empty, acts, every, 0, 0.0, 0.0, True, none, np.zeros((2, n)), np.ones(2),
+        e, S, np.empty((scans, 1)),
     )  # fmt: skip
     assert 0.5 * np.sum(e**2 + np.log(S)) == pytest.approx(whole, abs=1e-6)
 
@@ -148,7 +191,7 @@ def test_digits_tell_levels_and_straight_lines():
     assert levels(fine) == 0.0
     assert levels(np.round(np.round(fine / 0.02) * 0.02 / 0.0015) * 0.0015) == pytest.approx(0.02, rel=1e-3)
     line = np.interp(np.arange(300.0), np.arange(0.0, 301.0, 10.0), rng.normal(size=31))
-    assert straight(line, 0.0) > 0.85 > 0.05 > straight(rng.normal(size=300), 0.0)
+    assert lined(line, 0.0) > 0.85 > 0.05 > lined(rng.normal(size=300), 0.0)
 
 
 def test_a_stem_sticks_and_jumps():

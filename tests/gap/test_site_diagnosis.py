@@ -88,8 +88,13 @@ def test_only_a_scanned_loop_with_an_unmeasured_load_has_a_filter(site_record):
     assert filtering_of(*read(second_order_flow(rest=1.5), log)) is not None
     assert filtering_of(*read(level_loop(), site_record(**LEVEL))) is not None
     assert filtering_of(*read(ideal_flow(), log)) is None
-    cascade = Log(log.t, {"SP_L": log["SP"], "SP": log["SP"], "L": log["PV"], "PV": log["PV"], "OP": log["OP"]})
-    assert filtering_of(*read(level_cascade(), cascade)) is None  # two controllers
+    flow = site_record(middle=0.5, reach=0.1, loop=level_loop)
+    cascade = Log(flow.t, {"SP_L": flow["SP"], "L": flow["PV"], "SP": flow["OP"], "PV": flow["OP"], "OP": flow["OP"]})
+    found = filtering_of(*read(level_cascade(), cascade))
+    assert found is not None
+    assert found.controllers == ("level_controller", "controller")
+    assert found.signals == ("PV", "L", "SP", "OP") or found.signals == ("L", "PV", "SP", "OP")
+    assert found.op_at("valve") == found.op_at("controller") == "OP"
 
 
 def test_a_lag_in_a_loop_of_second_order_with_dead_time_is_named(site_record):
