@@ -6,10 +6,10 @@ The cells of tables 6.1 (constant feed) and 6.2 (sine), and the same loops under
 separator 1, with stiction none, normal and high.  Each starts with the contents of the separator 3 % about rest, drawn
 from a seed of its own.  Right is "stiction" where the valve sticks, and any other word where it has a deadband without
 jump.  The verdict is asked twice: on the log as the plant exports it, with the stem positions, and on PV, OP and SP
-alone, as most plants have them.  Beside it: what the thesis's algorithm says (R above 1.25 is stiction), and whether the
-survey of the whole log without stems puts a sticky valve first among all loops; so it is asked, too, of plants with one
-sticky valve, and of random plants (``cases.random_plants``), beside the share that chance would reach.  ``--cells`` asks
-for the verdicts alone.
+alone, as most plants have them.  Beside it: what the thesis's algorithm says (R above 1.25 is stiction), and whether
+the survey of the whole log without stems puts a sticky valve first among all loops; so it is asked, too, of plants with
+one sticky valve, and of random plants (``cases.random_plants``), beside the share that chance would reach.  ``--cells``
+asks for the verdicts alone.
 """
 
 import argparse
