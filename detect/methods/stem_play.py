@@ -109,7 +109,7 @@ class Stem(NamedTuple):
 
 
 def stem(u: Values, mv: Values, sigma: float = 0.0, free: tuple[float, float] = (-math.inf, math.inf)) -> Stem:
-    """Read the stem mv (n,) with noise sigma against OP u (n,), where it stands between the places ``free`` [unit of mv].
+    """Read the stem mv (n,) with noise sigma against OP u (n,), where it stands between the two places ``free``.
 
     >>> from detect.prepare.stick import stick
     >>> t = np.arange(2000.0)
