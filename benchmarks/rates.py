@@ -1,12 +1,14 @@
 """How often each method is right on simulated loops whose cause is known: the measured columns of ``stickslip table``.
 
-    python -m benchmarks.rates [--quick] [--json FILE] [--loops N] [--seed N] [--write]
+    python -m benchmarks.rates [--quick] [--json FILE] [--loops N] [--seed N] [--again NAME] [--write]
 
 Draws loops (``calibration.draw``, setting "other_physics", half of them with a sticky valve), puts every method to
 each, and counts its verdicts by group of loops.  No threshold of any method was set on them.  For the delay the first
 ``STREAMED`` sticky loops are fed sample by sample to ``LoopStream``, which watches with the streaming twin of a method
 or with a sliding window, and asked at ``CHECKS`` periods of the loop: the delay is the first time of an alarm.
-``--write`` keeps all in ``detect/rates.json``, which the table prints; ``--quick`` takes 8 loops.
+The row "combined" is the verdict of ``stickslip check`` on the record without MV.  ``--write`` keeps all in
+``detect/rates.json``, which the table prints; ``--quick`` takes 8 loops; ``--again combined`` counts one row anew on
+the loops that are kept, in two minutes.
 """
 
 import argparse
@@ -24,14 +26,17 @@ import numpy as np
 from benchmarks.report import Figures, publish
 from calibration import LoopSpec, Truth, draw, simulate
 from detect import METHODS, compare
+from detect.judge.answer import answer
 from detect.loop_stream import LoopStream
 from detect.methods import stem_play
+from detect.prepare.prepared import Prepared
 from detect.rates import COMBINED, FILE, SCHEMA, of_counts
 from detect.stream import LoopFacts, Sample
 from detect.words import WORDS as WORDING
 from detect.words import Word
 from logs import LoopRecord
 from logs.files.write import replacing
+from logs.hint import nearest
 
 LOOPS, QUICK = 416, 8
 SEED = 20_260_701  # used for nothing else
@@ -64,7 +69,7 @@ class Counted:
         """Put every method to a record; ``stem`` is the same loop with MV logged, for the method that needs it."""
         (judged,) = compare(record, [m for m in METHODS if m is not stem_play]).loops
         (with_stem,) = compare(stem, [stem_play]).loops
-        self.words[COMBINED][truth.group][judged.combined] += 1
+        self.words[COMBINED][truth.group][answer(Prepared(record)).word] += 1
         for one in (judged, with_stem):
             for verdict, spent in zip(one.verdicts, one.milliseconds, strict=True):
                 self.words[verdict.method][truth.group][verdict.verdict] += 1
@@ -105,6 +110,32 @@ class Counted:
                 for m in sorted(method.CARD.name for method in METHODS if method is not stem_play)
             },
         }
+
+
+def again(kept: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    """The counts with the rows of ``names`` counted anew, on the same loops; times and delays stay as they are.
+
+    ``names`` of methods, or "combined".  Raises ``ValueError`` for a name that is neither.
+    """
+    methods = {method.CARD.name: method for method in METHODS}
+    unknown = [name for name in names if name not in methods and name != COMBINED]
+    if unknown:
+        raise ValueError(f"no method {unknown[0]!r}; {nearest(unknown[0], [COMBINED, *methods])}")
+    words: dict[str, dict[str, Counter[str]]] = {name: defaultdict(Counter) for name in names}
+    specs = draw(kept["loops"], kept["seed"], kept["setting"])
+    for first in range(0, len(specs), BATCH):
+        for stem, truth in simulate(specs[first : first + BATCH], mv=True):
+            blind, seen = Prepared(replace(stem, mv_name=None)), Prepared(stem)
+            for name in names:
+                if name == COMBINED:
+                    word = answer(blind).word
+                else:
+                    word = methods[name].detect(seen if methods[name] is stem_play else blind).verdict
+                words[name][truth.group][word] += 1
+    rows = {
+        name: {group: [by[w] for w in kept["words"]] for group, by in sorted(words[name].items())} for name in names
+    }
+    return {**kept, "counts": dict(sorted({**kept["counts"], **rows}.items()))}
 
 
 def _median(values: Sequence[float]) -> float | None:
@@ -166,8 +197,16 @@ def main() -> None:
     parser.add_argument("--json", metavar="FILE", help="also write one flat JSON object ('-': standard output, alone)")
     parser.add_argument("--loops", type=int, default=LOOPS, help="how many loops (default 416)")
     parser.add_argument("--seed", type=int, default=SEED, help="of the loops drawn")
+    parser.add_argument("--again", metavar="NAME", action="append", help="count this row anew on the kept loops: a "
+                        "method, or combined; may be repeated")  # fmt: skip
     parser.add_argument("--write", action="store_true", help="keep the counts in detect/rates.json")
     chosen = parser.parse_args()
+    if chosen.again:
+        kept = again(json.loads(FILE.read_text()), chosen.again)
+        if chosen.write:
+            write(kept)
+        publish(figures(kept), NOTES, chosen.json, chosen.quick)
+        return
     n = QUICK if chosen.quick else chosen.loops
 
     def each(counted: Counted, done: int) -> None:

@@ -179,6 +179,16 @@ class LoopRecord:
         mask.flags.writeable = False
         return mask
 
+    @cached_property
+    def kept(self) -> slice | Mask:
+        """What picks the good samples of a signal: a slice where all are good, which copies nothing, else ``good``.
+
+        >>> loop = LoopRecord.from_arrays(range(3), pv=[1, 2, 3], op=[4, 5, 6])
+        >>> loop.kept, loop.pv[loop.kept].tolist()
+        (slice(None, None, None), [1.0, 2.0, 3.0])
+        """
+        return slice(None) if self.good.all() else self.good
+
     @property
     def op_span(self) -> tuple[float, float] | None:
         """Span of OP in its unit, or None when it is unknown."""

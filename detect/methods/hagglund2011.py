@@ -168,15 +168,11 @@ def measure_all(t: Values, e: Values, sp: Values, cuts: Values, block: int = 409
 
 def _mean_abs(e: Values, memory: int) -> Values:
     """Mean of |e| up to each sample: of all samples while they are fewer than ``memory``, forgetting afterwards."""
-    from scipy.signal import lfilter
+    from detect.prepare.half_cycle_kernels import mean_abs
 
-    x = np.abs(e)
-    young = np.cumsum(x[:memory]) / np.arange(1.0, min(len(x), memory) + 1.0)
-    if len(x) <= memory:
-        return np.asarray(young)
-    keep = 1.0 - 1.0 / memory
-    old, _ = lfilter([1.0 - keep], [1.0, -keep], x[memory:], zi=[keep * young[-1]])
-    return np.concatenate([young, old])
+    found = np.empty(len(e))
+    mean_abs(e, memory, found)
+    return found
 
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:

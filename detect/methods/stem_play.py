@@ -16,6 +16,10 @@ from OP: by S + J over a stick.  Where it lies below, or where OP turned often a
 MV never strayed from it, the valve does not stick; a deadband that is left is told: it wears the control, but is no
 stick.
 
+OP may stand at a limit: the stem comes to rest where OP does, and leaves it as from anywhere else.  Stands of the stem
+at an end of its own span (``end``) are left out, because its seat or stop may hold it there; where the span is not
+known, a saturated OP is refused.
+
 Source: the picture is Choudhury, Thornhill, Shah 2005, Control Eng. Practice 13:641; reading it so and its limits are
 ours.  Not for a transmitter that reads the positioner's command; of a slip that takes several samples the
 first alone is read.  Cost: about 8 ms for 7,200 samples.
@@ -62,7 +66,7 @@ CARD = Card(
     cons=("few plants log the stem",),
     cost="O(n)",
     experimental=True,
-    needs=("mv", "unsaturated"),
+    needs=("mv",),
 )
 
 
@@ -71,11 +75,13 @@ class Params:
     """Limits, all ours.
 
     slip : least J that is a stick [% of OP span, or of OP's travel where the span is unknown]
+    end : distance from an end of the span within which the seat or stop may hold the stem [share of the span]
     scatter : largest interquartile range of S over its median [-]
     reversals, turns : fewest of the stem to accuse, of OP to clear; samples : fewest
     """
 
     slip: float = 0.2
+    end: float = 0.005
     scatter: float = 0.5
     reversals: int = 4
     turns: int = 2
@@ -102,8 +108,8 @@ class Stem(NamedTuple):
     last: npt.NDArray[np.intp]
 
 
-def stem(u: Values, mv: Values, sigma: float = 0.0) -> Stem:
-    """Read the stem mv (n,) with noise sigma against OP u (n,).
+def stem(u: Values, mv: Values, sigma: float = 0.0, free: tuple[float, float] = (-math.inf, math.inf)) -> Stem:
+    """Read the stem mv (n,) with noise sigma against OP u (n,), where it stands between the two places ``free``.
 
     >>> from detect.prepare.stick import stick
     >>> t = np.arange(2000.0)
@@ -113,6 +119,10 @@ def stem(u: Values, mv: Values, sigma: float = 0.0) -> Stem:
     (4.0, 1.5, 2.0, 0.5)
     """
     first, last = _stands(mv, max(4.5 * sigma, 1e-6 * float(np.ptp(mv))))
+    inside = np.array(
+        [free[0] < np.mean(mv[a : b + 1]) < free[1] for a, b in zip(first, last, strict=True)], dtype=bool
+    )
+    first, last = first[inside], last[inside]
     readings = [_read(u[: len(u) - lag] if lag else u, mv[lag:], first - lag, last - lag, lag) for lag in range(4)]
     later = min(readings[1:], key=lambda r: r.scatter)
     return later if later.scatter < 0.5 * readings[0].scatter else readings[0]
@@ -204,6 +214,9 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     refusal = refused(CARD, loop, p.slip)
     if refusal is not None:
         return refusal
+    limited = next((fact for fact in loop.present if fact.code == "op_saturated"), None)
+    if limited is not None and loop.record.op_span is None:
+        return Verdict.not_applicable(NAME, "op_saturated", limited.text, p.slip)
     grid = loop.whole
     mv = grid.mv
     if len(grid) < p.samples:
@@ -215,7 +228,11 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     at, turn = turn_time(u, loop.period / grid.dt)
     travel = travel_of(u, turn)
     sigma = min(noise_std(grid.t, mv), noise_std(grid.t, mv - u))  # a stem that follows has the noise of OP, too
-    found = stem(u, mv, sigma)
+    free, span = (-math.inf, math.inf), loop.record.op_span
+    if span is not None:
+        off = p.end * (span[1] - span[0])
+        free = (span[0] + off, span[1] - off)
+    found = stem(u, mv, sigma, free)
     percent = loop.op_percent(1.0)
     unit = 100.0 / travel if percent is None else percent
     word, why = _word(found, unit, unit * travel, len(at), unit * band(u, mv), unit * 6.0 * sigma / abs(found.gain), p)

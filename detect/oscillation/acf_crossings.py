@@ -32,7 +32,7 @@ of three cycles none.
 A period that drifts smears the ACF of a long record, or leaves only the period of its slowest part. A record that
 does not pass, or whose halves pass with different periods, is therefore halved, and its halves again; when the
 parts that pass make up two thirds of it, it oscillates, each part with its own period. Noise passes hardly more
-often so, because several parts have to.
+often so, because several parts have to.  Halves that cannot hold 3.5 cycles of a fifth less period are not asked.
 
 Source: J. Process Control 13 (2003) 91; Bartlett, J. Royal Stat. Soc. Suppl. 8 (1946) 27. Ours: the sum up to the
 first crossing in place of the one over all lags, to which a true oscillation would contribute; the halving; and
@@ -41,7 +41,11 @@ the second try after removal of drift, because a slow drift lifts the whole ACF 
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -57,6 +61,7 @@ __all__ = ["CARD", "Params", "find", "find_in", "significant_crossings"]
 Values = npt.NDArray[np.float64]
 _SAMPLES_MIN = 20  # to test at all
 _PART_MIN = 100  # samples of the shortest part
+_SHORT = 512  # samples up to which the autocorrelation is summed up lag by lag
 
 CARD = Card(
     name="acf_crossings",
@@ -147,13 +152,23 @@ def _parts(t: Values, x: Values, whole: Gate, p: Params) -> list[Gate]:
     """The gates of the parts that pass, each of one period, in order of time; none once too much has failed."""
     found, failed = [], 0.0
     allowed = (1 - p.share_min) * (t[-1] - t[0])
+    known = {(0, len(t)): whole}  # a half is asked for by whether its whole drifts, and again by itself
     waiting = [(0, len(t), 0)]  # first sample, end, how often halved
+
+    def gate_of(first: int, end: int) -> Gate:
+        if (first, end) not in known:
+            known[first, end] = _find_one(t[first:end], x[first:end], p)
+        return known[first, end]
+
     while waiting:
         first, end, halvings = waiting.pop()
-        gate = _find_one(t[first:end], x[first:end], p) if halvings else whole
+        gate = gate_of(first, end)
         middle = (first + end) // 2
         may_halve = halvings < p.halvings and end - first >= 2 * _PART_MIN
-        if may_halve and (not gate.oscillating or _drifts(t[first:end], x[first:end], p)):
+        few = gate.cycles * (1 + p.drift_max) < 2 * p.cycles_min  # for two halves, each of a period of its own
+        if may_halve and (
+            not gate.oscillating or (not few and _drifts((gate_of(first, middle), gate_of(middle, end)), p))
+        ):
             waiting += [(middle, end, halvings + 1), (first, middle, halvings + 1)]
         elif gate.oscillating:
             found.append(gate)
@@ -164,26 +179,22 @@ def _parts(t: Values, x: Values, whole: Gate, p: Params) -> list[Gate]:
     return found
 
 
-def _drifts(t: Values, x: Values, p: Params) -> bool:
+def _drifts(halves: tuple[Gate, Gate], p: Params) -> bool:
     """Whether both halves of a signal oscillate, with periods that differ."""
-    middle = len(t) // 2
-    halves = (_find_one(t[:middle], x[:middle], p), _find_one(t[middle:], x[middle:], p))
     periods = [gate.period for gate in halves if gate.oscillating and gate.period is not None]
     return len(periods) == 2 and max(periods) > (1 + p.drift_max) * min(periods)
 
 
 def _find_one(t: Values, x: Values, p: Params) -> Gate:
     """Test for one period over the whole signal, as it is and with its drift removed."""
+    from detect.oscillation.acf_kernels import levelled
+
     n = len(t)
     if n < _SAMPLES_MIN:
         return Gate(False, None, 0.0, 0.0, 0.0, f"{n} samples are too few to test for an oscillation.")
-    grid = np.linspace(t[0], t[-1], n)
-    y = np.interp(grid, t, x)
-    centred = np.linspace(-0.5, 0.5, n)  # the time, in record lengths
-    y = y - np.mean(y)
-    y = y - centred * (centred @ y) / (centred @ centred)
-    std = float(np.std(y))
-    if std <= 1e-12 * max(1e-300, float(np.max(np.abs(x)))):
+    grid, y = np.empty(n), np.empty(n)
+    std, largest = levelled(np.ascontiguousarray(t), np.ascontiguousarray(x), grid, y)
+    if std <= 1e-12 * max(1e-300, largest):
         return Gate(False, None, 0.0, 0.0, 0.0, "The signal does not move.")
     first = _acf_test(grid, y, p)
     if first.oscillating:
@@ -199,13 +210,11 @@ def _find_one(t: Values, x: Values, p: Params) -> Gate:
 
 def _acf_test(t: Values, y: Values, p: Params) -> Gate:
     n, dt = len(y), float(t[1] - t[0])
-    amplitude = float(np.sqrt(2) * np.std(y))
-    y = y - np.mean(y)
-    spectrum = np.fft.rfft(y, 1 << (2 * n - 1).bit_length())  # padded beyond 2 n, to a length that is quick
-    acf = np.fft.irfft(np.abs(spectrum) ** 2)[:n]
-    acf /= acf[0]
+    acf, std = _acf(y)
+    amplitude = math.sqrt(2.0) * std
     crossings = significant_crossings(acf, p.band, p.crossings)
-    intervals = np.diff(crossings) * dt
+    at = crossings.tolist()
+    intervals = [dt * (later - earlier) for earlier, later in itertools.pairwise(at)]
     if len(intervals) < p.intervals_min:
         period = _cut_short(intervals, n * dt, p)
         if period is not None:
@@ -215,7 +224,8 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
             f"time{'s' * (len(crossings) != 1)} beyond the band of noise, {p.intervals_min + 1} are needed."
         )
         return Gate(False, None, 0.0, amplitude, 0.0, reason)
-    mean, spread = float(np.mean(intervals)), float(np.std(intervals, ddof=1))
+    mean = sum(intervals) / len(intervals)
+    spread = math.sqrt(sum((interval - mean) ** 2 for interval in intervals) / (len(intervals) - 1))
     regularity = min(REGULARITY_MAX, mean / (3 * spread)) if spread > 0 else REGULARITY_MAX
     period = 2 * mean
     cycles = n * dt / period
@@ -237,11 +247,37 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
     return Gate(oscillating, period, regularity, amplitude, cycles, reason, where)
 
 
-def _cut_short(intervals: Values, duration: float, p: Params) -> float | None:
+def _acf(y: Values) -> tuple[Values, float]:
+    """The autocorrelation of y (n,) times its value at lag 0, and the standard deviation of y."""
+    from detect.oscillation.acf_kernels import centred, correlated, powers
+
+    n = len(y)
+    if n <= _SHORT:
+        centre, acf = np.empty(n), np.empty(n)
+        std = centred(y, centre)
+        correlated(centre, acf)
+        return acf, std
+    padded = np.zeros(_quick_length(2 * n))
+    std = centred(y, padded)
+    spectrum = np.fft.rfft(padded)
+    power = np.empty(len(spectrum))
+    powers(spectrum, power)
+    return np.fft.irfft(power)[:n], std
+
+
+@lru_cache(maxsize=64)
+def _quick_length(n: int) -> int:
+    """The smallest even product of 2, 3 and 5 that is at least n: spectra of such lengths are quick."""
+    twos = [2 << k for k in range(n.bit_length())]
+    odds = [int(3**i * 5**j) for i in range(8) for j in range(6)]
+    return min(length for two in twos for odd in odds if (length := two * odd) >= n)
+
+
+def _cut_short(intervals: Sequence[float], duration: float, p: Params) -> float | None:
     """The period [s] of a wave that the record ends before it could swing often enough, or None."""
-    if len(intervals) < 2 or np.max(intervals) > 1.5 * np.min(intervals):
+    if len(intervals) < 2 or max(intervals) > 1.5 * min(intervals):
         return None
-    period = 2 * float(np.mean(intervals))
+    period = 2 * sum(intervals) / len(intervals)
     return period if duration < p.cycles_min * period else None
 
 
@@ -256,27 +292,22 @@ def significant_crossings(acf: Values, band: float, most: int | None = None) -> 
 
     Those after the first ``most`` are not looked at.
     """
-    n = len(acf)
-    k = np.flatnonzero((acf[:-1] > 0) != (acf[1:] > 0))
-    if len(k) == 0:
-        return np.empty(0)
-    where = k + acf[k] / (acf[k] - acf[k + 1])
-    bounds = np.concatenate([k, [n - 1]])
-    variance = (1 + 2 * np.sum(acf[1 : k[0] + 1] ** 2)) / n
-    kept = 0
-    for i in range(len(k) if most is None else min(most, len(k))):
-        lobe = np.abs(acf[bounds[i] + 1 : bounds[i + 1] + 1])
-        peak = int(np.argmax(lobe)) if len(lobe) else 0
-        lag = bounds[i] + 1 + peak
-        if len(lobe) == 0 or lobe[peak] < band * np.sqrt(variance * (1 - lag / n)):
-            break
-        kept = i + 1
-    result: Values = where[:kept]
-    return result
+    from detect.oscillation.acf_kernels import swings
+
+    found = np.empty(len(acf) if most is None else most)
+    count = swings(np.ascontiguousarray(acf), band, len(found), found)
+    return found[:count].copy()
 
 
 def _strongest_period(y: Values, dt: float) -> float:
     """Period of the highest spectral line with at least three cycles in the record [s]."""
-    power = np.abs(np.fft.rfft(y * np.hanning(len(y)))) ** 2
+    power = np.abs(np.fft.rfft(y * _hanning(len(y)))) ** 2
     power[:3] = 0.0
     return len(y) * dt / max(int(np.argmax(power)), 3)
+
+
+@lru_cache(maxsize=8)
+def _hanning(n: int) -> Values:
+    window = np.hanning(n)
+    window.flags.writeable = False
+    return window

@@ -8,6 +8,8 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from detect.prepare.order import percentiles
+
 __all__ = ["interval"]
 
 Values = npt.NDArray[np.float64]
@@ -32,8 +34,8 @@ def interval(
     *sums, total = (np.einsum("rn,n->r", weights, column) for column in columns)  # one by one: many times as quick
     means = np.stack(sums, axis=1) / total[:, None]
     tail = 0.5 * (1.0 - coverage)
-    low, high = np.quantile(of(means), [tail, 1.0 - tail])
-    return float(low), float(high)
+    low, high = percentiles(of(means), 100.0 * tail, 100.0 * (1.0 - tail))
+    return low, high
 
 
 @lru_cache(maxsize=4)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from detect.prepare.fact import Fact
 from detect.prepare.in_charge import asleep, copied, untracked
+from detect.prepare.order import percentile
 from detect.prepare.response import frozen, unresponsive
 from detect.prepare.stale import held, stale
 from detect.verdict import Code
@@ -69,7 +70,7 @@ def missing(record: LoopRecord, limit: float = 0.5) -> Fact:
     bad = ~(record.log.good(record.pv_name) & record.log.good(record.op_name))
     if record.sp_name is not None:
         bad |= ~record.log.good(record.sp_name)
-    if stale(record).present:
+    if bad.any() and stale(record).present:
         bad &= ~held(record)
     share = float(np.mean(bad))
     text = f"PV, OP or SP is missing or bad in {share:.0%} of the samples ({limit:.0%} allowed)."
@@ -78,8 +79,7 @@ def missing(record: LoopRecord, limit: float = 0.5) -> Fact:
 
 def beyond_reason(record: LoopRecord, limit: float = 1e100) -> Fact:
     """Return whether a number is so large that its square is none: no measurement and no clock gives it."""
-    good = record.good
-    signals = {"time": record.t, "PV": record.pv[good], "OP": record.op[good]}
+    signals = {"time": record.t, "PV": _good(record, record.pv), "OP": _good(record, record.op)}
     largest = {name: float(np.max(np.abs(x))) if len(x) else 0.0 for name, x in signals.items()}
     name = max(largest, key=lambda key: largest[key])
     text = f"{name} reaches {largest[name]:.3g}, which no plant measures: look at its unit and at the columns read."
@@ -155,9 +155,12 @@ def set_point_moves(sp: Values, e: Values) -> npt.NDArray[np.int64]:
 
     The level is the one last left, so a slow ramp is a row of moves though no single step is large.
     """
+    steps = np.flatnonzero(sp[1:] != sp[:-1]) + 1
+    if len(steps) == 0:
+        return steps
     band = max(0.05 * float(np.std(e)), 1e-9 * float(np.max(np.abs(sp))))
     level, moves = float(sp[0]), []
-    for i in (np.flatnonzero(np.diff(sp)) + 1).tolist():
+    for i in steps.tolist():
         if abs(sp[i] - level) > band:
             level = float(sp[i])
             moves.append(i)
@@ -170,16 +173,17 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
     The step is the smallest move; PV counts as gridded when 90 % of its values lie within 5 % of a step of
     the grid. A flat-then-jump PV on a coarse grid looks like stick-slip without any valve.
     """
+    from detect.prepare.health_kernels import on_grid
+
     x = _good(record, record.pv)
     moves = np.abs(np.diff(x))
-    moves = moves[moves > 1e-9 * float(np.max(np.abs(x)))] if len(x) else moves
+    counted = moves > 1e-9 * float(np.max(np.abs(x))) if len(x) else moves > 0.0
+    moves = moves if counted.all() else moves[counted]
     if len(moves) < 5:
         return Fact("quantised", False, float("inf"), limit, "PV moves too seldom to look for a grid.")
-    step = float(np.percentile(moves, 1))
-    offset = (x - x[0]) / step
-    gridded = float(np.mean(np.abs(offset - np.round(offset)) < 0.05))
+    step = percentile(moves, 1.0)
     levels = float(np.ptp(x)) / step
-    if gridded < 0.9:
+    if not on_grid(x, step, 0.05, 0.9):
         return Fact("quantised", False, levels, limit, "PV is not on a grid.")
     text = f"PV moves in steps of {step:.4g}, {levels:.0f} levels in its swing ({limit:.0f} needed)."
     return Fact(
@@ -193,12 +197,13 @@ def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:
     A sample is drawn when its second difference vanishes (below 1e-6 of the peak-to-peak). A clean
     simulated wave of straight pieces looks the same; then the corners are all there is to see either way.
     """
-    x, t = _good(record, record.pv), record.t[record.good]
-    if len(x) < 5 or np.ptp(x) == 0:
+    from detect.prepare.health_kernels import drawn
+
+    x, t = _good(record, record.pv), _good(record, record.t)
+    swing = float(np.ptp(x)) if len(x) else 0.0
+    if len(x) < 5 or swing == 0.0:
         return Fact("compressed", False, 0.0, limit, "PV is too short to look for compression.")
-    between = x[:-2] + (x[2:] - x[:-2]) * (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
-    drawn = np.abs(x[1:-1] - between) < 1e-6 * np.ptp(x)
-    share = float(np.mean(drawn))
+    share = drawn(t, x, 1e-6 * swing) / (len(x) - 2)
     text = f"{share:.0%} of the PV samples lie on straight lines between others ({limit:.0%} allowed)."
     return Fact("compressed", share > limit, share, limit, text, "Log raw values: exception and compression off.")
 
@@ -221,5 +226,5 @@ def drawn_op(record: LoopRecord, limit: float = 0.5) -> Fact:
 
 
 def _good(record: LoopRecord, x: Values) -> Values:
-    kept: Values = x[record.good]
+    kept: Values = x[record.kept]
     return kept

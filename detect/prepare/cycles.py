@@ -22,6 +22,7 @@ from detect.prepare import conditions
 from detect.prepare.fact import Fact
 from detect.prepare.gaps import SINGLE, Gap, falls_into, gaps_in
 from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure_all
+from detect.prepare.order import median_step
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.smoothing import moving_average, noise_std
 from detect.verdict import Code
@@ -95,6 +96,7 @@ def cut(
     (18, 50.3)
     """
     p = p or Params()
+    facts = conditions.examine(record) if facts is None else facts
     refusal = preconditions(record, facts)
     if refusal is not None:
         return refusal
@@ -108,14 +110,14 @@ def cut(
         )
     if not gate.oscillating or gate.period is None:
         return _no_oscillation(pieces, p)
-    dt = float(np.median(np.diff(t)))
+    dt = median_step(t)
     if gate.period / dt < 2 * (SAMPLES_MIN + 1):
         return Refusal(
             "undersampled",
             f"The period of {gate.period:.4g} s has {gate.period / dt:.1f} samples; "
             f"at least {2 * (SAMPLES_MIN + 1)} are needed to see where a peak sits.",
         )
-    refusal = _drawn(record, gate.period, dt)
+    refusal = _drawn(record, facts, gate.period, dt)
     if refusal is not None:
         return refusal
     notes: list[str] = []
@@ -191,9 +193,9 @@ def _tail(pieces: Pieces) -> str:
     return "".join(f"; {note}" for note in pieces.notes)
 
 
-def _drawn(record: LoopRecord, period: float, dt: float) -> Refusal | None:
+def _drawn(record: LoopRecord, facts: tuple[Fact, ...], period: float, dt: float) -> Refusal | None:
     """Refuse a compressed log when too few measured points are left in a half cycle."""
-    fact = conditions.compressed(record)
+    fact = next((fact for fact in facts if fact.code == "compressed"), None) or conditions.compressed(record)
     points = (1 - fact.value) * period / (2 * dt)
     if fact.present and points < SAMPLES_MIN:
         return Refusal(
@@ -206,15 +208,21 @@ def _drawn(record: LoopRecord, period: float, dt: float) -> Refusal | None:
 
 def prepare(t: Values, x: Values, period: float, p: Params) -> tuple[Values, float, bool]:
     """e centred and smoothed, the noise left in it, and whether a drift was taken off."""
-    baseline = moving_average(t, x, 2 * period, ends="hold")
-    e = x - np.mean(x)
-    drifts = bool(t[-1] - t[0] > 4 * period and np.std(baseline) > p.drift_share * np.std(x - baseline))
-    if drifts:
-        e = x - baseline
-    sigma, std = noise_std(t, e), float(np.std(e))
+    from detect.prepare.half_cycle_kernels import level
+    from detect.prepare.health_kernels import spread
+
+    mean, std = spread(x)
+    e, drifts = x - mean, False
+    if t[-1] - t[0] > 4 * period:
+        baseline = moving_average(t, x, 2 * period, ends="hold")
+        swing = x - baseline
+        sd = spread(swing)[1]
+        if spread(baseline)[1] > p.drift_share * sd:
+            e, std, drifts = swing, sd, True
+    sigma = noise_std(t, e)
     if sigma < 1e-3 * std:
         sigma = 0.0
-    dt = float(np.median(np.diff(t)))
+    dt = median_step(t)
     width = 0.0
     if sigma > p.noise_share * std:
         width = min(dt * (sigma / (p.noise_share * std)) ** 2, p.smooth_max * period)
@@ -225,16 +233,17 @@ def prepare(t: Values, x: Values, period: float, p: Params) -> tuple[Values, flo
     c = crossings(t, e, 0.1 * std)
     if len(c) >= 3 and not drifts:
         last = c[-1] if len(c) % 2 else c[-2]
-        inside = (t >= c[0]) & (t <= last)
-        if np.count_nonzero(inside) > 2:
-            ti, ei = t[inside], e[inside]
-            e = e - np.sum(0.5 * (ei[1:] + ei[:-1]) * np.diff(ti)) / (ti[-1] - ti[0])
+        first, end = np.searchsorted(t, c[0]), np.searchsorted(t, last, side="right")
+        if end - first > 2:
+            e = e - level(t[first:end], e[first:end])
     return e, sigma, drifts
 
 
 def half_cycles_in(t: Values, e: Values, noise: float, period: float, gaps: tuple[Gap, ...] = ()) -> list[HalfCycle]:
     """Half cycles of the prepared e between neighbouring crossings, faults marked, gaps in t among them."""
-    std = float(np.std(e))
+    from detect.prepare.health_kernels import spread
+
+    std = spread(e)[1]
     cuts = crossings(t, e, max(0.1 * std, min(3 * noise, 0.5 * std)))
     found = measure_all(t, e, cuts, noise, period, 0.5 * std)
     if not gaps:

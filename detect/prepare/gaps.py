@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from logs import LoopRecord
 
-__all__ = ["SINGLE", "Gap", "bridgeable", "describe", "falls_into", "gaps_in", "split"]
+__all__ = ["SINGLE", "Gap", "bridgeable", "describe", "falls_into", "gaps_in", "split", "taken"]
 
 BRIDGED_SHARE = 0.1  # of a period
 STEPS = 5.0  # median steps between two good samples, beyond which samples are missing; as ``LoopRecord.segments``
@@ -43,8 +43,8 @@ def gaps_in(record: LoopRecord) -> tuple[Gap, ...]:
     >>> gaps_in(LoopRecord.from_arrays(range(5), pv=pv, op=[1] * 5))
     (Gap(start=1.0, end=3.0),)
     """
-    good, where = _gaps(record)
-    t = record.t[good]
+    where = _gaps(record)[1]
+    t = record.t[record.kept]
     return tuple(Gap(float(t[i]), float(t[i + 1])) for i in where)
 
 
@@ -69,8 +69,19 @@ def split(record: LoopRecord, bridged: float) -> list[npt.NDArray[np.int64]]:
     good, where = _gaps(record)
     if len(good) == 0:
         return []
-    cuts = where[np.diff(record.t[good])[where] > bridged] + 1
-    return np.split(good, cuts)
+    t = record.t[record.kept]
+    cuts = where[t[where + 1] - t[where] > bridged] + 1
+    return np.split(good, cuts) if len(cuts) else [good]
+
+
+def taken(part: npt.NDArray[np.int64]) -> slice | npt.NDArray[np.int64]:
+    """What takes a part of ``split`` out of a signal: a slice where no sample between is left out.
+
+    >>> taken(np.array([3, 4, 5])), taken(np.array([3, 5])).tolist()
+    (slice(3, 6, None), [3, 5])
+    """
+    whole = len(part) > 0 and part[-1] - part[0] + 1 == len(part)
+    return slice(int(part[0]), int(part[-1]) + 1) if whole else part
 
 
 def describe(gaps: Sequence[Gap]) -> str:
@@ -87,6 +98,8 @@ def describe(gaps: Sequence[Gap]) -> str:
 
 def _gaps(record: LoopRecord) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Indices of the good samples, and which of them a gap follows."""
-    good = np.flatnonzero(record.good)
-    missing = (np.diff(good) > 1) | (np.diff(record.t[good]) > STEPS * record.dt)
+    good, t = np.flatnonzero(record.good), record.t[record.kept]
+    missing = np.diff(t) > STEPS * record.dt
+    if len(good) < len(record):
+        missing |= np.diff(good) > 1
     return good, np.flatnonzero(missing)

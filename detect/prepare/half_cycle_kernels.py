@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-__all__ = ["FAULTS", "flips", "half_cycle", "half_cycles", "half_waves"]
+__all__ = ["FAULTS", "flips", "half_cycle", "half_cycles", "half_waves", "level", "mean_abs"]
 
 FAULTS = ("", "short", "two_peaks", "flat", "length", "low")
 MARGIN = 4  # samples beyond a half cycle that help to place its peak
@@ -126,8 +126,7 @@ def half_cycle(
 
     before, after, high = 0.0, 0.0, 0.0
     seen, value = start, 0.0
-    squares = 0.0
-    dots, norms = np.zeros(2), np.zeros(2)
+    squares, sine_dot, sine_norm, triangle_dot, triangle_norm = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(lo, hi + 1):
         now, y = (t[k], sign * x[k]) if k < hi else (end, 0.0)
         if now < when:
@@ -146,16 +145,17 @@ def half_cycle(
         y, weight = sign * x[k], 0.5 * (later - earlier)
         phase = (t[k] - start) / (end - start)
         squares += weight * y * y
-        for j in range(2):
-            shape = math.sin(math.pi * phase) if j == 0 else 1.0 - abs(2.0 * phase - 1.0)
-            dots[j] += weight * y * shape
-            norms[j] += weight * shape * shape
+        shape, corner = math.sin(math.pi * phase), 1.0 - abs(2.0 * phase - 1.0)
+        sine_dot += weight * y * shape
+        sine_norm += weight * shape * shape
+        triangle_dot += weight * y * corner
+        triangle_norm += weight * corner * corner
     if high > flat_share * (end - start):
         fault = 3
     if fault == 0 and (before <= 0.0 or after <= 0.0):
         fault = 1
-    sine = max(squares - dots[0] * dots[0] / norms[0], 0.0)
-    triangle = max(squares - dots[1] * dots[1] / norms[1], 0.0)
+    sine = max(squares - sine_dot * sine_dot / sine_norm, 0.0)
+    triangle = max(squares - triangle_dot * triangle_dot / triangle_norm, 0.0)
     return fault, when, sign * peak, before, after, n, sine, triangle
 
 
@@ -207,6 +207,24 @@ def _half_wave(t: Any, e: Any, sp: Any, start: float, end: float, phase: Any, sh
         v_square += (x - a_square) ** 2
         low, high = min(low, sp[k]), max(high, sp[k])
     return iae, v_sine / n, v_square / n, peak, longest, high - low
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def level(t: Any, x: Any) -> Any:
+    """Mean over the time of the polygon (t, x), (n,), n >= 2."""
+    area = 0.0
+    for k in range(1, len(t)):
+        area += 0.5 * (x[k] + x[k - 1]) * (t[k] - t[k - 1])
+    return area / (t[len(t) - 1] - t[0])
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def mean_abs(e: Any, memory: int, out: Any) -> None:
+    """Mean of |e| up to each sample, of which it forgets those more than ``memory`` ago, into out (n,)."""
+    mean = 0.0
+    for k in range(len(e)):
+        mean += (abs(e[k]) - mean) / min(k + 1, memory)
+        out[k] = mean
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]

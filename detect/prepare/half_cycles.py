@@ -71,7 +71,7 @@ def crossings(t: Values, x: Values, band: float | Values = 0.0) -> Values:
     from detect.prepare.half_cycle_kernels import flips
 
     times = np.empty(len(x))
-    bands = np.ascontiguousarray(np.broadcast_to(np.asarray(band, dtype=float), x.shape))
+    bands = np.full(len(x), band, dtype=float) if np.ndim(band) == 0 else np.ascontiguousarray(band, dtype=float)
     return times[: flips(np.ascontiguousarray(t), np.ascontiguousarray(x), bands, times)].copy()
 
 

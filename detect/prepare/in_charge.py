@@ -28,9 +28,12 @@ def copied(record: LoopRecord, limit: float = 0.9999) -> Fact:
 
     Methods refuse where OP is PV, number by number; a P controller copies PV too, turned over or to another scale.
     """
-    pv, op = record.pv[record.good], record.op[record.good]
-    size = float(np.std(pv) * np.std(op)) if len(pv) >= 50 else 0.0
-    alike = abs(float(np.mean((pv - np.mean(pv)) * (op - np.mean(op))))) / size if size > 0.0 else 0.0
+    from detect.prepare.health_kernels import pair
+
+    pv, op = record.pv[record.kept], record.op[record.kept]
+    sd_pv, sd_op, both = pair(pv, op) if len(pv) >= 50 else (0.0, 0.0, 0.0)
+    size = sd_pv * sd_op
+    alike = abs(both) / size if size > 0.0 else 0.0
     same = size > 0.0 and bool(np.array_equal(pv, op))
     text = f"OP is no copy of PV (correlation {alike:.3f})."
     if alike > limit:
@@ -50,15 +53,14 @@ def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
         return Fact(
             "manual_mode", False, 0.0, limit, "OP is not searched for stands: SP is unknown, or the mode known."
         )
-    good = record.good
-    op, pv, e = record.op[good], record.pv[good], record.e[good]
-    moves = np.flatnonzero(np.diff(op)) + 1
-    edges = np.concatenate([[0], moves, [len(op)]])
-    lengths = np.diff(edges)
+    from detect.prepare.health_kernels import long_stands, spread
+
+    op, pv, e = record.op[record.kept], record.pv[record.kept], record.e[record.kept]
+    stands = np.empty((len(op) // STAND + 1, 2), dtype=np.int64)
     asleep = 0
-    for start, length in zip(edges[:-1][lengths >= STAND].tolist(), lengths[lengths >= STAND].tolist(), strict=True):
-        off, swing = float(np.mean(e[start : start + length])), float(np.std(pv[start : start + length]))
-        asleep += length if swing > 0.0 and abs(off) > swing else 0
+    for start, end in stands[: long_stands(op, STAND, stands) if len(op) else 0].tolist():
+        off, swing = spread(e[start:end])[0], spread(pv[start:end])[1]
+        asleep += end - start if swing > 0.0 and abs(off) > swing else 0
     share = asleep / max(len(op), 1)
     text = (
         f"OP stands while PV moves off SP in {share:.0%} of the samples ({limit:.0%} allowed), in stands of {STAND} "
@@ -76,10 +78,11 @@ def untracked(record: LoopRecord, limit: float = 3.0) -> Fact:
         return Fact(
             "not_in_charge", False, 0.0, limit, "SP is not logged, so that tracking is not seen.", forbids=False
         )
-    e = e[record.good]
-    spread = float(np.std(e))
-    off = abs(float(np.mean(e)))
-    ratio = off / spread if spread > 0.0 else (math.inf if off > 0.0 else 0.0)
+    from detect.prepare.health_kernels import spread
+
+    mean, sd = spread(e[record.kept])
+    off = abs(mean)
+    ratio = off / sd if sd > 0.0 else (math.inf if off > 0.0 else 0.0)
     text = (
         f"PV keeps {off:.4g} off SP, {ratio:.1f} standard deviations of e ({limit:g} allowed): the set point is not "
         "tracked (no integral action, a limit, or the set point of another loop)."

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from detect.oscillation import acf_crossings as oscillation
 from detect.oscillation.gate import Gate, Stretch
 from detect.prepare import conditions
-from detect.prepare.gaps import bridgeable, describe, gaps_in, split
+from detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split, taken
 from logs import LoopRecord
 
 __all__ = ["Pieces", "pieces_of"]
@@ -52,7 +52,7 @@ class Pieces:
             gate = self.gate if t is self.longest[0] else oscillation.find_in(t, e, p)
             whole = Stretch(float(t[0]), float(t[-1]), self.gate.period or math.inf)
             for start, end, period in gate.stretches or (whole,):
-                inside = (t >= start) & (t <= end)
+                inside = slice(int(np.searchsorted(t, start)), int(np.searchsorted(t, end, side="right")))
                 yield t[inside], e[inside], period
 
 
@@ -62,16 +62,19 @@ def pieces_of(record: LoopRecord, p: oscillation.Params) -> Pieces:
     How long that is depends on the period, which the gate finds. It starts from the longest period that the record
     can show and, if nothing oscillates then, from no bridge but over single samples.
     """
+    gaps = gaps_in(record)
     for period in (record.log.duration / p.cycles_min, 0.0):
-        pieces = _cut(record, bridgeable(record, period))
+        tried = bridgeable(record, period)
+        pieces = _cut(record, tried)
         gate = oscillation.find_in(*_longest(pieces), p)
         if gate.oscillating and gate.period is not None:
             period = gate.period
-            again = _cut(record, bridgeable(record, period))
-            if [len(t) for t, _ in again] != [len(t) for t, _ in pieces]:
-                pieces, gate = again, oscillation.find_in(*_longest(again), p)
+            bridged = bridgeable(record, period)
+            if any(min(tried, bridged) < gap.length <= max(tried, bridged) for gap in gaps):
+                pieces = _cut(record, bridged)
+                gate = oscillation.find_in(*_longest(pieces), p)
             break
-    return Pieces(pieces, gate, _notes(record, bridgeable(record, period), len(pieces)))
+    return Pieces(pieces, gate, _notes(gaps, bridgeable(record, period), len(pieces)))
 
 
 def _longest(pieces: tuple[Piece, ...]) -> Piece:
@@ -81,19 +84,18 @@ def _longest(pieces: tuple[Piece, ...]) -> Piece:
 def _cut(record: LoopRecord, bridged: float) -> tuple[Piece, ...]:
     """The good samples between moves of the set point and gaps longer than ``bridged`` [s]."""
     pieces: list[Piece] = []
-    for part in split(record, bridged):
+    for part in map(taken, split(record, bridged)):
         t = record.t[part]
         if record.e is None or record.sp is None:
             pieces.append((t, -record.pv[part]))
             continue
         e = record.e[part]
-        cuts = [0, *conditions.set_point_moves(record.sp[part], e).tolist(), len(part)]
+        cuts = [0, *conditions.set_point_moves(record.sp[part], e).tolist(), len(t)]
         pieces += [(t[a:b], e[a:b]) for a, b in itertools.pairwise(cuts)]
     return tuple(pieces)
 
 
-def _notes(record: LoopRecord, bridged: float, pieces: int) -> tuple[str, ...]:
-    gaps = gaps_in(record)
+def _notes(gaps: tuple[Gap, ...], bridged: float, pieces: int) -> tuple[str, ...]:
     short = [gap for gap in gaps if gap.length <= bridged]
     long = [gap for gap in gaps if gap.length > bridged]
     moves = max(pieces - 1 - len(long), 0)

@@ -222,21 +222,29 @@ class Prepared:
     def _grid(self, start: float, end: float) -> Grid:
         """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""
         record = self.record
-        kept = record.good & (record.t >= start) & (record.t <= end)
-        at = record.t[kept]
+        from detect.prepare.health_kernels import last_before
+
+        inside = slice(int(np.searchsorted(record.t, start)), int(np.searchsorted(record.t, end, side="right")))
+        good = record.good[inside]
+        kept = slice(None) if good.all() else good
+        at = np.ascontiguousarray(record.t[inside][kept])
         n = min(round((end - start) / record.dt) + 1, STEPS_MAX)
         t = np.linspace(start, end, max(n, 2))
         dt = float(t[1] - t[0])
-        last = np.clip(np.searchsorted(at, t + 1e-6 * dt, side="right") - 1, 0, len(at) - 1)
+        even = len(at) == len(t) and bool((at == t).all())
+        last = np.empty(len(t), dtype=np.intp)
+        last_before(at, t, 1e-6 * dt, last)
 
         def held(x: Values | None) -> Values | None:
-            return None if x is None else x[kept][last]
+            return None if x is None else x[inside][kept] if even else x[inside][kept][last]
 
-        pv = np.interp(t, at, record.pv[kept])
-        sp = held(record.sp)
+        def joined(x: Values) -> Values:
+            return x[inside][kept] if even else np.interp(t, at, x[inside][kept])
+
+        pv, sp = joined(record.pv), held(record.sp)
         e = np.mean(pv) - pv if sp is None else sp - pv
-        op, mv = held(record.op), None if record.mv is None else np.interp(t, at, record.mv[kept])
-        drawn = float(np.mean(t - at[last] > 1.5 * record.dt))
+        op, mv = held(record.op), None if record.mv is None else joined(record.mv)
+        drawn = 0.0 if even else float(np.mean(t - at[last] > 1.5 * record.dt))
         assert op is not None
         return Grid(t, dt, op, pv, e, sp, mv, drawn)
 

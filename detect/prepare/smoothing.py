@@ -12,6 +12,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from detect.prepare.order import percentile
+
 __all__ = ["moving_average", "noise_std"]
 
 Values = npt.NDArray[np.float64]
@@ -31,29 +33,14 @@ def moving_average(t: Values, x: Values, width: float, ends: Literal["shrink", "
     """
     if width <= 0 or len(t) < 3:
         return x.copy()
-    t = t - t[0]
-    area = np.concatenate([[0.0], np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(t))])
-    room = np.minimum(t, t[-1] - t)
-    if ends == "hold":
-        half = min(width, t[-1]) / 2
-        centre = np.clip(t, half, t[-1] - half)
-        held: Values = (_area_to(t, x, area, centre + half) - _area_to(t, x, area, centre - half)) / (2 * half)
-        return held
-    half_width = np.minimum(width / 2, room)
-    inside = half_width > 0
-    y = x.copy()
-    c, h = t[inside], half_width[inside]
-    y[inside] = (_area_to(t, x, area, c + h) - _area_to(t, x, area, c - h)) / (2 * h)
-    return y
+    from detect.prepare.smoothing_kernels import averages
 
-
-def _area_to(t: Values, x: Values, area: Values, q: Values) -> Values:
-    """Area under the polygon (t, x) from its start to the times q, which increase."""
-    from detect.prepare.smoothing_kernels import areas_to
-
-    result = np.empty(len(q))
-    areas_to(t, np.ascontiguousarray(x, dtype=np.float64), area, q, result)
-    return result
+    averaged = np.empty(len(t))
+    averages(
+        np.ascontiguousarray(t, dtype=np.float64), np.ascontiguousarray(x, dtype=np.float64), float(width),
+        ends == "hold", averaged,
+    )  # fmt: skip
+    return averaged
 
 
 def noise_std(t: Values, x: Values) -> float:
@@ -75,4 +62,4 @@ def noise_std(t: Values, x: Values) -> float:
 
     off = np.empty(len(t) - 4)
     off_cubic(np.ascontiguousarray(t, dtype=np.float64), np.ascontiguousarray(x, dtype=np.float64), off)
-    return float(np.median(off) / 0.6744897501960817)
+    return percentile(off, 50.0) / 0.6744897501960817

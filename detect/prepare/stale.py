@@ -37,11 +37,12 @@ def held(record: LoopRecord) -> Mask:
 
 def stale(record: LoopRecord) -> Fact:
     """Share of samples held, where the two signals stand together and seldom alone; methods refuse above 70 %."""
-    both = held(record)
-    share = float(np.mean(both)) if len(both) else 0.0
-    alone = [float(np.mean(_repeats(x))) for x in (record.pv, record.op)] if len(both) > 1 else [0.0]
-    runs = int(np.count_nonzero(both & ~np.concatenate([[False], both[:-1]])))
-    together = share > SHARE and runs >= RUNS and share >= TOGETHER * max(alone)
+    from detect.prepare.health_kernels import repeated
+
+    n = len(record)
+    both, pv, op, runs = repeated(record.pv, record.op)
+    share, alone = both / max(n, 1), max(pv, op) / max(n - 1, 1)
+    together = share > SHARE and runs >= RUNS and share >= TOGETHER * alone
     if not together:
         text = f"PV and OP stand still together in {share:.0%} of the samples, which is no more than chance or rest."
         return Fact("stale_data", False, share, SHARE, text)

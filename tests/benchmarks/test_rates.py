@@ -1,8 +1,10 @@
 """Counting verdicts on simulated loops: every loop is counted once a method, alarms come at checks."""
 
-from benchmarks.rates import CHECKS, SETTING, WORDS, Counted, figures, measure
+import pytest
+
+from benchmarks.rates import CHECKS, SETTING, WORDS, Counted, again, figures, measure
 from calibration import draw, simulate
-from detect import METHODS
+from detect import METHODS, diagnose
 from detect.rates import COMBINED, STICKY, of_counts
 
 
@@ -24,3 +26,21 @@ def test_an_alarm_comes_at_a_check_and_once():
         counted.follow(record, truth)
     assert counted.streamed == 2
     assert all(len(times) <= 2 and set(times) <= set(CHECKS) for times in counted.periods.values())
+
+
+def test_the_combined_row_is_the_verdict_and_not_the_vote():
+    specs = draw(4, seed=6, setting=SETTING)
+    counted = measure(specs, streamed=0)
+    said = {}
+    for record, truth in simulate(specs):
+        said.setdefault(truth.group, []).append(diagnose(record).verdict)
+    for group, words in said.items():
+        assert sorted(counted.words[COMBINED][group].elements()) == sorted(words)
+
+
+def test_one_row_counted_again_is_the_row_that_was_counted():
+    kept = measure(draw(6, seed=6, setting=SETTING), streamed=0).kept(6, 6)
+    spoiled = {**kept, "counts": {**kept["counts"], COMBINED: {}, "stem_play": {}}}
+    assert again(spoiled, [COMBINED, "stem_play"])["counts"] == kept["counts"]
+    with pytest.raises(ValueError, match="did you mean 'play_fit'"):
+        again(kept, ["playfit"])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from detect.methods.stem_play import band, detect, stem
+from detect.prepare.prepared import Prepared
 from detect.prepare.stick import stick
 from logs import LoopRecord
 
@@ -108,3 +109,30 @@ def test_refusals_and_picture(sticky, bare):
     figure = detect(sticky(noise=0.1)).plot()
     figure.canvas.draw()
     assert len(figure.axes) == 4
+
+
+def _clipped(S, J, seat, n=6000):
+    """A valve whose OP runs into both limits, and whose stem may meet its seat and stop before."""
+    u = np.clip(50 + 58 * np.sin(np.arange(n) / 150) + 9 * np.sin(np.arange(n) / 17), 0.0, 100.0)
+    x = stick(u, S, J)
+    mv = np.clip(1.2 * (x - 50) + 50, 0.0, 100.0) if seat else x
+    noisy = mv + 0.02 * np.random.default_rng(1).normal(size=n)
+    return LoopRecord.from_arrays(np.arange(float(n)), pv=30 + mv / 9, op=u, mv=noisy, sp=np.full(n, 30.0))
+
+
+@pytest.mark.parametrize("seat", [False, True])
+def test_a_saturated_op_does_not_silence_the_stem(seat):
+    sticky, loose = detect(_clipped(5.0, 2.0, seat)), detect(_clipped(5.0, 0.0, seat))
+    assert Prepared(_clipped(5.0, 2.0, seat)).present[0].code == "op_saturated"
+    assert sticky.verdict == "stiction", sticky.reason
+    assert sticky.evidence["S"] == pytest.approx(5.0, rel=0.1)  # analytic
+    assert sticky.index == pytest.approx(2.0, rel=0.25)
+    assert loose.verdict != "stiction", loose.reason
+
+
+def test_a_saturated_op_of_unknown_span_is_refused():
+    record = _clipped(5.0, 2.0, False)
+    op = np.clip(record.op, 20.0, 80.0)  # stands at its own extremes for more than a fifth of the time
+    assert detect(LoopRecord.from_arrays(record.t, pv=record.pv, op=op, mv=record.mv, sp=record.sp)).applicable
+    blind = LoopRecord.from_arrays(record.t, pv=record.pv, op=op, mv=record.mv, sp=record.sp, op_span=None)
+    assert detect(blind).code == "op_saturated"

@@ -1,0 +1,188 @@
+"""The compiled sums of the screening against the same formulas written with whole arrays (labelled analytic)."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from detect.oscillation import acf_crossings
+from detect.oscillation.acf_crossings import significant_crossings
+from detect.oscillation.acf_kernels import centred, correlated, levelled
+from detect.prepare.gaps import split, taken
+from detect.prepare.health_kernels import long_stands, longest_stand, on_grid, pair, repeated, spread
+from detect.prepare.order import median_step, percentile, percentiles
+from detect.prepare.prepared import Prepared
+from detect.prepare.smoothing import noise_std
+from logs import LoopRecord
+
+numbers = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60).map(np.array)
+coarse = st.lists(st.integers(0, 2), min_size=2, max_size=200).map(lambda x: np.array(x, dtype=float))
+
+
+def crossings_by_arrays(acf, band, most=None):
+    """Thornhill's crossings within Bartlett's band, lobe by lobe, as the module's docstring says them."""
+    n = len(acf)
+    k = np.flatnonzero((acf[:-1] > 0) != (acf[1:] > 0))
+    if len(k) == 0:
+        return np.empty(0)
+    where, bounds = k + acf[k] / (acf[k] - acf[k + 1]), np.append(k, n - 1)
+    variance = (1 + 2 * np.sum(acf[1 : k[0] + 1] ** 2)) / n
+    kept = 0
+    for i in range(len(k) if most is None else min(most, len(k))):
+        lobe = np.abs(acf[bounds[i] + 1 : bounds[i + 1] + 1])
+        lag = bounds[i] + 1 + int(np.argmax(lobe))
+        if lobe.max() < band * np.sqrt(variance * (1 - lag / n)):
+            break
+        kept = i + 1
+    return where[:kept]
+
+
+@given(st.integers(0, 10_000), st.integers(20, 900), st.floats(4.0, 200.0), st.sampled_from([None, 1, 5, 11]))
+@settings(max_examples=150, deadline=None)
+def test_crossings_are_those_of_the_formula(seed, n, period, most):
+    rng = np.random.default_rng(seed)
+    y = np.sin(2 * np.pi * np.arange(n) / period) + rng.uniform(0, 3) * rng.normal(size=n)
+    acf = np.correlate(y - y.mean(), y - y.mean(), "full")[n - 1 :]
+    acf /= acf[0]
+    expected = crossings_by_arrays(acf, 1.96, most)  # analytic
+    assert significant_crossings(acf, 1.96, most) == pytest.approx(expected, rel=1e-12)
+    assert significant_crossings(7.0 * acf, 1.96, most) == pytest.approx(expected, rel=1e-12)  # any scale
+
+
+def test_short_and_long_signals_have_one_autocorrelation(monkeypatch):
+    y = np.random.default_rng(1).normal(size=500).cumsum()
+    found = np.empty(500)
+    centre = np.empty(500)
+    assert centred(y, centre) == pytest.approx(np.std(y), rel=1e-12)
+    correlated(centre, found)
+    assert found == pytest.approx(np.correlate(y - y.mean(), y - y.mean(), "full")[499:], rel=1e-9, abs=1e-9)
+    t = np.arange(1000.0)
+    wave = np.sin(t / 9) + 0.1 * np.cos(t * 1.7)
+    gates = []
+    for limit in (0, 2000):  # by spectra, lag by lag
+        monkeypatch.setattr(acf_crossings, "_SHORT", limit)
+        gates.append(acf_crossings.find_in(t, wave))
+    assert gates[0].period == pytest.approx(gates[1].period, rel=1e-9)
+    assert gates[0].regularity == pytest.approx(gates[1].regularity, rel=1e-6)
+
+
+@pytest.mark.parametrize("n", [3, 512, 513, 7200, 14_401, 99_991])
+def test_quick_lengths_are_long_enough_and_products_of_small_primes(n):
+    length = acf_crossings._quick_length(n)
+    assert n <= length <= max(2, 1.13 * n) + 8
+    for prime in (2, 3, 5):
+        while length % prime == 0:
+            length //= prime
+    assert length == 1
+
+
+def test_levelled_is_interpolated_and_without_its_straight_line():
+    t = np.cumsum(np.random.default_rng(2).uniform(0.2, 2.0, 300))
+    x = np.sin(t / 7) + 0.3 * t - 5
+    grid, y = np.empty(300), np.empty(300)
+    sd, largest = levelled(t, x, grid, y)
+    even = np.linspace(t[0], t[-1], 300)
+    on_even = np.interp(even, t, x)
+    expected = on_even - np.polynomial.Polynomial.fit(even, on_even, 1)(even)  # analytic
+    assert grid == pytest.approx(even, rel=1e-14) and y == pytest.approx(expected, abs=1e-9)
+    assert sd == pytest.approx(np.std(expected), rel=1e-9) and largest == np.max(np.abs(x))
+
+
+@given(numbers, numbers)
+@settings(max_examples=80, deadline=None)
+def test_spread_and_pair_are_those_of_numpy(x, y):
+    n = min(len(x), len(y))
+    x, y = x[:n], y[:n]
+    mean, sd = spread(x)
+    assert mean == pytest.approx(np.mean(x), abs=1e-9) and sd == pytest.approx(np.std(x), abs=1e-9)
+    sd_x, sd_y, both = pair(x, y)
+    assert (sd_x, sd_y) == pytest.approx((np.std(x), np.std(y)), abs=1e-9)
+    assert both == pytest.approx(np.mean((x - x.mean()) * (y - y.mean())), abs=1e-6)
+
+
+def test_what_stands_has_a_spread_of_exactly_nothing():
+    assert spread(np.full(37, 5.3)) == (5.3, 0.0)  # numpy.std gives 2e-15, which would count as a movement
+
+
+@given(numbers, st.floats(0, 100), st.floats(0, 100))
+@settings(max_examples=100, deadline=None)
+def test_percentiles_are_those_of_numpy(x, one, two):
+    assert percentiles(x, one, two) == pytest.approx(np.percentile(x, [one, two]).tolist(), abs=1e-9)
+    assert percentile(x, one) == pytest.approx(np.percentile(x, one), abs=1e-9)
+
+
+@given(st.lists(st.sampled_from([0.5, 1.0, 3.0]), min_size=1, max_size=50))
+@settings(max_examples=50, deadline=None)
+def test_median_step(steps):
+    assert median_step(np.cumsum([0.0, *steps])) == pytest.approx(np.median(steps), abs=1e-12)
+
+
+@given(coarse, coarse)
+@settings(max_examples=80, deadline=None)
+def test_stands_and_repeats_are_those_counted_by_hand(x, y):
+    n = min(len(x), len(y))
+    x, y = x[:n], y[:n]
+    edges = [0, *(np.flatnonzero(np.diff(x)) + 1).tolist(), n]
+    runs = list(itertools.pairwise(edges))
+    start, length = longest_stand(x)
+    assert length == max(b - a for a, b in runs) and (start, start + length) in runs
+    found = np.empty((n, 2), dtype=np.int64)
+    assert found[: long_stands(x, 3, found)].tolist() == [[a, b] for a, b in runs if b - a >= 3]
+    one, two = x[1:] == x[:-1], y[1:] == y[:-1]
+    both = one & two
+    starts = int(np.count_nonzero(both & ~np.append(False, both[:-1])))
+    assert repeated(x, y) == (int(both.sum()), int(one.sum()), int(two.sum()), starts)
+
+
+@pytest.mark.parametrize("off, expected", [(0.0, True), (0.09, True), (0.11, False), (1.0, False)])
+def test_a_grid_is_a_grid_while_nine_of_ten_lie_on_it(off, expected):
+    rng = np.random.default_rng(4)
+    x = 0.25 * rng.integers(0, 40, 1000).astype(float)
+    x[1 : 1 + round(off * 999)] += 0.1
+    assert on_grid(x, 0.25, 0.05, 0.9) is expected
+
+
+def test_noise_on_an_even_clock_is_that_on_one_that_is_hardly_uneven():
+    rng = np.random.default_rng(5)
+    t = np.arange(3000.0)
+    x = np.sin(t / 20) + 0.1 * rng.normal(size=3000)
+    uneven = t + 1e-7 * rng.uniform(-1, 1, 3000)
+    assert noise_std(uneven, x) == pytest.approx(noise_std(t, x), rel=1e-5)
+
+
+def test_an_even_record_is_its_own_grid():
+    rng = np.random.default_rng(6)
+    t, pv, op = np.arange(2000.0), rng.normal(size=2000), rng.normal(size=2000)
+    exact = Prepared(LoopRecord.from_arrays(t, pv=pv, op=op, sp=0 * t)).whole
+    shifted = t.copy()
+    shifted[1:-1] += 1e-9  # off the grid by less than what counts as late
+    other = Prepared(LoopRecord.from_arrays(shifted, pv=pv, op=op, sp=0 * t)).whole
+    assert (exact.pv == pv).all() and (exact.op == op).all() and (other.op == op).all()
+    assert other.pv == pytest.approx(exact.pv, abs=1e-7) and exact.drawn == other.drawn == 0.0
+
+
+def test_what_is_taken_is_what_was_split():
+    pv = np.arange(40.0)
+    pv[[7, 8, 20]] = np.nan
+    record = LoopRecord.from_arrays(np.arange(40.0), pv=pv, op=np.ones(40))
+    for bridged in (1.5, 2.5, 10.0):
+        for part in split(record, bridged):
+            assert record.pv[taken(part)].tolist() == record.pv[part].tolist()
+
+
+@pytest.mark.parametrize("cycles", [3.6, 4.5, 5.8, 7.0, 9.0])
+@pytest.mark.parametrize("change", [1.0, 1.15, 1.6])
+def test_halves_too_short_for_a_period_of_their_own_are_not_asked(cycles, change):
+    """The answer is that of asking them: a half of fewer than 3.5 cycles cannot pass (analytic)."""
+    t = np.arange(700.0)
+    period = 700.0 / cycles
+    phase = np.cumsum(np.where(t < 350, 1 / period, change / period))
+    x = np.sin(2 * np.pi * phase)
+    p = acf_crossings.Params()
+    gate = acf_crossings.find_in(t, x, p)
+    halves = tuple(acf_crossings._find_one(t[a:b], x[a:b], p) for a, b in ((0, 350), (350, 700)))
+    whole = acf_crossings._find_one(t, x, p)
+    drifts = acf_crossings._drifts(halves, p)
+    assert (len(gate.stretches) > 1) == (whole.oscillating and drifts) or not whole.oscillating
