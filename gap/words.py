@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.role import Role
-from gap.adequacy import EXPLAINED, needed, share
+from gap.adequacy import EXPLAINED, EXPLAINED_HIDDEN, needed, scored_alone, share
 from gap.evidence import Evidence
-from gap.floor import losses, scored
+from gap.floor import losses
 from gap.isolability import classes
 from gap.model import nuisances
 from gap.noise import correlation, is_noise
@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not tell apart
 ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
+BOTH = 0.03  # share of the gap that two effects explain beyond what one must
 LISTED = 12  # explanations in the ranking
 
 
@@ -152,9 +153,11 @@ def adequate_pair(problem: Problem, pair: Pair, best: Fit) -> bool:
     """Return whether two effects explain the gap, which the best single one does not."""
     if pair.second.candidate.noisy and not is_noise(pair.second):
         return False
-    left = float(scored(pair.second.e))
+    left = scored_alone(pair.second)
+    hidden = pair.first.effect.hidden or pair.second.effect.hidden
+    enough = (EXPLAINED_HIDDEN if hidden else EXPLAINED) + BOTH
     return left <= problem.limit + needed(problem) or (
-        share(problem, pair.second) >= EXPLAINED + 0.03 and share(problem, best) < EXPLAINED
+        share(problem, pair.second) >= enough and share(problem, best) < EXPLAINED
     )
 
 
