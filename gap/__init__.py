@@ -4,11 +4,11 @@ diagnose   a diagram and a log -> a ``GapReport``      Effect     what an effect
 calibrated a diagram and a log -> how often names are right there, counted on runs with known effects
 """
 
-from gap.calibrate import Calibration
+from gap.calibrate import calibrated
+from gap.calibration import Calibration
 from gap.diagnosis import diagnose
 from gap.effect import Effect, EffectError, Parameter
 from gap.record import GapError
 from gap.report import GapReport
-from gap.self_calibration import calibrated
 
 __all__ = ["Calibration", "Effect", "EffectError", "GapError", "GapReport", "Parameter", "calibrated", "diagnose"]

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from gap.floor import scored, without_gap
 from gap.model import silenced
 from gap.modes import CHARGE
+from gap.noise import is_noise
 from gap.problem import SIGMAS, Problem
 from gap.search import Fit
 
 GAINED = 12.0  # nats that an effect must gain, at least
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
-EXPLAINED, EXPLAINED_HIDDEN = 0.94, 0.88  # share of a gap that an adequate effect explains
+EXPLAINED, EXPLAINED_HIDDEN = 0.94, 0.85  # share of a gap that an adequate effect explains
 LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
 EXPLAINED_LIMIT, STANDING = 0.7, 0.003  # the same for a limit at which a share of the rows stands
 OWN_RUNS = 4  # runs of the model with the effect
@@ -42,6 +43,8 @@ def scored_alone(fit: Fit) -> float:
 
 def complete(problem: Problem, fit: Fit) -> bool:
     """Return whether a fit leaves no more than records of the model, or of the model with the effect, leave."""
+    if fit.candidate.noisy and not is_noise(fit):
+        return False
     left = scored_alone(fit)
     if left <= problem.limit + needed(problem):
         return True
@@ -55,6 +58,8 @@ def adequate(problem: Problem, fit: Fit) -> bool:
     At a limit at which the log stands, when exactly an integral stops is a matter of the controller's own step: there
     it is enough that nothing is left elsewhere.
     """
+    if fit.candidate.noisy and not is_noise(fit):
+        return False
     enough = EXPLAINED_HIDDEN if fit.effect.hidden else EXPLAINED
     if share(problem, fit) >= enough:
         return True

@@ -17,7 +17,7 @@ from diagram.progress import Progress
 from gap.adequacy import adequate, complete, needed, stands
 from gap.alternatives import alternatives
 from gap.cache import keep, kept
-from gap.calibrate import kept_calibration
+from gap.calibration import kept_calibration
 from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.effects import CATALOGUE

@@ -207,8 +207,9 @@ def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: in
     """Return the floor of a model for records like this one, and the logs of the runs that showed it."""
     logs = without_gap(model, record, runs, seed)
     found = offsets(quiet, record, logs=logs)
-    # The integral of a controller runs on freely: its level says nothing, however well the model keeps it.
-    integrating = [model.blocks[model.driven[s][0]].role is Role.CONTROLLER for s in record.pinned]
+    # The integral of a controller runs on freely, and a stem that sticks stays where its last slip has left it: their
+    # level says nothing, however well the model keeps it.
+    integrating = [model.blocks[model.driven[s][0]].role in (Role.CONTROLLER, Role.VALVE) for s in record.pinned]
     least = [sharpest(model, record, s) for s in record.pinned]
     return floor_of(found, settling_rows(model, record), integrating, least=least), logs
 

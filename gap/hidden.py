@@ -17,6 +17,7 @@ SHRINK = 0.55  # of a pattern from round to round
 FINEST = 2e-4  # relative size of the last pattern
 ENOUGH = 50.0  # nats that the first part of the record must gain by the effect
 HEAD = 0.4  # share of the record that is enough for the grid
+AROUND = 0.1, 0.1  # first widths of a pattern around values that are nearly right
 WIDER = 0.9  # of a pattern that has moved
 
 Point = tuple[float, float]  # the first size, and the second as a share of it
@@ -45,6 +46,13 @@ def fitted_hidden(candidate: Candidate) -> Fit | None:
         return best_of(_at(candidate, [point]))
     point, _, wide, across = _followed(head, point, fit, wide, across, finest=10.0 * FINEST)
     return _followed(candidate, point, _at(candidate, [point])[0], max(wide, 0.01), max(across, 0.01))[1]
+
+
+def followed_on(fit: Fit) -> Fit:
+    """Return a fit of an effect with a hidden mode after patterns of ever smaller width around its values."""
+    first, *second = (fit.values[name] for name in fit.candidate.sizes)
+    share = second[0] / first if second and first > 0.0 else 0.0
+    return _followed(fit.candidate, (first, share), fit, *AROUND, finest=10.0 * FINEST)[1]
 
 
 def _at(candidate: Candidate, points: Sequence[Point]) -> list[Fit]:

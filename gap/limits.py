@@ -4,17 +4,20 @@ Each limit is tried at the ends of the range and at some quantiles of the signal
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from blocks.role import Role
+from gap.adequacy import stands
 from gap.ranges import between
 from gap.search import Candidate, Fit, best_of
 
 Floats = NDArray[np.float64]
 QUANTILES = (1.0, 0.995, 0.98, 0.94, 0.85, 0.7, 0.5)  # of the signal, at which an upper limit is tried
+ZOOMS, BETWEEN = 3, 6  # times that a grid between the neighbours of the best limit is tried, and its points
 SETTLED = 0.2  # nats that an interpolated limit must promise to be tried
 STANDS = 5  # rows at which a record that begins at a limit stands there
 NEAR = 1e-9  # of a signal: so near it stands
@@ -36,7 +39,21 @@ def fitted_limits(candidate: Candidate) -> Fit | None:
             if min(fit.F for fit in fits) - SETTLED > F:
                 fits += candidate.tried([{**values, name: size}])
         best = best_of([best, *fits]) or best
+        best = _zoomed(best, name, [float(v) for v in grid])
     return best if math.isfinite(best.F) else None
+
+
+def _zoomed(fit: Fit, name: str, grid: Sequence[float]) -> Fit:
+    """Return the best fit between the neighbours of a limit in a grid: the trough of its score may be narrow."""
+    if fit.values[name] == fit.candidate.nominal[name] or stands(fit.candidate.problem, fit):
+        return fit
+    for _ in range(ZOOMS):
+        at = fit.values[name]
+        low = max((v for v in grid if v < at), default=at)
+        high = min((v for v in grid if v > at), default=at)
+        grid = np.linspace(low, high, BETWEEN + 2).tolist()
+        fit = best_of([fit, *fit.candidate.tried([{**fit.values, name: v} for v in grid if v != at])]) or fit
+    return fit
 
 
 def _started_behind(candidate: Candidate, seen: Floats) -> Fit | None:

@@ -25,4 +25,4 @@ def one_of_nested(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
                     kept.remove(wide if complete(problem, narrow) else narrow)
                 elif gained < 0.0:  # a wider one that fits worse has not been searched well enough
                     kept.remove(wide)
-    return sorted(kept, key=lambda fit: fit.total)
+    return kept

@@ -1,9 +1,22 @@
-"""Fit the noise of a sensor: a replay has none, so it shows in the width of the innovations only."""
+"""Fit the noise of a sensor: a replay has none, so it shows in the width of the innovations only.
+
+Any gap makes innovations wider.  More noise of a sensor leaves them white, and as wide at one level of the signal as at
+another, early as late:
+
+    z = corr(e_k, e_(k-j)) sqrt(n)          z = corr(e_k^2, x_k) sqrt(n),   x the level of the signal, or time
+
+are then normal, of variance 1.
+"""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gap.search import Candidate, Fit, best_of, narrowed
 
+Floats = NDArray[np.float64]
+UNLIKELY = 3.0  # standard deviations of a correlation
+LAGS = (1, 2, 3, 5, 8, 13, 20)  # rows
+LARGEST = 4.0  # innovation: what is beyond counts as this, so that a few do not decide
 FACTORS = 40  # sizes of noise that are tried, and again between the best ones
 
 
@@ -19,3 +32,34 @@ def fitted_noise(candidate: Candidate) -> Fit | None:
         k = int(np.argmin([fit.F for fit in fits]))
         factors = np.geomspace(factors[max(k - 1, 0)], factors[min(k + 1, len(factors) - 1)], FACTORS)
     return best_of(fits)
+
+
+def is_noise(fit: Fit) -> bool:
+    """Return whether what a fit of a sensor's noise leaves has the marks of noise: white, and as wide everywhere."""
+    problem, candidate = fit.candidate.problem, fit.candidate
+    if problem.floor.coloured:
+        return True
+    record = problem.record
+    for s in (str(s) for s in candidate.base[candidate.place].output_labels if str(s) in record.pinned):
+        k = record.pinned.index(s)
+        e = np.clip(fit.e[:, k], -LARGEST, LARGEST)
+        raw = problem.as_it_is[:, k] * problem.floor.L[k, k]
+        level = record.log[s][problem.floor.skipped :] - raw  # of the model: the noise itself is not in it
+        known = np.isfinite(e) & np.isfinite(level)
+        pairs = [(e[:-lag], e[lag:]) for lag in LAGS] + [(e**2, level), (e**2, np.arange(len(e), dtype=float))]
+        of = [known[:-lag] & known[lag:] for lag in LAGS] + [known, known]
+        z = [correlation(a[rows], b[rows]) * float(np.sqrt(rows.sum())) for (a, b), rows in zip(pairs, of, strict=True)]
+        if max(map(abs, z), default=0.0) > UNLIKELY:
+            return False
+    return True
+
+
+def correlation(a: Floats, b: Floats) -> float:
+    """Return the correlation of two series, 0 where one stands still.
+
+    >>> correlation(np.array([0.0, 1.0, 2.0]), np.array([1.0, 3.0, 5.0]))
+    1.0
+    """
+    a, b = a - a.mean(), b - b.mean()
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    return float(a @ b) / size if size > 0.0 else 0.0

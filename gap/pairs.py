@@ -8,6 +8,7 @@ from diagram.progress import Progress
 from gap.adequacy import needed, share
 from gap.candidates import PRICE, candidates, price, ranked
 from gap.effect import Effect
+from gap.hidden import followed_on
 from gap.inserting import inserted
 from gap.problem import Problem
 from gap.proposals import proposed, smooth
@@ -112,4 +113,6 @@ def improved(problem: Problem, pair: Pair) -> Pair:
 def _again(problem: Problem, base: Diagram, fit: Fit) -> Fit:
     candidate = Candidate(problem, base, fit.effect, fit.place)
     start = candidate.tried([fit.values])
-    return replace(refined(start[0], 3), price=fit.price) if start else fit
+    if not start:
+        return fit
+    return replace(followed_on(start[0]) if fit.effect.hidden else refined(start[0], 3), price=fit.price)

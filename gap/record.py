@@ -66,10 +66,10 @@ def spacing(values: ArrayLike) -> float:
         return 0.0
     step = float(np.median(np.diff(levels)))
     for _ in range(3):
-        k = np.round((levels - levels[0]) / step)
+        k = np.cumsum(np.round(np.diff(levels) / step))  # from neighbour to neighbour no error adds up
         if k[-1] < 2.0:
             return 0.0
-        step = float(np.polyfit(k, levels, 1)[0])
+        step = float(np.polyfit(k, levels[1:], 1)[0])
     k = np.round(levels / step)  # multiples of the step, of which zero is one
     step = float(k @ levels / (k @ k)) if k.any() else step
     off, again = np.abs(levels - np.round(levels / step) * step), rounding(known)

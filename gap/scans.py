@@ -4,6 +4,8 @@ Rows at which OP is new lie less than one interval behind a scan: t_i - dt < off
 t_i over k_i; of the offsets that this leaves the ends and the middle are tried, with either way of integrating.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,8 @@ Floats = NDArray[np.float64]
 STILL = 0.05  # share of rows at which OP stands still, from which on its scans can be read off
 # periods in intervals of the log that are tried where they cannot
 FASTER = (0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 1.0)
+COMBED, CLOSE = 200, 0.1  # rows at which OP moves that are looked at first; how far they may lie off, in periods
+LONGEST = 50.0  # period, in rows
 OTHERS = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)  # and where the controller scans already, in its own period
 
 
@@ -54,11 +58,25 @@ def read_off(t: Floats, values: Floats) -> list[tuple[float, float]]:
     dt = float(np.median(np.diff(t)))
     guesses = (float(np.median(np.diff(at))), float((at[-1] - at[0]) / (len(at) - 1)))
     period = min((_settled(at, one, dt) for one in guesses), key=lambda one: _spread(at, one))
+    if _spread(at, period) > dt:  # a coarse log does not show all scans
+        period = next((one for one in _combs(at, dt) if _spread(at, one) <= dt), period)
     k = np.round((at - at[0]) / period)
     latest = round(float(np.quantile(at - k * period, 0.02)), 9)
     earliest = min(float(np.quantile(at - k * period, 0.98)) - dt, latest)
     first = [latest, 0.5 * (latest + earliest), earliest + 1e-3 * dt]
     return [(period, float(one % period)) for one in first]
+
+
+def _combs(at: Floats, dt: float) -> Iterator[float]:
+    """Yield periods, the longest first, of which some of the times are multiples but for one row ``dt`` [s]."""
+    few = at[:COMBED] - at[0]
+    frequencies = np.arange(1.0 / LONGEST, 1.0, 0.1 * dt / max(float(few[-1]), dt)) / dt
+    phases = np.sort((few * frequencies[:, None]) % 1.0, axis=1)
+    gaps = np.diff(np.concatenate([phases, phases[:, :1] + 1.0], axis=1), axis=1)
+    beyond = 1.0 - gaps.max(axis=1) - dt * frequencies
+    best = np.r_[np.inf, beyond, np.inf]
+    for k in np.flatnonzero((beyond < CLOSE) & (beyond <= best[:-2]) & (beyond <= best[2:])):
+        yield _settled(at, float(1.0 / frequencies[k]), dt)
 
 
 def _settled(at: Floats, period: float, dt: float) -> float:

@@ -114,7 +114,7 @@ class Fit:
     """A candidate with the values that suit the record best.
 
     ``F`` its score; ``e`` (rows, signals) the innovations that are left; ``price`` nats for its parameters, ``charge``
-    for modes of a stem that were set right, which are part of ``F``; ``followed`` whether it has been fitted to the end.
+    for modes of a stem that were set right, part of ``F``; ``followed`` whether it has been fitted to the end.
     """
 
     candidate: Candidate

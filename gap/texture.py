@@ -12,28 +12,36 @@ from numpy.typing import NDArray
 
 from gap.cache import keep, kept
 from gap.effect import Effect
-from gap.floor import measured, without_gap
+from gap.floor import measured, residuals, without_gap
 from gap.offsets import offsets
 from gap.problem import Problem
 from gap.search import Candidate, Fit
 from gap.straightness import deviation_of, sloping
 
 Floats = NDArray[np.float64]
-IN_ACCORD = 0.3  # of the usual size: innovations this small were not made by the historian's rounding
-USUAL = 0.6745  # median of |e| without a gap
+APART = 3.0  # times the rounding of another signal, from which on a lattice may be a sensor's
+IN_ACCORD = 0.3  # of the usual size: residuals this small were not made by the historian's rounding
 STRAIGHT = 0.05  # share of straight triples beyond what the model's own runs have
-RUNS = 6  # of a compressed model, whose scores tell what is usual
+RUNS = 6  # of a rounded or compressed model, which tell what is usual
 
 
-def in_loop(problem: Problem) -> tuple[str, ...]:
+def in_loop(problem: Problem, seed: int) -> tuple[str, ...]:
     """Return the signals whose lattice is the sensor's own: the others are in better accord than rounding allows."""
-    if problem.record.filter is not None:  # which takes the controllers' accord for itself
+    record, floor = problem.record, problem.floor
+    if record.filter is not None:  # which takes the controllers' accord for itself
         return ()
-    e = np.abs(problem.as_it_is)
-    pinned, steps = problem.record.pinned, problem.record.steps
-    coarse = [s for s in pinned if steps[s] and any(steps[s] > 3.0 * steps[o] for o in pinned if o != s)]
-    small = [s for k, s in enumerate(pinned) if _median(e[:, k]) < IN_ACCORD * USUAL]
-    return tuple(s for s in coarse if any(o != s for o in small))
+    pinned, steps = record.pinned, record.steps
+    coarse = tuple(s for s in pinned if steps[s] and any(steps[s] > APART * steps[o] for o in pinned))
+    if not coarse:
+        return ()
+    plain = offsets(problem.quiet, record, logs=without_gap(problem.model, record, RUNS, seed))
+    usual, own = (
+        np.abs(residuals(found, floor.changes))[:, floor.skipped :] for found in (plain, offsets(problem.quiet, record))
+    )
+    agree = [
+        s for k, s in enumerate(pinned) if s not in coarse and _median(own[..., k]) < IN_ACCORD * _median(usual[..., k])
+    ]
+    return coarse if agree else ()
 
 
 def _median(e: Floats) -> float:
@@ -44,7 +52,7 @@ def _median(e: Floats) -> float:
 
 def with_lattices(problem: Problem, runs: int, seed: int) -> Problem:
     """Return the problem with the floor of a log that does not round the signals whose sensor does."""
-    found = in_loop(problem)
+    found = in_loop(problem, seed)
     if not found:
         return problem
     record = replace(problem.record, lattices=found)

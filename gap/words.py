@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.role import Role
-from gap.adequacy import EXPLAINED, needed, share
+from gap.adequacy import EXPLAINED, EXPLAINED_HIDDEN, needed, scored_alone, share
 from gap.evidence import Evidence
-from gap.floor import losses, scored
+from gap.floor import losses
 from gap.isolability import classes
 from gap.model import nuisances
+from gap.noise import correlation, is_noise
 from gap.pairs import Pair
 from gap.problem import Problem
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
@@ -25,6 +26,7 @@ Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not tell apart
 ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
+BOTH = 0.03  # share of the gap that two effects explain beyond what one must
 LISTED = 12  # explanations in the ranking
 
 
@@ -149,9 +151,13 @@ def tied(fits: Sequence[Fit]) -> list[Fit]:
 
 def adequate_pair(problem: Problem, pair: Pair, best: Fit) -> bool:
     """Return whether two effects explain the gap, which the best single one does not."""
-    left = float(scored(pair.second.e))
+    if pair.second.candidate.noisy and not is_noise(pair.second):
+        return False
+    left = scored_alone(pair.second)
+    hidden = pair.first.effect.hidden or pair.second.effect.hidden
+    enough = (EXPLAINED_HIDDEN if hidden else EXPLAINED) + BOTH
     return left <= problem.limit + needed(problem) or (
-        share(problem, pair.second) >= EXPLAINED + 0.03 and share(problem, best) < EXPLAINED
+        share(problem, pair.second) >= enough and share(problem, best) < EXPLAINED
     )
 
 
@@ -188,18 +194,12 @@ def shape(problem: Problem) -> list[str]:
         against[f"the level of {s}"] = values[skipped:]
         against[f"the rate of {s}"] = np.gradient(values)[skipped:]
         against[f"the direction of {s}"] = np.sign(np.gradient(values))[skipped:]
-    found = {name: _correlation(e[:, k], values) for name, values in against.items()}
+    found = {name: correlation(e[:, k], values) for name, values in against.items()}
     best = max(found, key=lambda name: abs(found[name]))
     signal = problem.record.pinned[k]
     if abs(found[best]) < 0.1:
         return [f"The residual of {signal} goes with no logged level, rate or direction."]
     return [f"The residual of {signal} goes with {best} (correlation {found[best]:.2f})."]
-
-
-def _correlation(a: Floats, b: Floats) -> float:
-    a, b = a - a.mean(), b - b.mean()
-    size = float(np.linalg.norm(a) * np.linalg.norm(b))
-    return float(a @ b) / size if size > 0.0 else 0.0
 
 
 def abnormal_segment(problem: Problem) -> tuple[str, ...]:
