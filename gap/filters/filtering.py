@@ -310,7 +310,7 @@ class Filtered:
         What is logged and has no innovation is sure: an output that stands at a limit, or has not been made anew.
         """
         f = self.explanation.filtering
-        sure = (np.isnan(self.e) & np.isfinite(f.Y)) @ f.sure
+        sure = (np.isnan(self.S) & np.isfinite(f.Y)) @ f.sure
         return np.asarray(
             sure + (0.5 * np.nansum(self.e**2 + np.log(self.S), axis=1) if self.mixed is None else self.mixed)
         )
