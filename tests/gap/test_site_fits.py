@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cases.models import site_flow
-from gap import diagnose
+from gap import calibrated, diagnose
 from gap.effects import effect
 from gap.filters.diagnosing import filtering_of
 from gap.filters.explaining import settled
@@ -92,6 +92,17 @@ def test_a_stem_that_does_not_follow_is_a_gap_though_nothing_else_shows(site_rec
     report = diagnose(site_flow(), log, catalogue=known("deadband", "positioner_lag", "sensor_noise"))
     assert named(report) == ["unknown"]
     assert report.where.confidence_set == ("valve",)
+
+
+def test_a_calibration_counts_answers_of_the_filter_and_a_diagnosis_states_them(site_record):
+    log, few = site_record("second_lag", "process", tau=2.0), known("second_lag", "controller_gain")
+    found = calibrated(site_flow(), log, catalogue=few, runs=1, progress=False)
+    assert found.confusion["none"] == {"none": 5}
+    assert set(found.confusion) == {"none", "second_lag", "controller_gain"}
+    assert all(kind.startswith("filter, ") for kind in found.sureness.own)
+    report = diagnose(site_flow(), log, catalogue=few)
+    assert report.causes[0].probability == found.sureness.probability(report.evidence)
+    assert "in 7 runs of this model" in report.notes[-1]
 
 
 def test_probabilities_are_shares_of_runs(site_record):
