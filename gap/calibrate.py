@@ -45,6 +45,7 @@ def calibrated(
     """
     log = getattr(log, "log", log)
     problem = prepared(diagram, log)
+    problem = problem.before or problem  # its runs have the set points of the log, switching at its rows
     plain = without_gap(problem.model, problem.record, 1, 900_000 + seed)
     if not plain:
         raise GapError("the model cannot be simulated on the set points of the log; check its parameters")

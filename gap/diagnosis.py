@@ -23,6 +23,7 @@ from gap.effect import Effect
 from gap.effects import CATALOGUE
 from gap.effects.quantisation import Quantisation
 from gap.filters.diagnosing import filtering_of, outcome
+from gap.filters.logged_stem import logged_stem
 from gap.filters.telling import told as told_by_filters
 from gap.floor import Floor, measured
 from gap.instants import with_instants
@@ -64,9 +65,11 @@ def diagnose(
     if not isinstance(log, Log):
         raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. logs.read_log('run.csv')")
     opened, record = read(diagram, log)
-    filtering = filtering_of(opened, record)
+    stem = logged_stem(opened, record)
+    filtering = filtering_of(opened, stem.without(record) if stem else record)
     if filtering is not None:
-        return told_by_filters(outcome(filtering, catalogue, seed, progress))
+        sure = kept_calibration(filtering.model, record).sureness
+        return told_by_filters(outcome(filtering, catalogue, seed, progress, stem), sure)
     problem = _prepared(opened, record, seed)
     legal = candidates(problem, problem.quiet, catalogue)
     fits = ranked(legal, progress)

@@ -1,7 +1,8 @@
 """Runs of a model with a known effect, at the operating point of a record: what a diagnosis is calibrated on.
 
 Every effect at every place where it may be, with sizes from twice to fifty times the least that would show, evenly in
-their logarithm; set points, rows, rounding and missing rows are those of the record, noise and loads the model's own.
+their logarithm; set points, rows, rounding and missing rows are those of the record, noise and loads the model's own,
+parameters with a tolerance anywhere within it.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,6 +19,7 @@ from gap.search import Candidate
 from gap.sensitivity import smallest
 from logs import Log
 
+KNOWN_WITHIN = (1,)  # of the seed of a run: the random numbers of parameters that are known within a tolerance only
 LEAST, MOST = 2.0, 50.0  # sizes in multiples of the least that would show
 JUMP = (0.2, 0.8)  # second size of a hidden effect, in shares of the first
 REACHED = (0.5, 0.98)  # quantiles of the signal at which limits are put
@@ -42,6 +44,8 @@ class Injection:
     def made(self, problem: Problem) -> Log | None:
         """Return the log of the run, None if it failed."""
         model, record = problem.model, problem.record
+        rng = np.random.default_rng([self.seed, *KNOWN_WITHIN])
+        model = model.with_params({key: float(rng.uniform(*ends)) for key, ends in sorted(problem.free.items())})
         if self.effect is not None and not self.effect.of_log:
             model = self.effect.insert(model, self.place, **self.values)
             if any(block.name.startswith(self.effect.block(self.place)) for block in model.blocks):
@@ -99,4 +103,5 @@ def _drawn(candidate: Candidate, rng: np.random.Generator) -> dict[str, float] |
             values[p.name] = float(np.exp(rng.uniform(np.log(PERIODS[0] * dt), np.log(PERIODS[1] * duration))))
         elif p.name == "phase":
             values[p.name] = float(rng.uniform())
+    values = {name: values[name] for name in candidate.own}
     return None if effect.rules(candidate.base, candidate.place, values) else values

@@ -196,15 +196,28 @@ def slopes(fit: Fit, names: Sequence[str] | None = None) -> tuple[Floats, list[s
         many.append({**fit.values, name: at + change})
         changes.append(change)
         asked.append(name)
-    moved = candidate.tried(many)
-    if len(moved) < len(many):
-        kept = [k for k, values in enumerate(many) if candidate.tried([values])]
-        asked, changes = [asked[k] for k in kept], [changes[k] for k in kept]
+    # a lag of 0 s is no block: where the effect is not there, the model's own parameters move without it
+    own = [k for k, name in enumerate(asked) if fit.present or name not in candidate.problem.free]
+    moved = _each(candidate, own, many)
+    if len(own) < len(asked):
+        alone = Candidate(candidate.problem, candidate.base)
+        moved |= _each(alone, [k for k in range(len(asked)) if k not in own], many)
     if not moved:
         return np.zeros((fit.e.size, 0)), []
-    J = np.stack([(m.e - fit.e).ravel() / h for m, h in zip(moved, changes, strict=True)], axis=1)
+    kept = sorted(moved)
+    asked = [asked[k] for k in kept]
+    J = np.stack([(moved[k].e - fit.e).ravel() / changes[k] for k in kept], axis=1)
     felt = [k for k in range(len(asked)) if float(np.nan_to_num(np.abs(J[:, k])).max(initial=0.0)) > 0.0]
     return J[:, felt], [asked[k] for k in felt]
+
+
+def _each(candidate: Candidate, which: Sequence[int], many: Sequence[Mapping[str, float]]) -> dict[int, Fit]:
+    """Return the replays at some of many sets of values, by their number; those that cannot be are left out."""
+    own = {k: {name: v for name, v in many[k].items() if name in candidate.nominal} for k in which}
+    found = candidate.tried(list(own.values()))
+    if len(found) == len(own):
+        return dict(zip(own, found, strict=True))
+    return {k: one[0] for k, values in own.items() if (one := candidate.tried([values]))}
 
 
 def refined(fit: Fit, rounds: int = ROUNDS, names: Sequence[str] | None = None) -> Fit:

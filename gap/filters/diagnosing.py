@@ -18,6 +18,7 @@ from gap.effect import Effect
 from gap.effects.compression import Compression
 from gap.effects.quantisation import Quantisation
 from gap.effects.sensor_noise import SensorNoise
+from gap.evidence import Evidence
 from gap.filters.affine import NotAffine
 from gap.filters.checks import checks, constancy
 from gap.filters.digits import coarse_sensor, compressed
@@ -25,6 +26,7 @@ from gap.filters.explaining import ranked, settled, total
 from gap.filters.filtering import Explanation, Filtered, Filtering
 from gap.filters.fitting import Found
 from gap.filters.hysteresis import fitted_stems
+from gap.filters.logged_stem import LoggedStem
 from gap.filters.scanned import base_period
 from gap.model import nuisances, silenced
 from gap.record import Record
@@ -43,7 +45,8 @@ STICTION = 16.0  # nats that a jump must gain over a deadband: a bank of stems i
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """What was found: ``plain`` the model as it is; ``found`` explanations, the best first; ``same`` those that cannot
-    be told apart from the best, none where none is adequate; ``textured`` whether digits told.
+    be told apart from the best, none where none is adequate; ``textured`` whether digits told; ``stem`` what a logged
+    stem says.
     """
 
     plain: Found
@@ -51,11 +54,30 @@ class Outcome:
     same: Sequence[Found]
     gap: bool
     textured: bool = False
+    stem: LoggedStem | None = None
 
     @cached_property
     def best(self) -> Filtered:
         """The best explanation, or the model as it is."""
         return self.found[0].best if self.found else self.plain.best
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """What the answer rests on."""
+        best = self.found[0] if self.found else None
+        gained = self.plain.nll - total(best) if best else 0.0
+        if not self.gap:
+            return Evidence("none", max(gained, 0.0))
+        if self.textured:
+            return Evidence("filter, digits", gained)
+        share = explained(self.plain, best) if best else 0.0
+        if not self.same or best is None:
+            return Evidence("filter, unknown", gained, share)
+        behind = [total(one) for one in self.found if one not in self.same]
+        margin = min(behind) - total(best) if behind else gained
+        if best.best.explanation.sticks:
+            return Evidence("filter, stem", gained, share, margin)
+        return Evidence("filter, white" if passes(best.best) else "filter, nearly", gained, share, margin)
 
 
 def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
@@ -85,8 +107,17 @@ def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
     return found
 
 
-def outcome(f: Filtering, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
-    """Return what explains a record."""
+def outcome(
+    f: Filtering,
+    catalogue: Sequence[Effect],
+    seed: int = 0,
+    progress: Progress = None,
+    stem: LoggedStem | None = None,
+) -> Outcome:
+    """Return what explains a record; ``stem`` what a logged stem says, which decides what can be."""
+    if stem is not None:
+        catalogue = stem.possible(catalogue)
+    elsewhere = stem is not None and not stem.follows
     plain = settled(f)
     f = plain.best.explanation.filtering
     legal = [(effect, place) for effect in catalogue for place in effect.places(f.model)]
@@ -94,23 +125,23 @@ def outcome(f: Filtering, catalogue: Sequence[Effect], seed: int = 0, progress: 
         if isinstance(effect, Quantisation):
             found = coarse_sensor(plain, effect, place)
             if found is not None:
-                return Outcome(plain, (found,), (found,), True, True)
+                return Outcome(plain, (found,), (found,), True, True, stem)
     for effect in catalogue:
         if isinstance(effect, Compression):
             found = compressed(plain, effect, next(iter(effect.places(f.model)), "historian"), seed)
             if found is not None and passes(found.best):
-                return Outcome(plain, (found,), (found,), True, True)
+                return Outcome(plain, (found,), (found,), True, True, stem)
     fits = ranked(plain, catalogue, progress)
-    clean = worst(plain.best)[1] <= LIMIT
+    clean = worst(plain.best)[1] <= LIMIT and not elsewhere
     if clean and (not fits or plain.nll - total(fits[0]) < NEEDED):
-        return Outcome(plain, fits, (), False)
-    if (not fits or not adequate(plain, fits[0])) and _by_stem(plain.best):
+        return Outcome(plain, fits, (), False, stem=stem)
+    if (not fits or not adequate(plain, fits[0])) and (elsewhere or (stem is None and _by_stem(plain.best))):
         sticking = [(effect, place) for effect, place in legal if effect.hidden]
         fits = sorted([*fits, *_stems(plain, sticking)], key=total)
     if fits and plain.nll - total(fits[0]) >= NEEDED and adequate(plain, fits[0]):
         same = [one for one in fits if total(one) <= total(fits[0]) + TIE and one.nll <= fits[0].nll + TIE]
-        return Outcome(plain, fits, same, True)
-    return Outcome(plain, fits, (), True)
+        return Outcome(plain, fits, same, True, stem=stem)
+    return Outcome(plain, fits, (), True, stem=stem)
 
 
 def _by_stem(plain: Filtered) -> bool:

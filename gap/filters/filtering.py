@@ -325,10 +325,10 @@ class Filtered:
         What is logged and has no innovation is sure: an output that stands at a limit, or has not been made anew.
         """
         f = self.explanation.filtering
-        sure = (np.isnan(self.e) & np.isfinite(f.Y)) @ f.sure
-        return np.asarray(
-            sure + (0.5 * np.nansum(self.e**2 + np.log(self.S), axis=1) if self.mixed is None else self.mixed)
-        )
+        sure = (np.isnan(self.S) & np.isfinite(f.Y)) @ f.sure
+        if self.mixed is not None:
+            return np.asarray(sure + self.mixed)
+        return np.asarray(sure + 0.5 * (np.nansum(self.e**2, axis=1) + np.nansum(np.log(self.S), axis=1)))
 
     @cached_property
     def nll(self) -> float:

@@ -65,7 +65,7 @@ def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtere
         s, jitter, S, J, bank.draws, bank.turns, e, loss, path,
     )  # fmt: skip
     e = stems.deviates(e)
-    return Filtered(one, full, e, np.ones_like(e), path, loss)
+    return Filtered(one, full, e, np.where(np.isnan(e), np.nan, 1.0), path, loss)
 
 
 def fitted_stems(plain: Found, effects: Sequence[tuple[Effect, str]]) -> list[Found]:

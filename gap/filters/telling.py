@@ -13,32 +13,31 @@ from gap.filters.fitting import Found, refined
 from gap.filters.hysteresis import followed_on, left
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.sizes import BLOCKS, SEEN, SURE
+from gap.sureness import Sureness
 from gap.words import LISTED, NO_PLACE
 
 Floats = NDArray[np.float64]
-STATED, LESS, UNSURE = 0.95, 0.7, 0.9  # probability of a name; of one that another comes near; of "unknown"
-NEXT = 4.6  # nats by which the next explanation lags behind where a name is sure
 FELT = 3.6  # standard deviations of a size that a gap of 6.5 nats needs
 STEM_SPREAD = {"S": 0.05, "J": 0.2, "width": 0.06}  # share by which sizes of a bank of stems are off (tuning records)
 DIGITS_SPREAD = {"step": 0.01, "deviation": 0.15}
 ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
 
 
-def told(outcome: Outcome) -> GapReport:
-    """Return the report of an outcome."""
+def told(outcome: Outcome, sureness: Sureness) -> GapReport:
+    """Return the report of an outcome; ``sureness`` how often such answers are right."""
     if not outcome.gap:
-        return _no_gap(outcome)
-    return _named(outcome) if outcome.same else _unknown(outcome)
+        return _no_gap(outcome, sureness)
+    return _named(outcome, sureness) if outcome.same else _unknown(outcome, sureness)
 
 
-def _no_gap(o: Outcome) -> GapReport:
+def _no_gap(o: Outcome, sureness: Sureness) -> GapReport:
     name, size = worst(o.plain.best)
     words = [
         "No gap of relevance: the log is as the model with its nuisances would write it "
         f"(its filter leaves white innovations; the largest of its checks is {size:.1f} standard deviations, {name})."
     ]
     words += _limits(o)
-    return _report(o, words, o.plain.best)
+    return _report(o, sureness, words, o.plain.best)
 
 
 def _limits(o: Outcome) -> list[str]:
@@ -61,8 +60,9 @@ def _limits(o: Outcome) -> list[str]:
     return [f"Possible all the same, since smaller ones do not show in this record: {'; '.join(said)}."] if said else []
 
 
-def _unknown(o: Outcome) -> GapReport:
-    near = abnormal_segment(o.plain.best)
+def _unknown(o: Outcome, sureness: Sureness) -> GapReport:
+    elsewhere = o.stem is not None and not o.stem.follows
+    near = (o.stem.place,) if o.stem and elsewhere else abnormal_segment(o.plain.best)
     best = o.found[0] if o.found else None
     place = best.best.explanation.place if best and best.best.explanation.place in near else near[0]
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
@@ -76,19 +76,18 @@ def _unknown(o: Outcome) -> GapReport:
         )
     name, size = worst(o.plain.best)
     words.append(f"What the model as it is leaves shows most in: {name}, {size:.1f} standard deviations.")
-    shares = _shares(o)
-    where = Where(place, LESS, near, {one: shares.get(one, 0.0) for one in near})
-    return _report(o, words, o.best, where, (Cause(UNKNOWN, place, UNSURE),), _ranking(o, UNSURE))
+    shares, sure = _shares(o), sureness.probability(o.evidence)
+    where = Where(place, sure / len(near), near, {one: shares.get(one, 0.0) for one in near})
+    return _report(o, sureness, words, o.best, where, (Cause(UNKNOWN, place, sure),), _ranking(o, 1.0 - sure))
 
 
-def _named(o: Outcome) -> GapReport:
+def _named(o: Outcome, sureness: Sureness) -> GapReport:
     best = o.same[0]
     one, effect = best.best.explanation, best.best.explanation.effect
     assert effect is not None
     places = tuple(dict.fromkeys(x.best.explanation.place for x in o.same))
     others = tuple(dict.fromkeys(_name(x) for x in o.same if _name(x) != effect.name))
-    behind = [total(x) for x in o.found if x not in o.same]
-    sure = STATED if o.textured or not behind or min(behind) - total(best) > NEXT else LESS
+    sure = sureness.probability(o.evidence)
     found, shrunk = _sizes(best), held_out(o)
     said = ", ".join(f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in found.items())
     words = [f"There is a gap. Place: {listed(places)}. Cause: {effect.name} at {one.place}, {said}."]
@@ -109,7 +108,7 @@ def _named(o: Outcome) -> GapReport:
     shares = _shares(o)
     where = Where(one.place, sure, places, {place: shares.get(place, 0.0) for place in places})
     cause = Cause(effect.name, one.place, sure, others, found)
-    return _report(o, words, best.best, where, (cause,), _ranking(o, sure), shrunk)
+    return _report(o, sureness, words, best.best, where, (cause,), _ranking(o, sure), shrunk)
 
 
 def _name(one: Found) -> str:
@@ -228,6 +227,7 @@ def abnormal_segment(plain: Filtered) -> tuple[str, ...]:
 
 def _report(
     o: Outcome,
+    sureness: Sureness,
     words: Sequence[str],
     after: Filtered,
     where: Where | None = None,
@@ -236,10 +236,14 @@ def _report(
     shrunk: Shrinkage | None = None,
 ) -> GapReport:
     f = o.plain.best.explanation.filtering
+    if o.stem is not None:
+        way = "follows" if o.stem.follows else "does not follow"
+        words = [*words, f"The logged stem {o.stem.signal} {way} what {o.stem.place} is told."]
     both = np.stack([o.plain.best.judged, after.judged])
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     t = f.record.log.t[f.skipped :]
-    return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), _notes(f), t, shown, f.quiet)
+    notes = (*_notes(f), str(sureness))
+    return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.quiet, o.evidence)
 
 
 def _notes(f: Filtering) -> tuple[str, ...]:

@@ -44,7 +44,7 @@ def own_cache(tmp_path_factory):
 def site_record():
     """Simulate a loop of a site, by default its flow loop, as its historian would log it, a row every 5 s, for 2 h."""
 
-    def record(name="", place="", seed=2, loop=site_flow, middle=1.5, reach=0.45, digit=0.0015, **values):
+    def record(name="", place="", seed=2, loop=site_flow, middle=1.5, reach=0.45, digit=0.0015, stem=False, **values):
         t = np.arange(0.0, 7201.0, 5.0)
         SP = np.repeat(np.random.default_rng(seed).uniform(middle - reach, middle + reach, 29).round(2), 50)[: len(t)]
         SP[:50] = middle
@@ -52,10 +52,10 @@ def site_record():
         if name:
             one = effect(name)
             model = one.started(one.insert(model, place, **values), place, {"SP": middle, "PV": middle, "OP": 0.5})
+        steps = {"OP": 0.001, "PV": digit} | ({"MV": 0.001} if stem else {})
         many = ensemble(
-            model, t[-1], times=t, inputs=Log(t, {"SP": SP}), seeds=[seed], signals=["OP", "PV"], progress=False
+            model, t[-1], times=t, inputs=Log(t, {"SP": SP}), seeds=[seed], signals=[*steps], progress=False
         )
-        steps = {"OP": 0.001, "PV": digit}
         return Log(t, {"SP": SP, **{s: np.round(many.values[s][0] / q) * q for s, q in steps.items()}})
 
     return record

@@ -1,0 +1,112 @@
+"""What a filter's fits find where it is hard: sizes of a deadband, slow scans, small offsets, limits, a logged stem.
+
+Records are of the house's own loop as a site logs it; every expected size is the one put in (analytic).
+"""
+
+import numpy as np
+import pytest
+
+from cases.models import site_flow
+from gap import calibrated, diagnose
+from gap.effects import effect
+from gap.filters.diagnosing import filtering_of
+from gap.filters.explaining import settled
+from gap.filters.filtering import Explanation
+from gap.filters.logged_stem import logged_stem
+from gap.model import read
+from logs import Log
+
+
+def known(*names):
+    return [effect(name) for name in names]
+
+
+def named(report):
+    return [cause.effect for cause in report.causes]
+
+
+def test_the_width_of_a_deadband_is_not_stretched_by_what_is_unsure_between_rows(site_record):
+    log = site_record("deadband", "valve", width=2.0)
+    cause = diagnose(site_flow(), log, catalogue=known("deadband")).causes[0]
+    assert cause.parameters["width"].value == pytest.approx(2.0, rel=0.06)
+
+
+@pytest.mark.parametrize("period", [6.0, 7.0])
+def test_a_slow_scan_is_named_with_its_period(site_record, period):
+    log = site_record("scan_time", "controller", period=period, offset=0.0, present=1.0)
+    report = diagnose(site_flow(), log, catalogue=known("scan_time", "sensor_noise", "controller_integral_time"))
+    assert named(report) == ["scan_time"]
+    assert report.causes[0].parameters["period"].value == period
+
+
+def test_what_leaves_the_same_log_as_a_bias_is_named_with_it_however_small(site_record):
+    log = site_record("valve_leak", "valve", flow=2.5)
+    cause = diagnose(site_flow(), log, catalogue=known("valve_leak", "sensor_bias", "sensor_noise")).causes[0]
+    assert {cause.effect, *cause.ambiguous_with} == {"valve_leak", "sensor_bias"}
+
+
+def test_an_output_that_stands_at_a_limit_is_sure(site_record):
+    # the likelihood of a rounded value that is sure is 1/step, which is 0.5 ln(step^2/(2 pi)) in the filter's loss
+    log = site_record("controller_limits", "controller", low=0.0, high=58.0)
+    f = filtering_of(*read(site_flow(), log))
+    f = settled(f).best.explanation.filtering
+    one = Explanation(f, effect("controller_limits"), "controller").filtered({"low": 0.0, "high": 58.0})
+    standing = np.isnan(one.e[:, 1]) & ~np.isnan(one.e[:, 0])
+    assert standing.sum() > 10
+    assert np.abs(log["OP"][standing] - 0.58).max() < 0.0011
+    of_PV = 0.5 * (one.e[:, 0] ** 2 + np.log(one.S[:, 0]))
+    assert one.losses[standing] == pytest.approx(of_PV[standing] + 0.5 * np.log(1e-6 / (2.0 * np.pi)), abs=1e-3)
+    report = diagnose(site_flow(), log, catalogue=known("controller_limits", "sensor_noise", "controller_gain"))
+    assert named(report) == ["controller_limits"]
+    assert report.causes[0].parameters["high"].value == pytest.approx(58.0, abs=0.1)
+
+
+def test_a_log_that_begins_as_if_the_controller_were_at_a_limit_has_a_filter(site_record):
+    log = site_record()
+    OP = log["OP"].copy()
+    OP[0] = -0.4 * (log["SP"][0] - log["PV"][0]) - 0.5
+    assert filtering_of(*read(site_flow(), Log(log.t, {"SP": log["SP"], "PV": log["PV"], "OP": OP}))) is not None
+
+
+def test_a_logged_stem_says_on_which_side_of_it_the_gap_lies(site_record):
+    behind = site_record("valve_gain", "valve", factor=1.25, stem=True)
+    stem = logged_stem(*read(site_flow(), behind))
+    assert stem.follows
+    assert stem.place == "valve"
+    few = known("valve_gain", "positioner_lag", "process_gain", "second_lag", "deadband", "sensor_noise")
+    report = diagnose(site_flow(), behind, catalogue=few)
+    assert named(report) == ["valve_gain"]
+    assert "follows" in str(report)
+    before = site_record("positioner_lag", "valve", tau=2.0, stem=True)
+    assert not logged_stem(*read(site_flow(), before)).follows
+    report = diagnose(site_flow(), before, catalogue=few)  # without the stem it cannot be told from a second lag
+    assert named(report) == ["positioner_lag"]
+    assert report.causes[0].ambiguous_with == ()
+
+
+def test_a_stem_that_does_not_follow_is_a_gap_though_nothing_else_shows(site_record):
+    log = site_record(stem=True)
+    MV = log["MV"].copy()
+    MV[500:] += 0.004
+    log = Log(log.t, {**{s: log[s] for s in ("SP", "PV", "OP")}, "MV": MV})
+    report = diagnose(site_flow(), log, catalogue=known("deadband", "positioner_lag", "sensor_noise"))
+    assert named(report) == ["unknown"]
+    assert report.where.confidence_set == ("valve",)
+
+
+def test_a_calibration_counts_answers_of_the_filter_and_a_diagnosis_states_them(site_record):
+    log, few = site_record("second_lag", "process", tau=2.0), known("second_lag", "controller_gain")
+    found = calibrated(site_flow(), log, catalogue=few, runs=1, progress=False)
+    assert found.confusion["none"] == {"none": 5}
+    assert set(found.confusion) == {"none", "second_lag", "controller_gain"}
+    assert all(kind.startswith("filter, ") for kind in found.sureness.own)
+    report = diagnose(site_flow(), log, catalogue=few)
+    assert report.causes[0].probability == found.sureness.probability(report.evidence)
+    assert "in 7 runs of this model" in report.notes[-1]
+
+
+def test_probabilities_are_shares_of_runs(site_record):
+    report = diagnose(site_flow(), site_record("second_lag", "process", tau=2.0), catalogue=known("second_lag"))
+    assert report.evidence.kind == "filter, white"
+    assert report.causes[0].probability < 1.0
+    assert any(note.startswith("Probabilities are shares of right names") for note in report.notes)
