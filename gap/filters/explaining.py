@@ -17,7 +17,8 @@ from gap.filters.fitting import Found, best_of, grid, refined, tried
 from gap.filters.switches import with_switches
 from gap.loads import planned
 
-PERIODS = (2, 3, 4, 5, 6, 8, 10, 12)  # scans of a slower controller that are tried
+SLOWEST = 60  # scans of the model from one to the next of a slower controller, at most
+STRAY = 0.02  # share of rows at which its output may change though it has not scanned
 QUANTILES = (1.0, 0.995, 0.98, 0.95, 0.9)  # of OP, at which an upper limit is tried
 FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
 FIRSTS, FOLLOWED = 3, 8  # explanations that are fitted to the end with switches of their own, and without
@@ -173,14 +174,24 @@ def _both(start: Filtered, names: Sequence[str]) -> Found:
 
 
 def _scans(one: Explanation) -> list[dict[str, float]]:
-    """Return periods, first scans and kinds of integral to try."""
-    h = one.filtering.period
-    return [
-        {"period": h * period, "offset": h * offset, "present": present}
-        for period in PERIODS
-        for offset in range(period)
-        for present in (1.0, 0.0)
-    ]
+    """Return periods, first scans and kinds of integral to try: those that explain when the logged output changes.
+
+    A controller that scans more slowly than rows are logged gives the same output at rows without a scan in between.
+    """
+    f = one.filtering
+    values = f.Y[:, f.signals.index(f.op_at(one.place))]
+    moved = np.abs(np.diff(values)) > 0.0
+    at = f.every * np.arange(len(values))
+    found = []
+    for period in range(2, min(SLOWEST, int(one.bounds["period"][1] / f.period)) + 1):
+        for offset in range(period):
+            idle = np.diff((at - offset) // period) == 0
+            if moved[idle].sum() <= STRAY * idle.sum():
+                found += [
+                    {"period": f.period * period, "offset": f.period * offset, "present": present}
+                    for present in (1.0, 0.0)
+                ]
+    return found
 
 
 def _limited(plain: Found, one: Explanation) -> Filtered | None:

@@ -318,7 +318,7 @@ class Filtered:
         """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]."""
         if self.mixed is not None:
             return self.mixed
-        return np.asarray(0.5 * np.nansum(self.e**2 + np.log(self.S), axis=1))
+        return np.asarray(0.5 * (np.nansum(self.e**2, axis=1) + np.nansum(np.log(self.S), axis=1)))
 
     @cached_property
     def nll(self) -> float:
@@ -342,7 +342,7 @@ def run(
     for j, c in enumerate(f.acts):
         if c >= 0 and one.period[c] > 1:  # the log shows the same output again, and rounds it to the same value
             scans = (np.arange(len(f.Y)) * f.every - one.offset[c]) // one.period[c]
-            skip[1:, j] = np.diff(scans) == 0
+            skip[1:, j] = (np.diff(scans) == 0) & (np.diff(f.Y[:, j]) == 0.0)
     told = one.told if one.told is not None else np.zeros(one.F.shape[1])
     K, s, r, P = np.zeros((m, n)), np.ones(m), f.r, np.zeros((f.every, n, n))
     P[0] = 1e-4 * np.eye(n)
@@ -356,4 +356,5 @@ def run(
         one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period, one.offset,
         one.start, U, f.Y, r, skip, f.acts, f.every, law, a, b, exact, P, K, s, e, S, given,
     )  # fmt: skip
+    S[skip] = np.broadcast_to(12.0 * r / (2.0 * math.pi), S.shape)[skip]  # certain: a density of 1 over the rounding
     return Filtered(explanation, values, e, S, given)
