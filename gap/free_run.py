@@ -29,6 +29,7 @@ STEP = 1e-4  # of a range: change that shows a slope
 AT_BOUND = 0.005  # of a range: how near a bound is at it
 EVALUATIONS = 40  # of one fit
 WORTH = 5.0  # nats that an effect must gain to be added
+WHITE = 4.0  # standard deviations of the correlation of neighbours of white noise
 TOGETHER = 10.0  # rows that say the same, since what a free run leaves lasts
 
 
@@ -63,6 +64,18 @@ class FreeFit:
     def rms(self) -> float:
         """Root mean square of what is left [unit of the output]."""
         return float(np.sqrt(np.nanmean(self.e**2)))
+
+    @property
+    def memory(self) -> float:
+        """Correlation of what is left at neighbouring rows, the largest of all outputs [-]."""
+        e = np.nan_to_num(self.e - np.nanmean(self.e, axis=0))
+        both, size = np.sum(e[1:] * e[:-1], axis=0), np.sum(e**2, axis=0)
+        return float(np.max(np.abs(both) / np.where(size > 0.0, size, 1.0), initial=0.0))
+
+    @property
+    def leaves_noise(self) -> bool:
+        """Whether |memory| < 4 / sqrt(rows): white noise exceeds that once in 16000 records."""
+        return self.memory < WHITE / math.sqrt(len(self.e))
 
     @property
     def at_bound(self) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from gap.search import Candidate, Fit, best_of, refined
 from gap.sensitivity import seen
 from gap.separating import staircase_separates, tags
 from gap.sizes import SEEN, shares, shrinkage, sizes
+from gap.structure import by_wiring
 from gap.swapping import swapped
 
 Floats = NDArray[np.float64]
@@ -280,5 +281,6 @@ def notes(problem: Problem) -> tuple[str, ...]:
         + (f"; {', '.join(told)}." if told else "."),
         "Nuisances of the model: " + ("; ".join(map(str, found)) if found else "none") + ".",
         way,
+        by_wiring(problem.quiet, record.log.names),
         str(problem.sureness),
     )

@@ -116,19 +116,30 @@ def loops() -> str:
     lines = []
     for name in LOOPS:
         fits, errors, _ = steps(name, 1, OF_LOOP)
-        if len(fits) > 1 and errors[1] < NAMED * errors[0]:
-            one = fits[1].model.effects[-1]
-            sizes = ", ".join(
-                f"{p.name} {fits[1].values[f'{one.name}.{p.name}']:.3g} {p.unit}" for p in one.effect.parameters
-            )
-            said = f"{one.effect.name}, {sizes}"
-            if fits[1].at_bound:
-                said = f"nothing named: nearest is {said}, but at a bound: {', '.join(fits[1].at_bound)}"
-        else:
-            said = "nothing named: no effect of the valve leaves less on rows that were not fitted"
         tried = f"error on left-out blocks {errors[0]:.2f}" + (f" -> {errors[1]:.2f}" if len(errors) > 1 else "")
-        lines.append(f"{name}: {said}; {tried} standard deviations of PV")
+        lines.append(f"{name}: {said(fits, errors)}; {tried} standard deviations of PV")
     return "\n".join(lines)
+
+
+def said(fits: Sequence[FreeFit], errors: Sequence[float]) -> str:
+    """Return what is named of a loop, or why nothing is: ``fits`` without and with an effect, and their errors.
+
+    A name needs less error on rows that were not fitted, sizes inside their bounds, and that nothing but noise is left:
+    what moves PV otherwise moves OP too, through the controller, and then any effect may stand for any other.
+    """
+    if len(fits) < 2 or errors[1] >= NAMED * errors[0]:
+        return "nothing named: no effect of the valve leaves less on rows that were not fitted"
+    one = fits[1].model.effects[-1]
+    sizes = ", ".join(f"{p.name} {fits[1].values[f'{one.name}.{p.name}']:.3g} {p.unit}" for p in one.effect.parameters)
+    nearest = f"{one.effect.name}, {sizes}"
+    if fits[1].at_bound:
+        return f"nothing named: nearest is {nearest}, but at a bound: {', '.join(fits[1].at_bound)}"
+    if not fits[1].leaves_noise:
+        return (
+            f"nothing named: nearest is {nearest}, but what it leaves is not noise (neighbouring rows correlate by "
+            f"{fits[1].memory:.2f}): an unmeasured disturbance, or a stem that waits, can look like that"
+        )
+    return nearest
 
 
 def pump() -> str:

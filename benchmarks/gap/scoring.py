@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from benchmarks.gap.runs import PLACES, Run, alike
-from benchmarks.gap.settings import SETTINGS
 
 CONFIDENT = 0.8
 STEP_AT_START = {"valve_leak", "sensor_bias", "step_disturbance"}
@@ -74,13 +73,6 @@ def wilson(hits: int, of: int, z: float = 1.96) -> tuple[float, float]:
     middle = (p + z * z / (2 * of)) / (1 + z * z / of)
     half = z * math.sqrt(p * (1 - p) / of + z * z / (4 * of * of)) / (1 + z * z / of)
     return middle - half, middle + half
-
-
-def baselines(record: Any) -> dict[str, Any]:
-    """Return what the free-run error says: the place of the channel with the largest one, the first baseline."""
-    noise = SETTINGS[record.setting].noise
-    error = {s: float(((record.signals[s] - record.clean[s]) ** 2).mean() ** 0.5) / noise for s in ("PV", "OP")}
-    return {"free_run_place": "process" if error["PV"] >= error["OP"] else "controller"}
 
 
 def share(rows: Sequence[Mapping[str, Any]], what: str) -> tuple[int, int]:

@@ -19,7 +19,8 @@ from gap.filters.switches import with_switches
 from gap.loads import planned
 
 STEPPED = (ScanTime, ControllerLimits)
-PERIODS = (*range(2, 13), 15, 20)  # scans of a slower controller that are tried
+SLOWEST = 60  # scans of the model from one to the next of a slower controller, at most
+STRAY = 0.02  # share of rows at which its output may change though it has not scanned
 SLOWER = 3  # of these that are looked at with switches of their own
 QUANTILES = (1.0, 0.995, 0.98, 0.95, 0.9)  # of OP, at which an upper limit is tried
 LEAST = 5.0  # nats that a second limit must gain
@@ -190,11 +191,22 @@ def _slower(one: Explanation, free: Mapping[str, float]) -> Filtered | None:
 
 
 def _scans(one: Explanation) -> list[dict[str, float]]:
-    """Return periods and first scans to try, of an integral that takes in the present error."""
-    h = one.filtering.period
-    return [
-        {"period": h * period, "offset": h * offset, "present": 1.0} for period in PERIODS for offset in range(period)
-    ]
+    """Return periods and first scans to try, of an integral that takes in the present error: those that explain when
+    the logged output changes.
+
+    A controller that scans more slowly than rows are logged gives the same output at rows without a scan in between.
+    """
+    f = one.filtering
+    values = f.Y[:, f.signals.index(f.op_at(one.place))]
+    moved = np.abs(np.diff(values)) > 0.0
+    at = f.every * np.arange(len(values))
+    found = []
+    for period in range(2, min(SLOWEST, int(one.bounds["period"][1] / f.period)) + 1):
+        for offset in range(period):
+            idle = np.diff((at - offset) // period) == 0
+            if moved[idle].sum() <= STRAY * idle.sum():
+                found.append({"period": f.period * period, "offset": f.period * offset, "present": 1.0})
+    return found
 
 
 def _limited(plain: Found, one: Explanation) -> Filtered | None:

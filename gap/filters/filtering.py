@@ -352,7 +352,7 @@ def run(
     for j, c in enumerate(f.acts):
         if c >= 0 and one.period[c] > 1:  # the log shows the same output again, and rounds it to the same value
             scans = (np.arange(len(f.Y)) * f.every - one.offset[c]) // one.period[c]
-            same = np.abs(np.diff(f.Y[:, j])) < 0.5 * np.sqrt(12.0 * f.r[j])
+            same = np.abs(np.diff(f.Y[:, j])) <= 0.5 * np.sqrt(12.0 * f.r[j])
             skip[1:, j] = (np.diff(scans) == 0) & same
     told = one.told if one.told is not None else np.zeros(one.F.shape[1])
     K, s, r, P = np.zeros((m, n)), np.ones(m), f.r, np.zeros((f.every, n, n))

@@ -212,7 +212,7 @@ def filtered(  # type: ignore[no-untyped-def]
     n, N, C, m = len(start), F.shape[1], len(v), len(H)
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
     P, room, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
-    scans, free, wanted, carried = np.ones(C, dtype=np.bool_), np.ones(C), np.empty(C), exact
+    scans, free, wanted, carried = np.ones(C, dtype=np.bool_), np.ones(C), np.empty(C), True
     sd, at_once = np.zeros((every, C)), np.zeros((C, n))
     slopes(v, n, scans, free, last, at_once)
     if not exact:

@@ -113,7 +113,7 @@ def scanned(
         raise NotAffine("an input is not logged")
     acting = [named[name] for name in controllers]
     ops = [str(b.output_labels[0]) for b in acting]
-    period, offset = _scans(blocks, acting, h)
+    periods, offsets = _scans(blocks, acting, h)
     at = np.array([near[s] for s in signals])
     tables = [affine(_inside(b, near), at[[place[str(s)] for s in b.input_labels]]) for b in blocks]
 
@@ -242,13 +242,13 @@ def scanned(
     of = [c for c, b in enumerate(acting) for _ in range(rows_of[b.name][1])]
     beyond = np.broadcast_to(F[memory], (2, 2, len(memory), N)).copy()
     for c, block in enumerate(acting):
-        own = np.flatnonzero(np.array(of) == c)
+        here = np.flatnonzero(np.array(of) == c)
         for side, sign in enumerate((1.0, -1.0)):
             for push, way in enumerate((1.0, -1.0)):
                 there = _beyond(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
                 if there:
                     first = rows_of[block.name][0]
-                    beyond[side, push, own] = _moved(
+                    beyond[side, push, here] = _moved(
                         block, there, first, s_now, unit, place, delayed, at_in + len(inputs)
                     )
     start = np.zeros(n)
@@ -262,7 +262,7 @@ def scanned(
     H = np.stack([given[place[s]] if s in ops else s_now[place[s]] for s in logged])
     told = given[place[valve_signal]] if valve_signal else None
     return Scanned(tuple(names), kinds, F, given[[place[s] for s in ops]], told, H, Q, limits, np.array(memory),
-                   np.array(of), beyond, last, period, offset, start)  # fmt: skip
+                   np.array(of), beyond, last, periods, offsets, start)  # fmt: skip
 
 
 def _scans(blocks: Sequence[Block], acting: Sequence[Block], h: float) -> tuple[Whole, Whole]:

@@ -13,6 +13,7 @@ from gap.filters.fitting import Found, refined
 from gap.filters.hysteresis import followed_on, left
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.sizes import BLOCKS, SEEN, SURE
+from gap.structure import by_wiring
 from gap.sureness import Sureness
 from gap.words import LISTED, NO_PLACE
 
@@ -256,4 +257,5 @@ def _notes(f: Filtering) -> tuple[str, ...]:
         "Nuisances of the model: " + "; ".join(map(str, f.noise)) + ".",
         *(["Known within tolerances only, and fitted: " + "; ".join(free) + "."] if free else []),
         "Innovations of a Kalman filter of the model, exact from scan to scan: loads are not measured.",
+        by_wiring(f.quiet, log.names),
     )

@@ -18,6 +18,7 @@ from logs import Log
 Floats = NDArray[np.float64]
 BEFORE = 1e-6  # of an interval: how long before a row the value is taken that holds until it
 RARE = 0.1  # share of rows at which a set point jumps, at most
+SHORTEST = 10  # rows of a stretch
 
 
 def as_input(diagram: Diagram, record: Record, log: Log, signal: str) -> object:
@@ -68,3 +69,19 @@ def until(t: Floats, table: tuple[Floats, Floats]) -> Floats:
     early = t.copy()
     early[1:] -= BEFORE * np.diff(t)
     return np.asarray(np.interp(early, *table))
+
+
+def stretches(values: Floats, unit: Floats) -> list[tuple[int, int]]:
+    """Return the first row of each stretch and the one behind it: a new one begins where a signal has moved.
+
+    ``values`` (rows, signals); ``unit`` by how much each may differ from where its stretch began.
+
+    >>> stretches(np.array([[0.0]] * 12 + [[3.0]] * 12), np.array([1.0]))
+    [(0, 12), (12, 24)]
+    """
+    begins = [0]
+    for k in range(1, len(values)):
+        away = np.abs(values[k] - values[begins[-1]]) / unit
+        if k - begins[-1] >= SHORTEST and np.nanmax(away, initial=0.0) > 1.0:
+            begins.append(k)
+    return list(zip(begins, [*begins[1:], len(values)], strict=True))

@@ -22,11 +22,12 @@ from diagram.changes import part
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
 from diagram.inputs import close
-from diagram.linear.slopes import Slopes, slopes
+from diagram.linear.slopes import slopes
 from diagram.pins import replays
 from gap.floor import Floor, floor_of, losses, residuals, settling_rows, without_gap
-from gap.linearised.between import BEFORE, as_input, until
-from gap.linearised.kalman import Sampled, gain, innovations, noise, sampled
+from gap.linearised.between import BEFORE, as_input, stretches, until
+from gap.linearised.kalman import Sampled, gain, innovations, noise
+from gap.linearised.local import LEAST, linear, near, spread
 from gap.linearised.parts import Parts, ancestors, parts
 from gap.model import nuisances
 from gap.offsets import known_starts
@@ -35,19 +36,17 @@ from logs import Log
 
 Floats = NDArray[np.float64]
 FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known to
-MISSED = 1e-5  # of a state's size: what a linear model misses in one second
-MOVES, NEAR = 3, 1e-3  # how often a process is moved to where the log is, and how near is enough, of each signal
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
 BESIDE = 0.02  # of an input: how far from the model's own its mean may be to be linear about the same point
 KEPT = 4000  # results that are remembered
-LEAST = 1e-3  # size of a state that starts at less
+MOVED = 0.03  # of a measurement's mean: by how much it may move until a new stretch begins
 
 
 @dataclass(frozen=True, eq=False)
 class Filter:
     """The filter of a model for records of one kind: its ``parts``, the gain ``K``, the unit of innovations.
 
-    ``at`` the inputs of the process, ``start`` its states, about which it is linear; ``loads`` those that nobody
+    ``at`` the inputs of the process, about which its gain is; ``quiet`` the model; ``loads`` those that nobody
     measures, signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white;
     ``expected`` (rows, signals) what is left on average without a gap, since the process is not quite linear; ``usual``
     (3, signals) unit, mean and standard deviation of the loss of each signal's residuals then.
@@ -55,10 +54,10 @@ class Filter:
 
     parts: Parts
     at: Mapping[str, float]
-    start: Mapping[str, float]
     loads: Mapping[str, tuple[float, float]]
     size: Mapping[str, float]
     dt: float
+    quiet: Diagram
     K: Floats
     root: Floats
     expected: Floats | None = None
@@ -137,9 +136,9 @@ class Filter:
         """Write the innovations of measurements."""
         y = np.stack([log[s] for s in found.measured], axis=1)
         fed = self._fed(diagram, found, record, log, {k: v for k, v in given.items() if _block(k) in found.fed}, many)
-        own = {key: v for key, v in given.items() if _block(key) in found.rest}
+        own, way = {key: v for key, v in given.items() if _block(key) in found.rest}, self.way(record, log)
         for k, values in enumerate(_each(own, many)):
-            e = self._innovations(diagram, found, values, fed[k], y)
+            e = self._innovations(diagram, found, values, fed[k], y, way)
             for j, s in enumerate(found.measured):
                 out[s][k] = e[:, j]
 
@@ -163,26 +162,87 @@ class Filter:
         unit = BESIDE * max(abs(own), LEAST)
         return own + unit * round((mean - own) / unit)
 
-    def _innovations(self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats) -> Floats:
+    def _innovations(
+        self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats, way: "Way"
+    ) -> Floats:
+        e, now = np.empty(y.shape), dict(way.start)
+        for stretch, about in zip(way.stretches, way.about, strict=True):
+            e[slice(*stretch)], now = self._along(diagram, found, values, u, y, stretch, about, now)
+        return np.asarray(e @ self.root.T)
+
+    def _along(
+        self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats,
+        stretch: tuple[int, int], about: Mapping[str, float], now: Mapping[str, float],
+    ) -> tuple[Floats, dict[str, float]]:  # fmt: skip
+        """Return what is left of the rows of a stretch, and the states behind it, from those before it."""
+        first, behind = stretch
         # What the model alone has not is a planned load, which is added: its level changes no slope.
-        at = np.array([self.beside(s, m) for s, m in zip(found.given, u[0].mean(axis=0).tolist(), strict=True)])
-        shown = np.nanmean(y, axis=0)
-        key = "rest", _digest(diagram, found.rest), found.given, tuple(values.items()), at.tobytes(), shown.tobytes()
+        mean = u[0, first:behind].mean(axis=0).tolist()
+        at = np.array([self.beside(s, m) for s, m in zip(found.given, mean, strict=True)])
+        local, model = self._local(diagram, found, values, at, about)
+        K = np.zeros((len(local), len(found.measured)))
+        own = {name: i for i, name in enumerate(self.size)}
+        for i, (name, (_, size)) in enumerate(local.items()):
+            if name in own:
+                K[i] = self.K[own[name]] * self.size[name] / size
+        x = np.array([(now.get(name, v) - v) / size for name, (v, size) in local.items()])
+        rows = slice(first, behind + 1)  # the last one is only predicted: the next stretch sets it right
+        shown = y[rows].copy()
+        shown[behind - first :] = np.nan
+        e = innovations(model, K, u[0, rows] - at, u[1, rows] - at, shown, x)[: behind - first]
+        return e, {name: float(v + size * dev) for (name, (v, size)), dev in zip(local.items(), x, strict=True)}
+
+    def _local(
+        self, diagram: Diagram, found: Parts, values: Mapping[str, float], at: Floats, about: Mapping[str, float]
+    ) -> tuple[dict[str, tuple[float, float]], Sampled]:
+        """Return state -> (value, size) where a process is linear near known states, and the model from row to row."""
+        key = (
+            "rest", _digest(diagram, found.rest), found.given, tuple(values.items()), at.tobytes(),
+            tuple(about.values()),
+        )  # fmt: skip
         if key not in self.known:
             if len(self.known) > KEPT:
                 self.known.clear()
             piece = part(diagram, found.rest, "rest").with_params(dict(values))
+            piece = piece.starting_at(known_starts(piece, {_dotted(name): v for name, v in about.items()}))
             inputs = dict(zip(found.given, at.tolist(), strict=True))
-            local = near(piece.starting_at(known_starts(piece, self.start)), found, inputs, shown)
-            self.known[key] = _linear(local, found, self.loads, self.dt)
-        model, states = self.known[key]
-        K = np.zeros((len(states), len(found.measured)))
-        own = {name: i for i, name in enumerate(self.size)}
-        for i, name in enumerate(states):
-            if name in own:
-                K[i] = self.K[own[name]]
-        e = innovations(model, K, u[0] - at, u[1] - at, y, np.zeros(len(states)))
-        return np.asarray(e @ self.root.T)
+            local = slopes(close(piece, {s: inputs[s] for s in piece.open_inputs}))
+            model, states, size = linear(local, found, self.loads, self.dt)
+            levels = [*local.x.tolist(), *[0.0] * len(self.loads)]
+            self.known[key] = {n: (v, d) for n, v, d in zip(states, levels, size.tolist(), strict=True)}, model
+        states_and_model: tuple[dict[str, tuple[float, float]], Sampled] = self.known[key]
+        return states_and_model
+
+    def way(self, record: Record, log: Log) -> "Way":
+        """Return where the model's own filter puts the process along a log."""
+        key = "way", id(log)
+        if key not in self.known:
+            y = np.stack([log[s] for s in self.parts.measured], axis=1)
+            u = self._fed(self.quiet, self.parts, record, log, {}, 1)[0]
+            rest = part(self.quiet, self.parts.rest, "rest")
+            shown = y[np.isfinite(y).all(axis=1)]
+            at = dict(zip(self.parts.given, u[0, 0].tolist(), strict=True))
+            first = near(rest, self.parts, at, shown[0])
+            start = dict(zip(first.states, first.x.tolist(), strict=True))
+            pieces, about, now = stretches(y, MOVED * np.maximum(np.abs(np.nanmean(y, axis=0)), LEAST)), [], dict(start)
+            for stretch in pieces:
+                _, behind = self._along(self.quiet, self.parts, {}, u, y, stretch, now, now)
+                about.append({name: 0.5 * (now.get(name, v) + v) for name, v in behind.items()})
+                now = behind
+            self.known[key] = log, Way(tuple(pieces), tuple(about), start)
+        found: Way = self.known[key][1]
+        return found
+
+
+@dataclass(frozen=True)
+class Way:
+    """Where a process is along a log: ``stretches`` (first row, row behind), the states ``about`` which it is linear in
+    each, and those at the ``start``, by name.
+    """
+
+    stretches: tuple[tuple[int, int], ...]
+    about: tuple[Mapping[str, float], ...]
+    start: Mapping[str, float]
 
 
 def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
@@ -203,9 +263,8 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
     at = dict(zip(found.given, u.mean(axis=0).tolist(), strict=True))
     shown = np.array([np.nanmean(record.log[s]) for s in found.measured])
     local = near(part(quiet, found.rest, "rest"), found, at, shown)
-    one, states = _linear(local, found, loads, dt)
-    A, Q, size = _spread(local, loads)
-    start = {f"{b}.{x}": float(v) for s, v in zip(local.states, local.x, strict=True) for b, x in [s[:-1].split("[")]}
+    one, states, _ = linear(local, found, loads, dt)
+    A, Q, size = spread(local, loads)
     R = np.diag([_known_to(record, s) ** 2 for s in found.measured])
     K, S = gain(one.F, one.C, noise(A, Q, dt), R)
     root = np.linalg.inv(np.linalg.cholesky(S))
@@ -214,7 +273,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
         record,
         pinned=judged,
         used=tuple(s for s in record.pinned if s not in judged),
-        filter=Filter(found, at, start, loads, dict(zip(states, size, strict=True)), dt, K, root),
+        filter=Filter(found, at, loads, dict(zip(states, size, strict=True)), dt, quiet, K, root),
     )
 
 
@@ -273,62 +332,6 @@ def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mappin
     return out
 
 
-def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Floats) -> Slopes:
-    """Return the slopes of a process where it shows what the log shows on average, as little moved as that takes."""
-    closed = close(piece, {s: at[s] for s in piece.open_inputs})
-    local = slopes(closed)
-    for _ in range(MOVES):
-        rows = [local.signals.index(s) for s in found.measured]
-        unit = np.maximum(np.abs(shown), LEAST)
-        off = (shown - local.s[rows]) / unit
-        if np.abs(off).max() < NEAR:
-            break
-        size = np.maximum(np.abs(local.x), LEAST)
-        C = local.joined()[2][rows] * size / unit[:, None]
-        local = slopes(closed.at_state(local.x + size * np.linalg.lstsq(C, off, rcond=1e-6)[0]))
-    return local
-
-
-def _linear(
-    local: Slopes, found: Parts, loads: Mapping[str, tuple[float, float]], dt: float
-) -> tuple[Sampled, tuple[str, ...]]:
-    """Return a process from row to row, in deviations from where its slopes are, in sizes, and its states."""
-    A, B, c, C, D, g, states, _ = _scaled(local, found.given, found.measured, loads)
-    return sampled(A, B, c, C, D, g, dt), states
-
-
-def _scaled(
-    local: Slopes, given: Sequence[str], measured: Sequence[str], loads: Mapping[str, tuple[float, float]]
-) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats, tuple[str, ...], Floats]:
-    """Return A, B, c, C, D, g of a process with its loads as states behind its own; names and sizes of states."""
-    A, B, C, D = local.joined()
-    place = {s: i for i, s in enumerate(local.signals)}
-    size = np.maximum(np.abs(local.x), LEAST)
-    v, w = [place[s] for s in given], [place[s] for s in loads]
-    rows = [place[s] for s in measured]
-    n, m = len(size), len(w)
-    whole = np.zeros((n + m, n + m))
-    whole[:n, :n] = A * size / size[:, None]
-    sd = np.array([spread for spread, _ in loads.values()])
-    whole[:n, n:] = B[:, w] * sd / size[:, None]
-    whole[n:, n:] = -np.diag([1.0 / time for _, time in loads.values()])
-    drives = np.vstack([B[:, v] / size[:, None], np.zeros((m, len(v)))])
-    shows = np.hstack([C[rows] * size, D[np.ix_(rows, w)] * sd])
-    c = np.concatenate([local.rates / size, np.zeros(m)])
-    states = (*local.states, *(f"{s}[load]" for s in loads))
-    return whole, drives, c, shows, D[np.ix_(rows, v)], local.s[rows], states, np.concatenate([size, sd])
-
-
-def _spread(local: Slopes, loads: Mapping[str, tuple[float, float]]) -> tuple[Floats, Floats, Floats]:
-    """Return A, the density of the noise that moves the states, and their sizes."""
-    A, *_, states, size = _scaled(local, (), (), loads)
-    Q = MISSED**2 * np.eye(len(states))
-    for k, (_, time) in enumerate(loads.values()):
-        j = len(states) - len(loads) + k
-        Q[j, j] = 2.0 / time
-    return A, Q, size
-
-
 def _known_to(record: Record, signal: str) -> float:
     """Return the standard deviation of the rounding of a signal."""
     values = record.log[signal]
@@ -337,6 +340,12 @@ def _known_to(record: Record, signal: str) -> float:
 
 def _each(own: Mapping[str, Floats], many: int) -> list[dict[str, float]]:
     return [{key: float(v[k if len(v) > 1 else 0]) for key, v in own.items()} for k in range(many)]
+
+
+def _dotted(state: str) -> str:
+    """Return block.name of a state that slopes call block[name]."""
+    block, _, name = state.removesuffix("]").partition("[")
+    return f"{block}.{name}"
 
 
 def _block(key: str) -> str:

@@ -97,8 +97,8 @@ def innovations(model: Sampled, K: Floats, u: Floats, ends: Floats, y: Floats, x
     """Return e, (rows, outputs), of a log ``y`` (rows, outputs) from state ``x``.
 
     ``u`` inputs at each row, ``ends`` what they come to just before it, (rows, inputs).  Where ``y`` is NaN nothing is
-    set right and e is NaN.
+    set right and e is NaN.  ``x`` is left where it ends.
     """
     drive = u[:-1] @ model.G_0.T + ends[1:] @ model.G_1.T + model.h
     shown = y - u @ model.D.T - model.g
-    return np.asarray(filtered(model.F, model.C, K, np.ascontiguousarray(drive), shown, x.copy()))
+    return np.asarray(filtered(model.F, model.C, K, np.ascontiguousarray(drive), shown, x))

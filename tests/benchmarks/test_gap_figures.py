@@ -2,7 +2,7 @@
 
 import pytest
 
-from benchmarks.gap.__main__ import figures
+from benchmarks.gap.__main__ import NOTES, figures
 from benchmarks.gap.oracle import relative, restated, right
 
 CLEAR = {"kind": "complete", "gap": 1e4, "share": 1.0, "margin": 1e3}
@@ -40,3 +40,18 @@ def test_the_probability_is_the_one_stated_by_now_and_a_wrong_name_above_it_is_c
 def test_shrinkage_is_relative_to_the_true_effect():
     assert relative({"shrinkage": 0.45, "oracle": 0.9}) == 0.5
     assert relative({"shrinkage": None, "oracle": 0.9}) is None
+
+
+def test_the_plant_has_figures_of_its_own():
+    row = {"model": "full_plant", "effect": "valve_gain", "visible": 9.0, "place": True, "cause": True,
+           "confident_wrong": False, "gap": True}  # fmt: skip
+    none = {"model": "full_plant", "effect": "", "gap": False}
+    out, counts = figures([ROW], [row, row | {"cause": False}, row | {"visible": 0.1}, none])
+    assert (out["plant_place"], out["plant_cause"], out["plant_false_alarm"]) == (1.0, 0.5, 0.0)
+    assert counts["plant_cause"].startswith("1 of 2") and out["section_cause"] is None
+
+
+def test_all_three_baselines_stand_beside_the_figures():
+    out, _ = figures([ROW | {"parameters_only": 0.2, "flexible_residual": 0.4}])
+    assert (out["free_run_place"], out["parameters_only"], out["flexible_residual"]) == (0.0, 0.2, 0.4)
+    assert {"free_run_place", "parameters_only", "flexible_residual"} <= set(NOTES)

@@ -5,8 +5,12 @@ import pytest
 
 from benchmarks.gap import real
 from benchmarks.gap.thesis import indices, loop, scored
+from blocks import FirstOrder, Sensor
+from diagram import wire
 from gap.effects import effect
+from gap.free_run import FreeModel
 from gap.static_map import static_map
+from logs import Log
 
 
 def needs(name):
@@ -38,3 +42,29 @@ def test_a_gain_explains_the_thesiss_figures_and_the_printed_loop_does_not():
     best = min(scored(effect("process_gain"), "process"), key=lambda one: one.distance)
     assert best.distance < 2.0 and 2.4 < best.values["factor"] < 3.1
     np.testing.assert_allclose(best.R["6.1(b)"][0], 3.71, rtol=0.05)  # published
+
+
+def fitted_delay(coloured):
+    """Fit a dead time to a lag that is driven by a known OP, its PV in white noise or in a load that lasts."""
+    rng = np.random.default_rng(4)
+    t, op = np.arange(600.0), np.repeat(rng.uniform(-1.0, 1.0, 30), 20)
+    late, y, w = np.concatenate([np.zeros(6), op[:-6]]), [0.0], [0.0]
+    for u in late[:-1]:
+        y.append(y[-1] + (1.0 - np.exp(-0.2)) * (u - y[-1]))
+        w.append(0.95 * w[-1] + 0.05 * rng.normal())
+    noise = np.array(w) if coloured else 0.02 * rng.normal(size=len(t))
+    process = FirstOrder(1.0, 5.0, inputs="OP", outputs="y")
+    diagram = wire([process, Sensor(inputs="y", outputs="PV")], inputs=["OP"])
+    log = Log(t, {"OP": op, "PV": np.array(y) + noise})
+    model = FreeModel(diagram, log, ("PV",), {"process.K": (0.2, 5.0), "process.tau": (1.0, 20.0)})
+    plain = model.fitted({"process.K": 1.0, "process.tau": 5.0})
+    late_model = model.with_effect(effect("dead_time"), "process")
+    return [plain, late_model.fitted({**plain.values, "dead_time at process.theta": 5.0})]
+
+
+def test_a_dead_time_is_named_only_where_it_leaves_noise():
+    alone, disturbed = fitted_delay(False), fitted_delay(True)
+    assert real.said(alone, [0.3, 0.1]).startswith("dead_time")
+    assert abs(alone[1].values["dead_time at process.theta"] - 6.0) < 0.1 and alone[1].leaves_noise
+    assert "not noise" in real.said(disturbed, [0.3, 0.1]) and disturbed[1].memory > 0.5
+    assert real.said(alone, [0.3, 0.29]).startswith("nothing named")
