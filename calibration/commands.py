@@ -54,7 +54,7 @@ def _both(folder: Path, seeds: dict[Setting, int], loops: dict[Setting, float], 
 @click.option("--loops", type=click.IntRange(min=1), default=30_000, show_default=True, help="to fit the trees on")
 @click.option("--holding", type=click.IntRange(min=1), default=4000, show_default=True, help="to calibrate on")
 @click.option(
-    "--patterns", type=click.IntRange(min=0), default=30_000, show_default=True,
+    "--patterns", type=click.IntRange(min=0), default=31_000, show_default=True,
     help="to fit the patterns on; 0: those of the shipped file",
 )  # fmt: skip
 @click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")

@@ -2,7 +2,7 @@
 
 kernels   drawn from a seed: one to three channels, 9 weights each of mean zero, a size of the channel's own
 limits    quantiles of what each kernel gives on some loops: of |z| 30, 60, 85 and 97 %, of z 10, 35, 65 and 90 %
-read-out  a network of one layer between the pooled numbers and the kinds of loop, by scikit-learn
+read-out  networks of one layer between the pooled numbers and the kinds of loop, by scikit-learn; their mean
 """
 
 import hashlib
@@ -31,7 +31,7 @@ COUNT = {"odd": 420, "even": 180}  # kernels
 SHARES = {"odd": (0.3, 0.6, 0.85, 0.97), "even": (0.1, 0.35, 0.65, 0.9)}
 LIMITED = 200  # loops that limits are taken from
 DRAWN = 40  # values of z from each of them
-INNER, PASSES = 64, 12  # numbers of the inner layer, passes over the loops
+NETWORKS, INNER, PASSES = 4, 32, 12  # fitted from different starts, numbers of the inner layer, passes over the loops
 DECAY, RATE, BATCH = 1.0, 5e-4, 128
 SEED = 1  # of the kernels
 
@@ -124,13 +124,22 @@ def fit(x: Singles, group: npt.NDArray[np.str_], odd: Kernels, even: Kernels, sa
     mean, deviation = np.nanmean(x, axis=0), np.nanstd(x, axis=0) + 1e-6
     none = np.zeros((0, 0), dtype=np.float32)
     bare = Readout(odd, even, mean, deviation, none, none, none, none, ())
-    network = MLPClassifier(
-        (INNER,), alpha=DECAY, max_iter=PASSES, batch_size=min(BATCH, len(x)), learning_rate_init=RATE, random_state=SEED
-    )
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ConvergenceWarning)  # the passes are counted, which keeps it from learning by heart
-        network.fit(bare.standard(x), group)
-    (inner, out), (b, c) = network.coefs_, network.intercepts_
-    say(f"patterns: {len(x)} loops, {x.shape[1]} pooled numbers, {len(c)} kinds of loop")
-    layers = (a.astype(np.float16) for a in (inner, b, out, c))
-    return Readout(odd, even, mean, deviation, *layers, tuple(network.classes_.tolist()))
+        warnings.simplefilter("ignore", ConvergenceWarning)  # the passes are counted: it is not to learn by heart
+        fitted = [
+            MLPClassifier(
+                (INNER,), alpha=DECAY, max_iter=PASSES, batch_size=min(BATCH, len(x)), learning_rate_init=RATE,
+                random_state=SEED + k,
+            ).fit(bare.standard(x), group)
+            for k in range(NETWORKS)
+        ]  # fmt: skip
+    # the mean of what several networks give is what one gives that has all their inner numbers
+    layers = (
+        np.hstack([one.coefs_[0] for one in fitted]),
+        np.concatenate([one.intercepts_[0] for one in fitted]),
+        np.vstack([one.coefs_[1] for one in fitted]) / NETWORKS,
+        np.mean([one.intercepts_[1] for one in fitted], axis=0),
+    )
+    kinds = tuple(fitted[0].classes_.tolist())
+    say(f"patterns: {len(x)} loops, {x.shape[1]} pooled numbers, {len(kinds)} kinds of loop")
+    return Readout(odd, even, mean, deviation, *(one.astype(np.float16) for one in layers), kinds)
