@@ -264,7 +264,7 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise:
     if not sticks and turned >= p.turns and apart < 0.1 * travel:
         size = max(apart, least)
         return "no_stiction", (
-            f"MV keeps within {apart:.2g} {of} of OP over {turned} turns of OP by some {travel:.3g} %: S + J below "
+            f"MV keeps within {apart:.2g} {of} over {turned} turns of OP by some {travel:.3g} %: S + J below "
             f"{size:.2g} %."
         )
     if m < needed:
