@@ -5,6 +5,7 @@ counted, too.  A record that shows too little counts with the probability 0.5.
 """
 
 import statistics
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -68,7 +69,8 @@ def pairs(records: int, loops: int, seed: int = SEED) -> list[Pair]:
     """Ask both stages about held-out records."""
     model, found = calibrated(), []
     specs = draw(records, seed, "other_physics")
-    for spec, (record, truth) in zip(specs, simulate(specs), strict=True):
+    for done, (spec, (record, truth)) in enumerate(zip(specs, simulate(specs), strict=True)):
+        print(f"\r{done} of {records} records", end="", file=sys.stderr, flush=True)
         shown = row(record)
         said = None
         if shown is not None:

@@ -78,12 +78,15 @@ class Params:
     end : distance from an end of the span within which the seat or stop may hold the stem [share of the span]
     scatter : largest interquartile range of S over its median [-]
     reversals, turns : fewest of the stem to accuse, of OP to clear; samples : fewest
+    agreeing, agreement : fewer reversals do where S differs between them by no more than this share of it [-]
     """
 
     slip: float = 0.2
     end: float = 0.005
     scatter: float = 0.5
     reversals: int = 4
+    agreeing: int = 3
+    agreement: float = 0.1
     turns: int = 2
     samples: int = 150
 
@@ -253,16 +256,18 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise: float, p: Params) -> tuple[Word, str]:
     m, of = len(f.S_each), "% of OP"
+    same = m >= p.agreeing and float(np.ptp(f.S_each)) <= p.agreement * f.S[0]
+    needed = p.agreeing if same else p.reversals
     least = max(p.slip, noise)  # a stand ends where MV leaves the noise, which alone makes a small jump
     seen = unit * (f.S[0] + f.J[0]) if m else 0.0
-    sticks = m >= p.reversals and f.scatter <= p.scatter and unit * f.J[1] > least and apart > 0.5 * seen
+    sticks = m >= needed and f.scatter <= p.scatter and unit * f.J[1] > least and apart > 0.5 * seen
     if not sticks and turned >= p.turns and apart < 0.1 * travel:
         size = max(apart, least)
         return "no_stiction", (
-            f"MV keeps within {apart:.2g} {of} of OP over {turned} turns of OP by some {travel:.3g} %: S + J below "
+            f"MV keeps within {apart:.2g} {of} over {turned} turns of OP by some {travel:.3g} %: S + J below "
             f"{size:.2g} %."
         )
-    if m < p.reversals:
+    if m < needed:
         return "inconclusive", (
             f"The stem comes to rest and turns back {m} times, OP turns {turned} times ({p.reversals} are needed), and "
             f"MV strays from OP by {apart:.2g} %."

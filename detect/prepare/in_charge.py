@@ -21,6 +21,7 @@ __all__ = ["asleep", "copied", "untracked"]
 
 Values = npt.NDArray[np.float64]
 STAND = 30  # samples, from which on a stand of OP is long
+END = 0.005  # of the span of OP, within which it stands at a limit
 
 
 def copied(record: LoopRecord, limit: float = 0.9999) -> Fact:
@@ -58,7 +59,11 @@ def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
     op, pv, e = record.op[record.kept], record.pv[record.kept], record.e[record.kept]
     stands = np.empty((len(op) // STAND + 1, 2), dtype=np.int64)
     asleep = 0
+    low, high = record.op_span or (-math.inf, math.inf)
+    near = END * (high - low) if math.isfinite(high - low) else 0.0
     for start, end in stands[: long_stands(op, STAND, stands) if len(op) else 0].tolist():
+        if not low + near < op[start] < high - near:
+            continue  # at its limit OP is not asleep, but saturated, which is told elsewhere
         off, swing = spread(e[start:end])[0], spread(pv[start:end])[1]
         asleep += end - start if swing > 0.0 and abs(off) > swing else 0
     share = asleep / max(len(op), 1)

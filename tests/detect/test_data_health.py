@@ -187,3 +187,14 @@ def test_healthy_records_have_no_fault():
         record = LoopRecord.from_arrays(np.arange(1000.0), pv=y, op=u, sp=np.full(1000, 50.0))
         codes += [fact.code for fact in examine(record) if fact.present]
     assert codes == []
+
+
+def test_op_at_its_limit_is_saturated_and_not_asleep():
+    t = np.arange(2000.0)
+    op = np.clip(95 + 20 * np.sin(t / 100), 0, 100)
+    record = LoopRecord.from_arrays(t, pv=40 + np.sin(t / 7), op=op, sp=np.full(2000, 30.0))
+    assert asleep(record).value == 0.0
+    assert [fact.code for fact in examine(record) if fact.present and fact.forbids] == ["op_saturated"]
+    elsewhere = asleep(LoopRecord.from_arrays(t, pv=record.pv, op=op - 5, sp=record.sp))
+    assert elsewhere.value == pytest.approx(np.mean(op == 100.0), abs=0.01)  # analytic: the same stands
+    assert elsewhere.value > 0.4

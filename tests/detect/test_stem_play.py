@@ -136,3 +136,27 @@ def test_a_saturated_op_of_unknown_span_is_refused():
     assert detect(LoopRecord.from_arrays(record.t, pv=record.pv, op=op, mv=record.mv, sp=record.sp)).applicable
     blind = LoopRecord.from_arrays(record.t, pv=record.pv, op=op, mv=record.mv, sp=record.sp, op_span=None)
     assert detect(blind).code == "op_saturated"
+
+
+def _with_reversals(n, S):
+    """OP sweeps back and forth, so that the stem turns back n times, each after its own S [%] (analytic: as made)."""
+    u, mv, here = [50.0], [50.0], 50.0
+    for k in range(n + 1):
+        way = 1.0 if k % 2 else -1.0
+        for travelled in 0.05 * np.arange(1, 400):
+            u.append(u[-1] + way * 0.05)
+            if travelled > S[k % len(S)]:
+                here += way * (0.05 if mv[-1] != mv[-2] else 1.0)
+            mv.append(here)
+    noise = 0.004 * np.random.default_rng(2).normal(size=len(u))
+    t = np.arange(float(len(u)))
+    return LoopRecord.from_arrays(t, pv=30 + np.array(mv) / 9 + noise, op=u, mv=np.array(mv) + noise, sp=0 * t + 30)
+
+
+def test_three_reversals_do_where_they_agree():
+    three, two = detect(_with_reversals(3, [5.0])), detect(_with_reversals(2, [5.0]))
+    assert len(three.array("S_each")) == 3 and three.verdict == "stiction", three.reason
+    assert three.evidence["S"] == pytest.approx(5.0, abs=0.1)
+    assert two.verdict == "inconclusive" and "4 are needed" in two.reason
+    apart = detect(_with_reversals(3, [5.0, 3.0, 4.0]))
+    assert len(apart.array("S_each")) == 3 and apart.verdict == "inconclusive", apart.reason
