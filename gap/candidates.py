@@ -11,7 +11,7 @@ import numpy as np
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
-from gap.adequacy import needed, stands
+from gap.adequacy import needed, scored_alone, stands
 from gap.effect import Effect
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
@@ -19,7 +19,7 @@ from gap.effects.sensor_noise import SensorNoise
 from gap.hidden import fitted_hidden
 from gap.limits import fitted_limits
 from gap.loads import fitted_load, is_load
-from gap.noise import fitted_noise
+from gap.noise import fitted_noise, is_noise
 from gap.problem import Problem
 from gap.ranges import fitted
 from gap.scans import fitted_scan
@@ -44,16 +44,14 @@ def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> 
     ]
 
 
-def ranked(legal: Sequence[Candidate], progress: Progress = None, hidden: bool = True) -> list[Fit]:
+def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
     """Return the best fit of every candidate that could be replayed, the best explanation first.
 
     Effects with a hidden mode, which cost most, come last, the simpler first, and only while nothing else explains the
-    record; ``hidden`` False leaves them out.
+    record.
     """
-    legal = [one for one in legal if hidden or not (one.effect and one.effect.hidden)]
     if not legal:
         return []
-    problem = legal[0].problem
     found: list[Fit] = []
     ordered = sorted(legal, key=lambda one: len(one.own) if one.effect and one.effect.hidden else 0)
     with reporting(progress, len(legal), "effects") as tell:
@@ -61,12 +59,17 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None, hidden: bool =
             last = bool(candidate.effect and candidate.effect.hidden)
             if last and not followed(found):
                 found = _finished(found)
-            if not (last and found and problem.limit >= found[0].F) and _hopeful(candidate):
+            if not (last and found and _at_floor(found[0])) and _hopeful(candidate):
                 fit = way(candidate)(candidate)
                 if fit is not None and np.isfinite(fit.F):
                     found.append(replace(fit, price=price(fit)))
             tell(done + 1, len(legal))
     return _finished(found)
+
+
+def _at_floor(fit: Fit) -> bool:
+    """Return whether a fit leaves what records without a gap have."""
+    return fit.candidate.problem.limit >= scored_alone(fit) and (not fit.candidate.noisy or is_noise(fit))
 
 
 def _hopeful(candidate: Candidate) -> bool:

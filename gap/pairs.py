@@ -13,11 +13,14 @@ from gap.inserting import inserted
 from gap.problem import Problem
 from gap.proposals import proposed, smooth
 from gap.search import Candidate, Fit, best_of, refined
+from gap.sensitivity import promised
 from gap.together import Together, together, values_of
 
 FIRSTS = 2  # single effects to which a second is added
 ENOUGH = 0.3  # share of the gap that one of two effects explains alone
 JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to the end
+PROMISING = 4  # effects with slopes that are fitted beside a hidden mode
+WORTH = 0.7  # share of the gap that two effects explain before they are fitted again in turn
 TURNS = 2  # times that each is fitted again given the other
 
 
@@ -47,19 +50,30 @@ def paired(
     found = joined(problem, fits)
     if not found or problem.limit + needed(problem) < found[0].second.F:
         legal = list(catalogue)
-        for first in [fit for fit in fits if fit.present and not fit.candidate.noisy][:FIRSTS]:
-            base = inserted(problem.quiet, first)
-            seconds = [
-                one
-                for one in candidates(problem, base, legal)
-                if not (one.effect is first.effect and one.place == first.place)
-                and (first.effect.hidden or not smooth(one))
-            ]
-            # A hidden mode is found as the first or not at all.
-            second = next((fit for fit in ranked(seconds, progress, hidden=False) if fit.present), None)
+        firsts = [fit for fit in fits if fit.present and not fit.candidate.noisy and share(problem, fit) >= ENOUGH]
+        for first in firsts[:FIRSTS]:
+            second = next((fit for fit in ranked(_beside(problem, first, legal), progress) if fit.present), None)
             if second is not None:
-                found.append(improved(problem, Pair(first, second)))
+                pair = Pair(first, second)
+                found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
     return min(found, key=lambda pair: pair.total, default=None)
+
+
+def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> list[Candidate]:
+    """Return the effects that are searched for in the presence of another: those that have no slope, for which no line
+    speaks, and beside a hidden mode the few of the others whose slopes promise most.
+
+    A hidden mode is found as the first or not at all.
+    """
+    legal = [
+        one
+        for one in candidates(problem, inserted(problem.quiet, first), catalogue)
+        if not (one.effect is first.effect and one.place == first.place) and not (one.effect and one.effect.hidden)
+    ]
+    rough = [one for one in legal if not smooth(one)]
+    if not first.effect.hidden:
+        return rough
+    return [*rough, *sorted((one for one in legal if smooth(one)), key=promised, reverse=True)[:PROMISING]]
 
 
 def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:

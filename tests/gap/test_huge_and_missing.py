@@ -1,13 +1,10 @@
 """Innovations beyond all squares and signals that are never logged: an answer without a warning of the arithmetic."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from gap.floor import losses
 from gap.loads import trimmed
-from gap.texture import in_loop
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")
 
@@ -24,12 +21,3 @@ def test_a_huge_innovation_has_no_weight_and_the_others_keep_theirs():
 def test_the_loss_of_a_huge_innovation_is_the_largest():
     found = losses(np.array([0.0, 1.0, 1e200, np.nan]))
     assert found[2] == 1e9 > found[1] > found[0] == found[3] == 0.0
-
-
-def test_a_signal_that_is_never_logged_has_no_lattice_of_its_own():
-    def problem(OP):
-        record = SimpleNamespace(filter=None, pinned=("OP", "PV"), steps={"OP": 0.001, "PV": 0.05})
-        return SimpleNamespace(record=record, as_it_is=np.column_stack([OP, np.ones(50)]))
-
-    assert in_loop(problem(np.full(50, np.nan))) == ()
-    assert in_loop(problem(np.full(50, 0.1))) == ("PV",)  # OP in better accord than rounding allows

@@ -1,0 +1,80 @@
+"""Stems in a diagnosis: modes that no log shows, a play that is friction without jump, a position that is logged."""
+
+import numpy as np
+import pytest
+
+from cases.models import ideal_flow
+from diagram import ensemble
+from gap.adequacy import adequate, complete
+from gap.candidates import candidates, ranked
+from gap.diagnosis import prepared
+from gap.effects import effect
+from gap.floor import MECHANICAL
+from gap.modes import CHARGE
+from gap.nesting import one_of_nested
+from gap.offsets import offsets
+from logs import Log
+
+STEMS = [effect("stiction"), effect("deadband")]
+
+
+def logged(recorded, name, signals, seed=3, **values):
+    """Return a record of a valve effect with these signals."""
+    log = recorded(seed=seed)
+    model = ideal_flow(rest=1.5)
+    if name:
+        one = effect(name)
+        model = one.started(one.insert(model, "valve", **values), "valve", {"SP": 1.5, "PV": 1.5, "OP": 0.5})
+    many = ensemble(
+        model, log.duration, times=log.t, inputs=Log(log.t, {"SP": log["SP"]}), seeds=[seed], signals=signals,
+        progress=False,
+    )  # fmt: skip
+    return Log(log.t, {"SP": log["SP"], **{s: many.values[s][0].round(6) for s in signals}})
+
+
+def fit(problem, name, **values):
+    (candidate,) = candidates(problem, problem.quiet, [effect(name)])
+    (found,) = candidate.tried([values])
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("positioner_lag", {"tau": 2.0}), ("valve_rate_limit", {"rate": 1.0}), ("deadband", {"width": 2.0})],
+)
+def test_a_logged_stem_leaves_nothing_once_what_moves_it_is_right(recorded, name, values):
+    problem = prepared(ideal_flow(), logged(recorded, name, ["OP", "PV", "MV"], **values))
+    k = problem.record.pinned.index("MV")
+    assert not problem.floor.coloured and problem.floor.changes[k]
+    assert problem.floor.L[k, k] == MECHANICAL  # of a travel of 1: without a gap MV is OP to the last digit
+    assert problem.score > problem.limit + 1000.0
+    right = fit(problem, name, **values)
+    assert complete(problem, right) and problem.limit >= right.F
+
+
+def test_a_mode_that_was_missed_is_set_right_and_charged(recorded):
+    problem = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV"], S=3.0, J=1.2))
+    (candidate,) = candidates(problem, problem.quiet, [effect("stiction")])
+    near = {"S": 3.03, "J": 1.2}  # slips a little late: the next slip back is missed now and then
+    (found,) = candidate.tried([near])
+    assert found.charge > 0.0 and found.charge % CHARGE == 0.0
+    settings = {k: np.array([v]) for k, v in candidate.effect.settings(candidate.base, "valve", **near).items()}
+    free = float(problem.floor.score(offsets(candidate.changed, problem.record, settings))[0])
+    assert free > found.F  # the same replay without other modes
+
+
+def test_modes_buy_nothing_where_no_stem_sticks(recorded):
+    problem = prepared(ideal_flow(), recorded("valve_leak", "valve", flow=1.0))
+    assert not adequate(problem, fit(problem, "stiction", S=3.0, J=1.0))
+    plain = prepared(ideal_flow(), recorded())
+    (candidate,) = candidates(plain, plain.quiet, [effect("dead_time")])
+    assert candidate.tried([{"theta": 1.0}])[0].charge == 0.0
+
+
+@pytest.mark.parametrize(("name", "values"), [("deadband", {"width": 2.0}), ("stiction", {"S": 3.0, "J": 1.2})])
+def test_of_two_stems_the_one_is_named_that_is_meant(recorded, name, values):
+    problem = prepared(ideal_flow(), logged(recorded, name, ["OP", "PV"], **values))
+    found = one_of_nested(problem, ranked(candidates(problem, problem.quiet, STEMS), progress=False))
+    assert found[0].effect.name == name and (name == "stiction" or len(found) == 1)
+    for key, value in values.items():
+        assert found[0].values[key] == pytest.approx(value, rel=0.01)
