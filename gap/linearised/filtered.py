@@ -70,7 +70,7 @@ class Filter:
         """Return (runs, rows, pinned signals) of a silent diagram: see ``gap.offsets.offsets``."""
         given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
         many = max((len(v) for v in given.values()), default=1)
-        found = parts(diagram, replace(record, pinned=(*self.parts.known, *self.parts.measured)))
+        found = parts(diagram, replace(record, pinned=(*self.parts.known, *self.parts.measured)), self.loads)
         each = [record.log] if logs is None else list(logs)
         out = []
         for log in each:
@@ -250,12 +250,17 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
 
     It is for models whose loads wander and whose controllers do not scan.
     """
-    wandering = {one.block: (one.sd, one.correlation_time) for one in nuisances(model) if one.correlation_time > 0.0}
+    wandering = {
+        str(model[one.block].output_labels[0]): (one.sd, one.correlation_time)
+        for one in nuisances(model)
+        if one.correlation_time > 0.0
+    }
     scanning = any(block.sampled and block.role is Role.CONTROLLER for block in model.blocks)
     if not wandering or scanning:
         return None
-    found = parts(quiet, record)
-    loads = {str(quiet[name].output_labels[0]): told for name, told in wandering.items() if name in found.rest}
+    found = parts(quiet, record, wandering)
+    inside = {str(s) for name in found.rest for s in quiet[name].output_labels}
+    loads = {s: told for s, told in wandering.items() if s in inside}
     if not found.measured or not loads:
         return None
     dt = float(np.median(np.diff(record.log.t)))

@@ -29,6 +29,13 @@ def test_logged_outputs_of_controllers_cut_a_plant(healthy):
     assert {"VLCS1", "VPCS1"} <= set(found.fed) and "S1" in found.rest and not set(found.fed) & set(found.rest)
 
 
+def test_a_plant_with_an_unmeasured_feed_has_a_filter_that_knows_the_feed_as_a_load(healthy):
+    model, quiet, record = seen(healthy)
+    found = filter_of(model, quiet, record)
+    assert found is not None
+    assert list(found.filter.loads) == ["F_in"] and "F_in" in found.filter.parts.rest
+
+
 def test_an_output_jumps_where_its_set_point_does(healthy):
     _, quiet, record = seen(healthy)
     moved = np.flatnonzero(np.diff(healthy["SP_PCS11"])) + 1
