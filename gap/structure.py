@@ -31,7 +31,8 @@ class Together:
 
     def __str__(self) -> str:
         parting = f" (a log of {' or '.join(self.tags)} would part them)" if self.tags else ""
-        return f"{', '.join(self.places)} show in {' and '.join(self.signals) or 'nothing'} only{parting}"
+        shows = "shows" if len(self.places) == 1 else "show"
+        return f"{', '.join(self.places)} {shows} in {' and '.join(self.signals) or 'nothing'} only{parting}"
 
 
 def structure(diagram: Diagram, logged: Iterable[str], catalogue: Sequence[Effect] = CATALOGUE) -> tuple[Together, ...]:
@@ -41,7 +42,7 @@ def structure(diagram: Diagram, logged: Iterable[str], catalogue: Sequence[Effec
     >>> for group in structure(ideal_flow(), ["SP", "PV", "OP"]):
     ...     print(group)
     valve, process, sensor, feed show in PV only (a log of MV or F or y would part them)
-    controller show in OP only
+    controller shows in OP only
     """
     known = set(logged)
     groups = _grouped(diagram, known, catalogue)

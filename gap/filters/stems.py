@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from gap.filters.kalman import along, looked, spread
+from gap.filters.kalman import along, commanded, looked, spread
 
 EVEN = 0.5  # share of the stems that must count
 
@@ -63,13 +63,18 @@ def settled_gains(A, Q, H, r, every, K, s):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def banked(  # type: ignore[no-untyped-def]
-    F, v, told, H, lo, hi, memory, beyond, start, U, Y, op_row, every, K, s, jitter, S, J, draws, turns, e, loss, path,
+    F, v, told, H, limits, memory, of, beyond, last, start, U, Y, acts, moves, every, K, s, jitter, S, J, draws, turns,
+    e, loss, path,
 ):  # fmt: skip
     """Write innovations ``e`` (rows, signals) and the loss of each row [nats].
 
-    ``draws`` (scans, stems) and ``turns`` (rows,) random numbers; ``jitter`` of OP between rows.
+    ``draws`` (scans, stems) and ``turns`` (rows,) random numbers; ``acts``: which controller gives a signal, -1 for
+    none; ``moves``: which moves the stem, ``jitter`` of its output between rows.
     """
-    n, N, M, m = len(start), F.shape[1], draws.shape[1], len(H)
+    n, N, C, M, m = len(start), F.shape[1], len(v), draws.shape[1], len(H)
+    period, offset, scans = np.ones(C, dtype=np.int64), np.zeros(C, dtype=np.int64), np.ones(C, dtype=np.bool_)
+    free, wanted, at_mv = np.ones(C), np.empty(C), n + C
+    lo, hi = limits[moves, 0], limits[moves, 1]
     z = np.empty((M, n))
     x = np.empty(M)
     row, new, w = np.zeros(N), np.empty(n), np.full(M, 1.0 / M)
@@ -77,12 +82,12 @@ def banked(  # type: ignore[no-untyped-def]
     for i in range(M):
         z[i] = start
         row[:n] = start
-        row[n] = start[n - 1]
-        row[n + 2 :] = U[0]
+        row[n:at_mv] = start[last]
+        row[at_mv + 1 :] = U[0]
         x[i] = along(told, row) + 0.45 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
     seen = np.nan
     for k in range(len(U)):
-        row[n + 2 :] = U[k]
+        row[at_mv + 1 :] = U[k]
         phase = k % every
         if phase == 0:
             at = k // every
@@ -92,16 +97,18 @@ def banked(  # type: ignore[no-untyped-def]
                 e[at, j] = np.nan
                 if not np.isfinite(Y[at, j]):
                     continue
-                if j == op_row:
+                c = acts[j]
+                if c == moves:
                     seen = Y[at, j]
-                    if seen >= hi - 0.002 * (hi - lo) or seen <= lo + 0.002 * (hi - lo):
+                if c >= 0:
+                    near = 0.002 * (limits[c, 1] - limits[c, 0])
+                    if Y[at, j] >= limits[c, 1] - near or Y[at, j] <= limits[c, 0] + near:
                         continue
                 below, total, largest = 0.0, 0.0, -np.inf
                 for i in range(M):
-                    row[:n] = z[i]
-                    row[n] = 0.0
-                    row[n + 1] = x[i]
-                    guess = along(v if j == op_row else H[j], row)
+                    commanded(row, z[i], v, limits, period, offset, last, k, scans, free, wanted)
+                    row[at_mv] = x[i]
+                    guess = wanted[c] if c >= 0 else along(H[j], row)
                     miss[i] = (Y[at, j] - guess) / math.sqrt(s[j])
                     below += w[i] * normal(miss[i])
                     largest = max(largest, -0.5 * miss[i] ** 2)
@@ -133,24 +140,22 @@ def banked(  # type: ignore[no-untyped-def]
                 x[:] = other_x
                 w[:] = 1.0 / M
         for i in range(M):
-            row[:n] = z[i]
-            row[n] = 0.0
-            row[n + 1] = 0.0
-            value = along(v, row)
-            op = min(max(value, lo), hi)
-            row[n] = op
+            commanded(row, z[i], v, limits, period, offset, last, k, scans, free, wanted)
+            op = row[n + moves]
             known = phase == 0 and np.isfinite(seen)
-            row[n] = seen if known else min(max(op + jitter * draws[k, i], lo), hi)
+            row[n + moves] = seen if known else min(max(op + jitter * draws[k, i], lo), hi)
             x[i] = stuck(x[i], along(told, row), S, J)
-            row[n] = op
-            row[n + 1] = x[i]
+            row[n + moves] = op
+            row[at_mv] = x[i]
             for q in range(n):
                 new[q] = along(F[q], row)
-            if op != value and len(memory):
-                side = 0 if value > op else 1
-                push = 0 if (new[memory[0]] - z[i, memory[0]] > 0.0) == (side == 0) else 1
-                for q in range(len(memory)):
-                    new[memory[q]] = along(beyond[side, push, q], row)
+            for q in range(len(memory)):
+                c, at_z = of[q], memory[q]
+                if q == 0 or of[q - 1] != c:
+                    side = 0 if wanted[c] > row[n + c] else 1
+                    push = 0 if (new[at_z] > z[i, at_z]) == (side == 0) else 1
+                if free[c] < 1.0:
+                    new[at_z] = along(beyond[side, push, q], row)
             z[i] = new
 
 

@@ -18,7 +18,7 @@ from logs import Log
 Floats = NDArray[np.float64]
 BEFORE = 1e-6  # of an interval: how long before a row the value is taken that holds until it
 RARE = 0.1  # share of rows at which a set point jumps, at most
-SHORTEST = 10  # rows of a stretch
+SHORTEST = 30  # rows of a stretch
 
 
 def as_input(diagram: Diagram, record: Record, log: Log, signal: str) -> object:
@@ -76,8 +76,8 @@ def stretches(values: Floats, unit: Floats) -> list[tuple[int, int]]:
 
     ``values`` (rows, signals); ``unit`` by how much each may differ from where its stretch began.
 
-    >>> stretches(np.array([[0.0]] * 12 + [[3.0]] * 12), np.array([1.0]))
-    [(0, 12), (12, 24)]
+    >>> stretches(np.array([[0.0]] * 40 + [[3.0]] * 40), np.array([1.0]))
+    [(0, 40), (40, 80)]
     """
     begins = [0]
     for k in range(1, len(values)):

@@ -39,7 +39,7 @@ FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known 
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
 BESIDE = 0.02  # of an input: how far from the model's own its mean may be to be linear about the same point
 KEPT = 4000  # results that are remembered
-MOVED = 0.03  # of a measurement's mean: by how much it may move until a new stretch begins
+MOVED = 0.005  # of a measurement's mean: by how much it may move until a new stretch begins
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class Filter:
         """Return (runs, rows, pinned signals) of a silent diagram: see ``gap.offsets.offsets``."""
         given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
         many = max((len(v) for v in given.values()), default=1)
-        found = parts(diagram, replace(record, pinned=(*self.parts.known, *self.parts.measured)))
+        found = parts(diagram, replace(record, pinned=(*self.parts.known, *self.parts.measured)), self.loads)
         each = [record.log] if logs is None else list(logs)
         out = []
         for log in each:
@@ -155,12 +155,14 @@ class Filter:
         return np.broadcast_to(alone, (many, *alone.shape[1:]))
 
     def beside(self, signal: str, mean: float) -> float:
-        """Return the value of an input about which the process is linear: the model's own while it is about that."""
-        if signal not in self.at:
-            return 0.0
-        own = self.at[signal]
-        unit = BESIDE * max(abs(own), LEAST)
-        return own + unit * round((mean - own) / unit)
+        """Return the value of an input about which the process is linear: its mean, to some two digits.
+
+        The model's own while it is about that, so that most explanations share one process.
+        """
+        own = self.at.get(signal, 0.0)
+        size = abs(own) if own else 2.0 ** round(np.log2(max(abs(mean), LEAST)))
+        unit = BESIDE * max(size, LEAST)
+        return float(own + unit * round((mean - own) / unit))
 
     def _innovations(
         self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats, way: "Way"
@@ -176,7 +178,6 @@ class Filter:
     ) -> tuple[Floats, dict[str, float]]:  # fmt: skip
         """Return what is left of the rows of a stretch, and the states behind it, from those before it."""
         first, behind = stretch
-        # What the model alone has not is a planned load, which is added: its level changes no slope.
         mean = u[0, first:behind].mean(axis=0).tolist()
         at = np.array([self.beside(s, m) for s, m in zip(found.given, mean, strict=True)])
         local, model = self._local(diagram, found, values, at, about)
@@ -250,12 +251,17 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
 
     It is for models whose loads wander and whose controllers do not scan.
     """
-    wandering = {one.block: (one.sd, one.correlation_time) for one in nuisances(model) if one.correlation_time > 0.0}
+    wandering = {
+        str(model[one.block].output_labels[0]): (one.sd, one.correlation_time)
+        for one in nuisances(model)
+        if one.correlation_time > 0.0
+    }
     scanning = any(block.sampled and block.role is Role.CONTROLLER for block in model.blocks)
     if not wandering or scanning:
         return None
-    found = parts(quiet, record)
-    loads = {str(quiet[name].output_labels[0]): told for name, told in wandering.items() if name in found.rest}
+    found = parts(quiet, record, wandering)
+    inside = {str(s) for name in found.rest for s in quiet[name].output_labels}
+    loads = {s: told for s, told in wandering.items() if s in inside}
     if not found.measured or not loads:
         return None
     dt = float(np.median(np.diff(record.log.t)))

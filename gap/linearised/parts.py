@@ -8,7 +8,7 @@ A controller that reads what is not logged (the flow through a compressor) is in
 logged, so the others do without it, and it is not judged.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from blocks.noise import Seeded
@@ -36,8 +36,10 @@ class Parts:
     judged: tuple[str, ...]
 
 
-def parts(diagram: Diagram, record: Record) -> Parts:
+def parts(diagram: Diagram, record: Record, loads: Collection[str] = ()) -> Parts:
     """Return the parts of a diagram between the signals of a record.
+
+    ``loads`` signals that nobody measures: a silent diagram gives their mean, but they belong to the process.
 
     >>> import numpy as np
     >>> from logs import Log
@@ -57,7 +59,7 @@ def parts(diagram: Diagram, record: Record) -> Parts:
     ruled = {name for s in judged for name in behind[s]}
     measured = tuple(s for s in record.pinned if s in drivers and s not in outputs)
     process = ancestors(diagram, measured, stop=set(known), through=True)
-    fed = _fed(diagram, process, known)
+    fed = _fed(diagram, process, known, loads)
     rest = [b.name for b in diagram.blocks if b.name in process and b.name not in fed]
     driven_here = {s for name in fed for s in map(str, diagram[name].output_labels)} | set(known)
     read = dict.fromkeys(s for name in rest for s in map(str, diagram[name].input_labels))
@@ -91,7 +93,7 @@ def ancestors(diagram: Diagram, signals: Iterable[str], stop: set[str], through:
     return found
 
 
-def _fed(diagram: Diagram, process: set[str], known: Iterable[str]) -> set[str]:
+def _fed(diagram: Diagram, process: set[str], known: Iterable[str], loads: Collection[str]) -> set[str]:
     """Return the blocks of a process that follow from known signals and planned sources alone."""
     have = set(known)
     fed: set[str] = set()
@@ -99,7 +101,8 @@ def _fed(diagram: Diagram, process: set[str], known: Iterable[str]) -> set[str]:
         new = [
             block
             for block in diagram.blocks
-            if block.name in process and block.name not in fed and not isinstance(block, Seeded)
+            if block.name in process and block.name not in fed
+            and not isinstance(block, Seeded) and not any(str(s) in loads for s in block.output_labels)
             and all(s in have for s in map(str, block.input_labels))
         ]  # fmt: skip
         if not new:

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from benchmarks.gap.plant import MODELS, PlantRun
+from cases.plant_models import LOGGED_SECTION
+from diagram import simulate
 from gap import diagnose
 from gap.effects import effect
 from gap.linearised.between import jumps
@@ -27,6 +29,37 @@ def test_logged_outputs_of_controllers_cut_a_plant(healthy):
     found = parts(quiet, record)
     assert found.ruled == ("LCS11", "PCS11") and found.measured == ("p_1", "V_1")
     assert {"VLCS1", "VPCS1"} <= set(found.fed) and "S1" in found.rest and not set(found.fed) & set(found.rest)
+
+
+def test_a_plant_with_an_unmeasured_feed_has_a_filter_that_knows_the_feed_as_a_load(healthy):
+    model, quiet, record = seen(healthy)
+    found = filter_of(model, quiet, record)
+    assert found is not None
+    assert list(found.filter.loads) == ["F_in"] and "F_in" in found.filter.parts.rest
+
+
+def test_the_true_characteristic_leaves_next_to_nothing_on_a_record_that_starts_away_from_its_rest():
+    # the record starts where the model without the effect rests: half of the flow is missing, p_1 and V_1 move away
+    one, values = effect("valve_characteristic"), {"rangeability": 2.53}
+    plant = MODELS["separator_section"][0]()
+    log = simulate(one.insert(plant, "VPCS1", **values), 1800.0, every=2.0, signals=list(LOGGED_SECTION)).log
+    _, quiet, record = seen(log)
+    found = filter_of(plant, quiet, record)
+    changed = one.put(quiet, "VPCS1")
+    missed = found.filter.residuals(quiet, found, None, None)[0]
+    left = found.filter.residuals(changed, found, one.settings(quiet, "VPCS1", **values), None)[0]
+    for k, s in enumerate(found.pinned):
+        if s in found.filter.parts.measured:
+            assert np.sqrt(np.nanmean(left[200:, k] ** 2)) < 0.05 * np.sqrt(np.nanmean(missed[200:, k] ** 2)), s
+
+
+def test_what_an_effect_gives_is_linear_about_its_own_mean(healthy):
+    model, quiet, record = seen(healthy)
+    found = filter_of(model, quiet, record).filter
+    assert found.beside("what the model has not", 0.137) == pytest.approx(0.137, rel=0.02)
+    own = found.at["OP_VPCS1" if "OP_VPCS1" in found.at else next(iter(found.at))]
+    signal = next(s for s, v in found.at.items() if v == own)
+    assert found.beside(signal, 1.001 * own) == own
 
 
 def test_an_output_jumps_where_its_set_point_does(healthy):
