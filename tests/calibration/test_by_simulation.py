@@ -81,11 +81,12 @@ def test_a_long_record_is_looked_at_in_pieces() -> None:
 def test_a_clear_stick_and_a_clear_disturbance_are_told_apart() -> None:
     sticky = record("cycling", (25, 0), J=8.0, S=10.0)
     other = record("external_sine", (25, 2))
-    a, b = (at_record(loop, loops=160, seed=1, workers=1) for loop in (sticky, other))
+    a = at_record(sticky, loops=300, seed=1, workers=1)  # of 160 the interval of S is ragged
+    b = at_record(other, loops=160, seed=1, workers=1)
     assert a.probability > 0.8 > 0.4 > b.probability
     assert sum(a.causes.values()) == pytest.approx(1.0, abs=1e-9) and max(a.causes, key=a.causes.get) == "stiction"
     assert a.S.low < 10.0 < a.S.high and a.S.low < a.S.value < a.S.high
-    assert a.loops > 140 and a.area > 0.7 and a.false_alarms <= 0.07
+    assert a.loops > 280 and a.area > 0.7 and a.false_alarms <= 0.07
     told = a.to_dict()
     assert told["amount"]["S"]["unit"] == "% of OP" and set(told) >= {"causes", "detection_limit", "loops"}
     assert "loops were simulated under the conditions of this record" in a.sentences[0]

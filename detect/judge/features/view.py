@@ -110,8 +110,11 @@ def view_of(loop: Prepared) -> View | None:
     turn = _turn(u, span)
     n = len(u)
     k = max(1, int(min(turn / COARSE, max(turn / FINE, n / POINTS))))
+    thinned, followed = _blocks(u, k), _blocks(y, k)
+    if np.ptp(thinned) == 0.0 or np.ptp(followed) == 0.0:  # what moves is in the last samples, too few for a block
+        return None
     return View(
-        u=_blocks(u, k), y=_blocks(y, k), e=_blocks(error, k), sp=None if set_point is None else _blocks(set_point, k),
+        u=thinned, y=followed, e=_blocks(error, k), sp=None if set_point is None else _blocks(set_point, k),
         turn=max(turn / k, 2.0), block=k, travel=span, noise=_noise(y), stale=stale, raw_u=u, raw_y=y,
         integrating=kind_of_tag(loop.record).integrating, op_scale=u_scale,
     )  # fmt: skip

@@ -175,6 +175,13 @@ def test_too_little_gives_no_features():
     assert of(t[:30], 0 * t[:30], np.sin(t[:30]), 50 + np.cos(t[:30])) is None
 
 
+def test_an_op_that_moves_in_the_last_samples_alone_gives_no_features():
+    op = np.full(307, 25.0)
+    op[-6:] = 26.0  # fewer than a block of the thinned record
+    record = LoopRecord.from_arrays(np.arange(307.0), pv=np.sin(np.arange(307.0) / 9), op=op, sp=np.zeros(307))
+    assert features(Prepared(record)) is None
+
+
 def test_hopeless_records_give_numbers_or_nan_and_no_warning():
     rng = np.random.default_rng(0)
     t = np.arange(400.0)
