@@ -98,8 +98,9 @@ class LoopStream:
     def _next(self, buffer: Buffer, states: tuple[Any, ...]) -> LoopStream:
         """The same stream with other rows and states; ``dataclasses.replace`` costs more than all else a sample."""
         following = object.__new__(type(self))
-        kept = {name: value for name, value in self.__dict__.items() if name != "loop"}
-        following.__dict__.update(kept, buffer=buffer, states=states)
+        own = following.__dict__
+        own.update(self.__dict__, buffer=buffer, states=states)
+        own.pop("loop", None)  # the window that was prepared for the verdicts before
         return following
 
     @cached_property

@@ -76,7 +76,9 @@ class Buffer:
             raise ValueError(f"t = {t} s follows {self.last_time} s; time must increase, drop repeated samples")
         recent = (*self.recent, (t, *sample))
         if len(recent) < _CHUNK:
-            return Buffer(self.chunks, recent, self.held)
+            following = object.__new__(Buffer)  # once a sample: the constructor of a frozen class costs twice as much
+            following.__dict__.update(chunks=self.chunks, recent=recent, held=self.held)
+            return following
         return Buffer((*self.chunks, np.array(recent)), (), self.held + len(recent))
 
     def last(self, n: int) -> Buffer:
