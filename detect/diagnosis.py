@@ -180,7 +180,11 @@ def ask(method: Method, loop: Prepared) -> Verdict:
 
 def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:
     record = loop.record
-    said = [*record.notes, *(fact.text for fact in loop.health if fact.present and not fact.forbids)]
+    said = [
+        *record.notes,
+        *found.assumptions,
+        *(fact.text for fact in loop.health if fact.present and not fact.forbids),
+    ]
     if record.sp is None:
         said.append("SP is taken as constant, at the mean of PV.")
     if record.mode is None:

@@ -8,7 +8,7 @@ from typing import Any
 from numba.core import event
 from numba.core.dispatcher import Dispatcher
 
-LINE = "stickslip: compiling the simulation engine, once per machine; this takes about half a minute\n"
+ENGINE = "simulation engine"
 
 
 class _Counter(event.Listener):  # type: ignore[misc]
@@ -26,19 +26,20 @@ class _Counter(event.Listener):  # type: ignore[misc]
 
 
 @contextmanager
-def noticed() -> Iterator[None]:
-    """While the engine is being compiled, say so: on a terminal how far it has got, elsewhere one line."""
-    total = len({id(f) for name, module in [*sys.modules.items()] if name.startswith("engine.")
+def noticed(what: str = ENGINE) -> Iterator[None]:
+    """While ``what`` is being compiled, say so: on a terminal how far it has got, elsewhere one line."""
+    total = len({id(f) for name, module in [*sys.modules.items()] if what == ENGINE and name.startswith("engine.")
                  for f in vars(module).values() if isinstance(f, Dispatcher)})  # fmt: skip
     status: Any = None
 
     def tell(begun: int) -> None:
         nonlocal status
         if begun == 1 and sys.stderr is not None and not sys.stderr.isatty():
-            sys.stderr.write(LINE)
+            sys.stderr.write(f"stickslip: compiling the {what}, once per machine; this takes about half a minute\n")
             sys.stderr.flush()
         elif sys.stderr is not None and sys.stderr.isatty():
-            words = f"compiling the simulation engine, once per machine: {begun} of {max(begun, total)} functions"
+            of = f" of {max(begun, total)}" if what == ENGINE else ""
+            words = f"compiling the {what}, once per machine: {begun}{of} functions"
             if status is None:
                 from rich.console import Console
 

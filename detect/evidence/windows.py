@@ -2,7 +2,8 @@
 
 Windows are whole days by the clock where the record spans two days or more (several days each where there would be
 more than ``MOST``), else equal parts of at least ``SAMPLES`` samples and ``CYCLES`` periods of an oscillation.
-Each window is judged on its own by the calibrated answer; sizes are shown where stiction is called.
+Each window is judged on its own by the calibrated answer, a long one by its last part (``prepare.recent``); sizes are
+shown where stiction is called.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from detect.judge.answer import Amount, answer
 from detect.judge.model import rounded
 from detect.prepare.prepared import Prepared
 from detect.words import Word
-from logs import Log, LogError, LoopRecord
+from logs import LogError, LoopRecord
 
 __all__ = ["OverTime", "Window", "over_time"]
 
@@ -26,7 +27,6 @@ MOST = 12  # windows
 PARTS = 6  # of a record of less than two days
 SAMPLES = 300  # the shortest simulated records that the model was fitted on
 CYCLES = 8.0
-ENOUGH = 20_000  # samples of a window, which is what methods see of any record
 ENDS = 3  # windows at either end whose sizes are compared
 
 
@@ -138,19 +138,9 @@ def _judged(record: LoopRecord, start: float, end: float, *, last: bool) -> Wind
         log = record.log.between(start, end if last else math.nextafter(end, start))
     except LogError:
         return None
-    part = replace(record, log=_coarse(log))
+    part = replace(record, log=log)
     held = (max(start, float(record.t[0])), min(end, float(record.t[-1])))
     if len(log) < SAMPLES:
         return Window(*held, len(log), "not_applicable", None)
     found = answer(Prepared(part))
     return Window(*held, len(log), found.word, found.probability, found.S, found.J, found.limit)
-
-
-def _coarse(log: Log) -> Log:
-    """Every k-th sample of a long window: what follows looks at no more than so many."""
-    step = len(log) // ENOUGH
-    if step < 2:
-        return log
-    pick = slice(None, None, step)
-    signals = {name: values[pick] for name, values in log.signals.items()}
-    return replace(log, t=log.t[pick], signals=signals, quality={name: q[pick] for name, q in log.quality.items()})

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from detect.figures.loop_trend import named, shown_cycles
 from detect.figures.verdict import legend
@@ -20,10 +21,13 @@ if TYPE_CHECKING:
     from detect.evidence import Correlation, OverTime, Spectrum, StemTrend
     from logs import LoopRecord
 
+    Values = npt.NDArray[np.float64]
+
 __all__ = ["plot_correlation", "plot_over_time", "plot_pv_op", "plot_spectrum", "plot_stem_op"]
 
 SMALL = (4.7, 3.5)  # inch: two beside each other on a page, one on a phone
-POINTS = 4000
+POINTS = 1500  # of the whole record behind the cycles: a page holds each of them
+CELLS = 120  # across a picture: two samples in one cell look like one
 HARMONICS = 6.5  # of the fundamental: as far as the spectrum is drawn
 
 
@@ -39,9 +43,8 @@ def plot_pv_op(record: LoopRecord, period: float, stem: StemTrend | None) -> Fig
     figure, ax = _small()
     t0, t1 = shown_cycles(record, period, stem)
     good = record.good
-    step = max(1, int(good.sum()) // POINTS)
-    op, pv = record.op[good][::step], record.pv[good][::step]
-    ax.plot(op, pv, ".", color=PALE, ms=1.6, alpha=0.35, label="whole record")
+    kept = _seen(record.op[good], record.pv[good])
+    ax.plot(record.op[good][kept], record.pv[good][kept], ".", color=PALE, ms=1.6, alpha=0.35, label="whole record")
     inside = (record.t >= t0) & (record.t <= t1)
     x, y = (np.where(good, values, np.nan)[inside] for values in (record.op, record.pv))
     ax.plot(x, y, color=COLOURS["PV"], lw=0.9, label="the cycles shown")
@@ -50,6 +53,13 @@ def plot_pv_op(record: LoopRecord, period: float, stem: StemTrend | None) -> Fig
     legend(ax)
     tidy(ax)
     return figure
+
+
+def _seen(x: Values, y: Values) -> npt.NDArray[np.int64]:
+    """Places of samples (n,) that look different in a picture: one of each cell, at most ``POINTS``."""
+    cells = [np.floor(CELLS * (v - v.min()) / (np.ptp(v) or 1.0)) for v in (x, y)]
+    _, first = np.unique(cells[0] * (2.0 * CELLS) + cells[1], return_index=True)
+    return first[:: max(1, -(-len(first) // POINTS))]
 
 
 def plot_stem_op(record: LoopRecord, period: float, stem: StemTrend) -> Figure:

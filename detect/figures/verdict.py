@@ -20,6 +20,7 @@ __all__ = ["draw_evidence", "draw_half_cycles", "draw_reason", "legend", "plot_v
 
 PV = COLOURS["PV"]
 CYCLES = 24  # drawn: enough to see the shape; a hundred would be a smear
+DOTS = 250  # about as many half cycles of either side are drawn one by one
 
 
 def plot_verdict(v: Verdict) -> Figure:
@@ -56,16 +57,18 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
     start, middle, end = v.array("start"), v.array("peak_time"), v.array("end")
     used = v.array("used") > 0
     last = start[0] + CYCLES * np.median(end - start) if len(start) else (t[-1] if len(t) else 0.0)
-    shown = t <= last
-    left.plot(t[shown | np.isnan(t)], e[shown | np.isnan(t)], color=FIT, lw=0.8)
+    drawn = start <= last
+    shown = (t <= (end[drawn].max() if drawn.any() else last)) | np.isnan(t)
+    t, e = t[shown], e[shown]
+    known = ~np.isnan(t)
+    left.plot(t, e, color=FIT, lw=0.8)
     left.axhline(0, color=FIT, lw=0.5)
-    for i in np.flatnonzero(start <= last):
+    for i in np.flatnonzero(drawn):
         for a, b, colour in ((start[i], middle[i], BEFORE), (middle[i], end[i], AFTER)):
             inside = t[(t > a) & (t < b)]
             edge = np.concatenate([[a], inside, [b]])
-            ok = ~np.isnan(t)
             left.fill_between(
-                edge, np.interp(edge, t[ok], e[ok]), color=colour if used[i] else UNUSED, alpha=0.85, lw=0
+                edge, np.interp(edge, t[known], e[known]), color=colour if used[i] else UNUSED, alpha=0.85, lw=0
             )
     left.plot([], [], color=BEFORE, lw=6, label="A1, before peak")
     left.plot([], [], color=AFTER, lw=6, label="A2, after it")
@@ -97,7 +100,8 @@ def _draw_ratios(v: Verdict, axes: Axes, used: npt.NDArray[np.bool_]) -> None:
     below = v.array("peak") > 0  # of e = SP - PV
     rng = np.random.default_rng(0)
     for x, side in ((0.0, below), (1.0, ~below)):
-        kept = ratio[side & used]
+        kept = np.sort(ratio[side & used])
+        kept = kept[:: max(1, len(kept) // DOTS)]  # every tenth by size, say, is spread as all are
         axes.plot(x + rng.uniform(-0.15, 0.15, len(kept)), kept, "o", ms=4, color=FIT, alpha=0.5, lw=0)
     axes.set_xticks([0, 1], ["PV below SP", "PV above SP"])
     axes.set_xlim(-0.6, 1.6)

@@ -14,7 +14,7 @@ The detection limit is the largest S that tells PV about as well as the best mod
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from detect.judge.actions import CAUSES, confirming_steps
 from detect.judge.features import features_of, view_of
 from detect.judge.features.view import View
 from detect.judge.model import Model, Opinion, calibrated, rounded
-from detect.prepare.prepared import Prepared
+from detect.prepare.prepared import STEPS_MAX, Prepared
 from detect.verdict import Verdict
 from detect.words import Word
 
@@ -116,6 +116,22 @@ def _unit(loop: Prepared) -> tuple[float, str]:
 
 
 def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model) -> Answer:
+    told = _concluded(loop, view, found, said, model)
+    return replace(told, assumptions=_looked_at(loop, view))
+
+
+def _looked_at(loop: Prepared, view: View) -> tuple[str, ...]:
+    """What is said of a record of which the last part alone was looked at."""
+    whole = loop.record.log.duration
+    if view.seconds > 0.9 * whole or len(loop.record) <= STEPS_MAX:
+        return ()
+    return (
+        f"The answer looks at {view.seconds / 3600.0:.3g} h at the end of the longest stretch without a gap, of "
+        f"{whole / 3600.0:.3g} h: more shows no more of a stick. check --html judges the record over time.",
+    )
+
+
+def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model) -> Answer:
     scale, unit = _unit(loop)
     travel = view.travel * view.op_scale * scale
     S, J = (Amount(value * travel, low * travel, high * travel, unit) for value, low, high in (said.S, said.J))

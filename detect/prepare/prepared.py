@@ -32,12 +32,13 @@ from detect.prepare.half_cycles import crossings
 from detect.prepare.harris import Harris, harris
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.process_kind import Kind, kind_of_data, kind_of_tag
+from detect.prepare.recent import recent
 from detect.prepare.smoothing import moving_average, noise_std
 from detect.prepare.stale import without_stale
 from logs import LoopRecord, read_loop
 from logs.files.frames import frame_kind
 
-__all__ = ["CUT", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
+__all__ = ["CUT", "STEPS_MAX", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
 
 Values = npt.NDArray[np.float64]
 Signal = Literal["OP", "PV", "SP", "E", "MV"]
@@ -46,7 +47,7 @@ CUT = 5.0  # of the oscillation's frequency; higher harmonics carry the shape, n
 SMOOTHED_FROM = 12.0  # samples a period below which a filter at CUT would cut the wave itself
 HALF_SAMPLES_MIN = 5
 CYCLES_MIN = 5.0  # the most that a method but the surrogates asks for
-STEPS_MAX = 20_000  # a grid finer than this shows no method more
+STEPS_MAX = 20_000  # of a grid; of a longer piece the last part is looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,20 +205,28 @@ class Prepared:
     # --- even grids -------------------------------------------------------------------------------------------
     @cached_property
     def stretch(self) -> Grid:
-        """The longest piece without a long gap and without a move of the set point."""
+        """The longest piece without a long gap and without a move of the set point; of a long one the last part."""
         t = self.pieces.longest[0]
-        return self._grid(float(t[0]), float(t[-1])) if len(t) > 1 else _EMPTY
+        return self._last_part(float(t[0]), float(t[-1]), self.period) if len(t) > 1 else _EMPTY
 
     @cached_property
     def whole(self) -> Grid:
-        """The longest piece without a long gap, moves of the set point included."""
+        """The longest piece without a long gap, moves of the set point included; of a long one the last part."""
         t = self.record.t
         period = self.period if math.isfinite(self.period) else 0.0
         parts = [part for part in split(self.record, bridgeable(self.record, period)) if len(part) > 1]
         if not parts:
             return _EMPTY
         longest = max(parts, key=lambda part: float(t[part[-1]] - t[part[0]]))
-        return self._grid(float(t[longest[0]]), float(t[longest[-1]]))
+        return self._last_part(float(t[longest[0]]), float(t[longest[-1]]), math.nan)
+
+    def _last_part(self, start: float, end: float, period: float) -> Grid:
+        """The grid between two times, of a long piece its last part, with enough of a period; see ``recent``."""
+        record = self.record
+        inside = np.flatnonzero(record.good & (record.t >= start) & (record.t <= end))
+        if len(inside) > STEPS_MAX:
+            start = float(record.t[inside[recent(record.op[inside], STEPS_MAX, period / record.dt)]])
+        return self._grid(start, end)
 
     def _grid(self, start: float, end: float) -> Grid:
         """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""

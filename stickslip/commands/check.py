@@ -80,7 +80,7 @@ def _check(
         if file.is_char_device() or file.is_block_device():
             raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
     from stickslip.commands.check_many import check_many, several
-    from stickslip.commands.one_loop import with_told
+    from stickslip.commands.one_loop import diagnosed, with_told
 
     many = several(files, told)
     if len(many) > 1 or len(many[0].records) > 1:
@@ -88,13 +88,12 @@ def _check(
             if given:
                 raise ValueError(f"--{option} is of one loop; name it with --loop")
         raise SystemExit(check_many(many, html, json_file, measurement))
-    from detect import diagnose
     from detect.diagnosis import ask
     from detect.prepare.prepared import prepared
 
     (record,) = many[0].records
     loop = prepared(with_told(record, measurement, span, told["process"] is None))
-    diagnosis = diagnose(loop)
+    diagnosis = diagnosed(loop)
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
     say = Speaker(json_file)
     _tell(say, diagnosis)

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from detect import Diagnosis
+    from detect.prepare.prepared import Prepared
     from logs import LoopRecord
     from stickslip.report.page import Section
 
@@ -30,6 +31,15 @@ def with_told(
             raise ValueError(f"--span {low:g} {high:g}: the first must lie below the second; give the span of PV")
         record = replace(record, log=replace(record.log, spans={**record.log.spans, record.pv_name: (low, high)}))
     return record
+
+
+def diagnosed(record: "LoopRecord | Prepared") -> "Diagnosis":
+    """Return the diagnosis; while the methods are being compiled, which happens once, that is said."""
+    from detect import diagnose
+    from engine.notice import noticed
+
+    with noticed("detection methods"):
+        return diagnose(record)
 
 
 def section_of(diagnosis: "Diagnosis") -> "Section":

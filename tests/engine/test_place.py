@@ -77,3 +77,21 @@ def test_compiling_is_told_once_and_only_if_it_happens(monkeypatch):
     with noticed():
         assert outer(2.0) == 8.0  # compiled before
     assert silent.getvalue() == ""
+
+
+def test_a_check_says_that_the_methods_are_being_compiled(monkeypatch, tmp_path):
+    from click.testing import CliRunner
+
+    import detect
+    from cases.stories import EXPORTS
+    from stickslip.cli import cli
+
+    diagnose = detect.diagnose
+
+    def first_on_this_machine(record):
+        njit(lambda x: 3 * x)(1.0)
+        return diagnose(record)
+
+    monkeypatch.setattr(detect, "diagnose", first_on_this_machine)
+    said = CliRunner().invoke(cli, ["check", str(EXPORTS / "LIC410_level.csv")]).stderr
+    assert said.startswith("stickslip: compiling the detection methods, once per machine") and said.count("\n") == 1

@@ -3,6 +3,7 @@
     thinned    blocks of k samples are averaged, so that 12 to 24 are left from one turn of OP to the next
     time       counted in turns: the mean time between two turns of OP by more than 0.3 of its range
     u, y, e    OP, PV, SP - PV, each over its own robust scale; y and e turned so that the process gain is positive
+    recent     of a long record the last part, as the simulated ones are no longer: see ``prepare.recent``
     stretches  up to three pieces of at most 300 points: the same at all of them is what a valve gives
 
 Nothing that is left has a unit: no amplitude, interval, period or offset of the record can be told from it.
@@ -11,7 +12,6 @@ Samples at which PV and OP both stand still to the bit are stale collection and 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,7 +21,7 @@ import numpy.typing as npt
 from detect.prepare.controller import controller_sign
 from detect.prepare.prepared import Prepared
 from detect.prepare.process_kind import kind_of_tag
-from detect.prepare.stick import turns
+from detect.prepare.recent import blocks, differenced_noise, recent, samples_per_turn
 
 __all__ = ["View", "view_of"]
 
@@ -31,7 +31,7 @@ FINE, COARSE = 24.0, 12.0  # points between two turns, wanted and least
 POINTS = 900  # beyond these the thinning goes down to COARSE
 STRETCH = 300  # points of a stretch
 STALE = 0.05  # share of stale samples from which on they are left out
-TURN = 0.3  # of OP's range: a smaller way back is no turn
+LONGEST = 7_200  # points of the grid that are looked at: the longest records that the model was fitted on
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +46,7 @@ class View:
     raw_u, raw_y : (m,) [-] the grid before thinning, on the same scales
     integrating : whether the process is known to integrate; None where nothing is known
     op_scale : one unit of u [unit of OP]
+    seconds : length of what is looked at [s]
     """
 
     u: Values
@@ -61,6 +62,7 @@ class View:
     raw_y: Values
     integrating: bool | None
     op_scale: float
+    seconds: float
 
     def __len__(self) -> int:
         return len(self.u)
@@ -93,7 +95,8 @@ def view_of(loop: Prepared) -> View | None:
     grid = loop.whole
     if len(grid) < 40:
         return None
-    op, pv, e, sp = grid.op, grid.pv, grid.e, grid.sp
+    last = slice(recent(grid.op, LONGEST), None)
+    op, pv, e, sp = grid.op[last], grid.pv[last], grid.e[last], None if grid.sp is None else grid.sp[last]
     still = np.concatenate([[False], (np.diff(op) == 0.0) & (np.diff(pv) == 0.0)])
     stale = float(np.mean(still))
     if stale > STALE and np.sum(~still) >= 40:
@@ -107,16 +110,17 @@ def view_of(loop: Prepared) -> View | None:
     error = sign * e / y_scale
     set_point = None if sp is None or np.ptp(sp) == 0.0 else sign * (sp - np.mean(sp)) / y_scale
     span = float(np.percentile(u, 99) - np.percentile(u, 1)) or float(np.ptp(u))
-    turn = _turn(u, span)
+    turn = samples_per_turn(u, span)
     n = len(u)
     k = max(1, int(min(turn / COARSE, max(turn / FINE, n / POINTS))))
-    thinned, followed = _blocks(u, k), _blocks(y, k)
+    thinned, followed = blocks(u, k), blocks(y, k)
     if np.ptp(thinned) == 0.0 or np.ptp(followed) == 0.0:  # what moves is in the last samples, too few for a block
         return None
     return View(
-        u=thinned, y=followed, e=_blocks(error, k), sp=None if set_point is None else _blocks(set_point, k),
-        turn=max(turn / k, 2.0), block=k, travel=span, noise=_noise(y), stale=stale, raw_u=u, raw_y=y,
+        u=thinned, y=followed, e=blocks(error, k), sp=None if set_point is None else blocks(set_point, k),
+        turn=max(turn / k, 2.0), block=k, travel=span, noise=differenced_noise(y), stale=stale, raw_u=u, raw_y=y,
         integrating=kind_of_tag(loop.record).integrating, op_scale=u_scale,
+        seconds=float(grid.t[-1] - grid.t[last][0]),
     )  # fmt: skip
 
 
@@ -127,28 +131,3 @@ def _scale(x: Values) -> float:
         return 0.0
     half = 0.5 * float(np.percentile(x, 95) - np.percentile(x, 5))
     return half if half > least else float(np.std(x))
-
-
-def _turn(u: Values, span: float) -> float:
-    """Samples between two turns of OP, from at most 1500 blocks of it.
-
-    A turn goes back by 0.3 of the range that is usual in an eighth of the record, so that a few moves of the set point
-    do not hide a cycle, and by more than noise and a tenth of the whole range, but never by more than 0.3 of that.
-    """
-    k = max(1, len(u) // 1500)
-    x = _blocks(u, k)
-    parts = x[: len(x) // 8 * 8].reshape(8, -1)
-    usual = float(np.median(np.ptp(parts, axis=1)))
-    limit = min(max(TURN * usual, 6.0 * _noise(x), 0.1 * span), TURN * span)
-    return max(k * len(x) / (len(turns(x, limit)) + 1.0), 2.0)
-
-
-def _blocks(x: Values, k: int) -> Values:
-    m = len(x) // k
-    return np.asarray(x[: m * k].reshape(m, k).mean(axis=1)) if k > 1 else x
-
-
-def _noise(y: Values) -> float:
-    """White noise by the median third difference, which is blind to a smooth wave."""
-    d = np.diff(y, 3)
-    return float(np.median(np.abs(d))) / (0.6745 * math.sqrt(20.0))

@@ -1,0 +1,71 @@
+"""The last part of a long record: as short as shows enough of OP's turns, so that none of them is lost by thinning.
+
+A week at one sample a second holds 600,000 samples; thinned to 20,000 a cycle of two minutes is left with four, and
+nothing of a stick is seen.  So a long record is not thinned but cut: the last ``most`` samples, twice as many, four
+times as many and so on, until OP turns ``TURNS`` times in them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.prepare.stick import turns
+
+__all__ = ["blocks", "differenced_noise", "recent", "samples_per_turn"]
+
+Values = npt.NDArray[np.float64]
+
+TURN = 0.3  # of OP's range: a smaller way back is no turn
+TURNS = 40  # of OP in the part that is looked at
+PERIODS = 20.0  # of an oscillation in it
+SEEN = 1500  # blocks in which turns of a record of up to some thousand samples are counted
+
+
+def recent(op: Values, most: int, period: float = math.nan) -> int:
+    """Index of the first sample of OP (n,) that is looked at; 0 where ``most`` samples hold all of it.
+
+    ``most`` : least number of samples that are kept; ``period`` [samples] of an oscillation, NaN where none is known.
+
+    >>> t = np.arange(100_000.0)
+    >>> [len(t) - recent(np.sin(2 * np.pi * t / P), 5000) for P in (50.0, 800.0, 60_000.0)]
+    [5000, 20000, 100000]
+    """
+    n, length = len(op), most
+    least = PERIODS * period if math.isfinite(period) else 0.0
+    while length < n:
+        part = op[n - length :]
+        span = float(np.percentile(part, 99) - np.percentile(part, 1))
+        if length >= least and span > 0.0 and length >= TURNS * samples_per_turn(part, span, most):
+            return n - length
+        length *= 2
+    return 0
+
+
+def samples_per_turn(u: Values, span: float, seen: int = SEEN) -> float:
+    """Samples between two turns of OP u (n,), at least 2, from ``seen`` or a few more blocks of it.
+
+    ``span`` : usual range of u [unit of u].  A turn goes back by 0.3 of the range that is usual in an eighth of the
+    record, so that a few moves of the set point do not hide a cycle, and by more than noise and a tenth of the whole
+    range, but never by more than 0.3 of that.
+    """
+    k = max(1, len(u) // seen)
+    x = blocks(u, k)
+    parts = x[: len(x) // 8 * 8].reshape(8, -1)
+    usual = float(np.median(np.ptp(parts, axis=1)))
+    limit = min(max(TURN * usual, 6.0 * differenced_noise(x), 0.1 * span), TURN * span)
+    return max(k * len(x) / (len(turns(x, limit)) + 1.0), 2.0)
+
+
+def blocks(x: Values, k: int) -> Values:
+    """Means of k samples each of x (n,), shape (n // k,)."""
+    m = len(x) // k
+    return np.asarray(x[: m * k].reshape(m, k).mean(axis=1)) if k > 1 else x
+
+
+def differenced_noise(y: Values) -> float:
+    """Standard deviation of white noise on y (n,) by the median third difference, which is blind to a smooth wave."""
+    d = np.diff(y, 3)
+    return float(np.median(np.abs(d))) / (0.6745 * math.sqrt(20.0))
