@@ -1,7 +1,5 @@
 """How straight a log is: a historian that compresses draws lines between the values that it kept."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +7,6 @@ from gap.effect import Effect
 from logs import Log
 
 Floats = NDArray[np.float64]
-Measure = Callable[[Floats, float], float]
 SIZES = 13  # deviations that are tried
 ROUNDS = 3
 
@@ -37,20 +34,19 @@ def sloping(values: Floats, step: float) -> float:
     return float(((bend <= near) & moved).mean()) if len(bend) else 0.0
 
 
-def deviation_of(
-    log: Log, effect: Effect, place: str, signal: str, step: float, wanted: float, measure: Measure
-) -> float:
-    """Return the deviation of a compression that makes a signal of a log as straight as ``wanted`` [its unit].
+def deviation_of(log: Log, effect: Effect, place: str, signal: str, step: float, values: Floats) -> float:
+    """Return the deviation of a compression that makes a signal of a log as straight as ``values`` [its unit].
 
-    ``step``: rounding of the signal [its unit]; ``measure``: ``lined`` or ``sloping``, in which ``wanted`` is a share.
+    ``step``: rounding of the signal [its unit].  Equal neighbours count, so that more deviation is never less straight.
     """
+    wanted = lined(values, step)
     low, high = effect.parameters[0].low, effect.parameters[0].high
     for _ in range(ROUNDS):
         sizes = np.geomspace(low, high, SIZES)
         shares = []
         for size in sizes:
-            values = effect.on_log(log, place, deviation=float(size))[signal]
-            shares.append(measure(np.round(values / step) * step if step else values, step))
+            made = effect.on_log(log, place, deviation=float(size))[signal]
+            shares.append(lined(np.round(made / step) * step if step else made, step))
         k = int(np.clip(np.searchsorted(np.maximum.accumulate(shares), wanted), 1, len(sizes) - 1))
         low, high = float(sizes[k - 1]), float(sizes[k])
     return float(np.sqrt(low * high))

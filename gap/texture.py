@@ -21,6 +21,7 @@ from gap.straightness import deviation_of, sloping
 Floats = NDArray[np.float64]
 APART = 3.0  # times the rounding of another signal, from which on a lattice may be a sensor's
 IN_ACCORD = 0.3  # of the usual size: residuals this small were not made by the historian's rounding
+MOST = 0.8  # quantile of residuals
 STRAIGHT = 0.05  # share of straight triples beyond what the model's own runs have
 RUNS = 6  # of a rounded or compressed model, which tell what is usual
 
@@ -39,15 +40,15 @@ def in_loop(problem: Problem, seed: int) -> tuple[str, ...]:
         np.abs(residuals(found, floor.changes))[:, floor.skipped :] for found in (plain, offsets(problem.quiet, record))
     )
     agree = [
-        s for k, s in enumerate(pinned) if s not in coarse and _median(own[..., k]) < IN_ACCORD * _median(usual[..., k])
+        s for k, s in enumerate(pinned) if s not in coarse and _usual(own[..., k]) < IN_ACCORD * _usual(usual[..., k])
     ]
     return coarse if agree else ()
 
 
-def _median(e: Floats) -> float:
-    """Return the median of the finite values; infinite without any, such as where a signal is never logged."""
+def _usual(e: Floats) -> float:
+    """Return what most of the known values do not exceed; infinite without any."""
     known = e[np.isfinite(e)]
-    return float(np.median(known)) if len(known) else np.inf
+    return float(np.quantile(known, MOST)) if len(known) else np.inf
 
 
 def with_lattices(problem: Problem, runs: int, seed: int) -> Problem:
@@ -79,18 +80,15 @@ def fitted_compression(problem: Problem, effect: Effect, place: str) -> tuple[Fi
     None where the log has no more of them than noise makes.
     """
     record = problem.record
-    signal = next(
-        (s for s in record.pinned if s not in record.lattices and sloping(record.log[s], record.steps[s]) > STRAIGHT),
-        None,
-    )
-    if signal is None:
+    shown = {s: sloping(record.log[s], record.steps[s]) for s in record.pinned if s not in record.lattices}
+    if max(shown.values(), default=0.0) <= STRAIGHT:
         return None
-    wanted = sloping(record.log[signal], record.steps[signal])
     plain = without_gap(problem.model, record, RUNS, 1)
-    usual_share = max((sloping(log[signal], record.steps[signal]) for log in plain), default=1.0)
-    if wanted < usual_share + STRAIGHT:  # a slow signal, coarsely rounded, has straight lines of its own
+    usual_share = {s: max((sloping(log[s], record.steps[s]) for log in plain), default=1.0) for s in shown}
+    signal = max(shown, key=lambda s: shown[s] - usual_share[s])
+    if shown[signal] < usual_share[signal] + STRAIGHT:  # what is coarsely rounded has straight lines of its own
         return None
-    deviation = deviation_of(plain[0], effect, place, signal, record.steps[signal], wanted, sloping)
+    deviation = deviation_of(plain[0], effect, place, signal, record.steps[signal], record.log[signal])
     logs = [effect.on_log(log, place, deviation=deviation) for log in plain]
     usual = problem.floor.score(offsets(problem.quiet, record, logs=logs))
     candidate = Candidate(problem, problem.quiet, effect, place)

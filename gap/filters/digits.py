@@ -72,7 +72,7 @@ def compressed(plain: Found, effect: Effect, place: str, seed: int) -> Found | N
         plain_logs = without_gap(f.model, f.record, 1, seed + 1)
         if not plain_logs or wanted < lined(plain_logs[0][signal], step) + STRAIGHT:
             continue
-        deviation = deviation_of(plain_logs[0], effect, place, signal, step, wanted, lined)
+        deviation = deviation_of(plain_logs[0], effect, place, signal, step, values)
         one = Explanation(_without(f, j), effect, place)
         blind = Explanation(_without(f, j)).filtered(plain.best.values)
         refitted = refined(blind, tuple(f.free))
