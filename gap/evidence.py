@@ -9,7 +9,8 @@ class Evidence:
     ``margin`` [nats] by which the best explanation outside the named set is worse.
 
     Kinds: "none" (no gap), "digits" (told by the digits of the log), "complete" (nothing is left), "adequate" (nearly
-    nothing), "pair", "unknown".
+    nothing), "pair", "unknown"; of a filter "filter, digits", "filter, white" (all checks passed), "filter, nearly" (a
+    large gap nearly explained), "filter, stem" (by a bank of stems), "filter, unknown".
     """
 
     kind: str
