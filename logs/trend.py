@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from logs.style import COLOURS, PALE, tidy
-from logs.thinned import thinned
+from logs.thinned import POINTS, envelope, thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["broken_at_gaps", "draw_signal", "finish_panel", "mark_gaps", "rests", "shade_bad"]
 
 LINE = 0.9
+DENSE = 1000  # crossings of the middle from which on a line would be a solid block
 RESTS = 1e-6  # of its size: a signal that moves less rests, and what it moves is rounding
 NARROWEST = 0.002  # of the axis: a gap is drawn no narrower
 
@@ -32,13 +33,25 @@ def draw_signal(
     cross.  A long signal is thinned to the lowest and highest of each stretch.
     """
     good = log.good(name) if good is None else good
-    x, y = thinned(*broken_at_gaps(log, axis.at(log.t), np.where(good, log[name], np.nan)))
-    single = "." if len(log) < 2 else ""
-    ax.plot(x, y, color=colour, label=label or None, marker=single, **{"linewidth": LINE, **style})
+    x, y = broken_at_gaps(log, axis.at(log.t), np.where(good, log[name], np.nan))
+    if _dense(y):
+        at, low, high = envelope(x, y)
+        ax.fill_between(at, low, high, color=colour, alpha=0.4, linewidth=0.0, label=label or None)
+    else:
+        single = "." if len(log) < 2 else ""
+        ax.plot(*thinned(x, y), color=colour, label=label or None, marker=single, **{"linewidth": LINE, **style})
     doubtful = ~log.good(name) & np.isfinite(log[name])
     if doubtful.any():
         t, values = thinned(axis.at(log.t[doubtful]), log[name][doubtful], 400)
         ax.plot(t, values, linestyle="", marker="x", markersize=3.5, color=COLOURS["bad"])
+
+
+def _dense(y: Values) -> bool:
+    """Whether a signal (n,) goes up and down so often that its line would cover all of the ground between."""
+    if len(y) <= POINTS:
+        return False
+    around = np.sign(y - np.nanmedian(y)) if np.isfinite(y).any() else y
+    return int(np.sum(np.abs(np.diff(around[np.isfinite(around)])) > 1.0)) > DENSE
 
 
 def broken_at_gaps(log: Log, x: Values, y: Values) -> tuple[Values, Values]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
+from stickslip.console import Speaker, complain, json_option, user_errors
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
@@ -62,6 +62,7 @@ def command(
       0  done, and no loop with stiction found
       1  done, and stiction found in at least one loop
       2  SOURCE cannot be read, or the request makes no sense
+    130  stopped by Ctrl-C; the same command goes on
     """
     check_targets({"--html": html, "--csv": csv_file, "--json": json_file}, source=Path(source))
     if reports is not None and html is None:
@@ -70,8 +71,12 @@ def command(
     from scan import scan
 
     say = Speaker(json_file)
-    with reporting(None, 0, "loops") as tell:
-        result = scan(source, out, tell=tell, **{name: value for name, value in told.items() if value is not None})
+    try:
+        with reporting(None, 0, "loops") as tell:
+            result = scan(source, out, tell=tell, **{name: value for name, value in told.items() if value is not None})
+    except KeyboardInterrupt:
+        complain(f"stopped by the keyboard; what is done is kept in {out}: the same command goes on from there")
+        raise SystemExit(130) from None
     _tell(say, result)
     beside: dict[str, Any] = {}
     if simulate is not None:
@@ -88,7 +93,7 @@ def command(
         from stickslip.commands.scan_page import scan_page
 
         pages = _reports(result, source, out, html, reports, told.get("loop_map")) if reports else {}
-        write_whole(html, scan_page(result, _headline(result), pages).encode())
+        write_whole(html, scan_page(result, _headline(result), pages, beside.get("simulations", ())).encode())
         say(f"page: {html}")
     say.document(result.to_dict() | beside)
     raise SystemExit(1 if result.counts.get("stiction") else 0)

@@ -16,14 +16,19 @@ NAMED = 12  # of a group that are named
 Row = dict[str, Any]
 
 
-def scan_page(result: "ScanResult", headline: str, pages: Mapping[int, str] | None = None) -> str:
-    """Return the page; ``pages`` says by the column ``order`` which loops have a page of their own, and where."""
+def scan_page(
+    result: "ScanResult", headline: str, pages: Mapping[int, str] | None = None, simulations: Sequence[Row] = ()
+) -> str:
+    """Return the page; ``pages`` says by the column ``order`` which loops have a page of their own, and where.
+
+    ``simulations``: what ``scan_simulate.simulated`` found of the first loops.
+    """
     from stickslip.report.page import page
 
     pages = pages or {}
     rows = list(result.table.head(ROWS).iter_rows(named=True))
     told = [row for row in rows[:DETAILS] if row["order"] not in pages]
-    sections = [_found(result, headline), *_changed(result), *_groups(result)]
+    sections = [_found(result, headline), *_changed(result), *_groups(result), *_simulated(simulations)]
     first = len(sections) + 1
     anchors = {row["order"]: f"#s{first + k}" for k, row in enumerate(told)}
     sections.append(_list(result, rows, {**anchors, **pages}))
@@ -88,6 +93,32 @@ def _groups(result: "ScanResult") -> "list[Section]":
             number(first["period_s"], ".3g"), ", ".join(names[:NAMED]) + more,
         ])  # fmt: skip
     head = ["likely source", "verdict", "probability", "loops", "period [s]", "with it"]
+    section.figures.append(table_to_html(head, rows))
+    return [section]
+
+
+def _simulated(simulations: Sequence[Row]) -> "list[Section]":
+    from detect.chances import chance
+    from stickslip.report.page import Section, table_to_html
+
+    if not simulations:
+        return []
+    section = Section("Simulated under their own conditions", f"{len(simulations)} loops", "open", "")
+    section.reason = "Of each loop, loops with and without a sticky valve were simulated under the record's conditions."
+    rows = []
+    for one in simulations:
+        found = one["simulation"]
+        if found is None:
+            rows.append([str(one["rank"]), one["loop"], "-", "-", "-", " ".join(one["sentences"])])
+            continue
+        S, limit = found["amount"]["S"], found["detection_limit"]
+        rows.append([
+            str(one["rank"]), one["loop"], chance(found["probability"]),
+            f"{S['value']:.2g} {S['unit']} ({S['low']:.2g} to {S['high']:.2g})",
+            "none up to OP's travel" if limit is None else f"{limit['value']:.2g} {limit['unit']}",
+            one["sentences"][-1],
+        ])  # fmt: skip
+    head = ["rank", "loop", "probability of stiction", "S if it sticks (90 % interval)", "would have shown", "in words"]
     section.figures.append(table_to_html(head, rows))
     return [section]
 

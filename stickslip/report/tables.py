@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 __all__ = ["ordered_table", "table_to_html"]
 
 MISSED, MARK = " class='missed'", " class='mark'"
-NUMBER = re.compile(r"[-+.\d\s%e]*( to [-+.\d\se]*)?( ✗)?")
+NUMBER = re.compile(r"(over |below )?[-+.\d\s%e]*( to [-+.\d\se]*)?( ✗)?")
 LONG = 60  # characters: a column with such a cell is not squeezed
 
 

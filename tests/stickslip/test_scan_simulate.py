@@ -39,8 +39,13 @@ def test_the_first_are_simulated_and_kept(call, plant, tmp_path, monkeypatch):
     assert done.exit_code in (0, 1) and one["rank"] == 1 and len(asked) == 1
     assert 0.0 <= one["simulation"]["probability"] <= 1.0 and "detection_limit" in one["simulation"]
     assert "loops were simulated under the conditions of this record" in " ".join(done.stderr.split())
-    again = json.loads(call(*words, "5").stdout)["simulations"]  # the first is kept, a still loop is not asked
+    page = tmp_path / "scan.html"
+    again = json.loads(call(*words, "5", "--html", page).stdout)["simulations"]  # one is kept, one is at rest
     assert again[0] == one and len(again) == 2 and len(asked) == 2
+    html = page.read_text(encoding="utf-8")
+    assert "Simulated under their own conditions" in html
+    for each in again:
+        assert each["loop"] in html and each["sentences"][-1] in html
 
 
 def test_a_damaged_note_is_made_again(tmp_path):
