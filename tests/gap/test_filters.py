@@ -9,12 +9,13 @@ from gap.effects import effect
 from gap.filters import kalman
 from gap.filters.affine import NotAffine, affine
 from gap.filters.checks import checks
-from gap.filters.digits import levels, straight
+from gap.filters.digits import levels
 from gap.filters.filtering import Explanation, Filtering
 from gap.filters.fitting import refined
 from gap.filters.scanned import operating, scanned
 from gap.filters.stems import stuck
 from gap.model import nuisances, read, silenced
+from gap.straightness import lined
 from logs import Log
 
 NEAR = {"SP": 1.5, "PV": 1.5, "OP": 0.5, "MV": 0.5}
@@ -148,7 +149,7 @@ def test_digits_tell_levels_and_straight_lines():
     assert levels(fine) == 0.0
     assert levels(np.round(np.round(fine / 0.02) * 0.02 / 0.0015) * 0.0015) == pytest.approx(0.02, rel=1e-3)
     line = np.interp(np.arange(300.0), np.arange(0.0, 301.0, 10.0), rng.normal(size=31))
-    assert straight(line, 0.0) > 0.85 > 0.05 > straight(rng.normal(size=300), 0.0)
+    assert lined(line, 0.0) > 0.85 > 0.05 > lined(rng.normal(size=300), 0.0)
 
 
 def test_a_stem_sticks_and_jumps():
