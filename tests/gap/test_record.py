@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from gap.record import rounding
 from gap.scans import read_off
-from gap.texture import straight
+from gap.straightness import sloping
 
 
 @given(st.sampled_from([1e-6, 1e-3, 0.0015, 0.02, 0.25, 5.0]), st.integers(0, 1000))
@@ -23,9 +23,9 @@ def test_values_that_are_not_rounded_have_no_lattice():
 
 def test_noise_has_no_straight_lines_and_an_interpolated_archive_has():
     noise = np.random.default_rng(0).normal(size=2000).round(6)
-    assert straight(noise, 1e-6) < 0.01
+    assert sloping(noise, 1e-6) < 0.01
     drawn = np.interp(np.arange(2000.0), np.arange(0.0, 2000.0, 5.0), noise[::5])
-    assert straight(drawn, 1e-6) == pytest.approx(0.8, abs=0.02)  # analytic: 4 of 5 triples lie within a line
+    assert sloping(drawn, 1e-6) == pytest.approx(0.8, abs=0.02)  # analytic: 4 of 5 triples lie within a line
 
 
 @given(st.integers(2, 9), st.integers(0, 8))
