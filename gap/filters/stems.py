@@ -139,8 +139,8 @@ def banked(  # type: ignore[no-untyped-def]
             if 1.0 / even < EVEN * M:
                 passed, i = w[0], 0
                 for q in range(M):
-                    wanted = (q + turns[at]) / M
-                    while passed < wanted and i < M - 1:
+                    share = (q + turns[at]) / M
+                    while passed < share and i < M - 1:
                         i += 1
                         passed += w[i]
                     other_z[q] = z[i]
