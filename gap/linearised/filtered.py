@@ -39,7 +39,7 @@ FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known 
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
 BESIDE = 0.02  # of an input: how far from the model's own its mean may be to be linear about the same point
 KEPT = 4000  # results that are remembered
-MOVED = 0.005  # of a measurement's mean: by how much it may move until a new stretch begins
+MOVED = 0.01  # of a measurement's mean: by how much it may move until a new stretch begins
 
 
 @dataclass(frozen=True, eq=False)
