@@ -2,7 +2,7 @@
 
 kernels   drawn from a seed: one to three channels, 9 weights each of mean zero, a size of the channel's own
 limits    quantiles of what each kernel gives on some loops: of |z| 30, 60, 85 and 97 %, of z 10, 35, 65 and 90 %
-read-out  networks of one layer between the pooled numbers and the kinds of loop, by scikit-learn; their mean
+read-out  networks with ``INNER`` numbers between the pooled ones and the kinds of loop, by scikit-learn; their mean
 """
 
 import hashlib
@@ -31,7 +31,7 @@ COUNT = {"odd": 420, "even": 180}  # kernels
 SHARES = {"odd": (0.3, 0.6, 0.85, 0.97), "even": (0.1, 0.35, 0.65, 0.9)}
 LIMITED = 200  # loops that limits are taken from
 DRAWN = 40  # values of z from each of them
-NETWORKS, INNER, PASSES = 4, 32, 12  # fitted from different starts, numbers of the inner layer, passes over the loops
+NETWORKS, INNER, PASSES = 4, 32, 12  # fitted from different starts, inner numbers, passes over the loops
 DECAY, RATE, BATCH = 1.0, 5e-4, 128
 SEED = 1  # of the kernels
 
@@ -134,12 +134,16 @@ def fit(x: Singles, group: npt.NDArray[np.str_], odd: Kernels, even: Kernels, sa
             for k in range(NETWORKS)
         ]  # fmt: skip
     # the mean of what several networks give is what one gives that has all their inner numbers
-    layers = (
-        np.hstack([one.coefs_[0] for one in fitted]),
-        np.concatenate([one.intercepts_[0] for one in fitted]),
-        np.vstack([one.coefs_[1] for one in fitted]) / NETWORKS,
-        np.mean([one.intercepts_[1] for one in fitted], axis=0),
-    )
+    inner = np.hstack([one.coefs_[0] for one in fitted])
+    first = np.concatenate([one.intercepts_[0] for one in fitted])
+    out = np.vstack([one.coefs_[1] for one in fitted]) / NETWORKS
+    last = np.mean([one.intercepts_[1] for one in fitted], axis=0)
     kinds = tuple(fitted[0].classes_.tolist())
     say(f"patterns: {len(x)} loops, {x.shape[1]} pooled numbers, {len(kinds)} kinds of loop")
-    return Readout(odd, even, mean, deviation, *(one.astype(np.float16) for one in layers), kinds)
+    weights = (half(inner), half(first), half(out), half(last))
+    return Readout(odd, even, mean, deviation, *weights, kinds)
+
+
+def half(x: npt.NDArray[Any]) -> Singles:
+    """Numbers rounded to half precision, which the file is kept small by."""
+    return x.astype(np.float16).astype(np.float32)

@@ -82,7 +82,7 @@ def test_a_clear_stick_and_a_clear_disturbance_are_told_apart() -> None:
     sticky = record("cycling", (25, 0), J=8.0, S=10.0)
     other = record("external_sine", (25, 2))
     a = at_record(sticky, loops=300, seed=1, workers=1)  # of 160 the interval of S is ragged
-    b = at_record(other, loops=160, seed=1, workers=1)
+    b = at_record(other, loops=100, seed=1, workers=1)
     assert a.probability > 0.8 > 0.4 > b.probability
     assert sum(a.causes.values()) == pytest.approx(1.0, abs=1e-9) and max(a.causes, key=a.causes.get) == "stiction"
     assert a.S.low < 10.0 < a.S.high and a.S.low < a.S.value < a.S.high
