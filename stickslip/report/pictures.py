@@ -75,7 +75,7 @@ def _drawn_once(figure: "Figure") -> str | None:
     try:
         for patch in patches:
             patch.set_facecolor("none")
-        FigureCanvasSVG(figure).print_svg(buffer, metadata=SILENT)
+        FigureCanvasSVG(figure).print_svg(buffer, metadata=SILENT)  # type: ignore[no-untyped-call]
         needed = figure.get_tightbbox().get_points() * figure.dpi
     finally:
         for patch, colour in zip(patches, colours, strict=True):
