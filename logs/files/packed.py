@@ -14,6 +14,7 @@ __all__ = ["UNPACKED_MAX", "is_workbook", "unpacked"]
 
 UNPACKED_MAX = TEXT_MAX
 _GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
+_NOTHING = b"PK\x05\x06"  # a zip archive of no file begins with its end
 _ASIDE = ("__MACOSX/", ".DS_Store")  # what a packing program adds of its own
 
 
@@ -42,6 +43,8 @@ def unpacked(raw: bytes, most: int = UNPACKED_MAX) -> tuple[bytes, tuple[str, ..
     if is_workbook(raw):
         _check_workbook(raw, most)
         return raw, ()
+    if raw.startswith(_NOTHING):
+        raise ReadError("the zip archive is empty; export it again")
     if raw.startswith(_GZIP):
         kind, content = "gzip", _gzip(raw, most)
     elif raw.startswith(_ZIP):
