@@ -15,6 +15,7 @@ from gap.floor import losses
 from gap.search import SETTLED, Candidate, Fit, best_of, refined
 
 NODES = 6  # sizes of a parameter that are replayed first
+MORE = 2  # and more on the first part of the record, which costs little
 NODES_OF_FILTER = 13  # where a filter makes the residuals, which costs little
 BETWEEN = 8  # sizes looked at between two that were replayed
 MILD = 2  # sizes of a limit that are replayed where the gap is small
@@ -46,9 +47,10 @@ def fitted(candidate: Candidate, nodes: int = 0) -> Fit | None:
     early = candidate.problem.early
     if early is candidate.problem:
         return _over_range(candidate, nodes)
-    first = _over_range(replace(candidate, problem=early), nodes)
+    first = _over_range(replace(candidate, problem=early), nodes + MORE)
     if first is None or not first.present:
         return candidate.absent
+    first = refined(first, 2)  # between two nodes the score may be as if nothing were explained
     return best_of([candidate.absent, *candidate.tried([first.values])])
 
 

@@ -20,7 +20,7 @@ from benchmarks.gap.oracle import possible, relative, restated, right
 from benchmarks.gap.plant import runs as plant_runs
 from benchmarks.gap.plant_rows import plant_figures, plant_rows
 from benchmarks.gap.runs import VISIBLE, Run, benchmark
-from benchmarks.gap.scoring import judged, share, wilson
+from benchmarks.gap.scoring import judged, scatter, share, wilson
 from benchmarks.report import Figures, publish
 
 NOTES = {
@@ -42,6 +42,7 @@ NOTES = {
     "stiction_error": "the same for stiction (required: at most 0.03)",
     "stiction_error_p90": "its 90th percentile (required: at most 0.15)",
     "calibration_error": "stated probability less share of right names (required: at most 0.05)",
+    "calibration_floor": "what it would be on so few answers if every probability were true",
     "coarse_cause": "cause right, log rounded to 0.001 and 0.1 % (required: at least 0.92)",
     "site_place": "place right, site loop, typical and gross (required: at least 0.9)",
     "site_cause": "cause right, site loop, typical and gross (required: at least 0.9)",
@@ -144,7 +145,8 @@ def figures(found: Sequence[dict[str, Any]], plant: Sequence[dict[str, Any]] = (
             if r["error"] is not None and r["cause"] and (r["effects"] == ["stiction"]) == sticky
         ]  # fmt: skip
         out[name], out[f"{name}_p90"] = _quantile(errors, 0.5), _quantile(errors, 0.9)
-    out["calibration_error"] = _calibration([r for r in found if r["setting"] == "ideal" and not r["mv"]])
+    ideal = [r for r in found if r["setting"] == "ideal" and not r["mv"]]
+    out["calibration_error"], out["calibration_floor"] = _calibration(ideal)
     add("coarse_cause", at("coarse", *far), "cause")
     add("site_place", at("site", *far), "place")
     add("site_cause", at("site", *far), "cause")
@@ -165,13 +167,20 @@ def figures(found: Sequence[dict[str, Any]], plant: Sequence[dict[str, Any]] = (
     return out, counts
 
 
-def _calibration(found: Sequence[dict[str, Any]]) -> float | None:
-    """Return the mean difference between stated probability and share of right answers, by the kind of answer."""
+def _calibration(found: Sequence[dict[str, Any]]) -> tuple[float | None, float | None]:
+    """Return the mean difference between stated probability and share of right answers, by the kind of answer.
+
+    And what it would be on as many answers of each kind if every probability were true.
+    """
     stated = [r for r in found if r["probability"] is not None and (r["visible"] > VISIBLE or not r["effects"])]
     kinds: dict[float, list[bool]] = {}
     for r in stated:
         kinds.setdefault(r["probability"], []).append(right(r))
-    return sum(abs(p - _mean(hits)) * len(hits) for p, hits in kinds.items()) / len(stated) if stated else None
+    if not stated:
+        return None, None
+    error = sum(abs(p - _mean(hits)) * len(hits) for p, hits in kinds.items()) / len(stated)
+    floor = sum(scatter(p, len(hits)) * len(hits) for p, hits in kinds.items()) / len(stated)
+    return error, floor
 
 
 def _none(found: Sequence[dict[str, Any]], setting: str) -> list[dict[str, Any]]:

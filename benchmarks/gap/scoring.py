@@ -75,6 +75,16 @@ def wilson(hits: int, of: int, z: float = 1.96) -> tuple[float, float]:
     return middle - half, middle + half
 
 
+def scatter(p: float, n: int) -> float:
+    """Return the mean of |k/n - p| for k of n right, each with probability p (De Moivre 1730).
+
+    >>> round(scatter(0.5, 1), 6), round(scatter(0.9, 10), 6)
+    (0.5, 0.069736)
+    """
+    m = min(math.floor(n * p), n - 1)
+    return 2.0 * (m + 1) * math.comb(n, m + 1) * p ** (m + 1) * (1.0 - p) ** (n - m) / n
+
+
 def share(rows: Sequence[Mapping[str, Any]], what: str) -> tuple[int, int]:
     """Return how many of the rows that have a figure have it true, and how many have it."""
     having = [row for row in rows if row.get(what) is not None]

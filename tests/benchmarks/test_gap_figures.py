@@ -22,6 +22,8 @@ def test_shares_and_their_counts():
     assert out["cause_top1"] == 0.75 and counts["cause_top1"].startswith("3 of 4")
     assert out["shrinkage_median"] == 1.0  # 0.8 of a possible 0.8
     assert out["calibration_error"] == pytest.approx(0.25)  # stated 0.5, right 0.75
+    # analytic: of 4 fair coins |k/4 - 1/2| is 1/2, 1/4, 0, 1/4, 1/2 with probability 1, 4, 6, 4, 1 of 16
+    assert out["calibration_floor"] == pytest.approx((2 * 0.5 + 8 * 0.25) / 16)
     assert out["parameter_error"] == 0.01 and out["stiction_error"] is None and out["unknown_recall"] is None
 
 
