@@ -19,9 +19,10 @@ NEARLY = 0.97  # share of the gap from which on hardly anything is left
 # with pairs and effects outside the catalogue among them; kinds that none of them had stand at (1, 1)
 BENCHMARK: Mapping[str, tuple[int, int]] = {
     "complete, clear": (9, 9), "complete, close": (3, 3), "pair": (4, 5), "unknown": (13, 16),
-    # site loop, 154 tuning records, of 54 the class of the effect left out of the catalogue
-    "filter, digits": (6, 6), "filter, white": (54, 57), "filter, nearly": (4, 5), "filter, stem": (4, 6),
-    "filter, unknown": (66, 66),
+    # site loop, 159 tuning records, of 54 the class of the effect left out of the catalogue; of six sticky stems four
+    # follow LuGre's law, and are called deadband
+    "filter, digits": (6, 6), "filter, white": (54, 57), "filter, nearly": (4, 5), "filter, stiction": (2, 2),
+    "filter, deadband": (5, 9), "filter, unknown": (66, 66),
 }  # fmt: skip
 
 
