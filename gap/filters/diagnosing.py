@@ -75,8 +75,9 @@ class Outcome:
             return Evidence("filter, unknown", gained, share)
         behind = [total(one) for one in self.found if one not in self.same]
         margin = min(behind) - total(best) if behind else gained
-        if best.best.explanation.sticks:
-            return Evidence("filter, stem", gained, share, margin)
+        one = best.best.explanation
+        if one.sticks and one.effect is not None:
+            return Evidence(f"filter, {one.effect.name}", gained, share, margin)
         return Evidence("filter, white" if passes(best.best) else "filter, nearly", gained, share, margin)
 
 
