@@ -356,5 +356,5 @@ def run(
         one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period, one.offset,
         one.start, U, f.Y, r, skip, f.acts, f.every, law, a, b, exact, P, K, s, e, S, given,
     )  # fmt: skip
-    S[skip] = np.broadcast_to(12.0 * r / (2.0 * math.pi), S.shape)[skip]  # certain: a density of 1 over the rounding
+    S[skip] = np.broadcast_to(kalman.CERTAIN * r, S.shape)[skip]
     return Filtered(explanation, values, e, S, given)

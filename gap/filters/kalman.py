@@ -22,8 +22,9 @@ from numba import njit
 
 NONE, STOPS, CURVED, SLOW = 0, 1, 2, 3
 SMALLEST = 1e-16  # variance
+CERTAIN = 12.0 / (2.0 * math.pi)  # of r: variance of a normal law that is as dense as one over the rounding step
 CLOSE = 4.0  # standard deviations from a limit within which it may be reached
-SETTLED = 1e-4  # share by which variances may still differ from steady ones
+SETTLED = 0.02  # share by which variances may still differ from steady ones
 
 
 @njit(cache=True)
@@ -238,6 +239,7 @@ def filtered(  # type: ignore[no-untyped-def]
                     beyond_it = Y[i, j] > hi + 4.0 * np.sqrt(r[j]) or Y[i, j] < lo - 4.0 * np.sqrt(r[j])
                     miss = Y[i, j] - min(max(guess, lo), hi)
                     if at_limit and not beyond_it and (not inside or abs(miss) < 12.0 * np.sqrt(s[j])):
+                        S[i, j] = CERTAIN * r[j]  # it is where it is said to be: a density of 1 over the rounding
                         continue
                 else:
                     row[n + C] = through(law, a, b, along(told, row), held)[2] if law else 0.0

@@ -113,7 +113,9 @@ def test_a_cascade_moves_as_the_engine_does_with_both_controllers_at_their_limit
     assert run["OP"].max() == pytest.approx(min(1.0, high / 0.9))
     for j, s in enumerate(names):
         value = np.clip(found[:, j], low, high) if s == "SP" else found[:, j]
-        assert np.abs(value - run[s]).max() < 1e-8, s  # at a limit blocks are looked at far beyond it
+        # at a limit a controller is looked at 50 beyond it: slopes lose four digits there, for 100 scans
+        assert np.abs(value - run[s]).max() < 5e-8, s
+        assert np.abs(value - run[s])[:50].max() < 1e-9, s  # before any limit is reached
 
 
 def test_a_block_that_bends_has_no_matrices():
