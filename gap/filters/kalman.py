@@ -23,7 +23,7 @@ from numba import njit
 NONE, STOPS, CURVED, SLOW = 0, 1, 2, 3
 SMALLEST = 1e-16  # variance
 CLOSE = 4.0  # standard deviations from a limit within which it may be reached
-SETTLED = 1e-4  # share by which variances may still differ from steady ones
+SETTLED = 0.02  # share by which variances may still differ from steady ones
 
 
 @njit(cache=True)

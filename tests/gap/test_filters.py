@@ -114,8 +114,9 @@ def test_a_cascade_moves_as_the_engine_does_with_both_controllers_at_their_limit
     assert run["OP"].max() == pytest.approx(min(1.0, high / 0.9))
     for j, s in enumerate(names):
         value = np.clip(found[:, j], low, high) if s == "SP" else found[:, j]
-        # slopes are differences, and at a limit blocks are looked at 50 beyond it: rounding adds up to 1e-8 here
-        assert np.abs(value - run[s]).max() < 1e-7, s
+        # at a limit a controller is looked at 50 beyond it: slopes lose four digits there, for 100 scans
+        assert np.abs(value - run[s]).max() < 5e-8, s
+        assert np.abs(value - run[s])[:50].max() < 1e-8, s  # before any limit is reached
 
 
 def test_a_block_that_bends_has_no_matrices():
@@ -176,6 +177,21 @@ def test_a_fit_finds_gain_and_time_constant_and_leaves_white_innovations(site_re
     assert found.best.values["process.tau"] == pytest.approx(10.0, rel=0.05)
     assert np.nanstd(found.best.judged, axis=0) == pytest.approx([1.0, 1.0], abs=0.08)
     assert max(map(abs, checks(found.best).values())) < 5.0
+
+
+def test_a_leak_that_looks_like_a_gain_is_found_from_afar(site_record):
+    # both move PV; a step along the ridge between them that is cut short must stay on it
+    log = site_record("valve_leak", "valve", flow=3.0)
+    model, record = read(site_flow(rest=1.5), log)
+    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    one = Explanation(f, effect("valve_leak"), "valve")
+    names = (*one.own, *f.free)
+    far, near = (
+        refined(one.filtered({"flow": flow, "process.K": 1.59 / (0.5 + 0.01 * flow), "process.tau": 9.9}), names, 20)
+        for flow in (0.3, 3.0)
+    )
+    assert far.nll == pytest.approx(near.nll, abs=0.3)
+    assert far.best.values["flow"] == pytest.approx(near.best.values["flow"], rel=0.1)
 
 
 def test_checks_see_innovations_that_remember(site_record):
