@@ -81,7 +81,7 @@ def _groups(result: "ScanResult") -> "list[Section]":
             found.setdefault(row["group"], []).append(row)
     if not found:
         return []
-    section = Section("Loops that share an oscillation", f"{len(found)} groups", "open", "")
+    section = Section("Loops that share an oscillation", f"{len(found)} group{'s' * (len(found) != 1)}", "open", "")
     section.reason = "The same period, in step all the time: one source moves them. Look at the likely source first."
     rows = []
     for source, group in sorted(found.items(), key=lambda item: -len(item[1])):
