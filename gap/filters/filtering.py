@@ -367,4 +367,5 @@ def run(
         one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period, one.offset,
         one.start, U, f.Y, r, skip, f.acts, f.every, law, a, b, exact, P, K, s, e, S, given,
     )  # fmt: skip
+    S[skip] = np.broadcast_to(kalman.CERTAIN * r, S.shape)[skip]
     return Filtered(explanation, values, e, S, given)

@@ -158,7 +158,6 @@ def directions(now: Filtered) -> dict[str, Floats]:
 def _step(g: Floats, information: Floats, damped: float, low: Floats, high: Floats) -> tuple[Floats, float]:
     """Return the step within bounds, and the nats that it promises; what wants to leave its bounds stays at them."""
     n = len(g)
-    low, high = np.maximum(low, -WIDEST), np.minimum(high, WIDEST)  # the others follow what is cut short
     A = information + damped * np.diag(np.diag(information))
     held = ((low >= -1e-12) & (g > 0.0)) | ((high <= 1e-12) & (g < 0.0))
     d = np.zeros(n)

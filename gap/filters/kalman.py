@@ -22,6 +22,7 @@ from numba import njit
 
 NONE, STOPS, CURVED, SLOW = 0, 1, 2, 3
 SMALLEST = 1e-16  # variance
+CERTAIN = 12.0 / (2.0 * math.pi)  # of r: variance of a normal law that is as dense as one over the rounding step
 CLOSE = 4.0  # standard deviations from a limit within which it may be reached
 SETTLED = 0.02  # share by which variances may still differ from steady ones
 
@@ -54,12 +55,19 @@ def commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted): 
     ``scans``: which compute now, the others hold what they gave; ``free``: 1 for those at no limit, else 0; ``wanted``:
     what they would give without limits.
     """
-    n = len(z)
-    row[:n] = z
-    row[n : n + len(v) + 1] = 0.0
+    n, N = len(z), len(row)
+    for i in range(n):
+        row[i] = z[i]
+    for i in range(n, n + len(v) + 1):
+        row[i] = 0.0
     for c in range(len(v)):
-        scans[c] = (k - offset[c]) % period[c] == 0
-        wanted[c] = along(v[c], row) if scans[c] else z[last[c]]
+        scans[c] = period[c] == 1 or (k - offset[c]) % period[c] == 0
+        wanted[c] = 0.0
+        if scans[c]:
+            for i in range(N):
+                wanted[c] += v[c, i] * row[i]
+        else:
+            wanted[c] = z[last[c]]
         row[n + c] = min(max(wanted[c], limits[c, 0]), limits[c, 1]) if scans[c] else wanted[c]
         free[c] = 1.0 if row[n + c] == wanted[c] else 0.0
 
@@ -68,12 +76,16 @@ def commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted): 
 def slopes(v, n, scans, free, last, shown):  # type: ignore[no-untyped-def]
     """Write how what each controller gives follows z, (controllers, n); ``free``: the share that is at no limit."""
     for c in range(len(v)):
-        shown[c] = 0.0
+        for i in range(n):
+            shown[c, i] = v[c, i] if scans[c] else 0.0
         if not scans[c]:
             shown[c, last[c]] = 1.0
-        else:
-            seen_through(v[c], shown[:c], n, shown[c])
-            shown[c] *= free[c]
+            continue
+        for d in range(c):
+            for i in range(n):
+                shown[c, i] += v[c, n + d] * shown[d, i]
+        for i in range(n):
+            shown[c, i] *= free[c]
 
 
 @njit(cache=True)
@@ -105,22 +117,26 @@ def within(wanted, sd, lo, hi):  # type: ignore[no-untyped-def]
 @njit(cache=True)
 def seen_through(h, shown, n, out):  # type: ignore[no-untyped-def]
     """Write the row ``h`` over [z, controllers, ...] as one over z."""
-    out[:] = h[:n]
+    for i in range(n):
+        out[i] = h[i]
     for c in range(len(shown)):
         if h[n + c] != 0.0:
-            out += h[n + c] * shown[c]
+            for i in range(n):
+                out[i] += h[n + c] * shown[c, i]
 
 
 @njit(cache=True)
 def closed(F, shown, told, n, slope, has_law, out):  # type: ignore[no-untyped-def]
     """Write what z becomes of z with controllers and valve in the loop, (n, n)."""
-    seen = np.zeros(n)
-    if has_law:
-        seen_through(told, shown, n, seen)
+    C = len(shown)
     for i in range(n):
-        seen_through(F[i], shown, n, out[i])
-        if has_law:
-            out[i] += F[i, n + len(shown)] * slope * seen
+        for j in range(n):
+            value = F[i, j] + (F[i, n + C] * slope * told[j] if has_law else 0.0)
+            for c in range(C):
+                by = F[i, n + c] + (F[i, n + C] * slope * told[n + c] if has_law else 0.0)
+                if by != 0.0:
+                    value += by * shown[c, j]
+            out[i, j] = value
 
 
 @njit(cache=True)
@@ -223,7 +239,8 @@ def filtered(  # type: ignore[no-untyped-def]
     shown, h, apart = np.empty((C, n)), np.empty(n), np.zeros(len(memory))
     held = z[last[C - 1]]
     for k in range(len(U)):
-        row[n + C + 1 :] = U[k]
+        for i in range(n + C + 1, N):
+            row[i] = U[k, i - n - C - 1]
         if k % every == 0:
             i = k // every
             for j in range(m):
@@ -238,6 +255,7 @@ def filtered(  # type: ignore[no-untyped-def]
                     beyond_it = Y[i, j] > hi + 4.0 * np.sqrt(r[j]) or Y[i, j] < lo - 4.0 * np.sqrt(r[j])
                     miss = Y[i, j] - min(max(guess, lo), hi)
                     if at_limit and not beyond_it and (not inside or abs(miss) < 12.0 * np.sqrt(s[j])):
+                        S[i, j] = CERTAIN * r[j]  # it is where it is said to be: a density of 1 over the rounding
                         continue
                 else:
                     row[n + C] = through(law, a, b, along(told, row), held)[2] if law else 0.0
@@ -256,7 +274,8 @@ def filtered(  # type: ignore[no-untyped-def]
                     z += k_now * miss
                 else:
                     variance = s[j]
-                    z += K[j] * miss
+                    for q in range(n):
+                        z[q] += K[j, q] * miss
                 e[i, j] = miss / np.sqrt(variance)
                 S[i, j] = variance
         if carried and not exact and k % every == 0:
@@ -288,12 +307,16 @@ def filtered(  # type: ignore[no-untyped-def]
                             free[d] = 1.0 if row[n + d] == wanted[d] else 0.0
                         else:
                             row[n + d] = wanted[d]
-        given[k] = row[n : n + C]
+        for c in range(C):
+            given[k, c] = row[n + c]
         slope = 1.0
         if law:
             row[n + C], slope, held = through(law, a, b, along(told, row), held)
         for i in range(n):
-            new[i] = along(F[i], row)
+            total = 0.0
+            for j in range(N):
+                total += F[i, j] * row[j]
+            new[i] = total
         for q in range(len(memory)):
             c, i = of[q], memory[q]
             if q == 0 or of[q - 1] != c:
@@ -320,4 +343,5 @@ def filtered(  # type: ignore[no-untyped-def]
             for q in range(len(memory)):
                 c, i = of[q], memory[q]
                 P[i, i] += free[c] * (1.0 - free[c]) * apart[q] ** 2
-        z[:] = new
+        for i in range(n):
+            z[i] = new[i]

@@ -140,7 +140,17 @@ def banked(  # type: ignore[no-untyped-def]
                 x[:] = other_x
                 w[:] = 1.0 / M
         for i in range(M):
-            commanded(row, z[i], v, limits, period, offset, last, k, scans, free, wanted)
+            for q in range(n):
+                row[q] = z[i, q]
+            for c in range(C):  # as in ``commanded``, without a call for each stem: that takes longer than the rest
+                total = 0.0
+                for q in range(n + c):
+                    total += v[c, q] * row[q]
+                for q in range(at_mv + 1, N):
+                    total += v[c, q] * row[q]
+                wanted[c] = total
+                row[n + c] = min(max(total, limits[c, 0]), limits[c, 1])
+                free[c] = 1.0 if row[n + c] == total else 0.0
             op = row[n + moves]
             known = phase == 0 and np.isfinite(seen)
             row[n + moves] = seen if known else min(max(op + jitter * draws[k, i], lo), hi)
@@ -148,7 +158,10 @@ def banked(  # type: ignore[no-untyped-def]
             row[n + moves] = op
             row[at_mv] = x[i]
             for q in range(n):
-                new[q] = along(F[q], row)
+                total = 0.0
+                for p in range(N):
+                    total += F[q, p] * row[p]
+                new[q] = total
             for q in range(len(memory)):
                 c, at_z = of[q], memory[q]
                 if q == 0 or of[q - 1] != c:
@@ -156,7 +169,8 @@ def banked(  # type: ignore[no-untyped-def]
                     push = 0 if (new[at_z] > z[i, at_z]) == (side == 0) else 1
                 if free[c] < 1.0:
                     new[at_z] = along(beyond[side, push, q], row)
-            z[i] = new
+            for q in range(n):
+                z[i, q] = new[q]
 
 
 def deviates(below: Any) -> Any:
