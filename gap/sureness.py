@@ -16,7 +16,8 @@ PRIOR = 6.0  # runs that the benchmark's share counts for beside runs of one's o
 CLOSE = 60.0  # nats between the named set and the next explanation, below which they are close
 NEARLY = 0.97  # share of the gap from which on hardly anything is left
 # kind of answer -> (right, of): 163 runs of the tuning seeds of ``benchmarks.gap``, ideal flow, on which the diagnosis
-# was made, so that these shares are a fit; few of them are pairs or effects outside the catalogue
+# was made, each with its latest answer, so that these shares are a fit and flatter; few of them are pairs or effects
+# outside the catalogue
 BENCHMARK: Mapping[str, tuple[int, int]] = {
     "complete, clear": (104, 104), "complete, close": (9, 9), "adequate, above 0.97": (2, 2),
     "adequate, below 0.97": (8, 8), "digits": (9, 10), "pair": (5, 6), "unknown": (17, 20),
