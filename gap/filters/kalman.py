@@ -66,15 +66,15 @@ def commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted): 
 
 
 @njit(cache=True)
-def slopes(v, n, scans, free, last, W):  # type: ignore[no-untyped-def]
+def slopes(v, n, scans, free, last, follow):  # type: ignore[no-untyped-def]
     """Write how what each controller gives follows z, (controllers, n); ``free``: the share that is at no limit."""
     for c in range(len(v)):
-        W[c] = 0.0
+        follow[c] = 0.0
         if not scans[c]:
-            W[c, last[c]] = 1.0
+            follow[c, last[c]] = 1.0
         else:
-            seen_through(v[c], W[:c], n, W[c])
-            W[c] *= free[c]
+            seen_through(v[c], follow[:c], n, follow[c])
+            follow[c] *= free[c]
 
 
 @njit(cache=True)
@@ -104,24 +104,24 @@ def within(wanted, sd, lo, hi):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def seen_through(h, W, n, out):  # type: ignore[no-untyped-def]
+def seen_through(h, follow, n, out):  # type: ignore[no-untyped-def]
     """Write the row ``h`` over [z, controllers, ...] as one over z."""
     out[:] = h[:n]
-    for c in range(len(W)):
+    for c in range(len(follow)):
         if h[n + c] != 0.0:
-            out += h[n + c] * W[c]
+            out += h[n + c] * follow[c]
 
 
 @njit(cache=True)
-def closed(F, W, told, n, slope, has_law, out):  # type: ignore[no-untyped-def]
+def closed(F, follow, told, n, slope, has_law, out):  # type: ignore[no-untyped-def]
     """Write what z becomes of z with controllers and valve in the loop, (n, n)."""
     seen = np.zeros(n)
     if has_law:
-        seen_through(told, W, n, seen)
+        seen_through(told, follow, n, seen)
     for i in range(n):
-        seen_through(F[i], W, n, out[i])
+        seen_through(F[i], follow, n, out[i])
         if has_law:
-            out[i] += F[i, n + len(W)] * slope * seen
+            out[i] += F[i, n + len(follow)] * slope * seen
 
 
 @njit(cache=True)
@@ -221,7 +221,7 @@ def filtered(  # type: ignore[no-untyped-def]
             for c in range(C):
                 sd[k, c] = deviation(at_once[c], steady_P[k])
     side, push = np.zeros(C, dtype=np.int64), np.zeros(C, dtype=np.int64)
-    W, h, apart = np.empty((C, n)), np.empty(n), np.zeros(len(memory))
+    follow, h, apart = np.empty((C, n)), np.empty(n), np.zeros(len(memory))
     held = z[last[C - 1]]
     for k in range(len(U)):
         row[n + C + 1 :] = U[k]
@@ -247,13 +247,13 @@ def filtered(  # type: ignore[no-untyped-def]
                 if skip[i, j] or not np.isfinite(miss):
                     continue
                 if carried:
-                    slopes(v, n, scans, free, last, W)
+                    slopes(v, n, scans, free, last, follow)
                     if c < 0:
-                        seen_through(H[j], W, n, h)
+                        seen_through(H[j], follow, n, h)
                     elif scans[c]:
-                        seen_through(v[c], W[:c], n, h)
+                        seen_through(v[c], follow[:c], n, h)
                     else:
-                        h[:] = W[c]
+                        h[:] = follow[c]
                     variance = looked(P, h, r[j], k_now)
                     z += k_now * miss
                 else:
@@ -276,8 +276,8 @@ def filtered(  # type: ignore[no-untyped-def]
                 carried = True
                 P[:] = steady_P[k % every]
             if carried:
-                slopes(v, n, scans, free, last, W)
-                seen_through(v[c], W[:c], n, h)
+                slopes(v, n, scans, free, last, follow)
+                seen_through(v[c], follow[:c], n, h)
                 spread_here = deviation(h, P)
                 if spread_here > 0.0 and abs(far) < CLOSE * spread_here:
                     row[n + c], free[c] = within(wanted[c], spread_here, limits[c, 0], limits[c, 1])
@@ -308,15 +308,15 @@ def filtered(  # type: ignore[no-untyped-def]
                 apart[q] = along(beyond[side[c], push[c], q], row) - new[i]
                 new[i] += (1.0 - free[c]) * apart[q]
         if carried:
-            slopes(v, n, scans, free, last, W)
-            closed(F, W, told, n, slope, law > 0, A)
+            slopes(v, n, scans, free, last, follow)
+            closed(F, follow, told, n, slope, law > 0, A)
             for q in range(len(memory)):
                 c, i = of[q], memory[q]
                 if not scans[c]:
                     A[i] = 0.0
                     A[i, i] = 1.0
                 elif free[c] < 1.0:
-                    seen_through(beyond[side[c], push[c], q], W, n, h)
+                    seen_through(beyond[side[c], push[c], q], follow, n, h)
                     A[i] = free[c] * A[i] + (1.0 - free[c]) * h
             spread(P, A, Q, room)
             for q in range(len(memory)):
