@@ -37,7 +37,7 @@ from logs import Log
 Floats = NDArray[np.float64]
 FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known to
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
-BESIDE = 0.02  # of an input: how far from the model's own its mean may be to be linear about the same point
+BESIDE = 0.02  # of an input: to what its mean is taken, about which a process is linear
 KEPT = 4000  # results that are remembered
 MOVED = 0.01  # of a measurement's mean: by how much it may move until a new stretch begins
 
@@ -46,14 +46,13 @@ MOVED = 0.01  # of a measurement's mean: by how much it may move until a new str
 class Filter:
     """The filter of a model for records of one kind: its ``parts``, the gain ``K``, the unit of innovations.
 
-    ``at`` the inputs of the process, about which its gain is; ``quiet`` the model; ``loads`` those that nobody
+    ``quiet`` the model; ``loads`` those that nobody
     measures, signal -> (standard deviation, correlation time [s]); ``root`` (outputs, outputs) makes innovations white;
     ``expected`` (rows, signals) what is left on average without a gap, since the process is not quite linear; ``usual``
     (3, signals) unit, mean and standard deviation of the loss of each signal's residuals then.
     """
 
     parts: Parts
-    at: Mapping[str, float]
     loads: Mapping[str, tuple[float, float]]
     size: Mapping[str, float]
     dt: float
@@ -154,16 +153,6 @@ class Filter:
         alone: Floats = self.known[key][1]
         return np.broadcast_to(alone, (many, *alone.shape[1:]))
 
-    def beside(self, signal: str, mean: float) -> float:
-        """Return the value of an input about which the process is linear: its mean, to some two digits.
-
-        The model's own while it is about that, so that most explanations share one process.
-        """
-        own = self.at.get(signal, 0.0)
-        size = abs(own) if own else 2.0 ** round(np.log2(max(abs(mean), LEAST)))
-        unit = BESIDE * max(size, LEAST)
-        return float(own + unit * round((mean - own) / unit))
-
     def _innovations(
         self, diagram: Diagram, found: Parts, values: Mapping[str, float], u: Floats, y: Floats, way: "Way"
     ) -> Floats:
@@ -179,7 +168,7 @@ class Filter:
         """Return what is left of the rows of a stretch, and the states behind it, from those before it."""
         first, behind = stretch
         mean = u[0, first:behind].mean(axis=0).tolist()
-        at = np.array([self.beside(s, m) for s, m in zip(found.given, mean, strict=True)])
+        at = np.array([beside(m) for m in mean])
         local, model = self._local(diagram, found, values, at, about)
         K = np.zeros((len(local), len(found.measured)))
         own = {name: i for i, name in enumerate(self.size)}
@@ -246,6 +235,16 @@ class Way:
     start: Mapping[str, float]
 
 
+def beside(mean: float) -> float:
+    """Return the mean of an input to some two digits, so that explanations near one another share one linear process.
+
+    >>> beside(0.1371), beside(0.1373)
+    (0.1375, 0.1375)
+    """
+    unit = BESIDE * 2.0 ** round(np.log2(max(abs(mean), LEAST)))
+    return float(unit * round(mean / unit))
+
+
 def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
     """Return the record with the filter of a model, and the signals that it judges; None where replays do better.
 
@@ -279,7 +278,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
         record,
         pinned=judged,
         used=tuple(s for s in record.pinned if s not in judged),
-        filter=Filter(found, at, loads, dict(zip(states, size, strict=True)), dt, quiet, K, root),
+        filter=Filter(found, loads, dict(zip(states, size, strict=True)), dt, quiet, K, root),
     )
 
 

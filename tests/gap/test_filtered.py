@@ -10,7 +10,7 @@ from diagram import simulate
 from gap import diagnose
 from gap.effects import effect
 from gap.linearised.between import jumps
-from gap.linearised.filtered import filter_of
+from gap.linearised.filtered import beside, filter_of
 from gap.linearised.parts import parts
 from gap.model import read, silenced
 
@@ -60,12 +60,12 @@ def test_the_true_characteristic_leaves_next_to_nothing_on_a_record_that_starts_
 
 
 def test_what_an_effect_gives_is_linear_about_its_own_mean(healthy):
+    assert beside(0.137) == pytest.approx(0.137, rel=0.03) and beside(-2.0) == -2.0
+    # a gain of 1 in the path of a signal changes its name and nothing else
     model, quiet, record = seen(healthy)
-    found = filter_of(model, quiet, record).filter
-    assert found.beside("what the model has not", 0.137) == pytest.approx(0.137, rel=0.02)
-    own = found.at["OP_VPCS1" if "OP_VPCS1" in found.at else next(iter(found.at))]
-    signal = next(s for s, v in found.at.items() if v == own)
-    assert found.beside(signal, 1.001 * own) == own
+    found, one = filter_of(model, quiet, record), effect("valve_gain")
+    same = found.filter.residuals(one.put(quiet, "VPCS1"), found, one.settings(quiet, "VPCS1", factor=1.0), None)
+    np.testing.assert_allclose(same, found.filter.residuals(quiet, found, None, None), atol=1e-6)
 
 
 def test_an_output_jumps_where_its_set_point_does(healthy):
