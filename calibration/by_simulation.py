@@ -30,7 +30,7 @@ from logs import LoopRecord
 
 Floats = NDArray[np.float64]
 
-LOOPS = 600  # about 19 ms of one core each: some 7 s on two; 2,000 tell no more (docs/methods.md)
+LOOPS = 600  # about 19 ms of one core each: some 7 s on two; 2,000 were not shown to tell more (9 records)
 PIECE, PIECES = 500, 4  # samples of a piece, and how many at most
 FEWEST = 60  # loops with features below which nothing is said
 OWN_PROCESS = 200  # loops that are worth a process of their own
