@@ -32,9 +32,11 @@ def time_limit(seconds: float, message: str) -> Iterator[None]:
     def late(number: int, frame: FrameType | None) -> None:
         raise TimeoutError(message)
 
-    begun = time.monotonic()
-    before = signal.signal(signal.SIGALRM, late)
-    left, _ = signal.setitimer(signal.ITIMER_REAL, seconds)
+    begun, before = time.monotonic(), signal.getsignal(signal.SIGALRM)
+    left, _ = signal.getitimer(signal.ITIMER_REAL)
+    outer_first = 0.0 < left < seconds
+    signal.signal(signal.SIGALRM, before if outer_first else late)
+    signal.setitimer(signal.ITIMER_REAL, left if outer_first else seconds)
     try:
         yield
     finally:

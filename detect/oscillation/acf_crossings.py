@@ -225,7 +225,7 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
         )
         return Gate(False, None, 0.0, amplitude, 0.0, reason)
     mean = sum(intervals) / len(intervals)
-    spread = math.sqrt(sum((interval - mean) ** 2 for interval in intervals) / (len(intervals) - 1))
+    spread = dt * math.sqrt(sum((interval / dt - mean / dt) ** 2 for interval in intervals) / (len(intervals) - 1))
     regularity = min(REGULARITY_MAX, mean / (3 * spread)) if spread > 0 else REGULARITY_MAX
     period = 2 * mean
     cycles = n * dt / period
