@@ -1,6 +1,8 @@
 """Fit an effect with a hidden mode, such as a stem that sticks: its score has many troughs and one deep, narrow one.
 
 A grid over both sizes, the second as a share of the first; then patterns of points around the best few, ever smaller.
+Twice: with the modes as the replay has them, which makes the deep trough wide, and with wrong ones set right, which is
+what tells where replays of the true sizes go wrong; the better one is kept.
 """
 
 from collections.abc import Sequence
@@ -25,8 +27,13 @@ Point = tuple[float, float]  # the first size, and the second as a share of it
 
 def fitted_hidden(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode; None if no run succeeded."""
+    return best_of([found for modes in (False, True) if (found := _fitted(candidate, modes)) is not None])
+
+
+def _fitted(candidate: Candidate, modes: bool) -> Fit | None:
+    """Return the best fit found in a grid of replays with their own modes, or with wrong ones set right."""
     record = candidate.problem.record
-    head = replace(candidate, problem=replace(candidate.problem, record=record.first_part(HEAD)))
+    head = replace(candidate, problem=replace(candidate.problem, record=record.first_part(HEAD), modes=modes))
     names = candidate.sizes
     first = np.geomspace(*candidate.bounds[names[0]], FIRST)
     shares = SHARES if len(names) > 1 else (0.0,)

@@ -36,7 +36,8 @@ class Settled:
 class Problem:
     """``model`` with its nuisances, ``quiet`` without, both starting as the record does; ``record``; ``floor``;
     ``settled`` the parameters that have tolerances, as they suit the record best without any effect; ``before``
-    the problem before the switches of its set points were put at scans; ``sureness`` how often names are right.
+    the problem before the switches of its set points were put at scans; ``sureness`` how often names are right;
+    ``modes`` whether modes of a stem that the model gets wrong are set right.
     """
 
     model: Diagram
@@ -47,6 +48,7 @@ class Problem:
     settled: Settled | None = None
     before: "Problem | None" = None
     sureness: Sureness = field(default_factory=Sureness)
+    modes: bool = True
 
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:
@@ -77,7 +79,8 @@ class Problem:
 
         ``logs``: one a run in place of the record's.
         """
-        ready, branches = _started(diagram, self), branches_of(diagram, self.quiet, self.record, self.floor)
+        ready = _started(diagram, self)
+        branches = branches_of(diagram, self.quiet, self.record, self.floor) if self.modes else None
         found, kept = branched(ready, record or self.record, params, logs=logs, branches=branches)
         e = self.floor.innovations(found)
         if self.floor.coloured and logs is None:

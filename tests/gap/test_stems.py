@@ -7,7 +7,7 @@ from cases.models import ideal_flow
 from diagram import ensemble
 from gap.adequacy import adequate, complete
 from gap.candidates import candidates, ranked
-from gap.diagnosis import prepared
+from gap.diagnosis import diagnose, prepared
 from gap.effects import effect
 from gap.floor import MECHANICAL
 from gap.modes import CHARGE
@@ -78,3 +78,14 @@ def test_of_two_stems_the_one_is_named_that_is_meant(recorded, name, values):
     assert found[0].effect.name == name and (name == "stiction" or len(found) == 1)
     for key, value in values.items():
         assert found[0].values[key] == pytest.approx(value, rel=0.01)
+
+
+def test_sizes_of_a_stem_are_found_where_set_right_modes_make_other_troughs():
+    # oracle: the same law in the same loop; with wrong modes set right alone the search ended at S = 13.5, J = 11.5
+    t = np.arange(3601.0)
+    SP = Log(t, {"SP": np.where(t % 600.0 < 300.0, 1.5, 1.65)})
+    site = effect("stiction").insert(ideal_flow(rest=1.5), "valve", S=4.0, J=1.5)
+    run = ensemble(site, 3600.0, times=t, inputs=SP, seeds=[1], signals=["OP", "PV"])
+    log = Log(t, {"SP": SP["SP"], "OP": run.values["OP"][0].round(6), "PV": run.values["PV"][0].round(6)})
+    sizes = diagnose(ideal_flow(), log, catalogue=[effect("stiction")]).causes[0].parameters
+    assert sizes["S"].value == pytest.approx(4.0, rel=0.01) and sizes["J"].value == pytest.approx(1.5, rel=0.02)
