@@ -174,7 +174,8 @@ def _page(source: str, found: "Comparison") -> str:
     from stickslip.report.page import Section, figure_to_svg, page, table_to_html
 
     counts = [f"{n} {WORDS[word].spoken}" for word in WORDS if (n := sum(one.combined == word for one in found.loops))]
-    seen = Section("What the methods say", f"{len(found.loops)} loop{'s' * (len(found.loops) != 1)}", "open", f"Together: {', '.join(counts)}.")
+    loops = f"{len(found.loops)} loop{'s' * (len(found.loops) != 1)}"
+    seen = Section("What the methods say", loops, "open", f"Together: {', '.join(counts)}.")
     seen.figures.append(figure_to_svg(found.plot()))
     seen.notes += [f"{file} is not read: {reason}" for file, reason in found.skipped]
     sections = [seen]
