@@ -6,11 +6,13 @@ are then done again, loop by loop, each in a process of its own, and what falls 
 
 from __future__ import annotations
 
+import signal
+import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
-from multiprocessing import get_context
+from multiprocessing import forkserver, get_context
 
 from logs import ReadError
 from logs.cluster import LOST, ClusterError
@@ -37,13 +39,17 @@ def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[l
     left = list(jobs)
     while left:
         fallen: list[Numbered] = []
-        with ProcessPoolExecutor(count, mp_context=get_context(START)) as pool:
+        with _processes(count) as pool:
             under_way: dict[Future[list[Row]], Numbered] = {}
             while (left or under_way) and not fallen:
                 while left and len(under_way) < AHEAD * count:
                     number, job = left.pop(0)
                     under_way[pool.submit(judged, job, number)] = (number, job)
-                ready, _ = wait(under_way, return_when=FIRST_COMPLETED)
+                try:
+                    ready, _ = wait(under_way, return_when=FIRST_COMPLETED)
+                except KeyboardInterrupt:
+                    pool.shutdown(cancel_futures=True)
+                    raise
                 for future in ready:
                     try:
                         rows = future.result()
@@ -56,11 +62,30 @@ def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[l
             yield _one_by_one(number, job)
 
 
+def _processes(count: int) -> ProcessPoolExecutor:
+    """Processes that Ctrl-C does not reach: a terminal sends it to all, and only the command itself is to end by it.
+
+    They have what the server that forks them was started with, so it is ignored from their first instruction on.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return ProcessPoolExecutor(count, mp_context=get_context(START), initializer=_ignoring)
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    return ProcessPoolExecutor(count, mp_context=get_context(START), initializer=_ignoring)
+
+
+def _ignoring() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 def _one_by_one(number: int, job: Job) -> list[Row]:
     """The rows of a job of which some loop brings its process down."""
     rows: list[Row] = []
     for part in _singles(job):
-        with ProcessPoolExecutor(1, mp_context=get_context(START)) as pool:
+        with _processes(1) as pool:
             try:
                 found = pool.submit(judged, part, number).result()
             except BrokenProcessPool:
