@@ -11,6 +11,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import replace
 from multiprocessing import forkserver, get_context
 
@@ -45,11 +46,7 @@ def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[l
                 while left and len(under_way) < AHEAD * count:
                     number, job = left.pop(0)
                     under_way[pool.submit(judged, job, number)] = (number, job)
-                try:
-                    ready, _ = wait(under_way, return_when=FIRST_COMPLETED)
-                except KeyboardInterrupt:
-                    pool.shutdown(cancel_futures=True)
-                    raise
+                ready, _ = wait(under_way, return_when=FIRST_COMPLETED)
                 for future in ready:
                     try:
                         rows = future.result()
@@ -62,19 +59,25 @@ def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[l
             yield _one_by_one(number, job)
 
 
-def _processes(count: int) -> ProcessPoolExecutor:
+@contextmanager
+def _processes(count: int) -> Iterator[ProcessPoolExecutor]:
     """Processes that Ctrl-C does not reach: a terminal sends it to all, and only the command itself is to end by it.
 
-    They have what the server that forks them was started with, so it is ignored from their first instruction on.
+    They have what the server that forks them was started with, so it is ignored from their first instruction on.  What
+    waits for them when the command ends by an error is not begun.
     """
-    if threading.current_thread() is not threading.main_thread():
-        return ProcessPoolExecutor(count, mp_context=get_context(START), initializer=_ignoring)
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        forkserver.ensure_running()
-    finally:
-        signal.signal(signal.SIGINT, before)
-    return ProcessPoolExecutor(count, mp_context=get_context(START), initializer=_ignoring)
+    if threading.current_thread() is threading.main_thread():
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        try:
+            forkserver.ensure_running()
+        finally:
+            signal.signal(signal.SIGINT, before)
+    with ProcessPoolExecutor(count, mp_context=get_context(START), initializer=_ignoring) as pool:
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 def _ignoring() -> None:

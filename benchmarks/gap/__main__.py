@@ -4,7 +4,6 @@ Resumable: each diagnosis is one line of a file in ``--folder``; what is there i
 """
 
 import argparse
-import json
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
@@ -18,7 +17,8 @@ from benchmarks.gap.baselines import free_run_place, shrinkages
 from benchmarks.gap.models import model
 from benchmarks.gap.oracle import possible, relative, restated, right
 from benchmarks.gap.plant import runs as plant_runs
-from benchmarks.gap.plant_rows import plant_figures, plant_rows
+from benchmarks.gap.plant_rows import plant_figures, plant_row
+from benchmarks.gap.resumed import resumed
 from benchmarks.gap.runs import VISIBLE, Run, benchmark
 from benchmarks.gap.scoring import judged, scatter, share, wilson
 from benchmarks.report import Figures, publish
@@ -69,20 +69,9 @@ NOTES = {
 
 
 def rows(runs: Sequence[Run], folder: Path, seconds: float) -> Iterator[dict[str, Any]]:
-    """Yield what each run came to: those in the folder first made earlier, then new ones until time is up."""
-    folder.mkdir(parents=True, exist_ok=True)
-    file = folder / "diagnoses.jsonl"
-    done = {row["key"]: row for row in map(json.loads, file.read_text().splitlines())} if file.exists() else {}
-    until = time.monotonic() + seconds
+    """Return what each run came to, those made earlier and kept in the folder among them."""
     first: set[str] = set()
-    for run in runs:
-        if run.key in done:
-            yield restated(done[run.key])
-        elif time.monotonic() < until:
-            row = _row(run, first)
-            with file.open("a") as out:
-                out.write(json.dumps(row) + "\n")
-            yield restated(row)
+    return map(restated, resumed(runs, lambda run: _row(run, first), folder / "diagnoses.jsonl", seconds))
 
 
 def _row(run: Run, first: set[str]) -> dict[str, Any]:
@@ -216,7 +205,7 @@ def main() -> None:
         runs, large = [run for run in runs if run.setting == "ideal" and run.severity == "typical"][::12][:6], []
     until = time.monotonic() + 60.0 * told.minutes
     found = list(rows(runs, told.folder, until - time.monotonic()))
-    plant = list(plant_rows(large, told.folder / "plant.jsonl", until - time.monotonic()))
+    plant = list(resumed(large, plant_row, told.folder / "plant.jsonl", until - time.monotonic()))
     if told.learn:
         from gap.sureness import counted
 

@@ -7,13 +7,12 @@ Right is "unknown"; a name is wrong, and confident if its probability exceeds 0.
 """
 
 import argparse
-import json
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from benchmarks.gap.models import model
+from benchmarks.gap.resumed import resumed
 from benchmarks.gap.runs import VISIBLE, Run, alike, singles
 from benchmarks.gap.scoring import CONFIDENT, wilson
 from benchmarks.gap.settings import SETTINGS
@@ -21,18 +20,8 @@ from benchmarks.gap.severities import SEVERITIES
 
 
 def leaving_out(runs: Sequence[Run], file: Path, seconds: float) -> Iterator[dict[str, Any]]:
-    """Yield what each run came to: those in the file first made earlier, then new ones until time is up."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    done = {row["key"]: row for row in map(json.loads, file.read_text().splitlines())} if file.exists() else {}
-    until = time.monotonic() + seconds
-    for run in runs:
-        if run.key in done:
-            yield done[run.key]
-        elif time.monotonic() < until:
-            row = left_out(run)
-            with file.open("a") as out:
-                out.write(json.dumps(row) + "\n")
-            yield row
+    """Return what each run came to, those made earlier and kept in the file among them."""
+    return resumed(runs, left_out, file, seconds)
 
 
 def left_out(run: Run) -> dict[str, Any]:

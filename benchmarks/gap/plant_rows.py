@@ -1,9 +1,7 @@
 """What diagnoses of the plant's records come to: made one after the other, kept, judged."""
 
-import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,21 +11,6 @@ from benchmarks.gap.scoring import CONFIDENT
 
 ALIKE = ({"real_gas", "gas_temperature"},)  # one product of both is in the model
 VISIBLE = 0.5  # largest difference to the log without the effect, root mean square in steps of rounding
-
-
-def plant_rows(runs: Sequence[PlantRun], file: Path, seconds: float) -> Iterator[dict[str, Any]]:
-    """Yield what each run came to: those in the file first made earlier, then new ones until time is up."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    done = {row["key"]: row for row in map(json.loads, file.read_text().splitlines())} if file.exists() else {}
-    until = time.monotonic() + seconds
-    for run in runs:
-        if run.key in done:
-            yield done[run.key]
-        elif time.monotonic() < until:
-            row = plant_row(run)
-            with file.open("a") as out:
-                out.write(json.dumps(row) + "\n")
-            yield row
 
 
 def plant_row(run: PlantRun) -> dict[str, Any]:
