@@ -198,9 +198,7 @@ def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, trav
             "needed to clear the valve): PV moves for other reasons."
         )
     if limit is None or limit[0] > CLEARED * travel:
-        return (
-            "Little speaks for stiction, but OP moves so little that a stick of any size up to its travel could hide."
-        )
+        return f"Little speaks for stiction, but a stick of {CLEARED:.0%} of OP's travel or more could hide here."
     return None
 
 
