@@ -13,8 +13,9 @@ from gap.effects.controller_limits import ControllerLimits
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_saturation import SensorSaturation
-from gap.filters.filtering import Explanation, Filtered, Filtering
+from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found, best_of, grid, refined, tried
+from gap.filters.reading import Filtering
 from gap.filters.switches import with_switches
 from gap.loads import planned
 

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from gap.filters.diagnosing import Outcome, adequate, explained, worst
 from gap.filters.explaining import STEPPED, free_names, total
-from gap.filters.filtering import Filtered, Filtering
+from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
 from gap.filters.hysteresis import followed_on, left
+from gap.filters.reading import Filtering
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.sizes import BLOCKS, SEEN, SURE
 from gap.structure import by_wiring
