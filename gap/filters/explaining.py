@@ -235,7 +235,7 @@ def _load(plain: Found, one: Explanation) -> Filtered | None:
     f, base = one.filtering, plain.best
     rows = f.time[:: f.every]
     at = f.skipped + (len(rows) - f.skipped) // 4
-    pulse = _Pulse(f, one.effect, one.place, at)
+    pulse = _Pulse(f, one.effect, one.place, row=at)
     kicked = tried(pulse, base.values)
     if kicked is None or one.effect is None:
         return None
