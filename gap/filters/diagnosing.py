@@ -7,7 +7,7 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -30,7 +30,7 @@ from gap.filters.fitting import Found
 from gap.filters.hysteresis import fitted_stems
 from gap.filters.logged_stem import LoggedStem
 from gap.filters.reading import Filtering
-from gap.filters.rivals import beside, likeliest
+from gap.filters.rivals import beside, either_way, likeliest
 from gap.filters.scanned import base_period
 from gap.model import nuisances, silenced
 from gap.record import Record
@@ -135,7 +135,7 @@ def outcome(
     if stem is not None:
         catalogue = stem.possible(catalogue)
     elsewhere = stem is not None and not stem.follows
-    plain = settled(f)
+    plain = settled(replace(f, catalogue=tuple(catalogue)))
     f = plain.best.explanation.filtering
     legal = [(effect, place) for effect in catalogue for place in effect.places(f.model)]
     for effect, place in legal:
@@ -184,7 +184,7 @@ def worst(one: Filtered) -> tuple[str, float]:
     """Return the check that an explanation passes least, and by how much."""
     found = checks(one)
     if one.explanation.effect:
-        found |= constancy(one) | beside(one)
+        found |= constancy(one) | beside(one) | either_way(one)
     name = max(found, key=lambda key: abs(found[key]))
     return name, abs(found[name])
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
+from gap.effect import Effect
 from gap.filters.affine import NotAffine
 from gap.filters.scanned import base_period
 from gap.model import Nuisance, known_within, nuisances
@@ -26,7 +27,7 @@ SKIPPED = 60  # rows at the beginning, and at least the time in which a start is
 class Filtering:
     """``model`` with its nuisances, ``quiet`` without, started as the record starts; ``record``; ``leads`` scans by
     which each switch of an input comes before the row that shows it, (inputs, rows); ``apart``: whether rows just
-    behind a switch are left out.
+    behind a switch are left out; ``catalogue``: effects of which a little may be beside another.
     """
 
     model: Diagram
@@ -34,6 +35,7 @@ class Filtering:
     record: Record
     leads: NDArray[np.int64]
     apart: bool = False
+    catalogue: tuple[Effect, ...] = ()
 
     @cached_property
     def counted(self) -> NDArray[np.bool_]:

@@ -13,16 +13,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
+from gap.effects.sensor_noise import SensorNoise
+from gap.effects.sensor_saturation import SensorSaturation
 from gap.effects.sine_disturbance import SineDisturbance
+from gap.filters.checks import CALM
+from gap.filters.constant import FRESH
 from gap.filters.explaining import free_names
 from gap.filters.filtering import Explanation, Filtered
-from gap.filters.fitting import refined, tried
+from gap.filters.fitting import directions, refined, tried
 from gap.model import Nuisance
 
 Floats = NDArray[np.float64]
 BANDS = (0.0, 1.0 / 600.0, 1.0 / 40.0, 1.0 / 6.0)  # correlation times, in records; 0 is white
 SIZES = (0.15, 0.4, 1.0, 2.5)  # of what the source gives in the model
 NEARBY, ROUNDS = (0.7, 1.4), 3  # sizes near the best; steps of its fit
+LITTLE = 0.01  # relative size of a little of an effect
 
 
 def randoms(one: Explanation) -> Iterator[Nuisance]:
@@ -58,6 +65,52 @@ def beside(now: Filtered) -> dict[str, float]:
         gained = now.nll - with_random(now, random).nll
         found[f"beside it {random}"] = math.sqrt(2.0 * max(gained, 0.0))
     return found
+
+
+def either_way(now: Filtered) -> dict[str, float]:
+    """Return name -> figure of whether a little of another effect beside an explanation, or of its opposite, suits.
+
+        e . v / |v|      v: slope of the innovations in the size of that effect, less its projection on those of the fit
+
+    Normal if the explanation is right.  The opposite of a lag is a lead, which no catalogue has.
+    """
+    f, first = now.explanation.filtering, now.explanation.filtering.skipped
+    if now.mixed is not None or isinstance(now.explanation.effect, ScanTime):
+        return {}
+    free = {key: now.values[key] for key in f.free}
+    bare, slopes = tried(Explanation(f), free), directions(now)
+    if bare is None or not slopes:
+        return {}
+    basis, _ = np.linalg.qr(np.stack([d[first:].ravel() for d in slopes.values()], axis=1))
+    e = np.clip(np.nan_to_num(now.judged), -CALM, CALM).ravel()
+    found = {}
+    for effect in f.catalogue:
+        for place in effect.places(f.model):
+            size = _little(Explanation(f, effect, place))
+            moved = tried(Explanation(f, effect, place), free | size) if size else None
+            if moved is None:
+                continue
+            change = (moved.e * np.sqrt(moved.S) - bare.e * np.sqrt(bare.S)) / np.sqrt(now.S)
+            d = np.nan_to_num(change[first:]).ravel()
+            own = d - basis @ (basis.T @ d)
+            length = float(np.sqrt(own @ own))
+            if length > FRESH * float(np.sqrt(d @ d)):
+                found[f"beside it {effect.name} at {place}, or its opposite"] = float(e @ own) / length
+    return found
+
+
+def _little(one: Explanation) -> dict[str, float]:
+    """Return a small size of an effect that has one size, moves paths of signals and can be small; else nothing."""
+    plain = isinstance(one.effect, SensorNoise | SensorSaturation | Quantisation | ScanTime)
+    if one.effect is None or one.effect.of_log or one.effect.hidden or plain or one.load or len(one.own) != 1:
+        return {}
+    (name,) = one.own
+    (low, high), nominal = one.bounds[name], one.nominal[name]
+    if not math.isfinite(nominal):
+        return {}
+    if nominal != 0.0:
+        return {name: (1.0 + LITTLE) * nominal}
+    return {name: max(low, 0.1 * LITTLE * high) if low >= 0.0 else 0.1 * LITTLE * (high - low)}
 
 
 def likeliest(now: Filtered) -> tuple[str, float]:
