@@ -126,7 +126,9 @@ def _random(now: Filtered) -> dict[str, float]:
     bare = tried(Explanation(f), {key: now.values[key] for key in f.free})
     if bare is None:
         return {}
-    best = min((with_random(bare, random) for random in randoms(bare.explanation)), key=lambda x: x.nll)
+    noisy = {source.block for source in f.noise if source.correlation_time == 0.0}  # more of it is in the catalogue
+    rivals = [one for one in randoms(bare.explanation) if one.correlation_time > 0.0 or one.block not in noisy]
+    best = min((with_random(bare, one) for one in rivals), key=lambda x: x.nll)
     if best is bare:
         return {}
     best = refined(best, tuple(f.free), ROUNDS).best

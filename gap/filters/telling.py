@@ -202,17 +202,12 @@ def _fraction(before: float, after: float) -> float:
 def _ahead(one: Filtered, first: int) -> Filtered:
     """Return what values that were fitted on the rows up to ``first`` leave of the whole record."""
     f = one.explanation.filtering
-    head = _head(f, first)
-    explanation = replace(one.explanation, filtering=head)
+    explanation = replace(one.explanation, filtering=f.head(first))
     if explanation.sticks:
         near = Filtered(explanation, one.values, one.e, one.S, one.OP)
         return left(one.explanation, followed_on(near).values)
     fitted = refined(explanation.filtered(one.values), free_names(explanation), 5)
     return one.explanation.filtered(fitted.best.values)
-
-
-def _head(f: Filtering, first: int) -> Filtering:
-    return replace(f, record=replace(f.record, log=f.record.log.samples(0, first)), leads=f.leads[:, :first])
 
 
 def abnormal_segment(plain: Filtered) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The site's flow loop from scan to scan, in plain Python, with effects that no catalogue has.
+"""The site's flow loop from scan to scan, in plain Python, with effects that no catalogue has, and some that it has.
 
 y_k+1 = a y_k + (1 - a) K (OP_k + load_k),  a = exp(-1/tau)        a first order under inputs that are held: exact
 """
@@ -25,6 +25,7 @@ KINDS = {
     "none": lambda t, rng: {},
     "step": lambda t, rng: {"load": 0.06 * (t >= 3400.0)},
     "sine": lambda t, rng: {"load": 0.02 * np.sin(2.0 * np.pi * t / 140.0)},
+    "more noise": lambda t, rng: {"noise": 0.007 * rng.normal(size=len(t))},
     "a gain that switches": lambda t, rng: {"K": np.where(t < 3400.0, 3.0, 2.6)},
     "a gain that oscillates": lambda t, rng: {"K": 3.0 * (1.0 + 0.06 * np.sin(2.0 * np.pi * t / 140.0))},
     "a gain that wears": lambda t, rng: {"K": 3.0 * (1.0 - 0.2 * t / t[-1])},
