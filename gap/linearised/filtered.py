@@ -22,11 +22,12 @@ from blocks.role import Role
 from diagram.changes import part
 from diagram.diagram import Diagram
 from diagram.inputs import close
+from diagram.linear.slopes import Slopes
 from diagram.pins import replays
 from gap.linearised.between import as_input, jumps
 from gap.linearised.driving import driven
 from gap.linearised.gains import Gains, Linear, gains
-from gap.linearised.local import linear, near
+from gap.linearised.local import linear, moved, near
 from gap.linearised.observer import Observer, observer
 from gap.linearised.parts import Parts, ancestors, parts
 from gap.model import nuisances
@@ -100,7 +101,7 @@ class Filter:
             runs = max((len(v) for v in (*fed.values(), *own.values())), default=1)
             u = np.broadcast_to(self.driven(diagram, found, record, log, fed, runs), (runs, 3, len(log), len(found.given)))
             process = self._observer(diagram, found)
-            known = self.gains(record, log)
+            known = self.gains(record)
             K = known.of(process.states, self.process.states)
             return known.white(process.residuals(own, u, y, K, known.which, self.start(record, log), self.dt))
 
@@ -126,8 +127,9 @@ class Filter:
         )  # fmt: skip
         return made
 
-    def gains(self, record: Record, log: Log) -> Gains:
-        """Return the gains of each row of a log."""
+    def gains(self, record: Record) -> Gains:
+        """Return the gains of each row of a record, and of other logs with its set points."""
+        log = record.log
 
         def made() -> Gains:
             u = self.driven(self.quiet, self.parts, record, log, {}, 1)[0]
@@ -145,17 +147,23 @@ class Filter:
         return found
 
     def start(self, record: Record, log: Log) -> dict[str, float]:
-        """Return the states from which the model's process shows the first row of a log."""
+        """Return the states from which the model's process shows the first row of a log.
 
-        def made() -> dict[str, float]:
+        Of logs other than the record the state is as far from the record's as is linear in what they show.
+        """
+
+        def at_first(log: Log) -> Floats:
             y = np.stack([log[s] for s in self.parts.measured], axis=1)
-            u = self.driven(self.quiet, self.parts, record, log, {}, 1)[0, 0, 0]
-            at = dict(zip(self.parts.given, u.tolist(), strict=True))
-            first = near(part(self.quiet, self.parts.rest, "rest"), self.parts, at, y[np.isfinite(y).all(axis=1)][0])
-            return dict(zip(first.states, first.x.tolist(), strict=True))
+            return np.asarray(y[np.isfinite(y).all(axis=1)][0])
 
-        found: dict[str, float] = self._kept(("start", id(log)), log, made)
-        return found
+        def made() -> Slopes:
+            u = self.driven(self.quiet, self.parts, record, record.log, {}, 1)[0, 0, 0]
+            at = dict(zip(self.parts.given, u.tolist(), strict=True))
+            return near(part(self.quiet, self.parts.rest, "rest"), self.parts, at, at_first(record.log))
+
+        local: Slopes = self._kept(("start", id(record.log)), record.log, made)
+        x = local.x + moved(local, self.parts, at_first(log) - at_first(record.log))
+        return dict(zip(local.states, x.tolist(), strict=True))
 
     def _kept(self, key: object, log: Log | None, made: Any) -> Any:
         """Return what is known by a key, or make it; the log that is part of a key lives as long as what it gave."""

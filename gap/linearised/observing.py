@@ -13,8 +13,9 @@ import numpy as np
 from numba import njit
 
 from engine.call import pointer_to
-from engine.layout import N_STATES, O_F, O_X
-from engine.sweep import rates, signals
+from engine.events import fire_positive, watch_rates
+from engine.layout import CHAIN, EV_ROOM, MAX_CHAIN, N_EVENTS, N_STATES, O_F, O_X
+from engine.sweep import events_of_signals, rates, signals
 
 SHARE = 1e-6  # of a state's size: step that shows a slope
 
@@ -35,7 +36,7 @@ def observed(ints, floats, into, loaded, shown, u, begins, ends, y, K, which, de
     for k in range(rows):
         put(W, into, u[k])
         state(I, W, z, loaded)
-        signals(I, W, 0.0)
+        settled(I, W)
         for j in range(m):
             e[k, j] = y[k, j] - W[shown[j]]
         for i in range(n):
@@ -73,6 +74,9 @@ def slopes_at(ints, floats, into, loaded, u, decay, z, size):  # type: ignore[no
     n = len(z)
     J, up, down, moved = np.empty((n, n)), np.empty(n), np.empty(n), z.copy()
     put(W, into, u)
+    state(I, W, z, loaded)
+    watch_rates(I, W)
+    settled(I, W)
     for j in range(n):
         h = SHARE * size[j]
         moved[j] = z[j] + h
@@ -100,6 +104,18 @@ def state(I, W, z, loaded):  # type: ignore[no-untyped-def]
         W[I[O_X] + i] = z[i]
     for j in range(len(loaded)):
         W[loaded[j]] = z[n + j]
+
+
+@njit(cache=True, error_model="numpy")
+def settled(I, W):  # type: ignore[no-untyped-def]
+    """Compute every signal, blocks with modes in the mode that they are in here: a table its stretch, a limit reached."""
+    signals(I, W, 0.0)
+    I[CHAIN] = I[EV_ROOM] = 0
+    while I[N_EVENTS] > 0 and I[CHAIN] <= I[MAX_CHAIN]:
+        events_of_signals(I, W, 0.0)
+        if not fire_positive(I, W, W):  # nothing is noted: there is no room
+            break
+        signals(I, W, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
