@@ -22,7 +22,7 @@ from engine.table import Component
 
 Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less
-AGAIN = 600  # rows after which slopes are taken again
+AGAIN = 100  # rows after which slopes are taken again
 TIED = "observer:tied"
 
 

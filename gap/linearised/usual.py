@@ -15,6 +15,7 @@ from gap.linearised.parts import ancestors
 from gap.record import Record
 
 Floats = NDArray[np.float64]
+FAR = 6.0  # medians of a residual beyond which it says nothing of the usual size
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
 
 
@@ -33,8 +34,11 @@ def floor_of_record(model: Diagram, quiet: Diagram, record: Record, runs: int, s
     """Return the floor of a record that has a filter, from ``runs`` runs of the model, ``seed`` the first."""
     filter = _filter(record)
     found = filter.residuals(quiet, record, None, without_gap(model, record, runs, seed))
-    judged = filter.parts.judged
-    floor = floor_of(found, settling_rows(model, record), [s in judged for s in record.pinned], True)
+    judged = [s in filter.parts.judged for s in record.pinned]
+    usual = np.nanmedian(np.abs(found), axis=(0, 1))
+    bound = np.where(judged, np.inf, FAR * usual)  # rows right behind a jump are not to set the scale of all others
+    floor = floor_of(np.clip(found, -bound, bound), settling_rows(model, record), judged, True)
+    floor = replace(floor, scores=np.sort(floor.score(found)))
     r = residuals(found, floor.changes)[:, floor.skipped :]
     unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))
     loss = losses(r / unit).mean(axis=1)
