@@ -27,7 +27,8 @@ from gap.filters.logged_stem import logged_stem
 from gap.filters.telling import told as told_by_filters
 from gap.floor import Floor, measured
 from gap.instants import with_instants
-from gap.linearised.filtered import filter_of, floor_of_record, suspected
+from gap.linearised.filtered import filter_of
+from gap.linearised.usual import floor_of_record, suspected
 from gap.model import read, silenced
 from gap.nesting import one_of_nested
 from gap.pairs import paired
@@ -123,8 +124,8 @@ def _prepared(model: Diagram, record: Record, seed: int, floor: Floor | None = N
     start = start_values(quiet, record) if filtered is None else {}
     model, quiet = model.starting_at(start), quiet.starting_at(start)
     if filtered is not None:
-        record, floor = floor_of_record(model, quiet, record, RUNS, seed + 1)
-        record = suspected(quiet, record, floor)
+        floor, usual = floor_of_record(model, quiet, record, RUNS, seed + 1)
+        record = suspected(quiet, record, floor, usual)
     floor = floor or kept(model, record)
     if floor is None:
         floor, _ = measured(model, quiet, record, RUNS, seed + 1)

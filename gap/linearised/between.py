@@ -1,7 +1,7 @@
 """What logged signals do between two rows, as inputs of what they drive.
 
-a signal that a block makes all the time    goes along straight lines; where a set point jumps at a row, what follows
-                                            from it goes on as before until then, and jumps too
+a signal that a block makes all the time    goes smoothly; where a set point jumps at a row, what follows from it goes
+                                            on as before until then, and jumps too
 a set point, the output of a scan           keeps its value until the next row
 """
 
@@ -18,7 +18,6 @@ from logs import Log
 Floats = NDArray[np.float64]
 BEFORE = 1e-6  # of an interval: how long before a row the value is taken that holds until it
 RARE = 0.1  # share of rows at which a set point jumps, at most
-SHORTEST = 30  # rows of a stretch
 
 
 def as_input(diagram: Diagram, record: Record, log: Log, signal: str) -> object:
@@ -50,18 +49,44 @@ def jumps(diagram: Diagram, record: Record, log: Log, signal: str) -> NDArray[np
 
 
 def joined(log: Log, signal: str, at: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-    """Return times [s] and values of a signal, joined by straight lines except before rows at which it jumps.
+    """Return times [s] and values of a signal that goes smoothly from row to row except before rows at which it jumps.
 
-    >>> log = Log([0.0, 1.0, 2.0, 3.0], {"OP": [0.0, 0.1, 0.8, 0.9]})
-    >>> t, values = joined(log, "OP", np.array([False, False, True, False]))
+    Between two rows stands a point of the parabolas through them and their neighbours on the same side of a jump.
+
+    >>> log = Log([0.0, 1.0, 2.0, 3.0, 4.0], {"OP": [0.0, 0.1, 0.8, 0.9, 1.0]})
+    >>> t, values = joined(log, "OP", np.array([False, False, True, False, False]))
     >>> t.round(3).tolist(), values.round(3).tolist()
-    ([0.0, 1.0, 2.0, 2.0, 3.0], [0.0, 0.1, 0.2, 0.8, 0.9])
+    ([0.0, 0.5, 1.0, 1.5, 2.0, 2.0, 2.5, 3.0, 3.5, 4.0], [0.0, 0.05, 0.1, 0.15, 0.2, 0.8, 0.85, 0.9, 0.95, 1.0])
     """
     good = log.good(signal)
     t, v, jump = log.t[good], log[signal][good], np.flatnonzero(at[good])
     jump = jump[jump >= 2]
     before = 2.0 * v[jump - 1] - v[jump - 2]
-    return np.insert(t, jump, t[jump] - BEFORE * (t[jump] - t[jump - 1])), np.insert(v, jump, before)
+    t = np.insert(t, jump, t[jump] - BEFORE * (t[jump] - t[jump - 1]))
+    v = np.insert(v, jump, before)
+    cut = jump + np.arange(len(jump))  # the points just before a jump
+    bent = bends(v, cut)
+    behind = np.setdiff1d(np.arange(1, len(t)), cut + 1)  # between a point just before a jump and the jump is nothing
+    middle = 0.5 * (v[behind - 1] + v[behind]) - bent[behind - 1] / 8.0
+    return np.insert(t, behind, 0.5 * (t[behind - 1] + t[behind])), np.insert(v, behind, middle)
+
+
+def bends(v: Floats, cut: NDArray[np.int64]) -> Floats:
+    """Return the second difference of values in each interval, from its neighbours between two of the points ``cut``.
+
+    >>> bends(np.array([0.0, 1.0, 4.0, 9.0, 0.0, 0.0, 0.0]), np.array([3])).tolist()
+    [2.0, 2.0, 2.0, 0.0, 0.0, 0.0]
+    """
+    out = np.zeros(max(len(v) - 1, 0))
+    ends = [-1, *cut.tolist(), len(v) - 1]
+    for first, last in zip(ends[:-1], ends[1:], strict=True):
+        second = np.diff(v[first + 1 : last + 1], 2)
+        if len(second) > 1:
+            ahead, behind = 1.5 * second[0] - 0.5 * second[1], 1.5 * second[-1] - 0.5 * second[-2]
+            out[first + 1 : last] = np.concatenate([[ahead], 0.5 * (second[1:] + second[:-1]), [behind]])
+        elif len(second):
+            out[first + 1 : last] = second[0]
+    return out
 
 
 def until(t: Floats, table: tuple[Floats, Floats]) -> Floats:
@@ -69,19 +94,3 @@ def until(t: Floats, table: tuple[Floats, Floats]) -> Floats:
     early = t.copy()
     early[1:] -= BEFORE * np.diff(t)
     return np.asarray(np.interp(early, *table))
-
-
-def stretches(values: Floats, unit: Floats) -> list[tuple[int, int]]:
-    """Return the first row of each stretch and the one behind it: a new one begins where a signal has moved.
-
-    ``values`` (rows, signals); ``unit`` by how much each may differ from where its stretch began.
-
-    >>> stretches(np.array([[0.0]] * 40 + [[3.0]] * 40), np.array([1.0]))
-    [(0, 40), (40, 80)]
-    """
-    begins = [0]
-    for k in range(1, len(values)):
-        away = np.abs(values[k] - values[begins[-1]]) / unit
-        if k - begins[-1] >= SHORTEST and np.nanmax(away, initial=0.0) > 1.0:
-            begins.append(k)
-    return list(zip(begins, [*begins[1:], len(values)], strict=True))

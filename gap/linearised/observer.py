@@ -1,0 +1,171 @@
+"""A process compiled as an observer: its own equations from row to row, set right by a filter's gain at each.
+
+Whatever drives it becomes an input that is written row by row; a load that nobody measures is a state of its own, added
+to the signal that it moves.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from blocks.arithmetic import Sum
+from blocks.sources import Ramp
+from diagram import wire
+from diagram.diagram import Diagram
+from diagram.ensembles.variants import variants_of
+from gap.linearised.observing import observed, slopes_at
+from engine.run import Settings, prepare
+from engine.snapshot import Snapshot
+from engine.table import Component
+
+Floats = NDArray[np.float64]
+LEAST = 1e-3  # size of a state that starts at less
+AGAIN = 100  # rows after which slopes are taken again
+TIED = "observer:tied"
+
+
+@dataclass(frozen=True, eq=False)
+class Observer:
+    """A process between two rows: ``diagram`` with every input closed, its ``component``; ``read`` which inputs it reads,
+    ``into``, ``loaded``, ``shown`` the places of these, of loads and of what is measured; ``states`` by name, loads
+    behind them, and their ``start``; ``decay`` of the loads [1/s].
+    """
+
+    diagram: Diagram
+    component: Component
+    read: NDArray[np.int64]
+    into: NDArray[np.int64]
+    loaded: NDArray[np.int64]
+    shown: NDArray[np.int64]
+    states: tuple[str, ...]
+    start: Floats
+    decay: Floats
+
+    def residuals(
+        self, params: Mapping[str, ArrayLike], u: Floats, y: Floats, K: Floats, which: NDArray[np.int64],
+        start: Mapping[str, float], dt: float,
+    ) -> Floats:  # fmt: skip
+        """Return what each row shows beyond its prediction, (runs, rows, outputs); NaN from where a run fails.
+
+        ``params`` block.name -> one value a run; ``u`` (runs, 3, rows, inputs) inputs as ``driven`` gives them;
+        ``y`` (rows, outputs); ``K`` (kinds, states, outputs), ``which`` (rows,) of them; ``start`` state -> value; ``dt``
+        [s] between rows.
+        """
+        out = np.full((len(u), *y.shape), np.nan)
+        if self.diagram.plan().delays:  # what a dead time holds is not in the states
+            return out
+        given = {key: np.broadcast_to(np.asarray(v, dtype=float), len(u)) for key, v in params.items()}
+        many = variants_of(self.diagram, given, None, None, np.zeros(len(u)))
+        places, columns = many.places(self.diagram.plan(), self.component)
+        first = np.array([start.get(name, value) for name, value in zip(self.states, self.start, strict=True)])
+        I, W = prepare(self.component, Settings(), 0.0)
+        self.diagram.plan().fill(Snapshot(self.component, I, W), self.diagram.blocks)
+        for k in range(len(u)):
+            W[places] = many.table[k, columns]
+            out[k] = self._one(I, W, u[k][..., self.read], y, K, which, first.copy(), dt)
+        return out
+
+    def _one(
+        self, I: NDArray[np.int64], W: Floats, u: Floats, y: Floats, K: Floats, which: NDArray[np.int64], z: Floats,
+        dt: float,
+    ) -> Floats:  # fmt: skip
+        """Return what one run leaves, from ``z``."""
+        rows = len(y)
+        e = np.full(y.shape, np.nan)
+        here, off = np.ascontiguousarray(u[0]), np.concatenate([u[2, 1:], np.zeros((1, u.shape[2]))])
+        begins, ends = here + off, np.concatenate([u[1, 1:], u[0, -1:]]) + off
+        for first in range(0, rows, AGAIN):
+            part = slice(first, min(first + AGAIN, rows))
+            size = np.maximum(np.abs(z), LEAST)
+            J = slopes_at(I, W, self.into, self.loaded, here[first], self.decay, z, size)
+            if not np.isfinite(J).all():
+                break
+            P_1, P_2 = (dt * size[:, None] * phi / size for phi in phis(dt * J * size / size[:, None]))
+            with np.errstate(over="ignore", invalid="ignore"):
+                e[part] = observed(
+                    I, W, self.into, self.loaded, self.shown, here[part], begins[part], ends[part], y[part], K, which[part],
+                    self.decay, J, P_1, P_2, z,
+                )  # fmt: skip
+            if not np.isfinite(z).all():
+                e[part] = np.nan
+                break
+        return e
+
+
+def phis(A: Floats) -> tuple[Floats, Floats]:
+    """Return phi_1(A) = (e^A - 1)/A and phi_2(A) = (e^A - 1 - A)/A^2, by their series for A/2^s and doubling.
+
+    >>> one, two = phis(np.array([[-1000.0]]))
+    >>> round(float(one[0, 0]), 9), round(float(two[0, 0]), 9)
+    (0.001, 0.000999)
+    """
+    n = len(A)
+    s = max(0, int(np.ceil(np.log2(max(float(np.abs(A).sum(axis=1).max()), 1e-300)))) + 3)
+    Z = A / 2.0**s
+    unit = np.eye(n)
+    one, two = unit, 0.5 * unit
+    term = unit
+    for k in range(1, 10):
+        term = term @ Z / k
+        one = one + term / (k + 1)
+        two = two + term / ((k + 1) * (k + 2))
+    whole = unit + Z @ one
+    for _ in range(s):
+        two = 0.25 * (one @ one + 2.0 * two)
+        one = 0.5 * (one + whole @ one)
+        whole = whole @ whole
+    return one, two
+
+
+def observer(piece: Diagram, given: Sequence[str], measured: Sequence[str], loads: Mapping[str, float]) -> Observer:
+    """Return the observer of a process; ``given`` its inputs, ``loads`` signal -> correlation time [s]."""
+    blocks = [
+        block.relabelled(
+            block.name, list(block.input_labels), [_alone(s) if s in loads else s for s in map(str, block.output_labels)]
+        )
+        for block in piece.blocks
+    ]
+    sums = [Sum(s, {_alone(s): 1.0, _load(s): 1.0}, name=f"{s}:observed") for s in loads]
+    tie = Sum(TIED, dict.fromkeys(measured, 1.0), name=TIED)  # makes one component of all that is measured
+    sources = [Ramp(s, 0.0, name=f"{s}:written") for s in (*given, *map(_load, loads))]
+    closed = wire([*sources, *blocks, *sums, tie], outputs=[TIED])
+    place = {s: i for i, s in enumerate(closed.signals)}
+    plan = closed.plan()
+    component = next(one for one in plan.components if closed.block_index(TIED) in one.blocks)
+    order = sorted(
+        (component.states[b], b) for b in component.blocks if b < len(closed.blocks) and len(closed.blocks[b].x0)
+    )
+    inside = [closed.blocks[b] for _, b in order]
+    read = [j for j, s in enumerate(given) if closed.block_index(f"{s}:written") in component.params]
+    return Observer(
+        closed,
+        component,
+        np.array(read, dtype=np.int64),
+        np.array([_written(closed, component, given[j]) for j in read], dtype=np.int64),
+        np.array([_written(closed, component, _load(s)) for s in loads], dtype=np.int64),
+        np.array([component.signals[place[s]] for s in measured], dtype=np.int64),
+        (*(f"{block.name}[{name}]" for block in inside for name in block.state_names), *map(load_state, loads)),
+        np.concatenate([*(block.x0 for block in inside), np.zeros(len(loads))]),
+        np.array([1.0 / time for time in loads.values()]),
+    )
+
+
+def load_state(signal: str) -> str:
+    """Return the name of the state that a load is."""
+    return f"{signal}[load]"
+
+
+def _written(closed: Diagram, component: Component, signal: str) -> int:
+    """Return where the value of a signal that is written stands."""
+    b = closed.block_index(f"{signal}:written")
+    return component.params[b] + closed.blocks[b].param_index("before")
+
+
+def _alone(signal: str) -> str:
+    return f"{signal}:alone"
+
+
+def _load(signal: str) -> str:
+    return f"{signal}:load"
