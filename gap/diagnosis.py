@@ -8,6 +8,7 @@
 A scanned loop with a load that nobody measures has a filter of its own, whose likelihood is exact (``gap.filters``).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -37,6 +38,7 @@ from gap.report import GapReport
 from gap.search import Candidate, Fit, best_of, refined, settled
 from gap.start import start_values
 from gap.texture import fitted_compression, with_lattices
+from gap.unmeasured import unmeasured_load
 from gap.words import adequate_pair, named, named_pair, no_gap, tied, unknown
 from logs import Log
 
@@ -158,16 +160,22 @@ def told(
     gained = problem.score - best.total if best else 0.0
     if not textured and problem.score <= problem.limit and gained <= needed(problem):
         return no_gap(problem, legal)
+    rival = unmeasured_load(problem, needed(problem))
     if best is None:
-        return unknown(problem, fits)
-    if textured or complete(problem, best):
-        return named(problem, [best] if textured else tied(fits), fits, "digits" if textured else "complete")
-    good = adequate(problem, best)
+        return unknown(problem, fits, rival)
+    if textured:
+        return named(problem, [best], fits, "digits")
+    if complete(problem, best):
+        return named(problem, tied(fits), fits, "complete", rival)
+    # what leaves something has to be likelier than a load that nobody measures
+    beyond = math.inf if rival is None else rival.F - needed(problem)
+    good = adequate(problem, best) and (best.total < beyond or stands(problem, best))
     if good and (best.effect.hidden or stands(problem, best)):
-        return named(problem, tied(fits), fits, "adequate")
+        return named(problem, tied(fits), fits, "adequate", rival)
     pair = paired(problem, fits, catalogue, progress)
-    if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair, best):
-        return named_pair(problem, pair, alternatives(problem, pair, catalogue), fits)
+    better = pair is not None and pair.total < min(best.total - needed(problem), beyond)
+    if pair is not None and better and adequate_pair(problem, pair, best):
+        return named_pair(problem, pair, alternatives(problem, pair, catalogue), fits, rival)
     if good:
-        return named(problem, tied(fits), fits, "adequate")
-    return unknown(problem, fits)
+        return named(problem, tied(fits), fits, "adequate", rival)
+    return unknown(problem, fits, rival)
