@@ -16,7 +16,7 @@ from typing import Any
 from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import adequate, complete, needed, stands
-from gap.alternatives import alternatives
+from gap.alternatives import alternatives, instead
 from gap.cache import keep, kept
 from gap.calibration import kept_calibration
 from gap.candidates import candidates, ranked
@@ -31,7 +31,7 @@ from gap.instants import with_instants
 from gap.linearised.filtered import filter_of, floor_of_record, suspected
 from gap.model import read, silenced
 from gap.nesting import one_of_nested
-from gap.pairs import paired
+from gap.pairs import beside_digits, paired
 from gap.problem import Problem, Settled
 from gap.record import FEWEST, GapError, Record
 from gap.report import GapReport
@@ -164,6 +164,11 @@ def told(
     if best is None:
         return unknown(problem, fits, rival)
     if textured:
+        proved = best.effect.of_log or complete(problem, best)
+        both = None if proved else beside_digits(problem, best, catalogue, progress)
+        if both is not None and best.F - both.total > needed(problem) and complete(problem, both.second, [best]):
+            same = [best], instead(problem, both.second, best, catalogue)
+            return named_pair(problem, both, same, fits)
         return named(problem, [best], fits, "digits")
     if complete(problem, best):
         return named(problem, tied(fits), fits, "complete", rival)

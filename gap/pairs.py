@@ -50,7 +50,7 @@ def paired(
     if not fits or share(problem, fits[0]) < ENOUGH:
         return None
     found = joined(problem, fits)
-    if found and found[0].second.F <= problem.limit + needed(problem):
+    if found and problem.limit + needed(problem) >= found[0].second.F:
         return found[0]
     legal = list(catalogue)
     for first in _firsts(problem, fits):
@@ -63,6 +63,21 @@ def paired(
         if found and min(pair.second.F for pair in found) <= problem.limit + needed(problem):
             break
     return min(found, key=lambda pair: pair.total, default=None)
+
+
+def beside_digits(problem: Problem, first: Fit, catalogue: Iterable[Effect], progress: Progress = None) -> Pair | None:
+    """Return the pair of an effect that the digits of a log prove and the best one beside it; None if none could be.
+
+    Digits say nothing of the rest of the gap, so any effect without a hidden mode may be the second.
+    """
+    base = inserted(problem.quiet, first)
+    legal = [
+        one
+        for one in candidates(problem, base, catalogue)
+        if one.effect and one.effect is not first.effect and not one.effect.hidden
+    ]
+    second = next((fit for fit in ranked(legal, progress) if fit.present), None)
+    return None if second is None else Pair(first, second)
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
@@ -87,7 +102,7 @@ def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Se
     best: Fit | None = None
     for candidate in sorted(legal, key=lambda one: len(one.own)):
         fit = glimpsed(candidate)
-        if fit is not None and fit.F < least - HOPE * left:
+        if fit is not None and least - HOPE * left > fit.F:
             fit = followed_on(fit)
             fit = replace(fit, price=price(fit))
             if best is None or fit.total < best.total:

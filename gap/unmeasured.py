@@ -4,14 +4,14 @@
     S(f) = I + s(f) h(f) h(f)^*                              s spectrum of the load, one height in each octave of f
     F = sum rho(S^(-1/2) e) + 1/2 sum over f of ln det S     (Whittle 1953; rho the loss of all scores)
 
-A load that is free explains any PV; that OP follows as the controller is modelled, and that PV moves between rows as
-the process does, it cannot feign.  The determinant is the price of its freedom: an effect with one size that explains
-as much is better by it.
+What loads before the first row have left behind is a few shapes, which are fitted beside.  A load that is free explains
+any PV; that OP follows as the controller is modelled, and that PV moves between rows as the process does, it cannot
+feign.  The determinant is the price of its freedom: an effect with one size that explains as much is better by it.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
@@ -19,11 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gap.effects.disturbance import Disturbance
-from gap.floor import scored
+from gap.floor import scored, without_gap
 from gap.loads import response
 from gap.problem import Problem
 
 Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+NULLS = 4  # runs without a gap
+ROUNDS = 3  # of the spectrum and of what loads before the first row have left
+TAILS, DISTINCT, MOST = 40, 1e-5, 6  # rows after a load of which the rest is looked at, and how many shapes that has
 HEIGHTS = 120  # of an octave of the spectrum that are tried
 PRICE = 12.0  # nats of each octave in which there is a load, beyond the first
 FORGOTTEN = 0.02  # share of the response that may be left in the last tenth of the record
@@ -73,50 +77,75 @@ def unmeasured_load(problem: Problem, allowed: float) -> UnmeasuredLoad | None:
     t = problem.record.log.t
     if np.ptp(np.diff(t)) > EVEN * problem.record.log.dt or problem.record.filter is not None:
         return None
-    found = [
-        one
-        for place in AnyLoad().places(problem.quiet)
-        if not problem.record.suspects or place in problem.record.suspects
-        for hold in ("previous", "linear")
-        if (one := _fitted(problem, place, hold, allowed)) is not None
-    ]
-    return min(found, key=lambda one: one.F, default=None)
-
-
-def _fitted(problem: Problem, place: str, hold: Literal["previous", "linear"], allowed: float) -> UnmeasuredLoad | None:
-    e = np.nan_to_num(problem.as_it_is)
-    n = len(e)
-    h = response(problem, problem.quiet, place, hold)
-    if h is None or not forgotten(h):
+    ways: tuple[Literal["previous", "linear"], ...] = ("previous", "linear")
+    places = [p for p in AnyLoad().places(problem.quiet) if not problem.record.suspects or p in problem.record.suspects]
+    answers = [(p, response(problem, problem.quiet, p, way)) for p in places for way in ways]
+    legal = [(p, h) for p, h in answers if h is not None and forgotten(h)]
+    if not legal:
         return None
-    whole = np.zeros_like(e)
-    whole[: min(len(h), n)] = h[:n]
-    E, H = np.fft.rfft(e, axis=0) / math.sqrt(n), np.fft.rfft(whole, axis=0)
-    gain, hit = (np.abs(H) ** 2).sum(axis=1), (np.conj(H) * E).sum(axis=1)
+    place, h = min(legal, key=lambda one: _suited(problem.as_it_is, one[1])[0])
+    F, left, sd, period = _suited(problem.as_it_is, h)
+    signal = str(problem.quiet[place].output_labels[0])
+    unit = problem.quiet.signal_units.get(signal, "")
+    limit = problem.limit + allowed
+    return UnmeasuredLoad(place, unit, sd, period * problem.record.log.dt, F + _without_gap(problem, h), left, limit)
+
+
+def _without_gap(problem: Problem, h: Floats) -> float:
+    """Return how far a load lowers the score where there is no gap [nats]: rounding is not quite white."""
+    logs = without_gap(problem.model, problem.record, NULLS, 1)
+    if not logs:
+        return 0.0
+    runs = replace(problem, start={}).innovations(problem.quiet, logs=logs)
+    return max(0.0, float(np.mean([float(scored(e)) - _suited(e, h)[0] for e in runs])))
+
+
+def _suited(found: Floats, h: Floats) -> tuple[float, float, float, float]:
+    """Return (F, score of what is left, sd [unit], period [rows]) of the load that suits innovations best."""
+    e, n = np.nan_to_num(found), len(found)
+    h = np.concatenate([h, np.zeros((max(n - len(h), 0), h.shape[1]))])[:n]
+    before = earlier(h)
+    U, H = (np.fft.rfft(one, axis=0) / math.sqrt(n) for one in (before, h * math.sqrt(n)))
+    gain = (np.abs(H) ** 2).sum(axis=1)
     weight = np.full(len(gain), 2.0)
     weight[0] = 1.0
     if n % 2 == 0:
         weight[-1] = 1.0
-    s = _spectrum(gain, np.abs(hit) ** 2, weight)
-    kept = 1.0 / np.sqrt(1.0 + s * gain)
-    left = E - H * (hit * (1.0 - kept) / np.maximum(gain, 1e-300))[:, None]
-    white = np.fft.irfft(left * math.sqrt(n), n, axis=0)
-    white[~np.isfinite(problem.as_it_is)] = np.nan
-    score = float(scored(white))
-    octaves = len({round(v, 12) for v in s[s > 0.0].tolist()})
-    freedom = 0.5 * float(weight @ np.log1p(s * gain)) + PRICE * max(octaves - 1, 0)
+    s, c, white = np.zeros(len(gain)), np.zeros(before.shape[2]), e
+    for _ in range(ROUNDS):
+        E = np.fft.rfft(e - before @ c, axis=0) / math.sqrt(n)
+        s = _spectrum(gain, np.abs((np.conj(H) * E).sum(axis=1)) ** 2, weight)
+        both, columns = (_whitened(one, H, gain, s, n) for one in (E[..., None], U))
+        d = np.linalg.lstsq(columns.reshape(-1, len(c)), both.ravel(), rcond=1e-9)[0]
+        c, white = c + d, both[..., 0] - columns @ d
+    white[~np.isfinite(found)] = np.nan
+    left = float(scored(white))
+    known = len({round(v, 12) for v in s[s > 0.0].tolist()})
+    freedom = 0.5 * float(weight @ np.log1p(s * gain)) + PRICE * max(known - 1, 0)
     power = np.cumsum((weight * s)[1:])
     k = 1 + int(np.searchsorted(power, 0.5 * power[-1])) if power[-1] > 0.0 else 1
-    signal = str(problem.quiet[place].output_labels[0])
-    return UnmeasuredLoad(
-        place,
-        problem.quiet.signal_units.get(signal, ""),
-        math.sqrt(float(weight @ s) / n),
-        n * problem.record.log.dt / k,
-        score + freedom,
-        score,
-        problem.limit + allowed,
-    )
+    return left + freedom, left, math.sqrt(float(weight @ s) / n), n / k
+
+
+def _whitened(E: Complex, H: Complex, gain: Floats, s: Floats, n: int) -> Floats:
+    """Return S^(-1/2) E as series, (rows, signals, columns), of its coefficients E (frequencies, signals, columns)."""
+    less = (1.0 - 1.0 / np.sqrt(1.0 + s * gain)) / np.maximum(gain, 1e-300)
+    hit = np.einsum("fs,fsc->fc", np.conj(H), E) * less[:, None]
+    found: Floats = np.fft.irfft((E - H[:, :, None] * hit[:, None, :]) * math.sqrt(n), n, axis=0)
+    return found
+
+
+def earlier(h: Floats) -> Floats:
+    """Return what loads before the first row can leave behind in the record, (rows, signals, shapes).
+
+    It is what follows a row or more after a load, in as few shapes as the process has states.
+    """
+    n, signals = h.shape
+    tails = np.stack([np.concatenate([h[j:], np.zeros((j, signals))]) for j in range(1, min(TAILS, n))], axis=-1)
+    shapes, sizes, _ = np.linalg.svd(tails.reshape(n * signals, -1), full_matrices=False)
+    kept = int((sizes > DISTINCT * max(sizes[0], 1e-300)).sum())
+    found: Floats = shapes[:, : min(kept, MOST)].reshape(n, signals, -1)
+    return found
 
 
 def forgotten(h: Floats) -> bool:
