@@ -13,7 +13,7 @@ from gap.pairs import Pair
 from gap.problem import Problem
 from gap.proposals import smooth
 from gap.ranges import fitted
-from gap.search import Candidate, Fit, refined, slopes
+from gap.search import Candidate, Fit, best_of, refined, slopes
 
 Floats = NDArray[np.float64]
 LIKE = 0.99  # cosine between the slopes of two effects at neutral, from which on the other is fitted too
@@ -23,10 +23,10 @@ TIE = 6.0  # nats between explanations that the record does not tell apart
 def alternatives(problem: Problem, pair: Pair, catalogue: Iterable[Effect]) -> tuple[list[Fit], list[Fit]]:
     """Return for each of two effects what it could be as well, itself first."""
     legal = list(catalogue)
-    return _instead(problem, pair.first, pair.second, legal), _instead(problem, pair.second, pair.first, legal)
+    return instead(problem, pair.first, pair.second, legal), instead(problem, pair.second, pair.first, legal)
 
 
-def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]) -> list[Fit]:
+def instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]) -> list[Fit]:
     same = [fit]
     base = inserted(problem.quiet, other)
     own = _trace(replace(fit.candidate, base=base))
@@ -34,10 +34,11 @@ def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]
         known = candidate.effect is fit.effect or candidate.effect is other.effect
         if known or not smooth(candidate) or "time" in candidate.own or fit.candidate.noisy or other.candidate.noisy:
             continue
-        if own is None or (trace := _trace(candidate)) is None or abs(float(own @ trace)) < LIKE:
+        if own is None or (trace := _trace(candidate)) is None or abs(_cosine(own, trace)) < LIKE:
             continue
-        found = fitted(candidate)
-        if found is not None and found.present:
+        starts = [one for one in (fitted(candidate), *_as_large(candidate, fit, own, trace)) if one is not None]
+        found = best_of([one for one in starts if one.present])
+        if found is not None:
             found = refined(found)
             found = replace(found, price=price(found))
             if found.F <= fit.F + TIE and found.price <= fit.price:
@@ -45,10 +46,23 @@ def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]
     return same
 
 
+def _as_large(candidate: Candidate, fit: Fit, own: Floats, trace: Floats) -> list[Fit]:
+    """Return an effect at the sizes at which it does what another does, by their slopes or by the same number.
+
+    Beside a stem the score is so jagged that a search of its own ends elsewhere.
+    """
+    name, other = candidate.sizes[0], fit.candidate.sizes[0]
+    size, (low, high) = fit.values[other], candidate.bounds[name]
+    moved = (size - fit.candidate.nominal[other]) * float(own @ trace) / float(trace @ trace)
+    sizes = {candidate.nominal[name] + moved, size}
+    return candidate.tried([{name: s} for s in sizes if low <= s <= high])
+
+
+def _cosine(a: Floats, b: Floats) -> float:
+    return float(a @ b) / float(np.linalg.norm(a) * np.linalg.norm(b))
+
+
 def _trace(candidate: Candidate) -> Floats | None:
-    """Return the slope of the innovations in an effect's size at neutral, of length 1; None if there is none."""
+    """Return the slope of the innovations in an effect's size at neutral; None if there is none."""
     J, felt = slopes(candidate.absent, candidate.sizes[:1])
-    if not felt:
-        return None
-    column = np.nan_to_num(J[:, 0])
-    return column / float(np.linalg.norm(column))
+    return np.nan_to_num(J[:, 0]) if felt else None

@@ -8,6 +8,7 @@
 A scanned loop with a load that nobody measures has a filter of its own, whose likelihood is exact (``gap.filters``).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -15,7 +16,7 @@ from typing import Any
 from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import adequate, complete, needed, stands
-from gap.alternatives import alternatives
+from gap.alternatives import alternatives, instead
 from gap.cache import keep, kept
 from gap.calibration import kept_calibration
 from gap.candidates import candidates, ranked
@@ -31,13 +32,14 @@ from gap.linearised.filtered import filter_of
 from gap.linearised.usual import floor_of_record, suspected
 from gap.model import read, silenced
 from gap.nesting import one_of_nested
-from gap.pairs import paired
+from gap.pairs import beside_digits, paired
 from gap.problem import Problem, Settled
 from gap.record import FEWEST, GapError, Record
 from gap.report import GapReport
 from gap.search import Candidate, Fit, best_of, refined, settled
 from gap.start import start_values
 from gap.texture import fitted_compression, with_lattices
+from gap.unmeasured import unmeasured_load
 from gap.words import adequate_pair, named, named_pair, no_gap, tied, unknown
 from logs import Log
 
@@ -159,16 +161,27 @@ def told(
     gained = problem.score - best.total if best else 0.0
     if not textured and problem.score <= problem.limit and gained <= needed(problem):
         return no_gap(problem, legal)
+    rival = unmeasured_load(problem, needed(problem))
     if best is None:
-        return unknown(problem, fits)
-    if textured or complete(problem, best):
-        return named(problem, [best] if textured else tied(fits), fits, "digits" if textured else "complete")
-    good = adequate(problem, best)
+        return unknown(problem, fits, rival)
+    if textured:
+        proved = best.effect.of_log or complete(problem, best)
+        both = None if proved else beside_digits(problem, best, catalogue, progress)
+        if both is not None and best.F - both.total > needed(problem) and complete(problem, both.second, [best]):
+            same = [best], instead(problem, both.second, best, catalogue)
+            return named_pair(problem, both, same, fits)
+        return named(problem, [best], fits, "digits")
+    if complete(problem, best):
+        return named(problem, tied(fits), fits, "complete", rival)
+    # what leaves something has to be likelier than a load that nobody measures
+    beyond = math.inf if rival is None else rival.F - needed(problem)
+    good = adequate(problem, best) and (best.total < beyond or stands(problem, best))
     if good and (best.effect.hidden or stands(problem, best)):
-        return named(problem, tied(fits), fits, "adequate")
+        return named(problem, tied(fits), fits, "adequate", rival)
     pair = paired(problem, fits, catalogue, progress)
-    if pair is not None and pair.total < best.total - needed(problem) and adequate_pair(problem, pair, best):
-        return named_pair(problem, pair, alternatives(problem, pair, catalogue), fits)
+    better = pair is not None and pair.total < min(best.total - needed(problem), beyond)
+    if pair is not None and better and adequate_pair(problem, pair, best):
+        return named_pair(problem, pair, alternatives(problem, pair, catalogue), fits, rival)
     if good:
-        return named(problem, tied(fits), fits, "adequate")
-    return unknown(problem, fits)
+        return named(problem, tied(fits), fits, "adequate", rival)
+    return unknown(problem, fits, rival)

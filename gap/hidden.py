@@ -1,8 +1,9 @@
 """Fit an effect with a hidden mode, such as a stem that sticks: its score has many troughs and one deep, narrow one.
 
 A grid over both sizes, the second as a share of the first; then patterns of points around the best few, ever smaller.
-Twice: with the modes as the replay has them, which makes the deep trough wide, and with wrong ones set right, which is
-what tells where replays of the true sizes go wrong; the better one is kept.
+Twice on the first part of the record: with the modes as the replay has them, which makes the deep trough wide, and with
+wrong ones set right, which is what tells where replays of the true sizes go wrong.  The better one is followed on the
+whole record.
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,9 @@ KEPT = 3  # troughs that are followed
 SHRINK = 0.55  # of a pattern from round to round
 FINEST = 2e-4  # relative size of the last pattern
 ENOUGH = 50.0  # nats that the first part of the record must gain by the effect
-HEAD = 0.4  # share of the record that is enough for the grid
+HEAD = 0.4  # share of the record that is enough for the search where its first part does not show the gap
+WORTH = 0.2  # share of the gap that an effect must explain to be followed on the whole record
+LAST, LAST_ROUNDS = 0.005, 12  # least width of the first pattern there, and how many there are
 AROUND = 0.1, 0.1  # first widths of a pattern around values that are nearly right
 WIDER = 0.9  # of a pattern that has moved
 
@@ -27,15 +30,35 @@ Point = tuple[float, float]  # the first size, and the second as a share of it
 
 def fitted_hidden(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode; None if no run succeeded."""
-    return best_of([found for modes in (False, True) if (found := _fitted(candidate, modes)) is not None])
+    ends = [_searched(_head(candidate, modes)) for modes in (False, True)]
+    fits = _at(candidate, [point for point, _, _ in ends])
+    best = best_of(fits)
+    if best is None:
+        return None
+    point, wide, across = ends[fits.index(best)] if len(fits) == len(ends) else ends[0]
+    if not candidate.absent.F - WORTH * max(candidate.absent.F - candidate.problem.level, 0.0) > best.F:
+        return best  # far from anything that could be named, alone or beside another
+    return _followed(candidate, point, best, max(wide, LAST), max(across, LAST), rounds=LAST_ROUNDS)[1]
 
 
-def _fitted(candidate: Candidate, modes: bool) -> Fit | None:
-    """Return the best fit found in a grid of replays with their own modes, or with wrong ones set right."""
-    record = candidate.problem.record
-    head = replace(candidate, problem=replace(candidate.problem, record=record.first_part(HEAD), modes=modes))
-    names = candidate.sizes
-    first = np.geomspace(*candidate.bounds[names[0]], FIRST)
+def glimpsed(candidate: Candidate) -> Fit | None:
+    """Return the best fit of an effect with a hidden mode, searched coarsely on the first part of the record."""
+    point, _, _ = _searched(_head(candidate, True), fine=False)
+    return best_of(_at(candidate, [point]))
+
+
+def _head(candidate: Candidate, modes: bool) -> Candidate:
+    """Return a candidate on the first part of the record, with wrong modes set right or as replays have them."""
+    problem = candidate.problem.early
+    if problem is candidate.problem:
+        problem = replace(problem, record=problem.record.first_part(HEAD))
+    return replace(candidate, problem=replace(problem, modes=modes))
+
+
+def _searched(head: Candidate, fine: bool = True) -> tuple[Point, float, float]:
+    """Return the point of the lowest score, and the widths of the last pattern around it."""
+    names = head.sizes
+    first = np.geomspace(*head.bounds[names[0]], FIRST)
     shares = SHARES if len(names) > 1 else (0.0,)
     points = [(float(size), share) for size in first for share in shares]
     found = [*zip(points, _at(head, points), strict=True)]
@@ -49,17 +72,22 @@ def _fitted(candidate: Candidate, modes: bool) -> Fit | None:
     wide = float(np.log(first[1] / first[0])) * 0.5
     best = [_followed(head, *one, wide, 0.12, rounds=4) for one in kept]
     point, fit, wide, across = min(best, key=lambda one: one[1].F)
-    if not fit.F < head.absent.F - ENOUGH:
-        return best_of(_at(candidate, [point]))
-    point, _, wide, across = _followed(head, point, fit, wide, across, finest=10.0 * FINEST)
-    return _followed(candidate, point, _at(candidate, [point])[0], max(wide, 0.01), max(across, 0.01))[1]
+    if fine and fit.F < head.absent.F - ENOUGH:
+        point, _, wide, across = _followed(head, point, fit, wide, across, finest=10.0 * FINEST)
+    return point, wide, across
 
 
 def followed_on(fit: Fit) -> Fit:
     """Return a fit of an effect with a hidden mode after patterns of ever smaller width around its values."""
     first, *second = (fit.values[name] for name in fit.candidate.sizes)
     share = second[0] / first if second and first > 0.0 else 0.0
-    return _followed(fit.candidate, (first, share), fit, *AROUND, finest=10.0 * FINEST)[1]
+    head = _head(fit.candidate, True)
+    (begun,) = _at(head, [(first, share)])
+    point, _, wide, across = _followed(head, (first, share), begun, *AROUND, finest=10.0 * FINEST)
+    (there,) = _at(fit.candidate, [point])
+    if there.F > fit.F:
+        point, there, wide, across = (first, share), fit, *AROUND
+    return _followed(fit.candidate, point, there, max(wide, LAST), max(across, LAST), rounds=LAST_ROUNDS)[1]
 
 
 def _at(candidate: Candidate, points: Sequence[Point]) -> list[Fit]:

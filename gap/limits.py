@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.role import Role
-from gap.adequacy import stands
+from gap.adequacy import needed, stands
 from gap.ranges import between
 from gap.search import Candidate, Fit, best_of
 
@@ -38,8 +38,9 @@ def fitted_limits(candidate: Candidate) -> Fit | None:
             size, F = between(fits, name)
             if min(fit.F for fit in fits) - SETTLED > F:
                 fits += candidate.tried([{**values, name: size}])
-        best = best_of([best, *fits]) or best
-        best = _zoomed(best, name, [float(v) for v in grid])
+        before, best = best, best_of([best, *fits]) or best
+        if needed(best.candidate.problem) < before.F - best.F:
+            best = _zoomed(best, name, [float(v) for v in grid])
     return best if math.isfinite(best.F) else None
 
 

@@ -7,6 +7,7 @@ few Fourier transforms.  The best few are then replayed and refined.
 """
 
 import math
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from diagram.diagram import Diagram
 from gap.adequacy import needed
 from gap.effect import Effect
 from gap.floor import NU
+from gap.problem import Problem
 from gap.search import Candidate, Fit, best_of, refined
 
 Floats = NDArray[np.float64]
@@ -40,8 +42,8 @@ def is_load(effect: Effect) -> bool:
 
 def fitted_load(candidate: Candidate) -> Fit | None:
     """Return the best fit of a planned load; None if no run succeeded."""
-    response = _response(candidate)
-    if response is None:
+    h = response(candidate.problem, candidate.base, candidate.place)
+    if h is None:
         return None
     t = candidate.problem.record.log.t[candidate.problem.floor.skipped :]
     problem = candidate.problem
@@ -49,7 +51,7 @@ def fitted_load(candidate: Candidate) -> Fit | None:
     guesses = [
         guess
         for e in trimmed(candidate.absent.e)
-        for guess in planned(candidate.effect, candidate.base, candidate.place, t, e, response, least)
+        for guess in planned(candidate.effect, candidate.base, candidate.place, t, e, h, least)
     ]
     (low, high), span = candidate.bounds["amplitude"], candidate.bounds
     many = [
@@ -92,9 +94,13 @@ def trimmed(e: Floats) -> list[Floats]:
         return [np.nan_to_num(e / (1.0 + (e / scale) ** 2 / NU)) for scale in scales]
 
 
-def _response(candidate: Candidate) -> Floats | None:
-    """Return the innovations' response to a load of 1 in one interval, (rows from then on, signals)."""
-    problem, base, place = candidate.problem, candidate.base, candidate.place
+def response(
+    problem: Problem, base: Diagram, place: str, hold: Literal["previous", "linear"] = "previous"
+) -> Floats | None:
+    """Return the innovations' response to a load of 1 in one interval at a feed, (rows from then on, signals).
+
+    The load is held from row to row, or joined by straight lines (``hold``).  None where nothing answers.
+    """
     t = problem.record.log.t
     at = problem.floor.skipped + (len(t) - problem.floor.skipped) // 4
     signal = str(base[place].output_labels[0])
@@ -102,10 +108,11 @@ def _response(candidate: Candidate) -> Floats | None:
     size = PULSE * (high - low)
     push = np.zeros(len(t))
     push[at] = size
-    wave = [Recorded("wave", t, push, hold="previous"), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
+    wave = [Recorded("wave", t, push, hold=hold), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
     kicked = base.insert(signal, wire(wave, ["in"], ["out"], name=f"{place}:pulse"))
-    found = (problem.innovations(kicked)[0] - candidate.absent.e) / size
-    h = np.nan_to_num(found[at - problem.floor.skipped :])
+    first = at - (1 if hold == "linear" else 0)  # what is joined by lines rises from the row before
+    absent = Candidate(problem, base).absent
+    h = np.nan_to_num((problem.innovations(kicked)[0] - absent.e) / size)[first - problem.floor.skipped :]
     return h if np.abs(h).max(initial=0.0) > 0.0 else None
 
 

@@ -8,7 +8,7 @@ from diagram.progress import Progress
 from gap.adequacy import needed, share
 from gap.candidates import PRICE, candidates, price, ranked
 from gap.effect import Effect
-from gap.hidden import followed_on
+from gap.hidden import followed_on, glimpsed
 from gap.inserting import inserted
 from gap.problem import Problem
 from gap.proposals import proposed, smooth
@@ -21,6 +21,8 @@ ENOUGH = 0.3  # share of the gap that one of two effects explains alone
 JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to the end
 PROMISING = 4  # effects with slopes that are fitted beside a hidden mode
 WORTH = 0.7  # share of the gap that two effects explain before they are fitted again in turn
+SAME = 60.0  # nats between single effects that leave the same
+HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 TURNS = 2  # times that each is fitted again given the other
 
 
@@ -48,22 +50,70 @@ def paired(
     if not fits or share(problem, fits[0]) < ENOUGH:
         return None
     found = joined(problem, fits)
-    if not found or problem.limit + needed(problem) < found[0].second.F:
-        legal = list(catalogue)
-        firsts = [fit for fit in fits if fit.present and not fit.candidate.noisy and share(problem, fit) >= ENOUGH]
-        for first in firsts[:FIRSTS]:
-            second = next((fit for fit in ranked(_beside(problem, first, legal), progress) if fit.present), None)
-            if second is not None:
-                pair = Pair(first, second)
-                found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
+    if found and problem.limit + needed(problem) >= found[0].second.F:
+        return found[0]
+    legal = list(catalogue)
+    for first in _firsts(problem, fits):
+        second = next((fit for fit in ranked(_beside(problem, first, legal), progress) if fit.present), None)
+        hidden = None if first.effect.hidden else _stem_beside(problem, first, second, legal)
+        for fit in (second, hidden):
+            if fit is not None:
+                pair = Pair(first, fit)
+                found.append(improved(problem, pair) if share(problem, fit) >= WORTH else pair)
+        if found and min(pair.second.F for pair in found) <= problem.limit + needed(problem):
+            break
     return min(found, key=lambda pair: pair.total, default=None)
+
+
+def beside_digits(problem: Problem, first: Fit, catalogue: Iterable[Effect], progress: Progress = None) -> Pair | None:
+    """Return the pair of an effect that the digits of a log prove and the best one beside it; None if none could be.
+
+    Digits say nothing of the rest of the gap, so any effect without a hidden mode may be the second.
+    """
+    base = inserted(problem.quiet, first)
+    legal = [
+        one
+        for one in candidates(problem, base, catalogue)
+        if one.effect and one.effect is not first.effect and not one.effect.hidden
+    ]
+    second = next((fit for fit in ranked(legal, progress) if fit.present), None)
+    return None if second is None else Pair(first, second)
+
+
+def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
+    """Return the single effects to which a second is added: the best ones, one of those that leave the same."""
+    found: list[Fit] = []
+    for fit in fits:
+        useful = fit.present and not fit.candidate.noisy and share(problem, fit) >= ENOUGH
+        if useful and all(abs(fit.F - one.F) > SAME for one in found):
+            found.append(fit)
+    return found[:FIRSTS]
+
+
+def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Sequence[Effect]) -> Fit | None:
+    """Return an effect with a hidden mode beside another, the simplest that is worth it; None if none is.
+
+    It is looked for on the first part of the record, and followed where it does better than ``second``.
+    """
+    base = inserted(problem.quiet, first)
+    legal = [one for one in candidates(problem, base, catalogue) if one.effect and one.effect.hidden]
+    least = min(first.F, second.F if second else first.F)
+    left = max(first.F - problem.level, 0.0)
+    best: Fit | None = None
+    for candidate in sorted(legal, key=lambda one: len(one.own)):
+        fit = glimpsed(candidate)
+        if fit is not None and least - HOPE * left > fit.F:
+            fit = followed_on(fit)
+            fit = replace(fit, price=price(fit))
+            if best is None or fit.total < best.total:
+                best = fit
+            least = min(least, fit.F)
+    return best
 
 
 def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> list[Candidate]:
     """Return the effects that are searched for in the presence of another: those that have no slope, for which no line
     speaks, and beside a hidden mode the few of the others whose slopes promise most.
-
-    A hidden mode is found as the first or not at all.
     """
     legal = [
         one

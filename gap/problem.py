@@ -60,9 +60,13 @@ class Problem:
         diagram: Diagram,
         params: Mapping[str, ArrayLike] | None = None,
         record: Record | None = None,
+        logs: Sequence[Log] | None = None,
     ) -> Floats:
-        """Return the innovations of a diagram, one run for each entry of the parameters, (runs, rows, signals)."""
-        return self.replayed(diagram, params, record)[0]
+        """Return the innovations of a diagram, one run for each entry of the parameters, (runs, rows, signals).
+
+        ``logs``: one a run in place of the record's.
+        """
+        return self.replayed(diagram, params, record, logs)[0]
 
     def offsets(self, diagram: Diagram, params: Mapping[str, ArrayLike]) -> Floats:
         """Return what the pins add to a diagram that starts as the record does, (runs, rows, signals)."""

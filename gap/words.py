@@ -22,6 +22,7 @@ from gap.separating import staircase_separates, tags
 from gap.sizes import SEEN, shares, shrinkage, sizes
 from gap.structure import by_wiring
 from gap.swapping import swapped
+from gap.unmeasured import UnmeasuredLoad
 
 Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not tell apart
@@ -50,16 +51,21 @@ def no_gap(problem: Problem, legal: Sequence[Candidate]) -> GapReport:
     return replace(_report(problem, words, problem.as_it_is, rests=rests), seen=least)
 
 
-def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
-    """Return the report of a gap that nothing in the catalogue explains: its segment, and what comes nearest."""
+def unknown(problem: Problem, fits: Sequence[Fit], rival: UnmeasuredLoad | None = None) -> GapReport:
+    """Return the report of a gap that nothing in the catalogue explains: its segment, and what comes nearest.
+
+    ``rival``: the load that nobody measures which suits the record best.
+    """
     best = fits[0] if fits else None
     near = abnormal_segment(problem)
     place = best.place if best is not None and best.place in near else near[0]
+    if rival is not None and rival.explains:
+        place, near = rival.place, (rival.place, *(name for name in near if name != rival.place))
     words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
     if best is not None:
         part = 100.0 * share(problem, best)
         words.append(f"Nearest is {best.effect.name} at {best.place}, which explains {part:.0f} % of it.")
-    words += shape(problem)
+    words += shape(problem) + disturbance_only(problem, rival)
     explained = shares(fits, problem.score, problem.level)
     rests = evidence(problem, "unknown", fits[:1], fits)
     sure = problem.sureness.probability(rests)
@@ -70,8 +76,17 @@ def unknown(problem: Problem, fits: Sequence[Fit]) -> GapReport:
     )  # fmt: skip
 
 
-def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit], kind: str = "complete") -> GapReport:
-    """Return the report of a gap with one cause; ``same`` what cannot be told apart, the best first."""
+def named(
+    problem: Problem,
+    same: Sequence[Fit],
+    fits: Sequence[Fit],
+    kind: str = "complete",
+    rival: UnmeasuredLoad | None = None,
+) -> GapReport:
+    """Return the report of a gap with one cause; ``same`` what cannot be told apart, the best first.
+
+    ``rival``: the load that nobody measures which suits the record best.
+    """
     best = same[0]
     places = tuple(dict.fromkeys(fit.place for fit in same))
     others = tuple(dict.fromkeys(fit.effect.name for fit in same if fit.effect.name != best.effect.name))
@@ -82,6 +97,7 @@ def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit], kind: str 
     if others:
         words.append(f"From these signals it cannot be told apart from {listed(others)}; {next_test(problem, same)}.")
     words.append(f"It explains {100.0 * share(problem, best):.1f} % of the gap" + _shrunk(shrunk))
+    words += disturbance_only(problem, rival, best.total)
     swap = swapped(problem, best.place)
     if swap is not None:
         words.append(str(swap))
@@ -93,9 +109,16 @@ def named(problem: Problem, same: Sequence[Fit], fits: Sequence[Fit], kind: str 
 
 
 def named_pair(
-    problem: Problem, pair: Pair, same: tuple[Sequence[Fit], Sequence[Fit]], fits: Sequence[Fit]
+    problem: Problem,
+    pair: Pair,
+    same: tuple[Sequence[Fit], Sequence[Fit]],
+    fits: Sequence[Fit],
+    rival: UnmeasuredLoad | None = None,
 ) -> GapReport:
-    """Return the report of a gap with two causes; ``same`` what each could be as well, given the other."""
+    """Return the report of a gap with two causes; ``same`` what each could be as well, given the other.
+
+    ``rival``: the load that nobody measures which suits the record best.
+    """
     both = (pair.first, pair.second)
     others = [
         tuple(dict.fromkeys(one.effect.name for one in also if one.effect is not also[0].effect)) for also in same
@@ -116,8 +139,28 @@ def named_pair(
         for cause in causes
     ]
     words.append(f"Together they explain {100.0 * share(problem, pair.second):.1f} % of the gap" + _shrunk(shrunk))
+    words += disturbance_only(problem, rival, pair.total)
     where = Where(both[0].place, sure, places, {name: explained.get(name, 0.0) for name in places})
     return _report(problem, words, pair.second.e, where, causes, ranking(fits, [], sure), shrunk, rests)
+
+
+def disturbance_only(problem: Problem, rival: UnmeasuredLoad | None, total: float | None = None) -> list[str]:
+    """Return in words how the rival of every effect does, a load that nobody measures.
+
+    ``total`` score and price [nats] of what is named, None if nothing is.
+    """
+    if rival is None:
+        return []
+    what = f"{rival} that follows no plan"
+    if total is not None:
+        more, close = rival.F - total, rival.explains and rival.F - total <= needed(problem)
+        if close:
+            return [f"Disturbance only cannot be excluded: {what}, leaves nothing and is {more:.0f} nats less likely."]
+        return [f"Disturbance only is excluded: {what}, is {more:.0f} nats less likely."]
+    if rival.explains:
+        return [f"Disturbance only cannot be excluded: {what}, leaves nothing of the gap."]
+    part = float(np.clip((problem.score - rival.left) / max(problem.score - problem.level, 1e-9), 0.0, 1.0))
+    return [f"Disturbance only is no explanation: the best, {what}, leaves {100.0 * (1.0 - part):.1f} % of the gap."]
 
 
 def next_test(problem: Problem, same: Sequence[Fit]) -> str:

@@ -1,0 +1,83 @@
+"""The rival of every effect, a load at the feed that nobody measures: where it is right, and where it is not."""
+
+import numpy as np
+import pytest
+
+from blocks import Noise
+from cases.models import ideal_flow
+from diagram import ensemble
+from gap import diagnose
+from gap.adequacy import needed
+from gap.diagnosis import prepared
+from gap.effects import effect
+from gap.unmeasured import forgotten, octaves, unmeasured_load
+from logs import Log
+
+SD, TIME = 0.006, 120.0  # of the load that the model lacks: standard deviation, correlation time [s]
+FEW = [effect(name) for name in ("sensor_bias", "process_gain", "dead_time", "controller_gain", "sine_disturbance")]
+
+
+@pytest.fixture(scope="module")
+def wandering(recorded):
+    """A record of the loop with a load that wanders, of which the model knows nothing."""
+    plain = recorded(seed=4)
+    load = Noise("load", sd=SD, dt=1.0, correlation_time=TIME, name="feed").with_role("disturbance")
+    model = ideal_flow(rest=1.5).replace("feed", load)
+    many = ensemble(
+        model, plain.duration, times=plain.t, inputs=Log(plain.t, {"SP": plain["SP"]}), seeds=[4],
+        signals=["OP", "PV"], progress=False,
+    )  # fmt: skip
+    return Log(plain.t, {"SP": plain["SP"], **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+
+
+def load_of(log):
+    problem = prepared(ideal_flow(), log)
+    return problem, unmeasured_load(problem, needed(problem))
+
+
+def test_a_wandering_load_is_no_effect_of_the_catalogue_and_said_to_explain_everything(wandering):
+    report = diagnose(ideal_flow(), wandering, catalogue=FEW, progress=False)
+    assert [(cause.effect, cause.place) for cause in report.causes] == [("unknown", "feed")]
+    assert any(word.startswith("Disturbance only cannot be excluded: a load at feed") for word in report.words)
+
+
+def test_the_size_of_the_load_is_found(wandering):
+    problem, load = load_of(wandering)
+    assert load.explains and load.left < problem.limit < problem.score
+    assert load.sd == pytest.approx(SD, rel=0.4)  # half an hour has some fifteen correlation times
+    assert load.period > TIME  # half of the power of an autoregression is slower than 2 pi times its time
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "values"),
+    [
+        ("controller_gain", "controller", {"factor": 1.15}),  # OP does not follow PV as the controller would
+        ("sensor_noise", "sensor", {"factor": 3.0}),  # PV jumps at every row, which no process does
+    ],
+)
+def test_a_load_does_not_explain_what_lies_elsewhere(recorded, name, place, values):
+    problem, load = load_of(recorded(name, place, **values))
+    assert not load.explains
+    assert load.left - problem.level > 0.2 * (problem.score - problem.level)
+
+
+def test_an_effect_of_one_size_is_likelier_than_a_load_that_is_free(recorded):
+    report = diagnose(ideal_flow(), recorded("dead_time", "process", theta=0.8), catalogue=FEW, progress=False)
+    assert report.causes[0].effect == "dead_time"
+    assert any(word.startswith("Disturbance only is excluded: a load at feed") for word in report.words)
+
+
+def test_without_a_gap_a_load_gains_nothing(recorded):
+    problem, load = load_of(recorded(seed=6))
+    assert load.explains and pytest.approx(problem.score, abs=30.0) == load.F
+    assert load.sd < 0.1 * SD
+
+
+def test_octaves_hold_every_frequency_once():
+    for n in (1, 2, 3, 100, 3551):
+        assert np.concatenate(octaves(n)).tolist() == list(range(n))
+
+
+def test_a_response_that_stays_has_no_fourier_series():
+    rows = np.arange(1000.0)
+    assert forgotten(np.exp(-rows / 50.0)[:, None]) and not forgotten(np.ones((1000, 1)))
