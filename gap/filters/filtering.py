@@ -135,7 +135,8 @@ class Filtering:
         found = []
         for s in self.signals:
             values = log[s][log.good(s)]
-            found.append(max(rounding(values) ** 2 / 12.0, 1e-12 * float(np.var(values))) if len(values) else UNSEEN)
+            step = self.record.computed.get(s, 0.0) or rounding(values)
+            found.append(max(step**2 / 12.0, 1e-12 * float(np.var(values))) if len(values) else UNSEEN)
         return np.array(found)
 
     @cached_property
@@ -355,7 +356,7 @@ def run(
             same = np.abs(np.diff(f.Y[:, j])) <= 0.5 * np.sqrt(12.0 * f.r[j])
             skip[1:, j] = (np.diff(scans) == 0) & same
     told = one.told if one.told is not None else np.zeros(one.F.shape[1])
-    K, s, r, P = np.zeros((m, n)), np.ones(m), f.r, np.zeros((f.every, n, n))
+    K, s, r, P = np.zeros((m, n)), np.ones(m), f.r, np.zeros((f.every + 1, n, n))
     P[0] = 1e-4 * np.eye(n)
     if not exact:
         A = np.empty((n, n))
