@@ -4,6 +4,12 @@
 
 Runs of the user's own model (``calibrate``) count; until there are any, those of the benchmark stand alone.  No number
 of runs makes a probability of 1.
+
+Runs of a catalogue's effects say nothing of effects that no catalogue has, which get the same kinds of answers.  Of the
+gaps that a filter sees one in four is taken to be such a one.  Then, with b answers of a kind that those got for each
+one that the catalogue's effects got,
+
+    p of a name = p / (1 + b)          p of "unknown": n R / 3 of them are right among n runs, R the share found
 """
 
 from collections.abc import Iterable, Mapping
@@ -41,6 +47,12 @@ def kind(evidence: Evidence) -> str:
     return evidence.kind
 
 
+OUTSIDE = 0.25  # share of the gaps whose effect is in no catalogue
+# kind of answer -> such answers to effects outside the catalogue, for each one to effects of the catalogue
+MISTAKEN: Mapping[str, float] = {}
+RECALLED = 0.8  # share of effects outside the catalogue that are called unknown
+
+
 @dataclass(frozen=True)
 class Sureness:
     """How often answers of each kind were right in ``runs`` runs of one's own: kind -> (right, of)."""
@@ -53,8 +65,11 @@ class Sureness:
         of_kind = kind(evidence)
         right, of = BENCHMARK.get(of_kind, (1, 1))
         prior = (right + 0.5) / (of + 1.0)
-        own_right, own_of = self.own.get(of_kind, (0, 0))
-        return (own_right + PRIOR * prior) / (own_of + PRIOR)
+        own_right, own_of = map(float, self.own.get(of_kind, (0, 0)))
+        if of_kind == "filter, unknown":
+            beside = RECALLED * OUTSIDE / (1.0 - OUTSIDE) * self.runs
+            own_right, own_of = own_right + beside, own_of + beside
+        return (own_right + PRIOR * prior) / (own_of + PRIOR) / (1.0 + MISTAKEN.get(of_kind, 0.0))
 
     def __str__(self) -> str:
         if not self.runs:

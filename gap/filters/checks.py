@@ -6,15 +6,12 @@ Each figure is normal with mean 0 and standard deviation 1 if the explanation is
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.effects.scan_time import ScanTime
 from gap.filters.filtering import Filtered
-from gap.filters.fitting import directions
 
 Floats = NDArray[np.float64]
 LAGS = (1, 2, 3, 4, 6, 9, 14, 20, 30)
 ACROSS = (-4, -3, -2, -1, 0, 1, 2, 3, 4)
 BLOCKS = 16  # stretches of a record whose variances are compared
-STRETCHES, WEIGHTY = 6, 0.03  # in which a parameter is looked at; share of its slopes that one needs
 BEHIND = 24  # rows behind a switch of an input
 SLOWEST = 40  # of the record's frequencies that are looked at one by one
 CALM = 4.0  # innovations beyond are cut before they are compared with anything: a single one is another figure
@@ -28,7 +25,7 @@ def checks(one: Filtered) -> dict[str, float]:
     known = np.isfinite(e)
     cut = np.clip(np.nan_to_num(e), -CALM, CALM)
     size = np.where(known, np.minimum(np.nan_to_num(e) ** 2, CALM**2) - 1.0, 0.0)
-    against = _against(one)
+    against = known_of(one)
     for j, s in enumerate(f.signals):
         n = max(int(known[:, j].sum()), 1)
         if n < 100:
@@ -61,27 +58,7 @@ def checks(one: Filtered) -> dict[str, float]:
     return found
 
 
-def constancy(one: Filtered) -> dict[str, float]:
-    """Return name -> figure of whether each parameter is the same in all stretches of the record.
-
-    Sum of e d over a stretch, d the slope of the innovations in the parameter, over the length of d there.
-    """
-    if one.explanation.sticks or isinstance(one.explanation.effect, ScanTime) or one.mixed is not None:
-        return {}
-    found = {}
-    first = one.explanation.filtering.skipped
-    e = np.clip(np.nan_to_num(one.e[first:]), -CALM, CALM)
-    for name, d in directions(one).items():
-        whole = float(np.sum(d[first:] ** 2))
-        for k, part in enumerate(np.array_split(np.arange(len(e)), STRETCHES)):
-            own = d[first:][part]
-            length = float(np.sqrt(np.sum(own**2)))
-            if length**2 > WEIGHTY * whole:
-                found[f"{name} in stretch {k + 1} of {STRETCHES}"] = float(np.sum(e[part] * own)) / length
-    return found
-
-
-def _against(one: Filtered) -> dict[str, Floats]:
+def known_of(one: Filtered) -> dict[str, Floats]:
     """Return what innovations should not go with, by name, (rows,) with mean 0."""
     f = one.explanation.filtering
     log, first = f.record.log, f.skipped

@@ -7,8 +7,8 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -17,17 +17,21 @@ from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.effect import Effect
 from gap.effects.compression import Compression
+from gap.effects.disturbance import Disturbance
 from gap.effects.quantisation import Quantisation
 from gap.effects.sensor_noise import SensorNoise
 from gap.evidence import Evidence
 from gap.filters.affine import NotAffine
-from gap.filters.checks import checks, constancy
+from gap.filters.checks import checks
+from gap.filters.constant import constancy
 from gap.filters.digits import coarse_sensor, compressed
 from gap.filters.explaining import ranked, settled, total
-from gap.filters.filtering import Explanation, Filtered, Filtering
+from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found
 from gap.filters.hysteresis import fitted_stems
 from gap.filters.logged_stem import LoggedStem
+from gap.filters.reading import Filtering
+from gap.filters.rivals import beside, either_way, likeliest
 from gap.filters.scanned import base_period
 from gap.filters.summed import with_outputs
 from gap.model import nuisances, silenced
@@ -37,7 +41,7 @@ from gap.start import start_values
 NEEDED = 6.5  # nats that an effect must gain: noise alone gains as much in one of 300 records
 LIMIT = 4.7  # largest check of an explanation that is right
 LIMIT_STEMS = 9.0  # of a bank of stems, which is not exact
-EXPLAINED, LIMIT_LARGE = 0.97, 7.5  # an explanation of so much of a gap may fail its checks a little: no law is exact
+EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
 TIE = 6.0  # nats between explanations that the record does not tell apart
 ACTING = 1.5  # excess of OP's innovations over that of PV's from which on the controller is it
@@ -80,7 +84,19 @@ class Outcome:
         one = best.best.explanation
         if one.sticks and one.effect is not None:
             return Evidence(f"filter, {one.effect.name}", gained, share, margin)
-        return Evidence("filter, white" if passes(best.best) else "filter, nearly", gained, share, margin)
+        return Evidence(_kind(best.best), gained, share, margin)
+
+
+def _kind(best: Filtered) -> str:
+    """Return what the name of an effect without a hidden mode rests on."""
+    effect = best.explanation.effect
+    if not passes(best):
+        return "filter, nearly"
+    if rival(best)[1] < TIE:
+        return "filter, rivalled"
+    if isinstance(effect, Disturbance):
+        return "filter, load"
+    return "filter, noise" if isinstance(effect, SensorNoise) else "filter, white"
 
 
 def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
@@ -123,7 +139,7 @@ def outcome(
     if stem is not None:
         catalogue = stem.possible(catalogue)
     elsewhere = stem is not None and not stem.follows
-    plain = settled(f)
+    plain = settled(replace(f, catalogue=tuple(catalogue)))
     f = plain.best.explanation.filtering
     legal = [(effect, place) for effect in catalogue for place in effect.places(f.model)]
     for effect, place in legal:
@@ -167,9 +183,12 @@ def _stems(plain: Found, sticking: Sequence[tuple[Effect, str]]) -> list[Found]:
     return found
 
 
+@lru_cache(maxsize=64)
 def worst(one: Filtered) -> tuple[str, float]:
     """Return the check that an explanation passes least, and by how much."""
-    found = checks(one) | (constancy(one) if one.explanation.effect else {})
+    found = checks(one)
+    if one.explanation.effect:
+        found |= constancy(one) | beside(one) | either_way(one)
     name = max(found, key=lambda key: abs(found[key]))
     return name, abs(found[name])
 
@@ -179,13 +198,22 @@ def passes(one: Filtered) -> bool:
     return worst(one)[1] <= (LIMIT_STEMS if one.explanation.sticks else LIMIT)
 
 
+@lru_cache(maxsize=64)
+def rival(one: Filtered) -> tuple[str, float]:
+    """Return the likeliest generic rival of an explanation, and by how many nats it is worse."""
+    name, loss = likeliest(one)
+    return name, loss - one.nll
+
+
 def adequate(plain: Found, one: Found) -> bool:
-    """Return whether an explanation passes its checks, or nearly does where it explains nearly all of a large gap."""
-    if passes(one.best):
-        return True
-    limit = max(LIMIT_STEMS if one.best.explanation.sticks else LIMIT_LARGE, SMALL * worst(plain.best)[1])
-    limit = LIMIT_LARGE if isinstance(one.best.explanation.effect, SensorNoise) else min(limit, LIMIT_LARGEST)
-    return explained(plain, one) >= EXPLAINED and worst(one.best)[1] <= limit
+    """Return whether an explanation passes its checks, or nearly does where it explains nearly all of a large gap.
+
+    And no generic rival is likelier.
+    """
+    limit = LIMIT_STEMS if one.best.explanation.sticks else LIMIT
+    if explained(plain, one) >= EXPLAINED and not isinstance(one.best.explanation.effect, SensorNoise):
+        limit = max(limit, min(SMALL * worst(plain.best)[1], LIMIT_LARGEST))
+    return worst(one.best)[1] <= limit and rival(one.best)[1] > 0.0
 
 
 def explained(plain: Found, one: Found) -> float:

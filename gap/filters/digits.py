@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from gap.effect import Effect
 from gap.effects.quantisation import Quantisation
-from gap.filters.filtering import Explanation, Filtering
+from gap.filters.filtering import Explanation
 from gap.filters.fitting import Found, refined, tried
+from gap.filters.reading import Filtering
 from gap.floor import without_gap
 from gap.record import rounding
 from gap.straightness import deviation_of, lined

@@ -13,8 +13,9 @@ from gap.effects.controller_limits import ControllerLimits
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_saturation import SensorSaturation
-from gap.filters.filtering import Explanation, Filtered, Filtering
+from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found, best_of, grid, refined, tried
+from gap.filters.reading import Filtering
 from gap.filters.switches import with_switches
 from gap.loads import planned
 
@@ -234,7 +235,7 @@ def _load(plain: Found, one: Explanation) -> Filtered | None:
     f, base = one.filtering, plain.best
     rows = f.time[:: f.every]
     at = f.skipped + (len(rows) - f.skipped) // 4
-    pulse = _Pulse(f, one.effect, one.place, at)
+    pulse = _Pulse(f, one.effect, one.place, row=at)
     kicked = tried(pulse, base.values)
     if kicked is None or one.effect is None:
         return None

@@ -7,12 +7,10 @@
 
 r is the variance of the log's rounding, step^2 / 12.  Mean and covariance go through the law of the valve as its
 first two moments say (``blurred``), or the covariance is steady where there is none (``steady``).  Near a limit of a
-controller nobody knows whether it is reached.  What is wanted is N(w, sd^2): so OP is the mean of what lies within the limits, its slope the
-share p that does, memories are the mean of both cases, and their variance grows by p (1 - p) (their difference)^2.
-Until it has settled again the covariance is carried along.
-
-What the valve makes of the opening x that it is told (``law`` and its numbers a, b):
-    0  nothing of its own     1  stops at a and b     2  (a^x - 1)/(a - 1)     3  moves by a per scan at most
+controller nobody knows whether it is reached.  What is wanted is N(w, sd^2): so OP is the mean of what lies within the
+limits, its slope the share p that does, memories are the mean of both cases, and their variance grows by
+p (1 - p) (their difference)^2.  Until it has settled again the covariance is carried along; so it is behind a row in
+which a signal is missing.
 """
 
 import math
@@ -20,66 +18,12 @@ import math
 import numpy as np
 from numba import njit
 
-NONE, STOPS, CURVED, SLOW = 0, 1, 2, 3
+from gap.filters.laws import blurred, through, within
+
 SMALLEST = 1e-16  # variance
 CERTAIN = 12.0 / (2.0 * math.pi)  # of r: variance of a normal law that is as dense as one over the rounding step
 CLOSE = 4.0  # standard deviations from a limit within which it may be reached
-NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
-WEIGHTS = WEIGHTS / WEIGHTS.sum()
 SETTLED = 0.02  # share by which variances may still differ from steady ones
-
-
-@njit(cache=True)
-def through(law, a, b, told, held):  # type: ignore[no-untyped-def]
-    """Return (mean opening over the scan, slope, opening at its end); ``held``: the opening at its beginning."""
-    if law == STOPS:
-        value = min(max(told, a), b)
-        return value, (1.0 if value == told else 0.0), value
-    if law == CURVED:
-        if abs(a - 1.0) < 1e-6:
-            return told, 1.0, told
-        power = a**told
-        return (power - 1.0) / (a - 1.0), power * np.log(a) / (a - 1.0), told
-    if law == SLOW:
-        way = told - held
-        if abs(way) <= a:
-            part = abs(way) / a  # of the scan, until it arrives
-            return told - 0.5 * way * part, 1.0 - 0.5 * part, told
-        end = held + np.copysign(a, way)
-        return held + np.copysign(0.5 * a, way), 0.0, end
-    return told, 1.0, told
-
-
-@njit(cache=True)
-def blurred(law, a, b, told, sd, held, loose):  # type: ignore[no-untyped-def]
-    """Return what a law makes of an opening that is told up to N(0, sd^2): (mean, slope, variance beyond the slope,
-    end, its variance); ``held`` the opening at the beginning of the scan, ``loose`` its variance.
-
-    Seven points x_i of Gauss and Hermite with weights w_i: mean = sum w_i f(x_i), slope = sum w_i f(x_i) (x_i - told) /
-    sd^2 (Stein's lemma).  What a stem of limited rate has still to go is loose by both variances.
-    """
-    if sd < 1e-12 and loose < 1e-24:
-        mean, slope, end = through(law, a, b, told, held)
-        return mean, slope, 0.0, end, 0.0
-    if law != SLOW:
-        loose = 0.0
-    variance = sd * sd + loose
-    wide = math.sqrt(variance)
-    mean, cross, square, end, end_cross, end_square = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(len(NODES)):
-        x = wide * NODES[i]
-        value, _, last = through(law, a, b, told + x, held)
-        mean += WEIGHTS[i] * value
-        cross += WEIGHTS[i] * value * x
-        square += WEIGHTS[i] * value * value
-        end += WEIGHTS[i] * last
-        end_cross += WEIGHTS[i] * last * x
-        end_square += WEIGHTS[i] * last * last
-    slope, end_slope = cross / variance, end_cross / variance
-    more = max(square - mean * mean - slope * slope * variance, 0.0) + (1.0 - slope) ** 2 * loose
-    beyond = max(end_square - end * end - end_slope * end_slope * variance, 0.0)
-    after = beyond + (1.0 - end_slope) ** 2 * loose if law == SLOW else 0.0
-    return mean, slope, more, end, after
 
 
 @njit(cache=True)
@@ -130,22 +74,6 @@ def deviation(h, P):  # type: ignore[no-untyped-def]
         if h[i] != 0.0:
             total += h[i] * along(P[i], h)
     return math.sqrt(max(total, 0.0))
-
-
-@njit(cache=True)
-def within(wanted, sd, lo, hi):  # type: ignore[no-untyped-def]
-    """Return (mean of what lies within limits, share of it) of N(wanted, sd^2).
-
-    E = lo A + hi (1 - B) + wanted (B - A) + sd (phi(a) - phi(b)),  a, b the limits in sd from wanted, A = Phi(a), ...
-    """
-    a, b = (lo - wanted) / sd, (hi - wanted) / sd
-    A, B = 0.5 * math.erfc(-a / math.sqrt(2.0)), 0.5 * math.erfc(-b / math.sqrt(2.0))
-    mean = wanted * (B - A) + sd * (math.exp(-0.5 * a * a) - math.exp(-0.5 * b * b)) / math.sqrt(2.0 * math.pi)
-    if A > 0.0:
-        mean += lo * A
-    if B < 1.0:
-        mean += hi * (1.0 - B)
-    return mean, B - A
 
 
 @njit(cache=True)

@@ -19,17 +19,15 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from blocks.block import Block
-from blocks.role import Role
 from diagram.diagram import Diagram
 from gap.filters import kalman
 from gap.filters.affine import Affine, NotAffine, affine
+from gap.filters.operating import ONLOOKERS, beyond_limit, inside
 from gap.model import Nuisance
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
-ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
 LATE = 100  # scans of dead time at most: each is one more z, and the work grows with the cube of their number
-FAR = 50.0  # of OP's unit: how far beyond its limit a controller is looked at
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +113,7 @@ def scanned(
     ops = [str(b.output_labels[0]) for b in acting]
     periods, offsets = _scans(blocks, acting, h)
     at = np.array([near[s] for s in signals])
-    tables = [affine(_inside(b, near), at[[place[str(s)] for s in b.input_labels]]) for b in blocks]
+    tables = [affine(inside(b, near), at[[place[str(s)] for s in b.input_labels]]) for b in blocks]
 
     # --- columns of what everything is made of
     own = [(b.name, s) for b, a in zip(blocks, tables, strict=True) for s in a.states]
@@ -135,7 +133,9 @@ def scanned(
     at_mv, at_in = n + len(ops), n + len(ops) + 1
     N = at_in + len(kinds)
     unit = np.eye(N)
-    in_force = {one.block: unit[len(own) + j] for j, one in enumerate(noise)}
+    in_force: dict[str, Floats] = {}
+    for j, one in enumerate(noise):
+        in_force[one.block] = in_force.get(one.block, 0.0) + unit[len(own) + j]
     delayed = {(name, i): unit[first + length - 1] for name, i, first, length, _ in lines}
 
     # --- signals just after a scan: s = G s + r
@@ -245,7 +245,7 @@ def scanned(
         here = np.flatnonzero(np.array(of) == c)
         for side, sign in enumerate((1.0, -1.0)):
             for push, way in enumerate((1.0, -1.0)):
-                there = _beyond(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
+                there = beyond_limit(block, at[[place[str(s)] for s in block.input_labels]], sign, sign * way)
                 if there:
                     first = rows_of[block.name][0]
                     beyond[side, push, here] = _moved(
@@ -291,56 +291,10 @@ def _moved(
     return found + np.outer(a.moved[:, k + m], unit[at_t]) + np.outer(a.moved[:, k + m + 1], unit[at_t + 1])
 
 
-def _inside(block: Block, near: Mapping[str, float]) -> Block:
-    """Return a controller with the memory that gives its usual output: a log may begin as if it were at a limit."""
-    names = block.seen_states()
-    if block.role is not Role.CONTROLLER or not block.sampled or not block.limit_params or not names:
-        return block
-    return block.starting_at(**{names[0]: near[str(block.output_labels[0])]})
-
-
 def _held(A: Floats, t: float) -> Floats:
     """Return the integral of exp(A s) from 0 to t."""
     n = len(A)
     both = np.zeros((2 * n, 2 * n))
     both[:n, :n], both[:n, n:] = A * t, np.eye(n) * t
     found: Floats = expm(both)[:n, n:]
-    return found
-
-
-def _beyond(block: Block, u: Floats, sign: float, push: float) -> Affine | None:
-    """Return a controller far beyond its limit on one side, its error pushing upwards or downwards."""
-    names = block.seen_states()
-    if not block.sampled or not names:
-        return None
-    sp, pv = (list(block.input_labels).index(str(block.loop_signal(part))) for part in ("SP", "PV"))
-    up, down = u.copy(), u.copy()
-    up[sp], down[sp] = u[sp] + 0.01, u[sp] - 0.01
-    x = np.asarray(block.seen_start(), dtype=float)
-    way = 1.0 if block.output(0.0, x, up)[0] >= block.output(0.0, x, down)[0] else -1.0
-    at = u.copy()
-    at[sp] = at[pv] + way * push * 0.1
-    return affine(block.starting_at(**{names[0]: sign * FAR}), at)
-
-
-def operating(
-    diagram: Diagram, seen: Mapping[str, float], inputs: Sequence[str], controllers: Sequence[str]
-) -> dict[str, float]:
-    """Return the values of all signals near which blocks are looked at: those seen, the others as they follow.
-
-    The errors of ``controllers`` are 0 there.
-    """
-    blocks = [b for b in diagram.blocks if b.role not in ONLOOKERS]
-    found = {str(s): 0.0 for b in blocks for s in b.output_labels} | dict.fromkeys(inputs, 0.0) | dict(seen)
-    for _ in range(len(blocks)):
-        before = dict(found)
-        for b in blocks:
-            u = np.array([found.get(str(s), 0.0) for s in b.input_labels])
-            out = np.asarray(b.output(0.0, b.seen_start(), u), dtype=float)
-            found |= {str(s): float(y) for s, y in zip(b.output_labels, out, strict=True) if str(s) not in seen}
-        if before == found:
-            break
-    for name in controllers:
-        sp, pv = (str(diagram[name].loop_signal(part)) for part in ("SP", "PV"))
-        found[pv] = found[sp]
     return found

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from gap.filters.filtering import RARE, Filtered
+from gap.filters.filtering import Filtered
 from gap.filters.fitting import tried
+from gap.filters.reading import RARE
 
 BEHIND = 5  # rows in which a switch shows
 MOST = 12  # scans within an interval that are tried

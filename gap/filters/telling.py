@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.filters.diagnosing import Outcome, adequate, explained, worst
+from gap.filters.diagnosing import TIE, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
-from gap.filters.filtering import Filtered, Filtering
+from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
 from gap.filters.hysteresis import followed_on, left
+from gap.filters.reading import Filtering
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.sizes import BLOCKS, SEEN, SURE
 from gap.structure import by_wiring
@@ -71,9 +72,15 @@ def _unknown(o: Outcome, sureness: Sureness) -> GapReport:
         part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
         effect = best.best.explanation.effect
         name, size = worst(best.best)
+        other, behind = rival(best.best)
+        left = (
+            f"is {-behind:.1f} nats worse than {other}, which no effect of the catalogue is"
+            if behind <= 0.0
+            else f"leaves what a right explanation would not: {name}, {size:.1f} standard deviations"
+        )
         words.append(
             f"Nearest is {effect.name if effect else ''} at {best.best.explanation.place}, which explains {part:.0f} % "
-            f"of it and leaves what a right explanation would not: {name}, {size:.1f} standard deviations."
+            f"of it and {left}."
         )
     name, size = worst(o.plain.best)
     words.append(f"What the model as it is leaves shows most in: {name}, {size:.1f} standard deviations.")
@@ -104,8 +111,9 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
             else "."
         )
     )
-    if not adequate(o.plain, best) and not o.textured:
-        words.append("Its checks are not all passed.")
+    if not o.textured and rival(best.best)[1] < TIE:
+        other, behind = rival(best.best)
+        words.append(f"Nearly as well ({behind:.1f} nats less) the record is explained by {other}.")
     shares = _shares(o)
     where = Where(one.place, sure, places, {place: shares.get(place, 0.0) for place in places})
     cause = Cause(effect.name, one.place, sure, others, found)

@@ -12,9 +12,11 @@ from gap.filters import kalman
 from gap.filters.affine import NotAffine, affine
 from gap.filters.checks import checks
 from gap.filters.digits import levels
-from gap.filters.filtering import Explanation, Filtering
+from gap.filters.filtering import Explanation
 from gap.filters.fitting import refined
-from gap.filters.scanned import operating, scanned
+from gap.filters.operating import operating
+from gap.filters.reading import Filtering
+from gap.filters.scanned import scanned
 from gap.filters.stems import stuck
 from gap.model import nuisances, read, silenced
 from gap.straightness import lined

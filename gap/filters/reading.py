@@ -1,0 +1,165 @@
+"""A record as a filter reads it: values, their digits, scans between rows, which signals controllers give."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.effect import Effect
+from gap.filters.affine import NotAffine
+from gap.filters.scanned import base_period
+from gap.model import Nuisance, known_within, nuisances
+from gap.paths import made_of
+from gap.record import Record, rounding
+
+Floats = NDArray[np.float64]
+UNSEEN = 1e9  # variance of a signal that is not there
+NEAR = 4  # rows behind a switch of an input that tell of its scan
+RARE = 0.1  # share of rows at which an input that switches does so, at most
+SKIPPED = 60  # rows at the beginning, and at least the time in which a start is forgotten
+
+
+@dataclass(frozen=True, eq=False)
+class Filtering:
+    """``model`` with its nuisances, ``quiet`` without, started as the record starts; ``record``; ``leads`` scans by
+    which each switch of an input comes before the row that shows it, (inputs, rows); ``apart``: whether rows just
+    behind a switch are left out; ``catalogue``: effects of which a little may be beside another.
+    """
+
+    model: Diagram
+    quiet: Diagram
+    record: Record
+    leads: NDArray[np.int64]
+    apart: bool = False
+    catalogue: tuple[Effect, ...] = ()
+
+    @cached_property
+    def counted(self) -> NDArray[np.bool_]:
+        """Which rows count: those behind the start, and ``apart`` those that no switch of an input is near."""
+        found = np.arange(len(self.Y)) >= self.skipped
+        if self.apart:
+            for s in self.record.played:
+                moved = np.flatnonzero(np.diff(self.record.log[s]) != 0.0) + 1
+                if len(moved) < RARE * len(self.Y):
+                    for k in range(NEAR):
+                        found[np.minimum(moved + k, len(found) - 1)] = False
+        return found
+
+    @cached_property
+    def noise(self) -> tuple[Nuisance, ...]:
+        """Sources of random numbers."""
+        return nuisances(self.model)
+
+    @cached_property
+    def period(self) -> float:
+        """Scan period [s]."""
+        return base_period(self.quiet)
+
+    @cached_property
+    def every(self) -> int:
+        """Scans between two rows."""
+        return round(self.record.log.dt / self.period)
+
+    @cached_property
+    def controllers(self) -> tuple[str, ...]:
+        """The blocks that scan and act, the outer one of a cascade before those whose set points it moves."""
+        found = [b for b in self.quiet.blocks if b.role is Role.CONTROLLER and b.sampled]
+        if not found:
+            raise NotAffine("the diagram has no controller that scans")
+        given_by = {str(b.output_labels[0]): b for b in found}
+
+        def depth(block: Block) -> int:
+            behind = [given_by[s] for s in made_of(self.quiet, str(block.loop_signal("SP"))) if s in given_by]
+            return 1 + max((depth(b) for b in behind), default=0)
+
+        return tuple(b.name for b in sorted(found, key=depth))
+
+    @cached_property
+    def ops(self) -> tuple[str, ...]:
+        """The outputs of the controllers."""
+        return tuple(str(self.quiet[name].output_labels[0]) for name in self.controllers)
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """Logged signals in the order in which they are taken in: measurements first, then outputs of controllers."""
+        return tuple(sorted(self.record.pinned, key=lambda s: self.ops.index(s) if s in self.ops else -1))
+
+    @cached_property
+    def acts(self) -> NDArray[np.int64]:
+        """Which controller gives each signal, -1 for measurements."""
+        return np.array([self.ops.index(s) if s in self.ops else -1 for s in self.signals])
+
+    def op_at(self, place: str) -> str:
+        """Return the output of the controller at a place, or of the one that the place follows."""
+        block = self.quiet[place]
+        behind = [
+            str(block.output_labels[0]),
+            *(one for s in block.input_labels for one in made_of(self.quiet, str(s))),
+        ]
+        return next((s for s in behind if s in self.ops), self.ops[-1])
+
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """Parameters of the model that are known within a tolerance only, with (low, high)."""
+        return known_within(self.quiet)
+
+    @cached_property
+    def Y(self) -> Floats:
+        """Logged values, (rows, signals); NaN where they are not good."""
+        log = self.record.log
+        return np.stack([np.where(log.good(s), log[s], np.nan) for s in self.signals], axis=1)
+
+    @cached_property
+    def r(self) -> Floats:
+        """Variance of the log's rounding of each signal, not quite 0 where it does not round."""
+        log = self.record.log
+        found = []
+        for s in self.signals:
+            values = log[s][log.good(s)]
+            step = self.record.computed.get(s, 0.0) or rounding(values)
+            found.append(max(step**2 / 12.0, 1e-12 * float(np.var(values))) if len(values) else UNSEEN)
+        return np.array(found)
+
+    @cached_property
+    def sure(self) -> Floats:
+        """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
+        return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
+
+    @cached_property
+    def skipped(self) -> int:
+        """Rows at the beginning that are not judged."""
+        return min(SKIPPED, len(self.Y) // 4)
+
+    @cached_property
+    def scans(self) -> int:
+        """Scans of the whole record."""
+        return (len(self.Y) - 1) * self.every + 1
+
+    @cached_property
+    def time(self) -> Floats:
+        """Time of each scan [s]."""
+        return np.asarray(float(self.record.log.t[0]) + self.period * np.arange(self.scans))
+
+    @cached_property
+    def played(self) -> Floats:
+        """Logged inputs at each scan, (scans, inputs)."""
+        log = self.record.log
+        found = np.empty((self.scans, len(self.record.played)))
+        for j, s in enumerate(self.record.played):
+            found[:, j] = np.repeat(log[s], self.every)[: self.scans]
+            for row in np.flatnonzero(self.leads[j, 1:] * np.diff(log[s])) + 1:
+                found[row * self.every - self.leads[j, row] : row * self.every, j] = log[s][row]
+        return found
+
+    @cached_property
+    def seen(self) -> dict[str, float]:
+        """Mean of each logged signal."""
+        return {s: float(np.nanmean(self.record.log[s])) for s in (*self.record.played, *self.record.pinned)}
+
+    def with_leads(self, leads: NDArray[np.int64]) -> "Filtering":
+        """Return the same record with other scans at which its inputs switch."""
+        return replace(self, leads=leads)

@@ -1,0 +1,178 @@
+"""Generic rivals of an explanation: what would suit the record better if the true effect were in no catalogue.
+
+Beside it: one more random signal at each source of random numbers, white, slow or in between.  An explanation that is
+right leaves nothing to it: 2 (nats gained) is then 0 in half of all records, else chi-squared of one degree.
+
+In its place: such a signal alone; of a planned load the same plan as a change of the gain, or of what the sensor shows.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
+from gap.effects.sensor_noise import SensorNoise
+from gap.effects.sensor_saturation import SensorSaturation
+from gap.effects.sine_disturbance import SineDisturbance
+from gap.filters.checks import CALM
+from gap.filters.constant import FRESH
+from gap.filters.explaining import free_names
+from gap.filters.filtering import Explanation, Filtered
+from gap.filters.fitting import directions, refined, tried
+from gap.model import Nuisance
+
+Floats = NDArray[np.float64]
+BANDS = (0.0, 1.0 / 600.0, 1.0 / 40.0, 1.0 / 6.0)  # correlation times, in records; 0 is white
+SIZES = (0.15, 0.4, 1.0, 2.5)  # of what the source gives in the model
+NEARBY, ROUNDS = (0.7, 1.4), 3  # sizes near the best; steps of its fit
+LITTLE = 0.01  # relative size of a little of an effect
+
+
+def randoms(one: Explanation) -> Iterator[Nuisance]:
+    """Yield random signals that a record may hold beside what the model says, each of the size of its source."""
+    f = one.filtering
+    long = float(f.time[-1] - f.time[0])
+    for source in f.noise:
+        for band in BANDS:
+            yield Nuisance(source.block, source.sd, band * long)
+
+
+def with_random(now: Filtered, random: Nuisance) -> Filtered:
+    """Return the explanation with the best of a few sizes of a random signal beside it; itself if none is likelier."""
+    best = now
+    for size in SIZES:
+        beside = replace(random, sd=size * random.sd)
+        new = tried(replace(now.explanation, beside=(beside,)), now.values)
+        if new is None or new.nll >= best.nll:
+            break
+        best = new
+    return best
+
+
+def beside(now: Filtered) -> dict[str, float]:
+    """Return name -> figure of what each random signal beside an explanation gains: sqrt(2 nats), never below 0.
+
+    None for a bank of stems, which has no room for one.
+    """
+    if now.mixed is not None:
+        return {}
+    found = {}
+    for random in randoms(now.explanation):
+        gained = now.nll - with_random(now, random).nll
+        found[f"beside it {random}"] = math.sqrt(2.0 * max(gained, 0.0))
+    return found
+
+
+def either_way(now: Filtered) -> dict[str, float]:
+    """Return name -> figure of whether a little of another effect beside an explanation, or of its opposite, suits.
+
+        e . v / |v|      v: slope of the innovations in the size of that effect, less its projection on those of the fit
+
+    Normal if the explanation is right.  The opposite of a lag is a lead, which no catalogue has.
+    """
+    f, first = now.explanation.filtering, now.explanation.filtering.skipped
+    if now.mixed is not None or isinstance(now.explanation.effect, ScanTime):
+        return {}
+    free = {key: now.values[key] for key in f.free}
+    bare, slopes = tried(Explanation(f), free), directions(now)
+    if bare is None or not slopes:
+        return {}
+    basis, _ = np.linalg.qr(np.stack([d[first:].ravel() for d in slopes.values()], axis=1))
+    e = np.clip(np.nan_to_num(now.judged), -CALM, CALM).ravel()
+    found = {}
+    for effect in f.catalogue:
+        for place in effect.places(f.model):
+            size = _little(Explanation(f, effect, place))
+            moved = tried(Explanation(f, effect, place), free | size) if size else None
+            if moved is None:
+                continue
+            change = (moved.e * np.sqrt(moved.S) - bare.e * np.sqrt(bare.S)) / np.sqrt(now.S)
+            d = np.nan_to_num(change[first:]).ravel()
+            own = d - basis @ (basis.T @ d)
+            length = float(np.sqrt(own @ own))
+            if length > FRESH * float(np.sqrt(d @ d)):
+                found[f"beside it {effect.name} at {place}, or its opposite"] = float(e @ own) / length
+    return found
+
+
+def _little(one: Explanation) -> dict[str, float]:
+    """Return a small size of an effect that has one size, moves paths of signals and can be small; else nothing."""
+    plain = isinstance(one.effect, SensorNoise | SensorSaturation | Quantisation | ScanTime)
+    if one.effect is None or one.effect.of_log or one.effect.hidden or plain or one.load or len(one.own) != 1:
+        return {}
+    (name,) = one.own
+    (low, high), nominal = one.bounds[name], one.nominal[name]
+    if not math.isfinite(nominal):
+        return {}
+    if nominal != 0.0:
+        return {name: (1.0 + LITTLE) * nominal}
+    return {name: max(low, 0.1 * LITTLE * high) if low >= 0.0 else 0.1 * LITTLE * (high - low)}
+
+
+def likeliest(now: Filtered) -> tuple[str, float]:
+    """Return the rival that suits the record best in place of an explanation, and its loss [nats]; inf for none."""
+    found = _random(now) | _elsewhere(now)
+    name = min(found, key=lambda one: found[one], default="")
+    return name, found.get(name, math.inf)
+
+
+def _random(now: Filtered) -> dict[str, float]:
+    """Return the loss of the likeliest random signal without the effect, its size and the model's own fitted."""
+    f = now.explanation.filtering
+    bare = tried(Explanation(f), {key: now.values[key] for key in f.free})
+    if bare is None:
+        return {}
+    best = min((with_random(bare, random) for random in randoms(bare.explanation)), key=lambda x: x.nll)
+    if best is bare:
+        return {}
+    best = refined(best, tuple(f.free), ROUNDS).best
+    (random,) = best.explanation.beside
+    for by in NEARBY:
+        new = tried(replace(best.explanation, beside=(replace(random, sd=by * random.sd),)), best.values)
+        best = new if new is not None and new.nll < best.nll else best
+    return {f"a random signal at {random.block}": best.nll}
+
+
+@dataclass(frozen=True, eq=False)
+class Elsewhere(Explanation):
+    """A planned load as something else that follows the same plan: ``signal`` to which it is added, times ``by``."""
+
+    signal: str = ""
+    by: Floats | float = 1.0
+
+    @property
+    def moved(self) -> str:
+        """The signal to which it is added."""
+        return self.signal
+
+    def wave(self, values):  # type: ignore[no-untyped-def]
+        """Return what is added at each scan."""
+        return super().wave(values) * self.by
+
+
+def _elsewhere(now: Filtered) -> dict[str, float]:
+    """Return the loss of each rival that follows the same plan as a load; none for other explanations.
+
+    A sine that is added to what the sensor shows leaves the log of a sine at the feed.
+    """
+    one, f = now.explanation, now.explanation.filtering
+    if not one.load:
+        return {}
+    op = np.repeat(f.record.log[f.op_at(one.place)], f.every)[: f.scans]
+    op = np.where(np.isfinite(op), op, np.nanmean(op))
+    rivals: dict[str, tuple[str, Floats | float]] = {"a gain that follows the same plan": (one.moved, op / op.mean())}
+    if not isinstance(one.effect, SineDisturbance):
+        for s in f.signals:
+            if s not in f.ops:
+                by = float(np.nanstd(f.record.log[s]) / np.nanstd(op))
+                rivals[f"an error of {s} that follows the same plan"] = s, by
+    found = {}
+    for name, (signal, by) in rivals.items():
+        start = tried(Elsewhere(f, one.effect, one.place, (), signal, by), now.values)
+        if start is not None:
+            found[name] = refined(start, free_names(start.explanation)).nll
+    return found
