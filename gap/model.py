@@ -13,6 +13,7 @@ from blocks.role import Role
 from blocks.sources import Constant
 from diagram.diagram import Diagram
 from gap.record import FEWEST, GapError, Record
+from gap.regular import with_inputs_held, with_rows_filled
 from logs import Log
 
 LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
@@ -93,6 +94,8 @@ def with_logged_sources(diagram: Diagram, log: Log) -> Diagram:
 def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     """Return the diagram with its logged sources open, and the record of the signals that both have.
 
+    Missing values of open inputs are taken as held, missing rows as rows of nothing (``gap.regular``).
+
     Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, or rows are too few.
     """
     if len(log) < FEWEST:
@@ -109,6 +112,11 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
             f"the model's input {missing[0]!r} is not in the log, which has {', '.join(log.names) or 'no signals'}; "
             "log it, rename a column, or close the input in the model"
         )
+    empty = [s for s in opened.open_inputs if not log.good(s).any()]
+    if empty:
+        raise GapError(f"the model's input {empty[0]!r} has no good value in the log; log it, or close it in the model")
+    scans = min((b.period for b in opened.blocks if b.sampled), default=0.0)
+    log = with_rows_filled(with_inputs_held(log, opened.open_inputs), opened.open_inputs, scans)
     usable = [s for s in opened.signals if s in log and log.good(s).sum() >= FEWEST]
     if not usable:
         raise GapError(

@@ -1,7 +1,7 @@
 """What a log says about itself: which signals of a diagram it has, how they are rounded, and where each is good."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -93,7 +93,8 @@ class Record:
     ``log``; ``played`` the logged open inputs; ``pinned`` the other logged signals, those that blocks drive;
     ``lattices`` those whose lattice is the sensor's own, not the log's rounding; ``used`` logged signals that the model
     drives and that are taken as they are, not judged; ``filter`` what makes residuals of it where no replay does;
-    ``suspects`` the blocks at which a gap can be, none named: all.
+    ``suspects`` the blocks at which a gap can be, none named: all; ``computed`` the rounding of signals that were
+    computed from logged ones [their unit].
     """
 
     log: Log
@@ -103,6 +104,7 @@ class Record:
     used: tuple[str, ...] = ()
     filter: "Residuals | None" = None
     suspects: tuple[str, ...] = ()
+    computed: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def steps(self) -> dict[str, float]:

@@ -325,5 +325,6 @@ def notes(problem: Problem) -> tuple[str, ...]:
         "Nuisances of the model: " + ("; ".join(map(str, found)) if found else "none") + ".",
         way,
         by_wiring(problem.quiet, record.log.names),
+        *record.log.notes,
         str(problem.sureness),
     )

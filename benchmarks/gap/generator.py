@@ -33,6 +33,7 @@ class Record:
     MV-OP figure shows them.  ``outside``: the effect that no catalogue has, "" for none.  ``clean``: the same loop
     without the effects, same noise and load: what there is between the two is the gap.
     ``numbers`` and ``base``: the numbers of ``physics`` with the effects and without.  ``set_point``: SP a second.
+    ``random``: noise, second noise and load a second, as drawn.
     """
 
     setting: str
@@ -45,6 +46,7 @@ class Record:
     numbers: Mapping[str, float] = field(default_factory=dict)
     base: Mapping[str, float] = field(default_factory=dict)
     set_point: Floats = field(default_factory=lambda: np.zeros(0))
+    random: tuple[Floats, ...] = ()
 
     @property
     def gap(self) -> float:
@@ -98,7 +100,7 @@ def record(
     if not noise:
         n_1, n_2, load = np.zeros(n), np.zeros(n), np.zeros(n)
     zero = np.zeros(n)
-    clean = run(_packed(base), sp, loop.noise * n_1, n_2, load, zero, STEPS, float(sp[0]))
+    clean = run(packed(base), sp, loop.noise * n_1, n_2, load, zero, STEPS, float(sp[0]))
     reach = 100.0 * float(clean[:, 3].max())
     values = {name: dict((given or {}).get(name) or drawn(name, level, rng, loop, reach, n - 1)) for name in effects}
     if "scan_time" in values and "present" not in values["scan_time"]:
@@ -125,7 +127,7 @@ def record(
     steps = FINE if FINE_ONES & set(effects) or outside else STEPS
     if numbers["friction"] == LUGRE:
         steps = STEPS
-    true = run(_packed(numbers), sp, spread * loop.noise * n_1, n_2, load, switch, steps, float(sp[0]))
+    true = run(packed(numbers), sp, spread * loop.noise * n_1, n_2, load, switch, steps, float(sp[0]))
     deviation = values.get("compression", {}).get("deviation", 0.0)
     return Record(
         setting,
@@ -138,6 +140,7 @@ def record(
         numbers,
         base,
         sp,
+        (loop.noise * n_1, n_2, load),
     )
 
 
@@ -167,7 +170,8 @@ def autoregression(rng: np.random.Generator, n: int) -> Floats:
     return load
 
 
-def _packed(numbers: Mapping[str, float]) -> Floats:
+def packed(numbers: Mapping[str, float]) -> Floats:
+    """Return numbers of the loop in the order in which ``physics`` has them."""
     return np.array([numbers[name] for name in NAMES])
 
 

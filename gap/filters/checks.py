@@ -92,7 +92,9 @@ def known_of(one: Filtered) -> dict[str, Floats]:
 
 
 def _product(a: Floats, b: Floats) -> float:
-    """Return sum a b over its standard deviation for white a and b that know nothing of each other."""
+    """Return sum a b over its standard deviation for white a and b that know nothing of each other; 0: not known."""
+    known = (a != 0.0) & (b != 0.0)
+    a, b = a[known], b[known]
     scale = float(np.sqrt(np.sum(a**2) * np.sum(b**2)))
     return float(np.sum(a * b)) / scale * np.sqrt(len(a)) if scale > 0.0 else 0.0
 

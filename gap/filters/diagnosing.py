@@ -12,6 +12,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.effect import Effect
@@ -32,6 +33,7 @@ from gap.filters.logged_stem import LoggedStem
 from gap.filters.reading import Filtering
 from gap.filters.rivals import beside, either_way, likeliest
 from gap.filters.scanned import base_period
+from gap.filters.summed import with_outputs
 from gap.model import nuisances, silenced
 from gap.record import Record
 from gap.start import start_values
@@ -101,7 +103,7 @@ def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
     """Return the filter's view of a record; None for a diagram that has no such filter.
 
     It needs a load that nobody measures, blocks that scan in step with the log's rows, and controllers, each with its
-    output and measurement logged, and nothing else logged that the diagram drives.
+    measurement logged, and its output, itself or with logged signals added.
     """
     coloured = any(one.correlation_time > 0.0 for one in nuisances(diagram))
     period, dt = base_period(diagram), record.log.dt
@@ -110,13 +112,15 @@ def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
     if float(np.ptp(np.diff(record.log.t))) > 1e-6 * dt:
         return None
     quiet = silenced(diagram)
+    outputs = tuple(str(b.output_labels[0]) for b in quiet.blocks if b.role is Role.CONTROLLER and b.sampled)
+    record = with_outputs(quiet, record, outputs)
     start = start_values(quiet, record)
     model, quiet = diagram.starting_at(start), quiet.starting_at(start)
     leads = np.zeros((len(record.played), len(record.log)), dtype=np.int64)
     found = Filtering(model, quiet, record, leads)
     try:
         measured = {str(quiet[name].loop_signal("PV")) for name in found.controllers}
-        if set(found.signals) != measured | set(found.ops):
+        if not measured | set(found.ops) <= set(found.signals):
             return None
         Explanation(found).filtered({})
     except (NotAffine, np.linalg.LinAlgError, ValueError):

@@ -216,7 +216,7 @@ def run(
             same = np.abs(np.diff(f.Y[:, j])) <= 0.5 * np.sqrt(12.0 * f.r[j])
             skip[1:, j] = (np.diff(scans) == 0) & same
     told = one.told if one.told is not None else np.zeros(one.F.shape[1])
-    K, s, r, P = np.zeros((m, n)), np.ones(m), f.r, np.zeros((f.every, n, n))
+    K, s, r, P = np.zeros((m, n)), np.ones(m), f.r, np.zeros((f.every + 1, n, n))
     P[0] = 1e-4 * np.eye(n)
     if not exact:
         A = np.empty((n, n))

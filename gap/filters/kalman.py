@@ -5,11 +5,12 @@
 
     nll = 1/2 sum over rows and signals of (e^2 + ln s)                               up to a constant
 
-r is the variance of the log's rounding, step^2 / 12.  The mean goes through the law of the valve as it is, the
-covariance through its slope, or steady where there is none (``steady``).  Near a limit of a controller nobody knows
-whether it is reached.  What is wanted is N(w, sd^2): so OP is the mean of what lies within the limits, its slope the
-share p that does, memories are the mean of both cases, and their variance grows by p (1 - p) (their difference)^2.
-Until it has settled again the covariance is carried along.
+r is the variance of the log's rounding, step^2 / 12.  Mean and covariance go through the law of the valve as its
+first two moments say (``blurred``), or the covariance is steady where there is none (``steady``).  Near a limit of a
+controller nobody knows whether it is reached.  What is wanted is N(w, sd^2): so OP is the mean of what lies within the
+limits, its slope the share p that does, memories are the mean of both cases, and their variance grows by
+p (1 - p) (their difference)^2.  Until it has settled again the covariance is carried along; so it is behind a row in
+which a signal is missing.
 """
 
 import math
@@ -17,7 +18,7 @@ import math
 import numpy as np
 from numba import njit
 
-from gap.filters.laws import through, within
+from gap.filters.laws import blurred, through, within
 
 SMALLEST = 1e-16  # variance
 CERTAIN = 12.0 / (2.0 * math.pi)  # of r: variance of a normal law that is as dense as one over the rounding step
@@ -144,7 +145,8 @@ def looked(P, h, r, K):  # type: ignore[no-untyped-def]
 def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
     """Write the gains (signals, n) and variances (signals,) to which the filter settles.
 
-    ``P`` (every, n, n) the covariance at each scan behind a row; the first one is start too.
+    ``P`` (every + 1, n, n) the covariance at each scan behind a row, the last one that before the next row is taken in;
+    the first one is start too.
     """
     n, m, all_of_them, P = len(Q), len(H), P, P[0]
     room, B, D = np.empty((n, n)), np.eye(n), np.zeros((n, n))
@@ -160,7 +162,7 @@ def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
             s[j] = new
         if change < 1e-10 and turn > 3:
             break
-    for k in range(1, every):
+    for k in range(1, len(all_of_them)):
         all_of_them[k] = all_of_them[k - 1]
         spread(all_of_them[k], A, Q, room)
 
@@ -183,8 +185,8 @@ def filtered(  # type: ignore[no-untyped-def]
 
     ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``acts``: which controller
     gives a signal, -1 for none; ``of``: to which controller each ``memory`` belongs; ``period``, ``offset``: scans of
-    each controller; ``exact``: the covariance is carried along, else ``steady_P`` (every, n, n), ``K`` and ``s`` are
-    what ``steady`` gives; ``given`` (scans, controllers) is written too.
+    each controller; ``exact``: the covariance is carried along, else ``steady_P`` (every + 1, n, n), ``K`` and ``s``
+    are what ``steady`` gives; ``given`` (scans, controllers) is written too.
     """
     n, N, C, m = len(start), F.shape[1], len(v), len(H)
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
@@ -198,12 +200,16 @@ def filtered(  # type: ignore[no-untyped-def]
                 sd[k, c] = deviation(at_once[c], steady_P[k])
     side, push = np.zeros(C, dtype=np.int64), np.zeros(C, dtype=np.int64)
     shown, h, apart = np.empty((C, n)), np.empty(n), np.zeros(len(memory))
-    held = z[last[C - 1]]
+    held, loose = z[last[C - 1]], 0.0
     for k in range(len(U)):
         for i in range(n + C + 1, N):
             row[i] = U[k, i - n - C - 1]
         if k % every == 0:
             i = k // every
+            for j in range(m):
+                if not carried and not np.isfinite(Y[i, j]):  # what is not seen is not known better afterwards
+                    carried = True
+                    P[:] = steady_P[every]
             for j in range(m):
                 e[i, j] = np.nan
                 S[i, j] = np.nan
@@ -270,9 +276,15 @@ def filtered(  # type: ignore[no-untyped-def]
                             row[n + d] = wanted[d]
         for c in range(C):
             given[k, c] = row[n + c]
-        slope = 1.0
+        slope, more = 1.0, 0.0
+        if carried:
+            slopes(v, n, scans, free, last, shown)
         if law:
-            row[n + C], slope, held = through(law, a, b, along(told, row), held)
+            unsure = 0.0
+            if carried:
+                seen_through(told, shown, n, h)
+                unsure = deviation(h, P)
+            row[n + C], slope, more, held, loose = blurred(law, a, b, along(told, row), unsure, held, loose)
         for i in range(n):
             total = 0.0
             for j in range(N):
@@ -290,7 +302,6 @@ def filtered(  # type: ignore[no-untyped-def]
                 apart[q] = along(beyond[side[c], push[c], q], row) - new[i]
                 new[i] += (1.0 - free[c]) * apart[q]
         if carried:
-            slopes(v, n, scans, free, last, shown)
             closed(F, shown, told, n, slope, law > 0, A)
             for q in range(len(memory)):
                 c, i = of[q], memory[q]
@@ -304,5 +315,9 @@ def filtered(  # type: ignore[no-untyped-def]
             for q in range(len(memory)):
                 c, i = of[q], memory[q]
                 P[i, i] += free[c] * (1.0 - free[c]) * apart[q] ** 2
+            if more > 0.0:
+                for i in range(n):
+                    for j in range(n):
+                        P[i, j] += more * F[i, n + C] * F[j, n + C]
         for i in range(n):
             z[i] = new[i]

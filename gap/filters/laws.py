@@ -10,6 +10,8 @@ import numpy as np
 from numba import njit
 
 NONE, STOPS, CURVED, SLOW = 0, 1, 2, 3
+NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(7)
+WEIGHTS = WEIGHTS / WEIGHTS.sum()
 
 
 @njit(cache=True)
@@ -31,6 +33,38 @@ def through(law, a, b, told, held):  # type: ignore[no-untyped-def]
         end = held + np.copysign(a, way)
         return held + np.copysign(0.5 * a, way), 0.0, end
     return told, 1.0, told
+
+
+@njit(cache=True)
+def blurred(law, a, b, told, sd, held, loose):  # type: ignore[no-untyped-def]
+    """Return what a law makes of an opening that is told up to N(0, sd^2): (mean, slope, variance beyond the slope,
+    end, its variance); ``held`` the opening at the beginning of the scan, ``loose`` its variance.
+
+    Seven points x_i of Gauss and Hermite with weights w_i: mean = sum w_i f(x_i), slope = sum w_i f(x_i) (x_i - told) /
+    sd^2 (Stein's lemma).  What a stem of limited rate has still to go is loose by both variances.
+    """
+    if sd < 1e-12 and loose < 1e-24:
+        mean, slope, end = through(law, a, b, told, held)
+        return mean, slope, 0.0, end, 0.0
+    if law != SLOW:
+        loose = 0.0
+    variance = sd * sd + loose
+    wide = math.sqrt(variance)
+    mean, cross, square, end, end_cross, end_square = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(len(NODES)):
+        x = wide * NODES[i]
+        value, _, last = through(law, a, b, told + x, held)
+        mean += WEIGHTS[i] * value
+        cross += WEIGHTS[i] * value * x
+        square += WEIGHTS[i] * value * value
+        end += WEIGHTS[i] * last
+        end_cross += WEIGHTS[i] * last * x
+        end_square += WEIGHTS[i] * last * last
+    slope, end_slope = cross / variance, end_cross / variance
+    more = max(square - mean * mean - slope * slope * variance, 0.0) + (1.0 - slope) ** 2 * loose
+    beyond = max(end_square - end * end - end_slope * end_slope * variance, 0.0)
+    after = beyond + (1.0 - end_slope) ** 2 * loose if law == SLOW else 0.0
+    return mean, slope, more, end, after
 
 
 @njit(cache=True)

@@ -120,7 +120,8 @@ class Filtering:
         found = []
         for s in self.signals:
             values = log[s][log.good(s)]
-            found.append(max(rounding(values) ** 2 / 12.0, 1e-12 * float(np.var(values))) if len(values) else UNSEEN)
+            step = self.record.computed.get(s, 0.0) or rounding(values)
+            found.append(max(step**2 / 12.0, 1e-12 * float(np.var(values))) if len(values) else UNSEEN)
         return np.array(found)
 
     @cached_property

@@ -261,4 +261,5 @@ def _notes(f: Filtering) -> tuple[str, ...]:
         *(["Known within tolerances only, and fitted: " + "; ".join(free) + "."] if free else []),
         "Innovations of a Kalman filter of the model, exact from scan to scan: loads are not measured.",
         by_wiring(f.quiet, log.names),
+        *log.notes,
     )
