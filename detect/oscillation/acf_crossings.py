@@ -57,6 +57,7 @@ from logs import LoopRecord
 __all__ = ["CARD", "Params", "find", "find_in", "significant_crossings"]
 
 Values = npt.NDArray[np.float64]
+Beat = tuple[float, int, float, float, float, float]  # standard deviation, and what ``acf_kernels.beat`` says [lags]
 _SAMPLES_MIN = 20  # to test at all
 _PART_MIN = 100  # samples of the shortest part
 _SHORT = 512  # samples up to which the autocorrelation is summed up lag by lag
@@ -185,7 +186,7 @@ def _drifts(halves: tuple[Gate, Gate], p: Params) -> bool:
 
 def _find_one(t: Values, x: Values, p: Params) -> Gate:
     """Test for one period over the whole signal, as it is and with its drift removed."""
-    from detect.oscillation.acf_kernels import levelled
+    from detect.oscillation.acf_kernels import levelled, short_beat_without_drift
 
     n = len(t)
     if n < _SAMPLES_MIN:
@@ -194,21 +195,24 @@ def _find_one(t: Values, x: Values, p: Params) -> Gate:
     std, largest = levelled(np.ascontiguousarray(t), np.ascontiguousarray(x), grid, y)
     if std <= 1e-12 * max(1e-300, largest):
         return Gate(False, None, 0.0, 0.0, 0.0, "The signal does not move.")
-    first = _acf_test(grid, y, p)
+    first = _acf_test(grid, _beat(y, p), p)
     if first.oscillating:
         return first
-    period = _strongest_period(y, float(grid[1] - grid[0]))
-    swing = y - moving_average(grid, y, 2 * period, ends="hold")
-    second = _acf_test(grid, swing, p)
+    width = 2 * _strongest_period(y, float(grid[1] - grid[0]))
+    if n <= _SHORT:
+        second = _acf_test(grid, short_beat_without_drift(grid, y, width, p.band, p.crossings), p)
+    else:
+        second = _acf_test(grid, _beat(y - moving_average(grid, y, width, ends="hold"), p), p)
     # A wave that drift removal brings out must carry a fair part of the variance, or it is not the story.
     if second.oscillating and 0.5 * second.amplitude**2 > 0.1 * std**2:
         return second
     return first if first.regularity >= second.regularity else second
 
 
-def _acf_test(t: Values, y: Values, p: Params) -> Gate:
-    n, dt = len(y), float(t[1] - t[0])
-    std, found, mean, spread, low, high = _beat(y, p)  # of the intervals between crossings [lags]
+def _acf_test(t: Values, beat: Beat, p: Params) -> Gate:
+    """What the crossings of the autocorrelation of a signal at the times t (n,) say."""
+    n, dt = len(t), float(t[1] - t[0])
+    std, found, mean, spread, low, high = beat
     amplitude = math.sqrt(2.0) * std
     if found - 1 < p.intervals_min:
         if found > 2 and high <= 1.5 * low and n < 2.0 * mean * p.cycles_min:
@@ -239,13 +243,13 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
     return Gate(oscillating, period, regularity, amplitude, cycles, reason, where)
 
 
-def _beat(y: Values, p: Params) -> tuple[float, int, float, float, float, float]:
+def _beat(y: Values, p: Params) -> Beat:
     """Standard deviation of y (n,), crossings of its autocorrelation, and what ``acf_kernels.beat`` says of them."""
     from detect.oscillation.acf_kernels import beat, centred, powers, short_beat
 
     n = len(y)
     if n <= _SHORT:
-        found: tuple[float, int, float, float, float, float] = short_beat(y, p.band, p.crossings)
+        found: Beat = short_beat(y, p.band, p.crossings)
         return found
     padded = np.zeros(_quick_length(2 * n))
     std = centred(y, padded)

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-__all__ = ["beat", "centred", "correlated", "levelled", "powers", "short_beat", "swings"]
+from detect.prepare.smoothing_kernels import averages
+
+__all__ = ["beat", "centred", "correlated", "levelled", "powers", "short_beat", "short_beat_without_drift", "swings"]
 
 SUMS = {"reassoc", "contract"}  # sums may be added up in any order
 
@@ -136,3 +138,15 @@ def short_beat(y: Any, band: float, most: int) -> tuple[Any, int, Any, Any, Any,
     correlated(centre, acf)
     count, mean, spread, low, high = beat(acf, band, most)
     return std, count, mean, spread, low, high
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def short_beat_without_drift(
+    t: Any, y: Any, width: float, band: float, most: int
+) -> tuple[Any, int, Any, Any, Any, Any]:
+    """``short_beat`` of y (n,) less its moving average over ``width`` [s] with held ends."""
+    swing = np.empty(len(y))
+    averages(t, y, width, True, swing)
+    for i in range(len(y)):
+        swing[i] = y[i] - swing[i]
+    return short_beat(swing, band, most)

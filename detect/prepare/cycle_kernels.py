@@ -1,4 +1,4 @@
-"""The control error of all pieces of a record made ready and cut into half cycles, compiled: see ``half_cycles.in_pieces``.
+"""The control error of all pieces of a record made ready and cut into half cycles, compiled: ``half_cycles.in_pieces``.
 
 Loaded when first called.  A record under set-point moves has some fifty pieces of a few hundred samples, and a piece
 takes ten sums, so that calling each from Python takes longer than the sums.
@@ -43,7 +43,7 @@ def _less_average(t: Any, x: Any, width: float) -> tuple[Any, Any]:
 def _ready(
     t: Any, x: Any, period: float, smooth_max: float, noise_share: float, drift_share: float
 ) -> tuple[Any, Any, bool]:
-    """e (n,) of x (n,), n >= 3, at times t, the noise left in it, and whether a drift came off; see ``cycles.Params``."""
+    """e (n,) of x (n,), n >= 3, at times t, the noise left in it, whether a drift came off; see ``cycles.Params``."""
     n = len(t)
     mean, std = spread(x)
     e, drifts = x - mean, False

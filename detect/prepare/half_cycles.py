@@ -98,12 +98,12 @@ def in_pieces(
     t: Values, x: Values, bounds: npt.NDArray[np.intp], periods: Values, smooth_max: float, noise_share: float,
     drift_share: float,
 ) -> tuple[list[HalfCycle], Values, bool]:  # fmt: skip
-    """The half cycles of the pieces of x (n,) between ``bounds`` (m + 1,), each centred, without its drift and noise first.
+    """The half cycles of the pieces of x (n,) between ``bounds`` (m + 1,), made ready as the module of ``cycles`` says.
 
-    Returns them, the prepared x (n,), and whether a drift came off any piece.  The shares are those of ``cycles.Params``;
-    ``periods`` (m,) [s] are those of the pieces.  A crossing is firm beyond a tenth of the standard deviation, or three times the
-    noise left.  A half cycle that is not a quarter to a whole period long has the fault "length", one whose peak lies
-    below half of the standard deviation the fault "low".
+    Returns them, the prepared x (n,), and whether a drift came off any piece.  ``periods`` (m,) [s] are those of the
+    pieces, the shares those of ``cycles.Params``.  A crossing is firm beyond a tenth of the standard deviation or
+    three times the noise left.  A half cycle that is not a quarter to a whole period long has the fault "length", one
+    whose peak lies below half of the standard deviation the fault "low".
     """
     from detect.prepare.cycle_kernels import all_pieces
     from detect.prepare.half_cycle_kernels import FAULTS

@@ -13,8 +13,7 @@ import pytest
 from detect.methods import curve_fit, relay_fit
 from detect.methods.hagglund2011 import measure_all
 from detect.prepare.cycles import Params
-from detect.prepare.half_cycles import in_pieces
-from detect.prepare.half_cycles import crossings
+from detect.prepare.half_cycles import crossings, in_pieces
 from detect.prepare.half_wave_fits import gather
 from detect.prepare.lateness import lateness
 from detect.prepare.prepared import HalfWave, Prepared
