@@ -5,11 +5,12 @@
 The cells of tables 6.1 (constant feed) and 6.2 (sine), and the same loops under severe slugging: level and pressure of
 separator 1, with stiction none, normal and high.  Each starts with the contents of the separator 3 % about rest, drawn
 from a seed of its own.  Right is "stiction" where the valve sticks, and any other word where it has a deadband without
-jump.  The verdict is asked twice: on the log as the plant exports it, with the stem positions, and on PV, OP and SP
-alone, as most plants have them.  Beside it: what the thesis's algorithm says (R above 1.25 is stiction), and whether
-the survey of the whole log without stems puts a sticky valve first among all loops; so it is asked, too, of plants with
-one sticky valve, and of random plants (``cases.random_plants``), beside the share that chance would reach.  ``--cells``
-asks for the verdicts alone.
+jump.  The verdict is asked three times: on the log as the plant exports it, with the stem positions; on the log without
+them, as ``stickslip check plant.csv`` answers from all its tags; and on PV, OP and SP alone.  Beside it: what the
+thesis's algorithm says (R above 1.25 is stiction), and whether the survey of the whole log without stems puts a sticky
+valve first among all loops; so it is asked, too, of plants with one sticky valve, and of random plants
+(``cases.random_plants``, of a seed of their own), beside the share that chance would reach, and what slips it calls
+there.  ``--cells`` asks for the verdicts alone.
 """
 
 import argparse
@@ -31,7 +32,7 @@ from logs import Log
 from plant import feed, production_plant
 
 STARTS, QUICK, SEED = 20, 1, 20_260_901
-RANDOM = 60  # random plants
+RANDOM, RANDOM_SEED = 60, 2031  # random plants; the seed is used for nothing else
 SLIPS = 1.2  # F_s over F_c from which a valve of a random plant counts as sticky
 EVERY, SETTLED = 1.0, 200.0  # s
 FEEDS = ("constant", "sine", "slugs")
@@ -47,13 +48,15 @@ ENOUGH = 0.9  # of the starts: 18 of 20
 class Cell:
     """One loop under one feed and one size of stiction: verdicts over the starts, and the algorithm's calls.
 
-    ``words`` are the verdicts with the stem in the log, ``blind`` those without.
+    ``words`` are the verdicts with the stem in the log, ``tags`` those of all tags without the stems, ``blind`` those
+    of PV, OP and SP alone.
     """
 
     feed: str
     size: str
     loop: str
     words: Counter[str] = field(default_factory=Counter)
+    tags: Counter[str] = field(default_factory=Counter)
     blind: Counter[str] = field(default_factory=Counter)
     thesis_sticky: int = 0
 
@@ -73,8 +76,13 @@ class Cell:
         return self._right(self.words)
 
     @property
+    def tags_right(self) -> int:
+        """Starts where the verdict of all tags is right without the stems."""
+        return self._right(self.tags)
+
+    @property
     def blind_right(self) -> int:
-        """Starts where the verdict is right without the stem."""
+        """Starts where the verdict of PV, OP and SP alone is right."""
         return self._right(self.blind)
 
     def _right(self, words: Counter[str]) -> int:
@@ -158,9 +166,13 @@ def measure(starts: int, surveys: bool = True) -> tuple[list[Cell], list[First]]
             for log in logs_of(kind, size, starts):
                 blind = without_stems(log)
                 R = indices(log.t, log["V_1"], log["p_1"])
+                alone = {tag: answer(Prepared(blind.loop(name=tag))).word for tag in LOOPS.values()}
+                seen = {suspect.loop: suspect.word for suspect in survey(blind, alone).suspects}
                 for name, cell in own.items():
-                    cell.words[answer(Prepared(log.loop(name=LOOPS[name]))).word] += 1
-                    cell.blind[answer(Prepared(blind.loop(name=LOOPS[name]))).word] += 1
+                    tag = LOOPS[name]
+                    cell.words[answer(Prepared(log.loop(name=tag))).word] += 1
+                    cell.tags[seen.get(tag) or alone[tag]] += 1
+                    cell.blind[alone[tag]] += 1
                     cell.thesis_sticky += R[f"{name} R"] > R_STICKY
                 if surveys:
                     first.add(blind, STICKY)
@@ -182,22 +194,28 @@ class AtRandom:
     """Random plants in which the OP of a sticky valve moves: a sticky one first, and what chance would reach.
 
     ``banded`` counts a first valve with a deadband but hardly a jump, too: those answer as late as sticky ones.
+    ``sticky`` and ``free`` are loops whose OP moves, with a sticky valve and with one without friction; ``..._slip`` of
+    those are called slipping by another tag.
     """
 
     plants: int = 0
     first: int = 0
     banded: int = 0
     chance: float = 0.0
+    sticky: int = 0
+    sticky_slip: int = 0
+    free: int = 0
+    free_slip: int = 0
 
 
-def at_random(draws: int) -> AtRandom:
+def at_random(draws: int, seed: int = RANDOM_SEED) -> AtRandom:
     """Survey random plants: every number 20 % about its value, any feed, several sticky valves of any size.
 
     >>> at_random(2).plants <= 2
     True
     """
     found = AtRandom()
-    for asked, plant in feasible(draws):
+    for asked, plant in feasible(draws, seed):
         slipping = {f"OP_{valve}" for valve, F_s in asked.F_s.items() if F_s >= SLIPS * asked.plant.stem.F_c}
         if isinstance(plant, str):
             continue
@@ -206,7 +224,14 @@ def at_random(draws: int) -> AtRandom:
             continue
         log = run.log.between(SETTLED, DURATION)
         sticky = {tag for tag, loop in log.loops.items() if loop.op in slipping}
-        suspects = [s.loop for s in survey(without_stems(log)).suspects]
+        seen = survey(without_stems(log)).suspects
+        suspects = [s.loop for s in seen]
+        slips = {s.loop for s in seen if s.slips is not None}
+        free = {tag for tag in suspects if log.loops[tag].op not in {f"OP_{valve}" for valve in asked.F_s}}
+        found.sticky += len(sticky & set(suspects))
+        found.sticky_slip += len(sticky & slips)
+        found.free += len(free)
+        found.free_slip += len(free & slips)
         if sticky & set(suspects):
             found.plants += 1
             found.first += suspects[0] in sticky
@@ -220,11 +245,13 @@ def figures(cells: list[Cell], firsts: list[First]) -> Figures:
     found: Figures = {
         "cells": float(len(cells)),
         "cells_right": float(sum(cell.right >= ENOUGH * max(cell.starts, 1) for cell in cells)),
+        "cells_right_of_tags": float(sum(cell.tags_right >= ENOUGH * max(cell.starts, 1) for cell in cells)),
         "cells_right_without_stem": float(sum(cell.blind_right >= ENOUGH * max(cell.starts, 1) for cell in cells)),
         "cells_right_thesis": float(sum(cell.thesis_right >= ENOUGH * max(cell.starts, 1) for cell in cells)),
     }
     for cell in cells:
         found[f"{cell.name}_right"] = cell.right / cell.starts if cell.starts else None
+        found[f"{cell.name}_of_tags"] = cell.tags_right / cell.starts if cell.starts else None
         found[f"{cell.name}_without_stem"] = cell.blind_right / cell.starts if cell.starts else None
     for first in firsts:
         share = (first.starts - first.accused if first.size == "none" else first.first) / max(first.starts, 1)
@@ -237,11 +264,13 @@ def notes(cells: list[Cell], firsts: list[First]) -> dict[str, str]:
     told = {
         "cells": "cells of tables 6.1, 6.2 and of slugging",
         "cells_right": f"cells right in 18 of 20 starts, on the plant's own export (goal: at least {len(cells)})",
-        "cells_right_without_stem": "the same where the stem positions are not logged",
+        "cells_right_of_tags": "the same from the other tags, where the stem positions are not logged",
+        "cells_right_without_stem": "the same from PV, OP and SP alone",
         "cells_right_thesis": "the same for the thesis's algorithm",
     }
     for cell in cells:
         told[f"{cell.name}_right"] = f"{_listed(cell.words)}; thesis right in {cell.thesis_right} of {cell.starts}"
+        told[f"{cell.name}_of_tags"] = _listed(cell.tags)
         told[f"{cell.name}_without_stem"] = _listed(cell.blind)
     for first in firsts:
         what = "sticky valve first of all loops (goal: at least 0.9)"
@@ -270,9 +299,13 @@ def main() -> None:
         found["random_survey"] = random.first / random.plants
         found["random_banded_survey"] = random.banded / random.plants
         found["random_chance"] = random.chance / random.plants
+        found["random_sticky_slip"] = random.sticky_slip / max(random.sticky, 1)
+        found["random_free_slip"] = random.free_slip / max(random.free, 1)
     told["random_survey"] = f"a sticky valve first of all loops in {random.plants} random plants"
     told["random_banded_survey"] = "a valve first that sticks or has a deadband as wide"
     told["random_chance"] = "what a ranking by chance would reach there"
+    told["random_sticky_slip"] = f"of {random.sticky} sticky valves whose OP moves, another tag shows that they slip"
+    told["random_free_slip"] = f"the same of {random.free} valves without friction"
     publish(found, told, chosen.json, chosen.quick)
 
 

@@ -59,6 +59,7 @@ from detect.prepare import cycles
 from detect.prepare.cycles import Cycles, Refusal
 from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle
 from detect.prepare.lateness import Lateness, closed_form, lag_of, lateness
+from detect.prepare.order import percentile
 from detect.prepare.prepared import Prepared, prepared
 from detect.stream import Buffer, LoopFacts, Sample
 from detect.verdict import Code, Verdict, Word
@@ -196,7 +197,12 @@ def _judge(half_cycles: tuple[HalfCycle, ...], seen: Cycles, p: Params) -> Verdi
         return _too_few([half.fault for half in half_cycles], seen, p, found, tail, evidence)
     late = lateness(used, p.resamples, p.seed, p.coverage)
     logs = [math.log(half.area_before / half.area_after) for half in used]
-    evidence |= {"R": late.R, "R_median": math.exp(float(np.median(logs))), "low": late.low, "high": late.high}
+    evidence |= {
+        "R": late.R,
+        "R_median": math.exp(percentile(np.array(logs), 50.0)),
+        "low": late.low,
+        "high": late.high,
+    }
     evidence |= {f"R_{side}": of.R for side, of in late.sides.items()}
     triangular = sum(half.triangle_misfit for half in used) < sum(half.sine_misfit for half in used)
     word, why = _word(late, seen, triangular, p)

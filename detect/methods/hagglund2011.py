@@ -35,6 +35,7 @@ import numpy.typing as npt
 from detect.card import Card
 from detect.prepare.bootstrap import interval
 from detect.prepare.half_cycles import crossings
+from detect.prepare.order import percentile
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
 from detect.stream import Buffer, LoopFacts, Sample
@@ -206,23 +207,28 @@ def _no_set_point(p: Params) -> Verdict:
 
 
 def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict:
+    from detect.prepare.health_kernels import spread
+
     def no(code: Code, reason: str) -> Verdict:
         return Verdict.not_applicable(NAME, code, reason, p.I_stiction)
 
-    typical = float(np.median([half.iae / half.length for half in halves])) if halves else 0.0
-    used = [half for half in halves if not half.fault and half.iae / half.length > 0.5 * typical]
+    means = [half.iae / half.length for half in halves]
+    typical = percentile(np.array(means), 50.0) if halves else 0.0
+    used = [half for half, mean in zip(halves, means, strict=True) if mean > 0.5 * typical and not half.fault]
     if len(used) < p.half_waves_min:
         return no("too_few_cycles", f"{len(used)} half waves of e count so far; {p.half_waves_min} are needed.")
-    samples = float(np.median([half.samples for half in used]))
+    samples = percentile(np.array([float(half.samples) for half in used]), 50.0)
     if samples < p.samples_min:
         return no("undersampled", f"A half wave of e has {samples:g} samples; {p.samples_min} are needed.")
     lengths = np.array([half.length for half in used])
     periods = lengths[1:] + lengths[:-1]  # a wave of unequal half waves is regular too
-    regularity = float(np.mean(periods) / max(3.0 * np.std(periods), 1e-3 * np.mean(periods)))
+    period, sd = spread(periods)
+    regularity = period / max(3.0 * sd, 1e-3 * period)
     if regularity <= p.regularity_min:
         return no("no_oscillation", f"The periods of e spread too much for an oscillation: regularity {regularity:.2g} "
                                     f"(limit {p.regularity_min:g}).")  # fmt: skip
-    of_each = np.array([half.shape_index for half in used])
+    v_sine, v_square = np.array([half.v_sine for half in used]), np.array([half.v_square for half in used])
+    of_each = (v_sine - v_square) / np.maximum(v_sine + v_square, 1e-300)
     index = float(of_each.mean())
     low, high = interval(lambda means: means[:, 0], of_each[:, None])
     word, why = _word(index, low, p)
@@ -232,7 +238,7 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
     size = "" if dead_band is None else f"; the dead band is {dead_band:.3g} in the unit of OP (Hagglund 2007)"
     reason = (
         f"I = {index:.2f} (90 % interval {low:.2f} to {high:.2f}, {len(used)} half waves of e, period "
-        f"{float(np.mean(periods)):.4g} s): {why}{size}."
+        f"{period:.4g} s): {why}{size}."
     )
     shown = used[:: -(-len(used) // 60)]
     evidence: dict[str, Values | float] = {
@@ -240,8 +246,8 @@ def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict
         "waves": np.array([half.shape for half in shown]),
         "sine": 0.5 * np.pi * np.sin(np.pi * _PHASE),
         "other": np.ones(len(_PHASE)),
-        "error_sine": np.array([half.v_sine for half in used]),
-        "error_other": np.array([half.v_square for half in used]),
+        "error_sine": v_sine,
+        "error_other": v_square,
         "I": of_each,
     }
     return Verdict(NAME, word, index, p.I_stiction, reason, interval=(low, high), amount_percent_op=amount,

@@ -41,9 +41,7 @@ the second try after removal of drift, because a slow drift lifts the whole ACF 
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -59,6 +57,7 @@ from logs import LoopRecord
 __all__ = ["CARD", "Params", "find", "find_in", "significant_crossings"]
 
 Values = npt.NDArray[np.float64]
+Beat = tuple[float, int, float, float, float, float]  # standard deviation, and what ``acf_kernels.beat`` says [lags]
 _SAMPLES_MIN = 20  # to test at all
 _PART_MIN = 100  # samples of the shortest part
 _SHORT = 512  # samples up to which the autocorrelation is summed up lag by lag
@@ -187,7 +186,7 @@ def _drifts(halves: tuple[Gate, Gate], p: Params) -> bool:
 
 def _find_one(t: Values, x: Values, p: Params) -> Gate:
     """Test for one period over the whole signal, as it is and with its drift removed."""
-    from detect.oscillation.acf_kernels import levelled
+    from detect.oscillation.acf_kernels import levelled, short_beat_without_drift
 
     n = len(t)
     if n < _SAMPLES_MIN:
@@ -196,42 +195,39 @@ def _find_one(t: Values, x: Values, p: Params) -> Gate:
     std, largest = levelled(np.ascontiguousarray(t), np.ascontiguousarray(x), grid, y)
     if std <= 1e-12 * max(1e-300, largest):
         return Gate(False, None, 0.0, 0.0, 0.0, "The signal does not move.")
-    first = _acf_test(grid, y, p)
+    first = _acf_test(grid, _beat(y, p), p)
     if first.oscillating:
         return first
-    period = _strongest_period(y, float(grid[1] - grid[0]))
-    swing = y - moving_average(grid, y, 2 * period, ends="hold")
-    second = _acf_test(grid, swing, p)
+    width = 2 * _strongest_period(y, float(grid[1] - grid[0]))
+    if n <= _SHORT:
+        second = _acf_test(grid, short_beat_without_drift(grid, y, width, p.band, p.crossings), p)
+    else:
+        second = _acf_test(grid, _beat(y - moving_average(grid, y, width, ends="hold"), p), p)
     # A wave that drift removal brings out must carry a fair part of the variance, or it is not the story.
-    if second.oscillating and np.var(swing) > 0.1 * std**2:
+    if second.oscillating and 0.5 * second.amplitude**2 > 0.1 * std**2:
         return second
     return first if first.regularity >= second.regularity else second
 
 
-def _acf_test(t: Values, y: Values, p: Params) -> Gate:
-    n, dt = len(y), float(t[1] - t[0])
-    acf, std = _acf(y)
+def _acf_test(t: Values, beat: Beat, p: Params) -> Gate:
+    """What the crossings of the autocorrelation of a signal at the times t (n,) say."""
+    n, dt = len(t), float(t[1] - t[0])
+    std, found, mean, spread, low, high = beat
     amplitude = math.sqrt(2.0) * std
-    crossings = significant_crossings(acf, p.band, p.crossings)
-    at = crossings.tolist()
-    intervals = [dt * (later - earlier) for earlier, later in itertools.pairwise(at)]
-    if len(intervals) < p.intervals_min:
-        period = _cut_short(intervals, n * dt, p)
-        if period is not None:
-            return _too_short(period, n * dt, amplitude, p)
+    if found - 1 < p.intervals_min:
+        if found > 2 and high <= 1.5 * low and n < 2.0 * mean * p.cycles_min:
+            return _too_short(2.0 * dt * mean, n * dt, amplitude, p)
         reason = (
-            f"No sustained oscillation: the autocorrelation of e swings through zero {len(crossings)} "
-            f"time{'s' * (len(crossings) != 1)} beyond the band of noise, {p.intervals_min + 1} are needed."
+            f"No sustained oscillation: the autocorrelation of e swings through zero {found} "
+            f"time{'s' * (found != 1)} beyond the band of noise, {p.intervals_min + 1} are needed."
         )
         return Gate(False, None, 0.0, amplitude, 0.0, reason)
-    mean = sum(intervals) / len(intervals)
-    spread = dt * math.sqrt(sum((interval / dt - mean / dt) ** 2 for interval in intervals) / (len(intervals) - 1))
-    regularity = min(REGULARITY_MAX, mean / (3 * spread)) if spread > 0 else REGULARITY_MAX
-    period = 2 * mean
+    regularity = min(REGULARITY_MAX, mean / (3.0 * spread)) if spread > 0.0 else REGULARITY_MAX
+    period = 2.0 * dt * mean
     cycles = n * dt / period
     if period < p.samples_min * dt:
         reason = (
-            f"No oscillation that can be told from noise: e changes its sign every {mean / dt:.1f} samples "
+            f"No oscillation that can be told from noise: e changes its sign every {mean:.1f} samples "
             f"(one each {dt:.3g} s). If it does oscillate, a faster log will show it."
         )
         return Gate(False, None, 0.0, amplitude, 0.0, reason)
@@ -247,22 +243,20 @@ def _acf_test(t: Values, y: Values, p: Params) -> Gate:
     return Gate(oscillating, period, regularity, amplitude, cycles, reason, where)
 
 
-def _acf(y: Values) -> tuple[Values, float]:
-    """The autocorrelation of y (n,) times its value at lag 0, and the standard deviation of y."""
-    from detect.oscillation.acf_kernels import centred, correlated, powers
+def _beat(y: Values, p: Params) -> Beat:
+    """Standard deviation of y (n,), crossings of its autocorrelation, and what ``acf_kernels.beat`` says of them."""
+    from detect.oscillation.acf_kernels import beat, centred, powers, short_beat
 
     n = len(y)
     if n <= _SHORT:
-        centre, acf = np.empty(n), np.empty(n)
-        std = centred(y, centre)
-        correlated(centre, acf)
-        return acf, std
+        found: Beat = short_beat(y, p.band, p.crossings)
+        return found
     padded = np.zeros(_quick_length(2 * n))
     std = centred(y, padded)
     spectrum = np.fft.rfft(padded)
     power = np.empty(len(spectrum))
     powers(spectrum, power)
-    return np.fft.irfft(power)[:n], std
+    return std, *beat(np.fft.irfft(power)[:n], p.band, p.crossings)
 
 
 @lru_cache(maxsize=64)
@@ -271,14 +265,6 @@ def _quick_length(n: int) -> int:
     twos = [2 << k for k in range(n.bit_length())]
     odds = [int(3**i * 5**j) for i in range(8) for j in range(6)]
     return min(length for two in twos for odd in odds if (length := two * odd) >= n)
-
-
-def _cut_short(intervals: Sequence[float], duration: float, p: Params) -> float | None:
-    """The period [s] of a wave that the record ends before it could swing often enough, or None."""
-    if len(intervals) < 2 or max(intervals) > 1.5 * min(intervals):
-        return None
-    period = 2 * sum(intervals) / len(intervals)
-    return period if duration < p.cycles_min * period else None
 
 
 def _too_short(period: float, duration: float, amplitude: float, p: Params) -> Gate:
@@ -301,9 +287,12 @@ def significant_crossings(acf: Values, band: float, most: int | None = None) -> 
 
 def _strongest_period(y: Values, dt: float) -> float:
     """Period of the highest spectral line with at least three cycles in the record [s]."""
-    power = np.abs(np.fft.rfft(y * _hanning(len(y)))) ** 2
-    power[:3] = 0.0
-    return len(y) * dt / max(int(np.argmax(power)), 3)
+    from detect.oscillation.acf_kernels import powers
+
+    spectrum = np.fft.rfft(y * _hanning(len(y)))[3:]
+    power = np.empty(len(spectrum))
+    powers(spectrum, power)
+    return len(y) * dt / (3 + int(power.argmax()))
 
 
 @lru_cache(maxsize=8)

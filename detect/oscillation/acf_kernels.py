@@ -6,9 +6,12 @@ samples, for which whole arrays are too dear.
 
 from typing import Any
 
+import numpy as np
 from numba import njit
 
-__all__ = ["centred", "correlated", "levelled", "powers", "swings"]
+from detect.prepare.smoothing_kernels import averages
+
+__all__ = ["beat", "centred", "correlated", "levelled", "powers", "short_beat", "short_beat_without_drift", "swings"]
 
 SUMS = {"reassoc", "contract"}  # sums may be added up in any order
 
@@ -105,3 +108,45 @@ def swings(acf: Any, band: float, most: int, out: Any) -> int:
         where, peak, at = k + acf[k] / (acf[k] - acf[k + 1]), -1.0, k
         count += 1
     return 0
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def beat(acf: Any, band: float, most: int) -> tuple[int, Any, Any, Any, Any]:
+    """How many crossings ``swings`` finds; mean, standard deviation, shortest and longest of their intervals [lags].
+
+    Of fewer than two intervals the standard deviation is 0, of none all are.
+    """
+    found = np.empty(most)
+    count = swings(acf, band, most, found)
+    if count < 2:
+        return count, 0.0, 0.0, 0.0, 0.0
+    mean, squares = (found[count - 1] - found[0]) / (count - 1), 0.0
+    low, high = found[1] - found[0], found[1] - found[0]
+    for k in range(count - 1):
+        interval = found[k + 1] - found[k]
+        squares += (interval - mean) ** 2
+        low, high = min(low, interval), max(high, interval)
+    return count, mean, (squares / max(count - 2, 1)) ** 0.5, low, high
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def short_beat(y: Any, band: float, most: int) -> tuple[Any, int, Any, Any, Any, Any]:
+    """Standard deviation of y (n,), and ``beat`` of its autocorrelation: quicker than by spectra where n is small."""
+    n = len(y)
+    centre, acf = np.empty(n), np.empty(n)
+    std = centred(y, centre)
+    correlated(centre, acf)
+    count, mean, spread, low, high = beat(acf, band, most)
+    return std, count, mean, spread, low, high
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def short_beat_without_drift(
+    t: Any, y: Any, width: float, band: float, most: int
+) -> tuple[Any, int, Any, Any, Any, Any]:
+    """``short_beat`` of y (n,) less its moving average over ``width`` [s] with held ends."""
+    swing = np.empty(len(y))
+    averages(t, y, width, True, swing)
+    for i in range(len(y)):
+        swing[i] = y[i] - swing[i]
+    return short_beat(swing, band, most)

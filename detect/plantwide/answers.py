@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from detect.prepare.stick import stick
 
-__all__ = ["Answer", "answer_of"]
+__all__ = ["Answer", "answer_of", "without_line"]
 
 Values = npt.NDArray[np.float64]
 FOLLOWS = 0.98  # R2 of a tag with OP itself, from which on the valve is seen to answer
@@ -65,7 +65,7 @@ def answer_of(op: Values, tags: Mapping[str, Values]) -> Answer:
         return Answer(None, 0.0, 0.0, 0.0, None)
     S = np.concatenate([[0.0], np.repeat(travel * WIDTHS, len(JUMPS))])
     J = np.concatenate([[0.0], np.outer(travel * WIDTHS, JUMPS).ravel()])
-    R2 = _without_line(np.array(list(tags.values()))[:, skip:]) @ _without_line(stick(op, S, J)[skip:].T).T
+    R2 = without_line(np.array(list(tags.values()))[:, skip:]) @ without_line(stick(op, S, J)[skip:].T).T
     R2 = R2**2
     names, direct = list(tags), R2[:, 0]
     top = int(np.argmax(direct))
@@ -84,8 +84,8 @@ def answer_of(op: Values, tags: Mapping[str, Values]) -> Answer:
     return Answer(follows, float(direct[top]), float(gains[i]), float(S[best[i]]), names[i])
 
 
-def _without_line(rows: Values) -> Values:
-    """Rows (m, n) less their straight lines, of length 1; 0 for a row that does not move."""
+def without_line(rows: Values) -> Values:
+    """Return rows (m, n) less their straight lines, of length 1; 0 for a row that does not move."""
     n = rows.shape[1]
     basis = np.linalg.qr(np.column_stack([np.ones(n), np.arange(n) / n]))[0]
     left = rows - (rows @ basis) @ basis.T

@@ -2,7 +2,8 @@
 
     groups      tags with a common line in their spectra (``lines``)
     suspects    the loops whose OP moves, by how plainly no tag answers OP at once (``answers``); a loop that is called
-                sticky by its own verdict goes before the others, where verdicts are given
+                sticky goes before the others, by its own verdict, where verdicts are given, or by slips of its valve
+                that another tag shows (``slips``)
     harmonics   sqrt(power at 2 f .. 5 f / power at f) of every tag [-]
     lag         of a tag behind the first suspect's OP, by the largest correlation within a quarter of a period
 
@@ -16,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,7 @@ import numpy.typing as npt
 
 from detect.plantwide.answers import Answer, answer_of
 from detect.plantwide.lines import Spectra, groups, spectra
+from detect.plantwide.slips import Slips, jumps_of, owners, slips_of
 from detect.words import WORDS, Word
 from logs import Log, LogError, LoopRecord
 
@@ -47,7 +49,8 @@ class Suspect:
     answers OP at once [-], 0 where none shows it; ``S`` (float) travel of OP without an answer [% of span], 0 where
     none shows it; ``seen_in`` (str or None) the tag that shows it; ``follows`` (str or None) a tag that follows OP at
     once;
-    ``verdict`` as in ``Verdict``, None where none is given.
+    ``verdict`` as in ``Verdict``, None where none is given; ``slips`` (Slips or None) what another tag shows that jumps
+    each time OP has come back by the same travel.
     """
 
     loop: str
@@ -57,12 +60,23 @@ class Suspect:
     seen_in: str | None
     follows: str | None
     verdict: Word | None = None
+    slips: Slips | None = None
+
+    @property
+    def word(self) -> Word | None:
+        """Its own verdict; "stiction" where that leaves it open and another tag shows that the valve slips."""
+        return "stiction" if self.slips is not None and self.verdict != "no_stiction" else self.verdict
 
     @property
     def reason(self) -> str:
         """What speaks for or against its valve, in one sentence."""
         moves = f"OP travels {self.travel:.3g} % of its span"
-        if self.gain >= PLAIN and self.seen_in is not None:
+        if self.slips is not None:
+            said = (
+                f"{moves}, and {self.slips.tag} jumps when OP has come back by {self.slips.S:.2g} %, "
+                f"{self.slips.reversals} times: its valve slips"
+            )
+        elif self.gain >= PLAIN and self.seen_in is not None:
             said = f"{moves}, and {self.seen_in} answers only after {self.S:.2g} %"
         elif self.follows is not None:
             said = f"{moves}, and {self.follows} follows at once: its valve answers"
@@ -97,7 +111,7 @@ class Group:
         if not self.suspects:
             return f"{said} No OP of these loops moves by {TRAVEL_MIN:g} % of its span: the source lies elsewhere."
         first = self.suspects[0]
-        if first.gain >= PLAIN or first.verdict == "stiction":
+        if first.gain >= PLAIN or first.word == "stiction":
             return f"{said} Look at the valve of {first.loop} first: {first.reason}"
         return (
             f"{said} No valve of the group is seen to stick; the source may lie outside. {first.loop}: {first.reason}"
@@ -127,7 +141,8 @@ class Survey:
         """Plain values that JSON can hold, schema "stickslip.survey/1"."""
 
         def plain(suspect: Suspect) -> dict[str, Any]:
-            return {**suspect.__dict__, "reason": suspect.reason}
+            slips = None if suspect.slips is None else suspect.slips._asdict()
+            return {**suspect.__dict__, "slips": slips, "reason": suspect.reason}
 
         return {
             "schema": SCHEMA,
@@ -211,6 +226,8 @@ def _suspects(
         asked |= {record.sp_name, record.op_name, record.mode_name}
     stems = {record.mv_name for record in records}
     found, still = [], set()
+    jumps = {name: jumps_of(x) for name, x in signals.items() if name not in asked | stems and not _steady(x)}
+    slips: dict[str, dict[str, Slips]] = {}
     for record in records:
         span = record.op_span
         op = np.zeros(1) if span is None else 100.0 * (signals[record.op_name] - span[0]) / (span[1] - span[0])
@@ -223,9 +240,13 @@ def _suspects(
             tags = {own: signals[own]}
         else:
             tags = {n: x for n, x in signals.items() if n not in asked | stems | {record.pv_name}}
+            seen = (slips_of(op, tags[tag], at, tag) for tag, at in jumps.items() if tag in tags)
+            slips[record.name] = {one.tag: one for one in seen if one is not None}
         a: Answer = answer_of(op, tags)
         found.append(Suspect(record.name, travel, a.gain, a.S, a.tag, a.follows, verdicts.get(record.name)))
-    order = sorted(found, key=lambda s: (s.verdict != "stiction", -s.gain, -s.travel))
+    own_slips = owners(slips, jumps)
+    found = [replace(suspect, slips=own_slips.get(suspect.loop)) for suspect in found]
+    order = sorted(found, key=lambda s: (s.word != "stiction", -s.gain, -s.travel))
     return tuple(order), still
 
 

@@ -10,7 +10,6 @@ mean of PV stands for it, so that the sign of e stays that of -PV.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -21,14 +20,13 @@ from detect.oscillation import acf_crossings as oscillation
 from detect.prepare import conditions
 from detect.prepare.fact import Fact
 from detect.prepare.gaps import SINGLE, Gap, falls_into, gaps_in
-from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, crossings, measure_all
+from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, in_pieces
 from detect.prepare.order import median_step
 from detect.prepare.pieces import Pieces, pieces_of
-from detect.prepare.smoothing import moving_average, noise_std
 from detect.verdict import Code
 from logs import LoopRecord
 
-__all__ = ["Cycles", "Params", "Refusal", "cut", "half_cycles_in", "preconditions", "prepare"]
+__all__ = ["Cycles", "Params", "Refusal", "cut", "preconditions"]
 
 Values = npt.NDArray[np.float64]
 
@@ -143,22 +141,20 @@ def _long(record: LoopRecord) -> tuple[Gap, ...]:
 
 def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple[HalfCycle, ...], Values, Values, bool]:
     """The half cycles of all pieces that are long enough, their t and e with NaN between, whether a drift came off."""
-    found: list[HalfCycle] = []
-    shown_t: list[Values] = []
-    shown_e: list[Values] = []
-    drifting = False
-    hole = np.array([np.nan])
-    for t, x, period in pieces.stretches(p.gate):
-        if t[-1] - t[0] < 1.5 * period or len(t) < 20:
-            continue
-        e, noise, drifts = prepare(t, x, period, p)
-        drifting |= drifts
-        found.extend(half_cycles_in(t, e, noise, period, gaps))
-        shown_t += [t, hole]
-        shown_e += [e, hole]
-    if not shown_t:
+    read = [
+        (t, x, period) for t, x, period in pieces.stretches(p.gate) if len(t) >= 20 and t[-1] - t[0] >= 1.5 * period
+    ]
+    if not read:
         return (), np.empty(0), np.empty(0), False
-    return tuple(found), np.concatenate(shown_t), np.concatenate(shown_e), drifting
+    bounds = np.cumsum([0, *(len(t) for t, _, _ in read)])
+    t, x = (np.concatenate([piece[k] for piece in read]) for k in (0, 1))
+    found, e, drifts = in_pieces(
+        t, x, bounds, np.array([period for _, _, period in read]), p.smooth_max, p.noise_share, p.drift_share
+    )
+    if gaps:
+        hidden = (not half.fault and falls_into(gaps, half.peak_time) for half in found)
+        found = [half._replace(fault="gap") if gone else half for half, gone in zip(found, hidden, strict=True)]
+    return tuple(found), *(np.insert(y, bounds[1:], np.nan) for y in (t, e)), drifts
 
 
 def preconditions(record: LoopRecord, facts: tuple[Fact, ...] | None = None) -> Refusal | None:
@@ -204,49 +200,3 @@ def _drawn(record: LoopRecord, facts: tuple[Fact, ...], period: float, dt: float
             "the shape is the historian's (or the wave has perfectly straight sides, which looks the same).",
         )
     return None
-
-
-def prepare(t: Values, x: Values, period: float, p: Params) -> tuple[Values, float, bool]:
-    """e centred and smoothed, the noise left in it, and whether a drift was taken off."""
-    from detect.prepare.half_cycle_kernels import level
-    from detect.prepare.health_kernels import spread
-
-    mean, std = spread(x)
-    e, drifts = x - mean, False
-    if t[-1] - t[0] > 4 * period:
-        baseline = moving_average(t, x, 2 * period, ends="hold")
-        swing = x - baseline
-        sd = spread(swing)[1]
-        if spread(baseline)[1] > p.drift_share * sd:
-            e, std, drifts = swing, sd, True
-    sigma = noise_std(t, e)
-    if sigma < 1e-3 * std:
-        sigma = 0.0
-    dt = median_step(t)
-    width = 0.0
-    if sigma > p.noise_share * std:
-        width = min(dt * (sigma / (p.noise_share * std)) ** 2, p.smooth_max * period)
-    if width > 2 * dt:
-        e = moving_average(t, e, width)
-        sigma *= math.sqrt(dt / width)
-    # The mean over whole cycles, because the mean of a cut cycle shifts the crossings.
-    c = crossings(t, e, 0.1 * std)
-    if len(c) >= 3 and not drifts:
-        last = c[-1] if len(c) % 2 else c[-2]
-        first, end = np.searchsorted(t, c[0]), np.searchsorted(t, last, side="right")
-        if end - first > 2:
-            e = e - level(t[first:end], e[first:end])
-    return e, sigma, drifts
-
-
-def half_cycles_in(t: Values, e: Values, noise: float, period: float, gaps: tuple[Gap, ...] = ()) -> list[HalfCycle]:
-    """Half cycles of the prepared e between neighbouring crossings, faults marked, gaps in t among them."""
-    from detect.prepare.health_kernels import spread
-
-    std = spread(e)[1]
-    cuts = crossings(t, e, max(0.1 * std, min(3 * noise, 0.5 * std)))
-    found = measure_all(t, e, cuts, noise, period, 0.5 * std)
-    if not gaps:
-        return found
-    hidden = (not half.fault and falls_into(gaps, half.peak_time) for half in found)
-    return [half._replace(fault="gap") if gone else half for half, gone in zip(found, hidden, strict=True)]

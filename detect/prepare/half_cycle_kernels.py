@@ -223,7 +223,7 @@ def mean_abs(e: Any, memory: int, out: Any) -> None:
     """Mean of |e| up to each sample, of which it forgets those more than ``memory`` ago, into out (n,)."""
     mean = 0.0
     for k in range(len(e)):
-        mean += (abs(e[k]) - mean) / min(k + 1, memory)
+        mean += (abs(e[k]) - mean) * (1.0 / min(k + 1, memory))  # the division need not wait for the mean
         out[k] = mean
 
 

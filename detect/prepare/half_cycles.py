@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["HalfCycle", "crossings", "measure", "measure_all"]
+__all__ = ["HalfCycle", "crossings", "in_pieces", "measure"]
 
 Values = npt.NDArray[np.float64]
 
@@ -94,21 +94,26 @@ def measure(t: Values, x: Values, start: float, end: float, noise: float = 0.0) 
     return HalfCycle(start, peak_time, end, peak, before, after, samples, sine, triangle, FAULTS[fault])
 
 
-def measure_all(t: Values, x: Values, cuts: Values, noise: float, period: float, low: float) -> list[HalfCycle]:
-    """The half cycles of x between neighbouring ``cuts`` [s], as ``measure`` gives one by one.
+def in_pieces(
+    t: Values, x: Values, bounds: npt.NDArray[np.intp], periods: Values, smooth_max: float, noise_share: float,
+    drift_share: float,
+) -> tuple[list[HalfCycle], Values, bool]:  # fmt: skip
+    """The half cycles of the pieces of x (n,) between ``bounds`` (m + 1,), made ready as the module of ``cycles`` says.
 
-    One that is not a quarter to a whole ``period`` [s] long has the fault "length", one whose peak lies below ``low``
-    [unit of x] the fault "low".
+    Returns them, the prepared x (n,), and whether a drift came off any piece.  ``periods`` (m,) [s] are those of the
+    pieces, the shares those of ``cycles.Params``.  A crossing is firm beyond a tenth of the standard deviation or
+    three times the noise left.  A half cycle that is not a quarter to a whole period long has the fault "length", one
+    whose peak lies below half of the standard deviation the fault "low".
     """
-    from detect.prepare.half_cycle_kernels import FAULTS, half_cycles
+    from detect.prepare.cycle_kernels import all_pieces
+    from detect.prepare.half_cycle_kernels import FAULTS
 
-    found = np.empty((max(len(cuts) - 1, 0), 8))
-    t, x = np.ascontiguousarray(t), np.ascontiguousarray(x)
-    half_cycles(t, x, cuts, noise, period, low, SAMPLES_MIN, FLAT_SHARE, TWO_PEAKS, KINK, found)
-    at = cuts.tolist()
-    return [
+    e, drifts, rows = all_pieces(
+        np.ascontiguousarray(t), np.ascontiguousarray(x), bounds, periods, smooth_max, noise_share,
+        drift_share, SAMPLES_MIN, FLAT_SHARE, TWO_PEAKS, KINK,
+    )  # fmt: skip
+    found = [
         HalfCycle(start, when, end, peak, before, after, int(n), sine, triangle, FAULTS[int(fault)])
-        for start, end, (fault, when, peak, before, after, n, sine, triangle) in zip(
-            at[:-1], at[1:], found.tolist(), strict=True
-        )
+        for fault, when, peak, before, after, n, sine, triangle, start, end in rows.tolist()
     ]
+    return found, e, bool(drifts)

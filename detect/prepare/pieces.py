@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.oscillation import acf_crossings as oscillation
-from detect.oscillation.gate import Gate, Stretch
+from detect.oscillation.gate import Gate
 from detect.prepare import conditions
 from detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split, taken
 from logs import LoopRecord
@@ -48,10 +48,13 @@ class Pieces:
 
         Each piece is tested by itself; one that does not pass has the period of the longest.
         """
+        tested = self.longest[0]
         for t, e in self.all:
-            gate = self.gate if t is self.longest[0] else oscillation.find_in(t, e, p)
-            whole = Stretch(float(t[0]), float(t[-1]), self.gate.period or math.inf)
-            for start, end, period in gate.stretches or (whole,):
+            gate = self.gate if t is tested else oscillation.find_in(t, e, p)
+            if len(gate.stretches) < 2:  # all of it, with its own period or that of the longest
+                yield t, e, (gate.period if gate.stretches else self.gate.period) or math.inf
+                continue
+            for start, end, period in gate.stretches:
                 inside = slice(int(np.searchsorted(t, start)), int(np.searchsorted(t, end, side="right")))
                 yield t[inside], e[inside], period
 

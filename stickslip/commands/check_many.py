@@ -9,6 +9,7 @@ from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis, Survey
+    from detect.words import Word
     from logs import Log, LoopRecord
 
 SCHEMA = "stickslip.check-many/1"
@@ -103,7 +104,7 @@ def check_many(
         complain(reason)
     if faults:
         return 2
-    return 1 if any(answer.verdict == "stiction" for _, answers in judged for answer in answers) else 0
+    return 1 if "stiction" in _words(judged, surveys) else 0
 
 
 def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
@@ -115,6 +116,15 @@ def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
     return survey(read.log, {answer.loop: answer.verdict for answer in answers})
 
 
+def _words(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]") -> "list[Word]":
+    """Return the verdict on every loop, in order: its own, or what the other tags of its file show."""
+    found: list[Word] = []
+    for (_, answers), one in zip(judged, surveys, strict=True):
+        seen = {} if one is None else {suspect.loop: suspect.word for suspect in one.suspects}
+        found += [seen.get(answer.loop) or answer.verdict for answer in answers]
+    return found
+
+
 def _rows(
     judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]"
 ) -> list[tuple[int, list[str]]]:
@@ -123,17 +133,19 @@ def _rows(
     from detect.words import WORDS
 
     order: list[tuple[tuple[int, float, float], int, list[str]]] = []
+    words = _words(judged, surveys)
     for (file, answers), one in zip(judged, surveys, strict=True):
         suspects = {} if one is None else {suspect.loop: suspect for suspect in one.suspects}
         for answer in answers:
             suspect = suspects.get(answer.loop)
             name = answer.loop if len(judged) == 1 else f"{file.stem}: {answer.loop}"
             travel, why, gain = "-", "OP hardly moves, or its span is not known." if one is not None else "", 0.0
+            word = words[len(order)]
             if suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
             period = "-" if answer.period is None else f"{answer.period:.3g}"
-            row = [name, WORDS[answer.verdict].spoken, chance(answer.probability), period, travel, why.rstrip(".")]
-            place = FIRST.index(answer.verdict) if one is None else int(answer.verdict != "stiction")
+            row = [name, WORDS[word].spoken, chance(answer.probability), period, travel, why.rstrip(".")]
+            place = FIRST.index(word) if one is None else int(word != "stiction")
             order.append(((place, -gain, -(answer.probability or 0.0)), len(order), row))
     return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]
 
@@ -156,10 +168,11 @@ def _page(
     answers = [answer for _, found in judged for answer in found]
     said = [k for k in range(len(COLUMNS)) if k < 2 or any(row[k] not in ("", "-") for _, row in rows)]
     links = [f"#s{1 + len(shared) + number}" for number, _ in rows]
-    kinds = [WORDS[answers[number].verdict].kind for number, _ in rows]
+    words = _words(judged, surveys)
+    kinds = [WORDS[words[number]].kind for number, _ in rows]
     cells = [[row[k] for k in said] for _, row in rows]
     table = Section("All loops", f"{len(rows)} loops", "open", "Those to look at first are on top.")
     table.figures.append(table_to_html([COLUMNS[k] for k in said], cells, links=links, badges={1: kinds}))
-    sticky = sum(answer.verdict == "stiction" for answer in answers)
+    sticky = words.count("stiction")
     lead = f"In {sticky} of {len(answers)} loops the valve looks sticky." if sticky else "No valve is called sticky."
     return page(f"{len(rows)} loops", lead, [table, *shared, *(section_of(answer) for answer in answers)])

@@ -12,8 +12,8 @@ import pytest
 
 from detect.methods import curve_fit, relay_fit
 from detect.methods.hagglund2011 import measure_all
-from detect.prepare.cycles import Params, half_cycles_in, prepare
-from detect.prepare.half_cycles import crossings
+from detect.prepare.cycles import Params
+from detect.prepare.half_cycles import crossings, in_pieces
 from detect.prepare.half_wave_fits import gather
 from detect.prepare.lateness import lateness
 from detect.prepare.prepared import HalfWave, Prepared
@@ -69,7 +69,9 @@ def indices(x, smoothed=False):
     cuts = crossings(t, x, 0.3 * np.mean(np.abs(x)))
     halves = gather(loop_of(x).half_waves("OP") if smoothed else by_hand(t, x, cuts))
     I = np.mean([half.shape_index for half in measure_all(t, x, 0.0 * t, cuts)])
-    used = [half for half in half_cycles_in(t, *prepare(t, x, PERIOD, Params())[:2], PERIOD) if not half.fault]
+    p, one = Params(), (np.array([0, len(t)]), np.array([PERIOD]))
+    found, _, _ = in_pieces(t, x, *one, p.smooth_max, p.noise_share, p.drift_share)
+    used = [half for half in found if not half.fault]
     R = lateness(used, 50, 0, 0.9).R if used else np.nan
     return curve_fit.errors(halves).SI, relay_fit.errors(halves).S_I, I, R
 

@@ -1,6 +1,7 @@
 """The compiled sums of the screening against the same formulas written with whole arrays (labelled analytic)."""
 
 import itertools
+import sys
 
 import numpy as np
 import pytest
@@ -9,12 +10,14 @@ from hypothesis import strategies as st
 
 from detect.oscillation import acf_crossings
 from detect.oscillation.acf_crossings import significant_crossings
-from detect.oscillation.acf_kernels import centred, correlated, levelled
+from detect.oscillation.acf_kernels import beat, centred, correlated, levelled, short_beat
+from detect.prepare.cycles import Params
 from detect.prepare.gaps import split, taken
+from detect.prepare.half_cycles import crossings, in_pieces, measure
 from detect.prepare.health_kernels import long_stands, longest_stand, on_grid, pair, repeated, spread
 from detect.prepare.order import median_step, percentile, percentiles
 from detect.prepare.prepared import Prepared
-from detect.prepare.smoothing import noise_std
+from detect.prepare.smoothing import moving_average, noise_std
 from logs import LoopRecord
 
 numbers = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=60).map(np.array)
@@ -49,6 +52,93 @@ def test_crossings_are_those_of_the_formula(seed, n, period, most):
     expected = crossings_by_arrays(acf, 1.96, most)  # analytic
     assert significant_crossings(acf, 1.96, most) == pytest.approx(expected, rel=1e-12)
     assert significant_crossings(7.0 * acf, 1.96, most) == pytest.approx(expected, rel=1e-12)  # any scale
+
+
+@given(st.integers(0, 10_000), st.integers(20, 500), st.floats(4.0, 100.0))
+@settings(max_examples=60, deadline=None)
+def test_a_beat_is_that_of_the_crossings(seed, n, period):
+    rng = np.random.default_rng(seed)
+    y = np.sin(2 * np.pi * np.arange(n) / period) + rng.uniform(0, 2) * rng.normal(size=n)
+    acf = np.correlate(y - y.mean(), y - y.mean(), "full")[n - 1 :]
+    found = crossings_by_arrays(acf / acf[0], 1.96, 11)
+    gaps = np.diff(found)
+    expected = (
+        (gaps.mean(), gaps.std(ddof=1) if len(gaps) > 1 else 0.0, gaps.min(), gaps.max()) if len(gaps) else [0] * 4
+    )
+    count, *rest = beat(acf, 1.96, 11)
+    assert count == len(found) and rest == pytest.approx(expected, rel=1e-9, abs=1e-9)  # analytic
+    std, *again = short_beat(y, 1.96, 11)
+    assert std == pytest.approx(np.std(y), rel=1e-12) and again == pytest.approx([count, *rest], rel=1e-6, abs=1e-6)
+
+
+def readied(t, x, period, p):
+    """The control error of one piece less its mean or drift, smoothed, as the module of ``cycles`` says it."""
+    e, std, drifts = x - x.mean(), np.std(x), False
+    if t[-1] - t[0] > 4 * period:
+        baseline = moving_average(t, x, 2 * period, ends="hold")
+        if np.std(baseline) > p.drift_share * np.std(x - baseline):
+            e, std, drifts = x - baseline, np.std(x - baseline), True
+    sigma = noise_std(t, e)
+    sigma = 0.0 if sigma < 1e-3 * std else sigma
+    dt = np.median(np.diff(t))
+    width = min(dt * (sigma / (p.noise_share * std)) ** 2, p.smooth_max * period) if sigma > p.noise_share * std else 0
+    if width > 2 * dt:
+        e, sigma = moving_average(t, e, width), sigma * np.sqrt(dt / width)
+    cuts = crossings(t, e, 0.1 * std)
+    if len(cuts) >= 3 and not drifts:
+        whole = (t >= cuts[0]) & (t <= (cuts[-1] if len(cuts) % 2 else cuts[-2]))
+        e = e - np.trapezoid(e[whole], t[whole]) / np.ptp(t[whole])
+    return e, sigma, drifts
+
+
+@given(st.integers(0, 10_000), st.floats(0.0, 0.4), st.booleans(), st.booleans())
+@settings(max_examples=40, deadline=None)
+def test_pieces_at_once_are_the_pieces_one_by_one(seed, noise, drifting, uneven):
+    """Analytic: the steps of the preparation written with whole arrays, and ``measure`` of each half cycle."""
+    r, p = np.random.default_rng(seed), Params()
+    lengths, periods = r.integers(30, 400, 4), r.uniform(15, 60, 4)
+    bounds = np.concatenate([[0], np.cumsum(lengths)])
+    t = np.cumsum(r.uniform(0.5, 1.5, bounds[-1])) if uneven else np.arange(float(bounds[-1]))
+    x = np.concatenate([np.tanh(2 * np.sin(2 * np.pi * t[a:b] / P)) + r.normal()
+                        for (a, b), P in zip(itertools.pairwise(bounds), periods, strict=True)])  # fmt: skip
+    x += noise * r.normal(size=len(t)) + 0.01 * drifting * t
+    found, e, drifts = in_pieces(t, x, bounds, periods, p.smooth_max, p.noise_share, p.drift_share)
+    expected, came_off = [], False
+    for (a, b), period in zip(itertools.pairwise(bounds), periods, strict=True):
+        made, left, drift = readied(t[a:b], x[a:b], period, p)
+        came_off |= drift
+        assert e[a:b] == pytest.approx(made, abs=1e-9)
+        firm = crossings(t[a:b], made, max(0.1 * np.std(made), min(3 * left, 0.5 * np.std(made))))
+        expected += [measure(t[a:b], made, *pair, left)[:9] for pair in itertools.pairwise(firm)]
+    assert drifts == came_off and len(found) == len(expected)
+    for half, one in zip(found, expected, strict=True):
+        assert half[:9] == pytest.approx(one, rel=1e-6, abs=1e-7)
+
+
+def test_twenty_pieces_are_not_looked_at_by_calls_of_their_own_for_every_sum():
+    """Calls from Python are most of what a record under set-point moves costs; there were 4,300."""
+    t = np.arange(7200.0)
+    e = np.tanh(2 * np.sin(2 * np.pi * t / 70)) + 0.05 * np.random.default_rng(1).normal(size=7200)
+    sp = np.repeat(np.random.default_rng(2).normal(size=20), 360)
+
+    def calls():
+        made = Prepared(LoopRecord.from_arrays(t, pv=sp - e, op=50 + np.cos(t / 11), sp=sp, process="self_regulating"))
+        _, count = made.facts, 0
+
+        def counted(frame, event, arg):
+            nonlocal count
+            count += event in ("call", "c_call")
+
+        sys.setprofile(counted)
+        try:
+            found = made.cycles
+        finally:
+            sys.setprofile(None)
+        assert len(made.pieces.all) == 19 and len(found.half_cycles) > 100
+        return count
+
+    calls()  # loads what is compiled
+    assert calls() < 2000
 
 
 def test_short_and_long_signals_have_one_autocorrelation(monkeypatch):

@@ -1,0 +1,165 @@
+"""Slips of a valve seen in another tag: it jumps each time OP has come back by the same travel, and stands before.
+
+    r_k    what a tag y does within two samples beyond its slopes before and after
+    jump   |r| above ``SIGMAS`` of its noise, ``SHARE`` of the range of y and ``STEEP`` times the slopes on either side;
+           of a tag, those of at least ``MAIN`` of its largest ones
+    S_i    travel of OP to a jump that goes the other way than the one before: from where OP was furthest since, if the
+           stem slid along with it, or from where OP was at that jump, if the stem stood; whichever scatters less
+    stood  the part of a jump that y has covered already while OP came back
+
+A valve that sticks lets OP travel by S and then slips, so that the flow through it, and what hangs on that flow, jump.
+A valve with a deadband but no jump makes a kink.  Where something outside makes y jump and the valve answers, integral
+action takes the whole jump back before the next, and ``stood`` is 1.  Called are slips where S is known to ``KNOWN``
+from ``REVERSALS`` reversals or more, all jumps go the way that OP moves (or all the other way), OP never came back by
+more than S without one, and y stood.  Of several loops, jumps at the same instants belong to that whose stem, by S and
+J = S / 5, tells a tag best.
+
+Blind where OP travels by more than J in some three samples, and to jumps below ``SHARE`` of what else moves the tag.
+The idea and the limits are ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.plantwide.answers import without_line
+from detect.prepare.stick import stick
+
+__all__ = ["Jumps", "Slips", "jumps_of", "owners", "slips_of"]
+
+Values = npt.NDArray[np.float64]
+SIDE = 4  # samples of the slope on either side
+SIGMAS, SHARE, STEEP = 8.0, 0.005, 2.5
+MAIN = 0.3
+REVERSALS = 4
+KNOWN = 0.05  # half of the 90 % interval of S, over S
+WAY = 0.9  # share of the jumps that go the same way as OP, or against it
+BEYOND = 1.2  # of S, that OP may come back without a jump
+STOOD = 0.8  # of a jump; other signals that drift while the valve stands may move y, too
+S_MIN = 1.0  # % of OP span
+TAKEN = 0.5  # of the jumps of a tag, that come within a sample of another loop's, from which on they are its
+SKIP = 0.2  # of the log, until the stem's place no longer depends on where it stood at first
+
+
+class Jumps(NamedTuple):
+    """Where a tag jumps: the sample before each jump (m,), and its size (m,) [unit of the tag]."""
+
+    at: npt.NDArray[np.intp]
+    size: Values
+
+
+class Slips(NamedTuple):
+    """What shows that a valve sticks: S with its 90 % interval [% of OP span], the tag that jumps, how often it turned.
+
+    ``told`` is the correlation of the tag with a stem of that S, less straight lines [-].
+    """
+
+    S: float
+    low: float
+    high: float
+    tag: str
+    reversals: int
+    told: float
+
+
+def jumps_of(y: Values) -> Jumps:
+    """Return where a tag y (n,) jumps within two samples.
+
+    >>> t = np.arange(400.0)
+    >>> jumps_of(np.sin(t / 40) + (t > 100) - (t > 300)).at.tolist()
+    [100, 300]
+    """
+    d = np.diff(y)
+    n = len(d)
+    if n < 4 * SIDE:
+        return Jumps(np.empty(0, dtype=np.intp), np.empty(0))
+    slope = np.median(np.lib.stride_tricks.sliding_window_view(d, SIDE), axis=1)
+    k = np.arange(SIDE, n - SIDE - 1)
+    before, after = slope[k - SIDE], slope[k + 2]
+    r = d[k] + d[k + 1] - before - after
+    near = np.maximum(np.maximum(np.abs(before), np.abs(after)), np.abs(d[k + 2]))
+    noise = 1.4826 * float(np.median(np.abs(r)))
+    high = np.flatnonzero((np.abs(r) > max(SIGMAS * noise, SHARE * float(np.ptp(y)))) & (np.abs(r) > STEEP * near))
+    if not len(high):
+        return Jumps(np.empty(0, dtype=np.intp), np.empty(0))
+    runs = np.split(high, np.flatnonzero(np.diff(high) > 2) + 1)
+    top = np.array([run[np.argmax(np.abs(r[run]))] for run in runs])
+    size = r[top]
+    main = np.abs(size) >= MAIN * np.percentile(np.abs(size), 90)
+    top, size = top[main], size[main]
+    at = k[top]
+    return Jumps(at + (np.abs(d[at + 1]) > np.abs(d[at])), size)  # before the larger of the two steps
+
+
+def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
+    """Return the slips that the ``jumps`` of a tag y (n,) show for a valve of OP ``op`` (n,) [% of span], or None.
+
+    >>> t = np.arange(3000.0)
+    >>> u = 50 + 5 * np.sin(t / 60) + 2 * np.sin(t / 171)
+    >>> flow = 3 * stick(u, 4.0, 1.0) + np.sin(t / 100)
+    >>> found = slips_of(u, flow, jumps_of(flow), "FI1")
+    >>> round(found.S, 1), found.reversals > 10
+    (4.0, True)
+    >>> slips_of(u, stick(u, 4.0, 0.0), jumps_of(stick(u, 4.0, 0.0)), "FI2") is None  # a deadband
+    True
+    """
+    at, size = jumps
+    if len(at) <= REVERSALS:
+        return None
+    agree = np.sign(op[at] - op[at - SIDE]) * np.sign(size)
+    sign = 1.0 if agree.sum() >= 0.0 else -1.0
+    if np.mean(agree == sign) < WAY:
+        return None
+    way = sign * np.sign(size)
+    slid, still, stood, beyond = [], [], [], []
+    for a, b, old, new in zip(at[:-1], at[1:], way[:-1], way[1:], strict=True):
+        ahead = old * op[a + 1 : b + 1]
+        if new != old:
+            furthest, here = int(np.argmax(ahead)), 0.5 * old * float(op[b] + op[b + 1])  # it slips between two samples
+            slid.append(float(ahead[furthest]) - here)
+            still.append(float(ahead[0]) - here)
+            stood.append(float(new * sign * (y[b] - y[a + 1 + furthest])))
+        else:
+            beyond.append(float(np.max(np.maximum.accumulate(ahead) - ahead)))
+    if len(slid) < REVERSALS:
+        return None
+    middle, half = min((_middle(np.array(each)) for each in (slid, still)), key=lambda one: one[1] / one[0])
+    missed = np.mean(np.array(beyond) > BEYOND * middle) if beyond else 0.0
+    if middle < S_MIN or half > KNOWN * middle or missed > 1.0 - WAY:
+        return None
+    if float(np.median(stood)) > STOOD * float(np.median(np.abs(size))):
+        return None
+    stem, after = stick(op, 0.95 * middle, 0.2 * middle), int(SKIP * len(op))
+    rows = without_line(np.array([stem[after:], y[after:]]))
+    told = sign * float(rows[0] @ rows[1])
+    return Slips(middle, middle - half, middle + half, tag, len(slid), told) if told > 0.0 else None
+
+
+def _middle(each: Values) -> tuple[float, float]:
+    """Return the median of sizes (m,), above 0, and half of its 90 % interval, for normal scatter."""
+    spread = float(np.percentile(each, 75) - np.percentile(each, 25)) / 1.349
+    return max(float(np.median(each)), 1e-9), 1.645 * 1.2533 * spread / float(np.sqrt(len(each)))
+
+
+def owners(found: Mapping[str, Mapping[str, Slips]], jumps: Mapping[str, Jumps]) -> dict[str, Slips]:
+    """Return the slips of every loop (loop -> tag -> slips): a jump has one source, the loop that tells it best.
+
+    >>> one, two = Slips(4.0, 3.9, 4.1, "FI1", 9, 0.9), Slips(7.0, 6.9, 7.1, "PI1", 9, 0.2)
+    >>> at = Jumps(np.arange(0, 900, 90), np.ones(10))
+    >>> list(owners({"LC1": {"FI1": one}, "PC1": {"PI1": two}}, {"FI1": at, "PI1": at}))
+    ['LC1']
+    """
+    own: dict[str, Slips] = {}
+    taken: list[tuple[str, npt.NDArray[np.intp]]] = []
+    every = ((loop, one) for loop, by_tag in found.items() for one in by_tag.values())
+    for loop, one in sorted(every, key=lambda pair: -pair[1].told):
+        at = jumps[one.tag].at
+        if any(other != loop and np.mean(np.isin(at, claimed)) > TAKEN for other, claimed in taken):
+            continue
+        own.setdefault(loop, one)
+        taken.append((loop, (at[:, None] + np.arange(-1, 2)).ravel()))
+    return own
