@@ -179,7 +179,7 @@ def _stems(plain: Found, sticking: Sequence[tuple[Effect, str]]) -> list[Found]:
     return found
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def worst(one: Filtered) -> tuple[str, float]:
     """Return the check that an explanation passes least, and by how much."""
     found = checks(one)
@@ -194,7 +194,7 @@ def passes(one: Filtered) -> bool:
     return worst(one)[1] <= (LIMIT_STEMS if one.explanation.sticks else LIMIT)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def rival(one: Filtered) -> tuple[str, float]:
     """Return the likeliest generic rival of an explanation, and by how many nats it is worse."""
     name, loss = likeliest(one)
