@@ -2,7 +2,7 @@
 
 1. A gap if the model as it is leaves innovations that are not white, or an effect gains more than noise lets it.
 2. Textures first: what the digits of the log tell needs no search.  Then all effects that a filter has, by likelihood.
-   Stems that stick come last, and only while nothing else is adequate: their bank costs most.
+   Slower scans and stems that stick come last, and only while nothing else is adequate: they cost most.
 3. An explanation is adequate if its own innovations pass all checks; else it is "unknown".
 """
 
@@ -18,6 +18,7 @@ from gap.effect import Effect
 from gap.effects.compression import Compression
 from gap.effects.disturbance import Disturbance
 from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
 from gap.evidence import Evidence
 from gap.filters.affine import NotAffine
@@ -148,10 +149,13 @@ def outcome(
             found = compressed(plain, effect, next(iter(effect.places(f.model)), "historian"), seed)
             if found is not None and passes(found.best):
                 return Outcome(plain, (found,), (found,), True, True, stem)
-    fits = ranked(plain, catalogue, progress)
+    scans = [effect for effect in catalogue if isinstance(effect, ScanTime)]
+    fits = ranked(plain, [effect for effect in catalogue if effect not in scans], progress)
     clean = worst(plain.best)[1] <= LIMIT and not elsewhere
     if clean and (not fits or plain.nll - total(fits[0]) < NEEDED):
         return Outcome(plain, fits, (), False, stem=stem)
+    if scans and (not fits or not adequate(plain, fits[0])):
+        fits = sorted([*fits, *ranked(plain, scans)], key=total)
     if (not fits or not adequate(plain, fits[0])) and (elsewhere or (stem is None and _by_stem(plain.best))):
         sticking = [(effect, place) for effect, place in legal if effect.hidden]
         fits = sorted([*fits, *_stems(plain, sticking)], key=total)
