@@ -24,7 +24,7 @@ from gap.evidence import Evidence
 from gap.filters.affine import NotAffine
 from gap.filters.checks import checks
 from gap.filters.constant import constancy
-from gap.filters.digits import coarse_sensor, compressed
+from gap.filters.digits import coarse_sensor, compressed, few_levels
 from gap.filters.explaining import ranked, settled, total
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found
@@ -189,6 +189,8 @@ def worst(one: Filtered) -> tuple[str, float]:
     found = checks(one)
     if one.explanation.effect:
         found |= constancy(one) | beside(one) | either_way(one)
+        if not isinstance(one.explanation.effect, Quantisation):
+            found |= few_levels(one.explanation.filtering)
     name = max(found, key=lambda key: abs(found[key]))
     return name, abs(found[name])
 
