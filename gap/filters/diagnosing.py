@@ -43,6 +43,7 @@ LIMIT_STEMS = 9.0  # of a bank of stems, which is not exact
 EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
 TIE = 6.0  # nats between explanations that the record does not tell apart
+CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
 ACTING = 1.5  # excess of OP's innovations over that of PV's from which on the controller is it
 STICTION = 16.0  # nats that a jump must gain over a deadband: a bank of stems is no more exact
 
@@ -91,7 +92,7 @@ def _kind(best: Filtered) -> str:
     effect = best.explanation.effect
     if not passes(best):
         return "filter, nearly"
-    if rival(best)[1] < TIE:
+    if rival(best)[1] < CLEAR:
         return "filter, rivalled"
     if isinstance(effect, Disturbance):
         return "filter, load"

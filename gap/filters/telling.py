@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.filters.diagnosing import TIE, Outcome, explained, rival, worst
+from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
@@ -112,7 +112,7 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
             else "."
         )
     )
-    if not o.textured and rival(best.best)[1] < TIE:
+    if not o.textured and rival(best.best)[1] < CLEAR:
         other, behind = rival(best.best)
         words.append(f"Nearly as well ({behind:.1f} nats less) the record is explained by {other}.")
     shares = _shares(o)
