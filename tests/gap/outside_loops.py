@@ -29,6 +29,7 @@ KINDS = {
     "a gain that switches": lambda t, rng: {"K": np.where(t < 3400.0, 3.0, 2.6)},
     "a gain that oscillates": lambda t, rng: {"K": 3.0 * (1.0 + 0.06 * np.sin(2.0 * np.pi * t / 140.0))},
     "a gain that wears": lambda t, rng: {"K": 3.0 * (1.0 - 0.2 * t / t[-1])},
+    "a square wave of the load": lambda t, rng: {"load": 0.02 * np.sign(np.sin(2.0 * np.pi * t / 300.0))},
     "a slow load": lambda t, rng: {"load": 0.03 * autoregression(rng, len(t), 1200.0)},
     "a ramp of the load": lambda t, rng: {"load": 0.08 * np.clip((t - 2500.0) / 2500.0, 0.0, 1.0)},
     "a restless stem": lambda t, rng: {"load": 0.025 * rng.normal(size=len(t))},
