@@ -19,6 +19,7 @@ SHRINK = 0.55  # of a pattern from round to round
 FINEST = 2e-4  # relative size of the last pattern
 ENOUGH = 50.0  # nats that the first part of the record must gain by the effect
 HEAD = 0.4  # share of the record that is enough for the grid
+PLACES = 2  # at which hidden modes are looked for where a filter has told which promise most
 AROUND = 0.1, 0.1  # first widths of a pattern around values that are nearly right
 WIDER = 0.9  # of a pattern that has moved
 
@@ -27,17 +28,23 @@ Point = tuple[float, float]  # the first size, and the second as a share of it
 
 def fitted_hidden(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode; None if no run succeeded."""
-    return best_of([found for modes in (False, True) if (found := _fitted(candidate, modes)) is not None])
+    tries = (False, True) if candidate.problem.record.filter is None else (False,)  # a filter has no modes to set right
+    return best_of([found for modes in tries if (found := _fitted(candidate, modes)) is not None])
+
+
+def promising(many: Sequence[Candidate]) -> list[Candidate]:
+    """Return the effects with a hidden mode that a grid of sizes on the first part of the record speaks for most."""
+    scores = {}
+    for candidate in many:
+        fits = _at(_head(candidate, False), _grid(candidate))
+        scores[candidate] = min((fit.F for fit in fits), default=np.inf)
+    near = sorted({min(scores[c] for c in many if c.place == place) for place in {c.place for c in many}})[:PLACES]
+    return [c for c in many if any(scores[o] in near for o in many if o.place == c.place)]
 
 
 def _fitted(candidate: Candidate, modes: bool) -> Fit | None:
     """Return the best fit found in a grid of replays with their own modes, or with wrong ones set right."""
-    record = candidate.problem.record
-    head = replace(candidate, problem=replace(candidate.problem, record=record.first_part(HEAD), modes=modes))
-    names = candidate.sizes
-    first = np.geomspace(*candidate.bounds[names[0]], FIRST)
-    shares = SHARES if len(names) > 1 else (0.0,)
-    points = [(float(size), share) for size in first for share in shares]
+    head, points = _head(candidate, modes), _grid(candidate)
     found = [*zip(points, _at(head, points), strict=True)]
     found.sort(key=lambda one: one[1].F)
     kept: list[tuple[Point, Fit]] = []
@@ -46,13 +53,28 @@ def _fitted(candidate: Candidate, modes: bool) -> Fit | None:
             kept.append((point, fit))
         if len(kept) == KEPT:
             break
-    wide = float(np.log(first[1] / first[0])) * 0.5
+    low, high = candidate.bounds[candidate.sizes[0]]
+    wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
     best = [_followed(head, *one, wide, 0.12, rounds=4) for one in kept]
     point, fit, wide, across = min(best, key=lambda one: one[1].F)
     if not fit.F < head.absent.F - ENOUGH:
         return best_of(_at(candidate, [point]))
     point, _, wide, across = _followed(head, point, fit, wide, across, finest=10.0 * FINEST)
     return _followed(candidate, point, _at(candidate, [point])[0], max(wide, 0.01), max(across, 0.01))[1]
+
+
+def _head(candidate: Candidate, modes: bool) -> Candidate:
+    """Return the candidate on the first part of the record."""
+    problem = candidate.problem
+    return replace(candidate, problem=replace(problem, record=problem.record.first_part(HEAD), modes=modes))
+
+
+def _grid(candidate: Candidate) -> list[Point]:
+    """Return sizes over the whole range."""
+    shares = SHARES if len(candidate.sizes) > 1 else (0.0,)
+    return [
+        (float(size), share) for size in np.geomspace(*candidate.bounds[candidate.sizes[0]], FIRST) for share in shares
+    ]
 
 
 def followed_on(fit: Fit) -> Fit:
