@@ -10,7 +10,8 @@ class Evidence:
 
     Kinds: "none" (no gap), "digits" (told by the digits of the log), "complete" (nothing is left), "adequate" (nearly
     nothing), "pair", "unknown"; of a filter "filter, digits", "filter, white" (all checks passed), "filter, nearly" (a
-    large gap nearly explained), "filter, stiction", "filter, deadband" (by a bank of stems), "filter, unknown".
+    large gap nearly explained), "filter, stiction", "filter, deadband" (by a bank of stems), "filter, unknown"; of a
+    large diagram, cut into segments, "segments, " and one of "complete", "adequate", "pair", "unknown".
     """
 
     kind: str

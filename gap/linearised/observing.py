@@ -25,8 +25,8 @@ def observed(ints, floats, into, loaded, shown, u, begins, ends, y, K, which, de
     """Return y - y(z) before each row sets z right, (rows, outputs); ``z`` is left as it is predicted behind them.
 
     ``into``, ``loaded``, ``shown``: places in the floats of inputs, loads and outputs; ``u`` (rows, inputs) at each
-    row, ``begins``, ``ends`` the line that they go along behind it; ``K`` (kinds, states, outputs) and which of them holds,
-    ``which`` (rows,); ``decay`` (loads,) [1/s]; ``P_1``, ``P_2`` h phi_1, h phi_2.
+    row, ``begins``, ``ends`` the line that they go along behind it; ``K`` (kinds, states, outputs), of which
+    ``which`` (rows,) holds; ``decay`` (loads,) [1/s]; ``P_1``, ``P_2`` h phi_1, h phi_2.
     """
     I, W = pointer_to(ints), pointer_to(floats)
     rows, m = y.shape
