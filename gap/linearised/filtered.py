@@ -143,7 +143,7 @@ class Filter:
             for s in self.parts.known:
                 if s in self.quiet.driven and self.quiet.blocks[self.quiet.driven[s][0]].role is Role.CONTROLLER:
                     follow = np.array([s in _read(self.quiet, one, self.parts) for one in self.parts.given])
-                    for k in np.flatnonzero(jumps(self.quiet, record, log, s)[:-1]):
+                    for k in np.flatnonzero(jumps(self.quiet, record, log, s)[:-1]).tolist():
                         for i in range(k + 1, min(k + 1 + BENT, len(log))):
                             far = UNSURE * np.abs(u[2, i]) + UNSURE_AT_FIRST * (i == k + 1) * np.abs(u[1, i] - u[0, k])
                             doubts[i] = doubts.get(i, 0.0) + far * follow
