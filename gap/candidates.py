@@ -16,7 +16,7 @@ from gap.effect import Effect
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
-from gap.hidden import fitted_hidden
+from gap.hidden import fitted_hidden, promising
 from gap.limits import fitted_limits
 from gap.loads import fitted_load, is_load
 from gap.noise import fitted_noise, is_noise
@@ -53,13 +53,18 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
     if not legal:
         return []
     found: list[Fit] = []
+    kept: list[Candidate] | None = None
     ordered = sorted(legal, key=lambda one: len(one.own) if one.effect and one.effect.hidden else 0)
     with reporting(progress, len(legal), "effects") as tell:
         for done, candidate in enumerate(ordered):
             last = bool(candidate.effect and candidate.effect.hidden)
             if last and not followed(found):
                 found = _finished(found)
-            if not (last and found and _at_floor(found[0])) and _hopeful(candidate):
+            settled = last and found and _at_floor(found[0])
+            if last and not settled and kept is None:
+                hidden = [one for one in ordered if one.effect and one.effect.hidden]
+                kept = hidden if candidate.problem.record.filter is None else promising(hidden)
+            if not settled and (not last or candidate in (kept or ())) and _hopeful(candidate):
                 fit = way(candidate)(candidate)
                 if fit is not None and np.isfinite(fit.F):
                     found.append(replace(fit, price=price(fit)))

@@ -126,7 +126,7 @@ def _prepared(model: Diagram, record: Record, seed: int, floor: Floor | None = N
     start = start_values(quiet, record) if filtered is None else {}
     model, quiet = model.starting_at(start), quiet.starting_at(start)
     if filtered is not None:
-        floor, usual = floor_of_record(model, quiet, record, RUNS, seed + 1)
+        record, floor, usual = floor_of_record(model, quiet, record, RUNS, seed + 1)
         record = suspected(quiet, record, floor, usual)
     floor = floor or kept(model, record)
     if floor is None:

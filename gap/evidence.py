@@ -12,7 +12,8 @@ class Evidence:
     nothing), "pair", "unknown"; of a filter "filter, digits", "filter, white" (all checks passed), or if so "filter,
     noise" (more noise of a sensor), "filter, load" (a planned load), "filter, rivalled" (a generic rival is nearly as
     likely); "filter, nearly" (a large gap nearly explained), "filter, stiction", "filter, deadband" (by a bank of
-    stems), "filter, unknown".
+    stems), "filter, unknown"; of a large diagram, cut into segments, "segments, " and one of "complete", "adequate",
+    "pair", "unknown".
     """
 
     kind: str

@@ -22,6 +22,7 @@ ENOUGH = 50.0  # nats that the first part of the record must gain by the effect
 HEAD = 0.4  # share of the record that is enough for the search where its first part does not show the gap
 WORTH = 0.2  # share of the gap that an effect must explain to be followed on the whole record
 LAST, LAST_ROUNDS = 0.005, 12  # least width of the first pattern there, and how many there are
+PLACES = 2  # at which hidden modes are looked for where a filter has told which promise most
 AROUND = 0.1, 0.1  # first widths of a pattern around values that are nearly right
 WIDER = 0.9  # of a pattern that has moved
 
@@ -30,7 +31,8 @@ Point = tuple[float, float]  # the first size, and the second as a share of it
 
 def fitted_hidden(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode; None if no run succeeded."""
-    ends = [_searched(_head(candidate, modes)) for modes in (False, True)]
+    tries = (False, True) if candidate.problem.record.filter is None else (False,)  # a filter has no modes to set right
+    ends = [_searched(_head(candidate, modes)) for modes in tries]
     fits = _at(candidate, [point for point, _, _ in ends])
     best = best_of(fits)
     if best is None:
@@ -47,6 +49,16 @@ def glimpsed(candidate: Candidate) -> Fit | None:
     return best_of(_at(candidate, [point]))
 
 
+def promising(many: Sequence[Candidate]) -> list[Candidate]:
+    """Return the effects with a hidden mode that a grid of sizes on the first part of the record speaks for most."""
+    scores = {}
+    for candidate in many:
+        fits = _at(_head(candidate, False), _grid(candidate))
+        scores[candidate] = min((fit.F for fit in fits), default=np.inf)
+    near = sorted({min(scores[c] for c in many if c.place == place) for place in {c.place for c in many}})[:PLACES]
+    return [c for c in many if any(scores[o] in near for o in many if o.place == c.place)]
+
+
 def _head(candidate: Candidate, modes: bool) -> Candidate:
     """Return a candidate on the first part of the record, with wrong modes set right or as replays have them."""
     problem = candidate.problem.early
@@ -55,12 +67,17 @@ def _head(candidate: Candidate, modes: bool) -> Candidate:
     return replace(candidate, problem=replace(problem, modes=modes))
 
 
+def _grid(candidate: Candidate) -> list[Point]:
+    """Return sizes over the whole range."""
+    shares = SHARES if len(candidate.sizes) > 1 else (0.0,)
+    return [
+        (float(size), share) for size in np.geomspace(*candidate.bounds[candidate.sizes[0]], FIRST) for share in shares
+    ]
+
+
 def _searched(head: Candidate, fine: bool = True) -> tuple[Point, float, float]:
     """Return the point of the lowest score, and the widths of the last pattern around it."""
-    names = head.sizes
-    first = np.geomspace(*head.bounds[names[0]], FIRST)
-    shares = SHARES if len(names) > 1 else (0.0,)
-    points = [(float(size), share) for size in first for share in shares]
+    points = _grid(head)
     found = [*zip(points, _at(head, points), strict=True)]
     found.sort(key=lambda one: one[1].F)
     kept: list[tuple[Point, Fit]] = []
@@ -69,7 +86,8 @@ def _searched(head: Candidate, fine: bool = True) -> tuple[Point, float, float]:
             kept.append((point, fit))
         if len(kept) == KEPT:
             break
-    wide = float(np.log(first[1] / first[0])) * 0.5
+    low, high = head.bounds[head.sizes[0]]
+    wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
     best = [_followed(head, *one, wide, 0.12, rounds=4) for one in kept]
     point, fit, wide, across = min(best, key=lambda one: one[1].F)
     if fine and fit.F < head.absent.F - ENOUGH:

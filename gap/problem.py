@@ -129,7 +129,7 @@ class Problem:
 
         Sizes are tried there first, at a fifth of the cost.
         """
-        if self.floor.coloured or self.free:
+        if (self.floor.coloured and self.record.filter is None) or self.free:
             return self
         scored_rows = round(EARLY * len(self.record.log)) - self.floor.skipped
         if scored_rows < FEWEST:

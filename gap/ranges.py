@@ -16,7 +16,7 @@ from gap.search import SETTLED, Candidate, Fit, best_of, refined
 
 NODES = 6  # sizes of a parameter that are replayed first
 MORE = 2  # and more on the first part of the record, which costs little
-NODES_OF_FILTER = 13  # where a filter makes the residuals, which costs little
+NODES_OF_FILTER = 9  # where a filter makes the residuals, which costs little
 BETWEEN = 8  # sizes looked at between two that were replayed
 MILD = 2  # sizes of a limit that are replayed where the gap is small
 

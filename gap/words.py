@@ -123,7 +123,9 @@ def named_pair(
     others = [
         tuple(dict.fromkeys(one.effect.name for one in also if one.effect is not also[0].effect)) for also in same
     ]
-    rests = Evidence("pair", problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total)
+    rests = Evidence(
+        _kind(problem, "pair"), problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total
+    )
     sure = problem.sureness.probability(rests)
     causes = tuple(
         Cause(fit.effect.name, fit.place, sure, other, found_sizes(fit))
@@ -181,7 +183,14 @@ def evidence(problem: Problem, kind: str, same: Sequence[Fit], fits: Sequence[Fi
     """Return what a name rests on; ``same`` the fits that it stands for, the best first."""
     others = [fit.total for fit in fits if fit not in same]
     margin = min(others) - same[0].total if others and same else 0.0
-    return Evidence(kind, problem.score - problem.level, share(problem, same[0]) if same else 0.0, margin)
+    return Evidence(
+        _kind(problem, kind), problem.score - problem.level, share(problem, same[0]) if same else 0.0, margin
+    )
+
+
+def _kind(problem: Problem, kind: str) -> str:
+    """Return the kind of an answer: a name that rests on the segments of a large diagram is of its own kind."""
+    return kind if problem.record.filter is None else f"segments, {kind}"
 
 
 def tied(fits: Sequence[Fit]) -> list[Fit]:

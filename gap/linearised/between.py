@@ -5,6 +5,8 @@ a signal that a block makes all the time    goes smoothly; where a set point jum
 a set point, the output of a scan           keeps its value until the next row
 """
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -79,7 +81,7 @@ def bends(v: Floats, cut: NDArray[np.int64]) -> Floats:
     """
     out = np.zeros(max(len(v) - 1, 0))
     ends = [-1, *cut.tolist(), len(v) - 1]
-    for first, last in zip(ends[:-1], ends[1:], strict=True):
+    for first, last in pairwise(ends):
         second = np.diff(v[first + 1 : last + 1], 2)
         if len(second) > 1:
             ahead, behind = 1.5 * second[0] - 0.5 * second[1], 1.5 * second[-1] - 0.5 * second[-2]

@@ -18,8 +18,8 @@ BETWEEN = (0.125, 0.375, 0.625, 0.875)  # shares of an interval at which a signa
 
 
 def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int) -> Floats:
-    """Return what a log makes valves and planned sources give, (runs, 3, rows, inputs): at each row, just before it, and
-    by how much the mean over the interval before it differs from that of a straight line.
+    """Return what a log makes valves and planned sources give, (runs, 3, rows, inputs): at each row, just before it,
+    and by how much the mean over the interval before it differs from that of a straight line.
 
     ``own`` parameters of these blocks, one value a run.
     """

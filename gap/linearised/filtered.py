@@ -39,15 +39,17 @@ FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known 
 UNSURE = 0.5  # share by which the curve of an output between two rows may be another behind a jump
 UNSURE_AT_FIRST = 0.15  # share of its first move by which it may be off that curve
 BENT = 15  # rows behind a jump for which an output is bent
+LOST = 1e4  # innovation of a row that a process which has run away cannot foretell
 KEPT = 400  # results that are remembered
 
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """The filter of a model for records of one kind: its ``parts``, and its ``process`` linear near the record's middle.
+    """The filter of a model for records of one kind: its ``parts``, its ``process`` near the record's middle.
 
-    ``quiet`` the model; ``loads`` those that nobody measures, signal -> (standard deviation, correlation time [s]); ``dt``
-    [s] between rows.
+    ``quiet`` the model; ``loads`` those that nobody measures, signal -> (standard deviation, correlation time [s]);
+    ``dt`` [s] between rows; ``expected`` (rows, signals) what is left on average without a gap behind jumps of set
+    points, between whose rows the outputs of controllers are not quite known.
     """
 
     parts: Parts
@@ -55,6 +57,7 @@ class Filter:
     dt: float
     quiet: Diagram
     process: Linear
+    expected: Floats | None = None
     known: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def residuals(
@@ -71,7 +74,7 @@ class Filter:
                 **self._ruled(diagram, found, record, log, given), **self._measured(diagram, found, record, log, given)
             }.items():  # fmt: skip
                 columns[..., record.pinned.index(s)] = values
-            out.append(columns)
+            out.append(columns if self.expected is None else columns - self.expected[: len(log)])
         return np.concatenate(out)
 
     def _ruled(
@@ -99,11 +102,14 @@ class Filter:
 
         def made() -> Floats:
             runs = max((len(v) for v in (*fed.values(), *own.values())), default=1)
-            u = np.broadcast_to(self.driven(diagram, found, record, log, fed, runs), (runs, 3, len(log), len(found.given)))
+            u = np.broadcast_to(
+                self.driven(diagram, found, record, log, fed, runs), (runs, 3, len(log), len(found.given))
+            )
             process = self._observer(diagram, found)
             known = self.gains(record)
             K = known.of(process.states, self.process.states)
-            return known.white(process.residuals(own, u, y, K, known.which, self.start(record, log), self.dt))
+            e = process.residuals(own, u, y, K, known.which, self.start(record, log), self.dt)
+            return np.where(np.isnan(e) & np.isfinite(y), LOST, known.white(e))
 
         key = "rest", id(log), _digest(diagram, (*found.fed, *found.rest))
         e = made() if fed or own else self._kept(key, log, made)
@@ -137,7 +143,7 @@ class Filter:
             for s in self.parts.known:
                 if s in self.quiet.driven and self.quiet.blocks[self.quiet.driven[s][0]].role is Role.CONTROLLER:
                     follow = np.array([s in _read(self.quiet, one, self.parts) for one in self.parts.given])
-                    for k in np.flatnonzero(jumps(self.quiet, record, log, s)[:-1]):
+                    for k in np.flatnonzero(jumps(self.quiet, record, log, s)[:-1]).tolist():
                         for i in range(k + 1, min(k + 1 + BENT, len(log))):
                             far = UNSURE * np.abs(u[2, i]) + UNSURE_AT_FIRST * (i == k + 1) * np.abs(u[1, i] - u[0, k])
                             doubts[i] = doubts.get(i, 0.0) + far * follow

@@ -21,8 +21,8 @@ FORGOTTEN = 15  # rows after which the gain is the steady one again
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """A process near a point, in sizes of its states: slopes ``A`` [1/s], ``B`` of its inputs, ``C`` of what is measured;
-    ``Q`` what noise adds in ``dt`` [s], ``R`` covariance of what is measured; ``states`` and their ``size``.
+    """A process near a point, in sizes of its states: slopes ``A`` [1/s], ``B`` of its inputs, ``C`` of what is
+    measured; ``Q`` what noise adds in ``dt`` [s], ``R`` covariance of what is measured; ``states`` and their ``size``.
     """
 
     A: Floats

@@ -15,22 +15,23 @@ from blocks.sources import Ramp
 from diagram import wire
 from diagram.diagram import Diagram
 from diagram.ensembles.variants import variants_of
-from gap.linearised.observing import observed, slopes_at
 from engine.run import Settings, prepare
 from engine.snapshot import Snapshot
 from engine.table import Component
+from gap.linearised.observing import observed, slopes_at
 
 Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less
+LOST = 1e3  # sizes at the start beyond which a process has run away
 AGAIN = 100  # rows after which slopes are taken again
 TIED = "observer:tied"
 
 
 @dataclass(frozen=True, eq=False)
 class Observer:
-    """A process between two rows: ``diagram`` with every input closed, its ``component``; ``read`` which inputs it reads,
-    ``into``, ``loaded``, ``shown`` the places of these, of loads and of what is measured; ``states`` by name, loads
-    behind them, and their ``start``; ``decay`` of the loads [1/s].
+    """A process between two rows: ``diagram`` with every input closed, its ``component``; ``read`` which inputs it
+    reads, ``into``, ``loaded``, ``shown`` the places of these, of loads and of what is measured; ``states`` by name,
+    loads behind them, and their ``start``; ``decay`` of the loads [1/s].
     """
 
     diagram: Diagram
@@ -50,8 +51,8 @@ class Observer:
         """Return what each row shows beyond its prediction, (runs, rows, outputs); NaN from where a run fails.
 
         ``params`` block.name -> one value a run; ``u`` (runs, 3, rows, inputs) inputs as ``driven`` gives them;
-        ``y`` (rows, outputs); ``K`` (kinds, states, outputs), ``which`` (rows,) of them; ``start`` state -> value; ``dt``
-        [s] between rows.
+        ``y`` (rows, outputs); ``K`` (kinds, states, outputs), ``which`` (rows,) of them; ``start`` state -> value;
+        ``dt`` [s] between rows.
         """
         out = np.full((len(u), *y.shape), np.nan)
         if self.diagram.plan().delays:  # what a dead time holds is not in the states
@@ -72,7 +73,7 @@ class Observer:
         dt: float,
     ) -> Floats:  # fmt: skip
         """Return what one run leaves, from ``z``."""
-        rows = len(y)
+        rows, far = len(y), np.maximum(np.abs(z), 1.0)
         e = np.full(y.shape, np.nan)
         here, off = np.ascontiguousarray(u[0]), np.concatenate([u[2, 1:], np.zeros((1, u.shape[2]))])
         begins, ends = here + off, np.concatenate([u[1, 1:], u[0, -1:]]) + off
@@ -82,13 +83,13 @@ class Observer:
             J = slopes_at(I, W, self.into, self.loaded, here[first], self.decay, z, size)
             if not np.isfinite(J).all():
                 break
-            P_1, P_2 = (dt * size[:, None] * phi / size for phi in phis(dt * J * size / size[:, None]))
             with np.errstate(over="ignore", invalid="ignore"):
+                P_1, P_2 = (dt * size[:, None] * phi / size for phi in phis(dt * J * size / size[:, None]))
                 e[part] = observed(
-                    I, W, self.into, self.loaded, self.shown, here[part], begins[part], ends[part], y[part], K, which[part],
-                    self.decay, J, P_1, P_2, z,
+                    I, W, self.into, self.loaded, self.shown, here[part], begins[part], ends[part], y[part], K,
+                    which[part], self.decay, J, P_1, P_2, z,
                 )  # fmt: skip
-            if not np.isfinite(z).all():
+            if not (np.abs(z) < LOST * far).all():
                 e[part] = np.nan
                 break
         return e
@@ -123,7 +124,9 @@ def observer(piece: Diagram, given: Sequence[str], measured: Sequence[str], load
     """Return the observer of a process; ``given`` its inputs, ``loads`` signal -> correlation time [s]."""
     blocks = [
         block.relabelled(
-            block.name, list(block.input_labels), [_alone(s) if s in loads else s for s in map(str, block.output_labels)]
+            block.name,
+            list(block.input_labels),
+            [_alone(s) if s in loads else s for s in map(str, block.output_labels)],
         )
         for block in piece.blocks
     ]

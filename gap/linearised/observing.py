@@ -24,9 +24,9 @@ SHARE = 1e-6  # of a state's size: step that shows a slope
 def observed(ints, floats, into, loaded, shown, u, begins, ends, y, K, which, decay, J, P_1, P_2, z):  # type: ignore[no-untyped-def]
     """Return y - y(z) before each row sets z right, (rows, outputs); ``z`` is left as it is predicted behind them.
 
-    ``into``, ``loaded``, ``shown``: places in the floats of inputs, loads and outputs; ``u`` (rows, inputs) at each row,
-    ``begins``, ``ends`` the line that they go along behind it; ``K`` (kinds, states, outputs) and ``which`` (rows,) of them holds; ``decay`` (loads,) [1/s];
-    ``P_1``, ``P_2`` h phi_1, h phi_2.
+    ``into``, ``loaded``, ``shown``: places in the floats of inputs, loads and outputs; ``u`` (rows, inputs) at each
+    row, ``begins``, ``ends`` the line that they go along behind it; ``K`` (kinds, states, outputs), of which
+    ``which`` (rows,) holds; ``decay`` (loads,) [1/s]; ``P_1``, ``P_2`` h phi_1, h phi_2.
     """
     I, W = pointer_to(ints), pointer_to(floats)
     rows, m = y.shape
@@ -108,7 +108,7 @@ def state(I, W, z, loaded):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def settled(I, W):  # type: ignore[no-untyped-def]
-    """Compute every signal, blocks with modes in the mode that they are in here: a table its stretch, a limit reached."""
+    """Compute every signal, blocks with modes in the mode that is right here: the stretch of a table, a limit."""
     signals(I, W, 0.0)
     I[CHAIN] = I[EV_ROOM] = 0
     while I[N_EVENTS] > 0 and I[CHAIN] <= I[MAX_CHAIN]:

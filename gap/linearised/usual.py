@@ -15,6 +15,7 @@ from gap.linearised.parts import ancestors
 from gap.record import Record
 
 Floats = NDArray[np.float64]
+TOLD = 0.7  # share of the runs that make a floor; the rest tell its scores
 FAR = 6.0  # medians of a residual beyond which it says nothing of the usual size
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
 
@@ -30,19 +31,26 @@ class Usual:
     sd: Floats
 
 
-def floor_of_record(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[Floor, Usual]:
-    """Return the floor of a record that has a filter, from ``runs`` runs of the model, ``seed`` the first."""
+def floor_of_record(
+    model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int
+) -> tuple[Record, Floor, Usual]:
+    """Return a record with what its filter expects, and its floor, from ``runs`` runs of the model from ``seed`` on."""
     filter = _filter(record)
     found = filter.residuals(quiet, record, None, without_gap(model, record, runs, seed))
+    behind = filter.gains(record).which > 0
+    told = found[: round(TOLD * len(found))]  # the others judge: a record is as new to the floor as they are
+    expected = np.where(behind[:, None], np.nan_to_num(np.nanmean(told, axis=0)), 0.0)
+    found = found - expected
     judged = [s in filter.parts.judged for s in record.pinned]
-    usual = np.nanmedian(np.abs(found), axis=(0, 1))
-    bound = np.where(judged, np.inf, FAR * usual)  # rows right behind a jump are not to set the scale of all others
-    floor = floor_of(np.clip(found, -bound, bound), settling_rows(model, record), judged, True)
-    floor = replace(floor, scores=np.sort(floor.score(found)))
+    bound = FAR * np.nanmedian(np.abs(found), axis=(0, 1))  # rows right behind a jump do not set the scale of others
+    bound[judged] = np.inf
+    floor = floor_of(np.clip(found[: len(told)], -bound, bound), settling_rows(model, record), judged, True)
+    floor = replace(floor, scores=np.sort(floor.score(found[len(told) :])))
     r = residuals(found, floor.changes)[:, floor.skipped :]
     unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))
     loss = losses(r / unit).mean(axis=1)
-    return floor, Usual(unit, loss.mean(axis=0), loss.std(axis=0, ddof=1))
+    usual = Usual(unit, loss.mean(axis=0), loss.std(axis=0, ddof=1))
+    return replace(record, filter=replace(filter, expected=expected)), floor, usual
 
 
 def suspected(quiet: Diagram, record: Record, floor: Floor, usual: Usual) -> Record:

@@ -27,7 +27,13 @@ def test_functions_of_a_matrix(size):
 
 
 def test_a_stiff_linear_process_is_exact():
-    piece = wire([FirstOrder(inputs="u", outputs="y", K=2.0, tau=5.0), FirstOrder(inputs="y", outputs="z", K=1.0, tau=1e-3, name="fast")], ["u"])
+    piece = wire(
+        [
+            FirstOrder(inputs="u", outputs="y", K=2.0, tau=5.0),
+            FirstOrder(inputs="y", outputs="z", K=1.0, tau=1e-3, name="fast"),
+        ],
+        ["u"],
+    )
     t = np.arange(0.0, 41.0, 2.0)
     shown = 2.0 * (t - 5.0 * (1.0 - np.exp(-t / 5.0)))  # analytic: the response to a ramp
     e = run(observer(piece, ["u"], ["y", "z"], {}), t[:, None], np.stack([shown, shown], axis=1), {}, 2.0)[0]
@@ -44,12 +50,14 @@ def test_parameters_differ_from_run_to_run():
     K = np.zeros((1, 1, 1))
     e = made.residuals({"process.K": [2.0, 3.0]}, table, y, K, np.zeros(11, dtype=np.int64), {}, 2.0)
     np.testing.assert_allclose(e[1], 1.5 * e[0], rtol=1e-9)
-    np.testing.assert_allclose(-e[0, :, 0], 2.0 * (1.0 - np.exp(-np.arange(0.0, 22.0, 2.0) / 5.0)), rtol=1e-9)  # analytic
+    np.testing.assert_allclose(
+        -e[0, :, 0], 2.0 * (1.0 - np.exp(-np.arange(0.0, 22.0, 2.0) / 5.0)), rtol=1e-9
+    )  # analytic
 
 
 def test_a_process_that_bends_follows_its_simulation():
-    from plant.build import turbine_and_shaft  # speed follows torque over speed
     from diagram.changes import part
+    from plant.build import turbine_and_shaft  # speed follows torque over speed
 
     whole = turbine_and_shaft()
     piece = part(whole, ["shaft"], "shaft")
@@ -63,7 +71,13 @@ def test_a_process_that_bends_follows_its_simulation():
 
 
 def test_a_load_is_a_state_of_its_own():
-    piece = wire([FirstOrder(inputs="w", outputs="D", K=1.0, tau=1e-6, name="load"), FirstOrder(inputs="D", outputs="y", K=1.0, tau=5.0)], ["w"])
+    piece = wire(
+        [
+            FirstOrder(inputs="w", outputs="D", K=1.0, tau=1e-6, name="load"),
+            FirstOrder(inputs="D", outputs="y", K=1.0, tau=5.0),
+        ],
+        ["w"],
+    )
     made = observer(piece, ["w"], ["y"], {"D": 60.0})
     t, u = np.arange(0.0, 41.0, 2.0), np.zeros((21, 1))
     shown = (np.exp(-t / 60.0) - np.exp(-t / 5.0)) / (1.0 - 5.0 / 60.0)  # analytic: the response to a load that decays
