@@ -19,8 +19,9 @@ from gap.together import Together, together, values_of
 FIRSTS = 2  # single effects to which a second is added
 ENOUGH = 0.3  # share of the gap that one of two effects explains alone
 JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to the end
+WHOLE = 2  # of these on the whole record
 PROMISING = 4  # effects with slopes that are fitted beside a hidden mode
-WORTH = 0.7  # share of the gap that two effects explain before they are fitted again in turn
+WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
 SAME = 60.0  # nats between single effects that leave the same
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 TURNS = 2  # times that each is fitted again given the other
@@ -127,18 +128,26 @@ def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> list[C
 
 
 def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
-    """Return pairs that lines propose, the sizes of both effects fitted at once, the best pair first."""
+    """Return pairs that lines propose, the sizes of both effects fitted at once, the best pair first.
+
+    They are fitted on the first part of the record where that shows the gap, and the best of them on the whole.  No
+    line holds for a stem that sticks.
+    """
     found: list[Fit] = []
-    for one in proposed(problem, fits)[:JOINED]:
-        candidate = together(one.first, one.second)
+    legal = [one for one in proposed(problem, fits) if not any(c.effect and c.effect.hidden for c in one.both)]
+    for one in legal[:JOINED]:
+        candidate = together(*(replace(c, problem=problem.early) for c in one.both))
         if candidate is not None:
             best = best_of(candidate.tried(one.starts))
             if best is not None:
                 found.append(refined(best, 3))
-                if problem.limit >= found[-1].F:
+                if problem.early.limit >= found[-1].F:
                     break
     found.sort(key=lambda fit: fit.F)
-    done = [refined(fit) for fit in found[:FOLLOWED]]
+    done = sorted((refined(fit) for fit in found[:FOLLOWED]), key=lambda fit: fit.F)
+    if problem.early is not problem:
+        whole = [replace(fit.candidate, problem=problem).tried([fit.values]) for fit in done[:WHOLE]]
+        done = [refined(fit, 3) for fits in whole for fit in fits]
     return sorted((_apart(problem, fit) for fit in done), key=lambda pair: pair.total)
 
 
