@@ -23,10 +23,10 @@ TIE = 6.0  # nats between explanations that the record does not tell apart
 def alternatives(problem: Problem, pair: Pair, catalogue: Iterable[Effect]) -> tuple[list[Fit], list[Fit]]:
     """Return for each of two effects what it could be as well, itself first."""
     legal = list(catalogue)
-    return instead(problem, pair.first, pair.second, legal), instead(problem, pair.second, pair.first, legal)
+    return _instead(problem, pair.first, pair.second, legal), _instead(problem, pair.second, pair.first, legal)
 
 
-def instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]) -> list[Fit]:
+def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]) -> list[Fit]:
     same = [fit]
     base = inserted(problem.quiet, other)
     own = _trace(replace(fit.candidate, base=base))

@@ -59,7 +59,8 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
             last = bool(candidate.effect and candidate.effect.hidden)
             if last and not followed(found):
                 found = _finished(found)
-            if not (last and found and _at_floor(found[0])) and _hopeful(candidate):
+            told = found and (_at_floor(found[0]) or any(_by_digits(fit) for fit in found))
+            if not (last and told) and _hopeful(candidate):
                 fit = way(candidate)(candidate)
                 if fit is not None and np.isfinite(fit.F):
                     found.append(replace(fit, price=price(fit)))
@@ -70,6 +71,11 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
 def _at_floor(fit: Fit) -> bool:
     """Return whether a fit leaves what records without a gap have."""
     return fit.candidate.problem.limit >= scored_alone(fit) and (not fit.candidate.noisy or is_noise(fit))
+
+
+def _by_digits(fit: Fit) -> bool:
+    """Return whether the digits of the log tell an effect, beside which none with a hidden mode is looked for."""
+    return isinstance(fit.effect, Quantisation) and fit.candidate.problem.score > fit.F
 
 
 def _hopeful(candidate: Candidate) -> bool:
