@@ -5,15 +5,12 @@
 3. it explains nearly the whole gap: a law that differs a little from the true one leaves a little.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gap.floor import scored, without_gap
-from gap.inserting import inserted
-from gap.model import silenced
 from gap.modes import CHARGE
 from gap.noise import is_noise
 from gap.problem import SIGMAS, Problem
@@ -44,18 +41,15 @@ def scored_alone(fit: Fit) -> float:
     return float(scored(fit.e)) + fit.charge
 
 
-def complete(problem: Problem, fit: Fit, beside: Sequence[Fit] = ()) -> bool:
-    """Return whether a fit leaves no more than records of the model, or of the model with the effect, leave.
-
-    ``beside``: other effects that are in the base of the fit.
-    """
+def complete(problem: Problem, fit: Fit) -> bool:
+    """Return whether a fit leaves no more than records of the model, or of the model with the effect, leave."""
     if fit.candidate.noisy and not is_noise(fit):
         return False
     left = scored_alone(fit)
     if left <= problem.limit + needed(problem):
         return True
     # Runs with a hidden mode that is missed now and then leave anything: that alone proves nothing.
-    return share(problem, fit) >= LEAST and left <= own_limit(problem, fit, beside)
+    return share(problem, fit) >= LEAST and left <= own_limit(problem, fit)
 
 
 def adequate(problem: Problem, fit: Fit) -> bool:
@@ -102,22 +96,17 @@ def standing(problem: Problem, fit: Fit) -> NDArray[np.bool_]:
     return found[problem.floor.skipped :]
 
 
-def own_limit(problem: Problem, fit: Fit, beside: Sequence[Fit] = ()) -> float:
-    """Return the score that runs of the model with the effect do not exceed when they are explained by it.
-
-    ``beside``: other effects that are in the base of the fit, and so in these runs.
-    """
+def own_limit(problem: Problem, fit: Fit) -> float:
+    """Return the score that runs of the model with the effect do not exceed when they are explained by it."""
     effect, place, values = fit.effect, fit.place, {name: fit.values[name] for name in fit.candidate.own}
     if fit.candidate.noisy:
         return problem.limit
-    model = problem.model
-    for other in beside:
-        model = inserted(model, other)
-    model = effect.started(effect.insert(model, place, **values), place, problem.record.first)
+    model = effect.started(effect.insert(problem.model, place, **values), place, problem.record.first)
+    quiet = effect.started(effect.insert(problem.quiet, place, **values), place, problem.record.first)
     logs = without_gap(model, problem.record, OWN_RUNS, 1)
     if not logs:
         return problem.limit
-    e, kept = replace(problem, start={}).replayed(silenced(model), logs=logs)
+    e, kept = replace(problem, start={}).replayed(quiet, logs=logs)
     scores = scored(e) + CHARGE * kept
     scores = scores[np.isfinite(scores)]
     if len(scores) < 2:

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from gap.candidates import candidates, price
 from gap.effect import Effect
 from gap.inserting import inserted
+from gap.isolability import SAME
+from gap.nesting import RELEVANT
 from gap.pairs import Pair
 from gap.problem import Problem
 from gap.proposals import smooth
@@ -23,10 +25,10 @@ TIE = 6.0  # nats between explanations that the record does not tell apart
 def alternatives(problem: Problem, pair: Pair, catalogue: Iterable[Effect]) -> tuple[list[Fit], list[Fit]]:
     """Return for each of two effects what it could be as well, itself first."""
     legal = list(catalogue)
-    return instead(problem, pair.first, pair.second, legal), instead(problem, pair.second, pair.first, legal)
+    return _instead(problem, pair.first, pair.second, legal), _instead(problem, pair.second, pair.first, legal)
 
 
-def instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]) -> list[Fit]:
+def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]) -> list[Fit]:
     same = [fit]
     base = inserted(problem.quiet, other)
     own = _trace(replace(fit.candidate, base=base))
@@ -41,7 +43,10 @@ def instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect])
         if found is not None:
             found = refined(found)
             found = replace(found, price=price(found))
-            if found.F <= fit.F + TIE and found.price <= fit.price:
+            near = TIE
+            if other.effect.hidden and abs(_cosine(own, trace)) > SAME:  # one mode that starts otherwise tells nothing
+                near += RELEVANT * max(problem.score - problem.level, 0.0)
+            if fit.F + near >= found.F and found.price <= fit.price:
                 same.append(found)
     return same
 

@@ -60,11 +60,11 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
             last = bool(candidate.effect and candidate.effect.hidden)
             if last and not followed(found):
                 found = _finished(found)
-            settled = last and found and _at_floor(found[0])
-            if last and not settled and kept is None:
+            told = bool(found) and (_at_floor(found[0]) or any(_by_digits(fit) for fit in found))
+            if last and not told and kept is None:
                 hidden = [one for one in ordered if one.effect and one.effect.hidden]
                 kept = hidden if candidate.problem.record.filter is None else promising(hidden)
-            if not settled and (not last or candidate in (kept or ())) and _hopeful(candidate):
+            if (not last or (not told and candidate in (kept or ()))) and _hopeful(candidate):
                 fit = way(candidate)(candidate)
                 if fit is not None and np.isfinite(fit.F):
                     found.append(replace(fit, price=price(fit)))
@@ -75,6 +75,11 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
 def _at_floor(fit: Fit) -> bool:
     """Return whether a fit leaves what records without a gap have."""
     return fit.candidate.problem.limit >= scored_alone(fit) and (not fit.candidate.noisy or is_noise(fit))
+
+
+def _by_digits(fit: Fit) -> bool:
+    """Return whether the digits of the log tell an effect, beside which none with a hidden mode is looked for."""
+    return isinstance(fit.effect, Quantisation) and fit.candidate.problem.score > fit.F
 
 
 def _hopeful(candidate: Candidate) -> bool:

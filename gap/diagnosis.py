@@ -16,7 +16,8 @@ from typing import Any
 from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import adequate, complete, needed, stands
-from gap.alternatives import alternatives, instead
+from gap.alternatives import alternatives
+from gap.beside_digits import beside_digits
 from gap.cache import keep, kept
 from gap.calibration import kept_calibration
 from gap.candidates import candidates, ranked
@@ -32,7 +33,7 @@ from gap.linearised.filtered import filter_of
 from gap.linearised.usual import floor_of_record, suspected
 from gap.model import read, silenced
 from gap.nesting import one_of_nested
-from gap.pairs import beside_digits, paired
+from gap.pairs import paired
 from gap.problem import Problem, Settled
 from gap.record import FEWEST, GapError, Record
 from gap.report import GapReport
@@ -81,7 +82,7 @@ def diagnose(
     lattices = [fit for fit in fits if isinstance(fit.effect, Quantisation) and problem.score > fit.F]
     textured = [*compressed, *lattices]
     others = [fit for fit in fits if fit not in lattices]
-    return told(problem, [*textured, *others], progress, catalogue, bool(textured), legal if limits else ())
+    return told(problem, [*textured, *others], progress, catalogue, bool(textured), legal if limits else (), seed)
 
 
 def _instants_again(problem: Problem, fits: list[Fit]) -> tuple[Problem, list[Fit]]:
@@ -150,6 +151,7 @@ def told(
     catalogue: Sequence[Effect],
     textured: bool,
     legal: Sequence[Candidate] = (),
+    seed: int = 0,
 ) -> GapReport:
     """Return the report of a record whose explanations are known, the best first.
 
@@ -165,11 +167,9 @@ def told(
     if best is None:
         return unknown(problem, fits, rival)
     if textured:
-        proved = best.effect.of_log or complete(problem, best)
-        both = None if proved else beside_digits(problem, best, catalogue, progress)
-        if both is not None and best.F - both.total > needed(problem) and complete(problem, both.second, [best]):
-            same = [best], instead(problem, both.second, best, catalogue)
-            return named_pair(problem, both, same, fits)
+        more = None if best.effect.of_log else beside_digits(problem, best, catalogue, seed + 1, progress)
+        if more is not None:
+            return named_pair(more.problem, more.pair, ([best], tied(more.fits)), more.fits)
         return named(problem, [best], fits, "digits")
     if complete(problem, best):
         return named(problem, tied(fits), fits, "complete", rival)

@@ -20,6 +20,7 @@ QUANTILES = (1.0, 0.995, 0.98, 0.94, 0.85, 0.7, 0.5)  # of the signal, at which 
 ZOOMS, BETWEEN = 3, 6  # times that a grid between the neighbours of the best limit is tried, and its points
 SETTLED = 0.2  # nats that an interpolated limit must promise to be tried
 STANDS = 5  # rows at which a record that begins at a limit stands there
+HINT = 0.05  # share of the gap that a limit of a grid takes away before its neighbourhood is looked at
 NEAR = 1e-9  # of a signal: so near it stands
 ROUNDS = 3  # in which the start of an integral is found
 
@@ -39,7 +40,7 @@ def fitted_limits(candidate: Candidate) -> Fit | None:
             if min(fit.F for fit in fits) - SETTLED > F:
                 fits += candidate.tried([{**values, name: size}])
         before, best = best, best_of([best, *fits]) or best
-        if needed(best.candidate.problem) < before.F - best.F:
+        if max(needed(candidate.problem), HINT * (before.F - candidate.problem.level)) < before.F - best.F:
             best = _zoomed(best, name, [float(v) for v in grid])
     return best if math.isfinite(best.F) else None
 

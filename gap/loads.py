@@ -60,7 +60,7 @@ def fitted_load(candidate: Candidate) -> Fit | None:
         if min(abs(low), abs(high)) * 0.2 <= abs(guess["amplitude"]) or low < 0.0
     ]
     fits = sorted(candidate.tried(many), key=lambda fit: fit.F)
-    worth = problem.score - HINT * (problem.score - problem.level)
+    worth = candidate.absent.F - HINT * (candidate.absent.F - problem.level)
     return best_of([refined(fit, 3) if worth > fit.F or problem.free else fit for fit in fits[:2]])
 
 

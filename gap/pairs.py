@@ -19,10 +19,13 @@ from gap.together import Together, together, values_of
 FIRSTS = 2  # single effects to which a second is added
 ENOUGH = 0.3  # share of the gap that one of two effects explains alone
 JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to the end
+WHOLE = 2  # of these on the whole record
 PROMISING = 4  # effects with slopes that are fitted beside a hidden mode
-WORTH = 0.7  # share of the gap that two effects explain before they are fitted again in turn
+WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
 SAME = 60.0  # nats between single effects that leave the same
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
+STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
+HALF = 0.5  # of what one effect leaves, which another beside it may leave to be found
 TURNS = 2  # times that each is fitted again given the other
 
 
@@ -54,30 +57,39 @@ def paired(
         return found[0]
     legal = list(catalogue)
     for first in _firsts(problem, fits):
-        second = next((fit for fit in ranked(_beside(problem, first, legal), progress) if fit.present), None)
-        hidden = None if first.effect.hidden else _stem_beside(problem, first, second, legal)
-        for fit in (second, hidden):
-            if fit is not None:
-                pair = Pair(first, fit)
-                found.append(improved(problem, pair) if share(problem, fit) >= WORTH else pair)
-        if found and min(pair.second.F for pair in found) <= problem.limit + needed(problem):
+        seconds = [_second(problem, first, legal, progress)]
+        if not first.effect.hidden:
+            seconds.append(_stem_beside(problem, first, seconds[0], legal))
+        for second in seconds:
+            if second is not None:
+                pair = Pair(first, second)
+                found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
+        if any(_enough(problem, pair) for pair in found):
             break
     return min(found, key=lambda pair: pair.total, default=None)
 
 
-def beside_digits(problem: Problem, first: Fit, catalogue: Iterable[Effect], progress: Progress = None) -> Pair | None:
-    """Return the pair of an effect that the digits of a log prove and the best one beside it; None if none could be.
+def _enough(problem: Problem, pair: Pair) -> bool:
+    """Return whether no better pair need be looked for."""
+    sticks = pair.first.effect.hidden or pair.second.effect.hidden
+    if sticks and share(problem, pair.second) >= STICKING:
+        return True
+    return problem.limit + needed(problem) >= pair.second.F
 
-    Digits say nothing of the rest of the gap, so any effect without a hidden mode may be the second.
+
+def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Fit | None:
+    """Return the best effect without a hidden mode beside another; None if none is there.
+
+    Beside a stem, which lines do not hold for, the few effects with slopes that promise most come first, and the others
+    only if none of these takes half of what is left.
     """
-    base = inserted(problem.quiet, first)
-    legal = [
-        one
-        for one in candidates(problem, base, catalogue)
-        if one.effect and one.effect is not first.effect and not one.effect.hidden
-    ]
-    second = next((fit for fit in ranked(legal, progress) if fit.present), None)
-    return None if second is None else Pair(first, second)
+    rough, likely = _beside(problem, first, catalogue)
+    best = next((fit for fit in ranked(likely, progress) if fit.present), None)
+    if best is None or best.F - problem.level > HALF * (first.F - problem.level):
+        other = next((fit for fit in ranked(rough, progress) if fit.present), None)
+        if other is not None and (best is None or other.total < best.total):
+            best = other
+    return best
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
@@ -111,7 +123,7 @@ def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Se
     return best
 
 
-def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> list[Candidate]:
+def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[list[Candidate], list[Candidate]]:
     """Return the effects that are searched for in the presence of another: those that have no slope, for which no line
     speaks, and beside a hidden mode the few of the others whose slopes promise most.
     """
@@ -122,23 +134,31 @@ def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> list[C
     ]
     rough = [one for one in legal if not smooth(one)]
     if not first.effect.hidden:
-        return rough
-    return [*rough, *sorted((one for one in legal if smooth(one)), key=promised, reverse=True)[:PROMISING]]
+        return rough, []
+    return rough, sorted((one for one in legal if smooth(one)), key=promised, reverse=True)[:PROMISING]
 
 
 def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
-    """Return pairs that lines propose, the sizes of both effects fitted at once, the best pair first."""
+    """Return pairs that lines propose, the sizes of both effects fitted at once, the best pair first.
+
+    They are fitted on the first part of the record where that shows the gap, and the best of them on the whole.  No
+    line holds for a stem that sticks.
+    """
     found: list[Fit] = []
-    for one in proposed(problem, fits)[:JOINED]:
-        candidate = together(one.first, one.second)
+    legal = [one for one in proposed(problem, fits) if not any(c.effect and c.effect.hidden for c in one.both)]
+    for one in legal[:JOINED]:
+        candidate = together(*(replace(c, problem=problem.early) for c in one.both))
         if candidate is not None:
             best = best_of(candidate.tried(one.starts))
             if best is not None:
                 found.append(refined(best, 3))
-                if problem.limit >= found[-1].F:
+                if problem.early.limit >= found[-1].F:
                     break
     found.sort(key=lambda fit: fit.F)
-    done = [refined(fit) for fit in found[:FOLLOWED]]
+    done = sorted((refined(fit) for fit in found[:FOLLOWED]), key=lambda fit: fit.F)
+    if problem.early is not problem:
+        whole = [replace(fit.candidate, problem=problem).tried([fit.values]) for fit in done[:WHOLE]]
+        done = [refined(fit, 3) for fits in whole for fit in fits]
     return sorted((_apart(problem, fit) for fit in done), key=lambda pair: pair.total)
 
 

@@ -40,6 +40,11 @@ class Proposal:
     F: float
     starts: tuple[Values, ...]
 
+    @property
+    def both(self) -> tuple[Candidate, Candidate]:
+        """Both candidates."""
+        return self.first, self.second
+
 
 @dataclass(frozen=True, eq=False)
 class _Shape:
