@@ -23,6 +23,7 @@ Floats = NDArray[np.float64]
 FEW, MANY = 20, 48  # stems of the grid and of the fit
 SHARES = (0.3, 0.55, 0.8)  # of J in S that are tried
 NEAR = ((1.0, 0.15), (1.12, 0.15), (1.12, 0.35), (1.3, 0.35))  # S over the width of the best deadband, J over S
+REPEATS = 0.05  # standard deviation of the breakaway from stem to stem of a bank, as a share
 SIZES = 9  # widths that are tried
 NOTHING = 0.02  # [%], a width at which nothing sticks
 SMALLEST, LARGEST = 0.25, 15.0  # [%], of S
@@ -42,12 +43,14 @@ class Bank:
 
     draws: Floats
     turns: Floats
+    repeats: Floats
 
     @classmethod
     def of(cls, scans: int, rows: int, count: int, seed: int = 0) -> "Bank":
         """Return numbers for so many scans, rows and stems."""
         rng = np.random.default_rng([seed, count])
-        return cls(rng.normal(size=(scans, count)), rng.random(rows))
+        draws, turns = rng.normal(size=(scans, count)), rng.random(rows)
+        return cls(draws, turns, 1.0 + REPEATS * rng.normal(size=count))
 
 
 def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtered:
@@ -70,7 +73,7 @@ def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtere
     e, loss, path = np.empty(f.Y.shape), np.empty(len(f.Y)), np.empty(len(f.Y))
     stems.banked(
         m.F, m.v, m.told, m.H, m.limits, m.memory, m.of, m.beyond, m.last, m.start, U, f.Y, f.acts, moves, f.every, K,
-        s, jitter, S, J, bank.draws, bank.turns, e, loss, path,
+        s, jitter, S, J, bank.draws, bank.turns, bank.repeats, e, loss, path,
     )  # fmt: skip
     e = stems.deviates(e)
     return Filtered(one, full, e, np.where(np.isnan(e), np.nan, 1.0), path, loss)
