@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from blocks.role import Role
 from gap.adequacy import EXPLAINED, EXPLAINED_HIDDEN, needed, scored_alone, share
+from gap.creep import about_creep, coarse, creeps, least_sizes
 from gap.evidence import Evidence
 from gap.floor import losses
 from gap.isolability import classes
@@ -91,9 +92,13 @@ def named(
     places = tuple(dict.fromkeys(fit.place for fit in same))
     others = tuple(dict.fromkeys(fit.effect.name for fit in same if fit.effect.name != best.effect.name))
     found = found_sizes(best)
+    creeping = kind == "adequate" and creeps(best.effect, found)
+    found = least_sizes(best.effect, found) if creeping else found
     explained = shares(fits, problem.score, problem.level)
     shrunk = held_out(problem, [best])
     words = [f"There is a gap. Place: {listed(places)}. Cause: {best.effect.name} at {best.place}, {_sizes(found)}."]
+    if creeping or coarse(problem.model, problem.record):
+        words += about_creep(best.effect, found, creeping)
     if others:
         words.append(f"From these signals it cannot be told apart from {listed(others)}; {next_test(problem, same)}.")
     words.append(f"It explains {100.0 * share(problem, best):.1f} % of the gap" + _shrunk(shrunk))

@@ -2,7 +2,9 @@
 
 1. A gap if the model as it is leaves innovations that are not white, or an effect gains more than noise lets it.
 2. Textures first: what the digits of the log tell needs no search.  Then all effects that a filter has, by likelihood.
-   Slower scans and stems that stick come last, and only while nothing else is adequate: they cost most.
+   That a stem may stick is said by a bank of few stems, before any fit: stems that stick must be likelier than stems
+   that do not.  Slower scans and stems that stick are fitted last, and only while nothing else is adequate: they cost
+   most.
 3. An explanation is adequate if its own innovations pass all checks; else it is "unknown".
 """
 
@@ -29,7 +31,7 @@ from gap.filters.digits import coarse_sensor, compressed, few_levels
 from gap.filters.explaining import ranked, settled, total
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found
-from gap.filters.hysteresis import fitted_stems
+from gap.filters.hysteresis import Looked, fitted_stems, looked_at
 from gap.filters.logged_stem import LoggedStem
 from gap.filters.reading import Filtering
 from gap.filters.rivals import beside, either_way, likeliest
@@ -46,7 +48,7 @@ EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a lit
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
 TIE = 6.0  # nats between explanations that the record does not tell apart
 CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
-ACTING = 1.5  # excess of OP's innovations over that of PV's from which on the controller is it
+STEM = 0.05  # share of the best explanation's gain that few stems must gain for a bank to be fitted
 STICTION = 16.0  # nats that a jump must gain over a deadband: a bank of stems is no more exact
 
 
@@ -54,7 +56,7 @@ STICTION = 16.0  # nats that a jump must gain over a deadband: a bank of stems i
 class Outcome:
     """What was found: ``plain`` the model as it is; ``found`` explanations, the best first; ``same`` those that cannot
     be told apart from the best, none where none is adequate; ``textured`` whether digits told; ``stem`` what a logged
-    stem says.
+    stem says; ``looked`` what few stems say of each valve.
     """
 
     plain: Found
@@ -63,6 +65,7 @@ class Outcome:
     gap: bool
     textured: bool = False
     stem: LoggedStem | None = None
+    looked: Sequence[Looked] = ()
 
     @cached_property
     def best(self) -> Filtered:
@@ -154,38 +157,45 @@ def outcome(
             found = compressed(plain, effect, next(iter(effect.places(f.model)), "historian"), seed)
             if found is not None and passes(found.best):
                 return Outcome(plain, (found,), (found,), True, True, stem)
+    looked = _looked(plain, legal) if stem is None or elsewhere else []
+    shown = max((one.gained for one in looked), default=0.0)
     scans = [effect for effect in catalogue if isinstance(effect, ScanTime)]
-    fits = ranked(plain, [effect for effect in catalogue if effect not in scans], progress)
-    clean = worst(plain.best)[1] <= LIMIT and not elsewhere
-    if clean and (not fits or plain.nll - total(fits[0]) < NEEDED):
-        return Outcome(plain, fits, (), False, stem=stem)
-    if scans and (not fits or not adequate(plain, fits[0])):
-        fits = sorted([*fits, *ranked(plain, scans)], key=total)
-    if (not fits or not adequate(plain, fits[0])) and (elsewhere or (stem is None and _by_stem(plain.best))):
-        sticking = [(effect, place) for effect, place in legal if effect.hidden]
-        fits = sorted([*fits, *_stems(plain, sticking)], key=total)
+    others = [effect for effect in catalogue if effect not in scans]
+    fits = ranked(plain, others, progress, plain.nll - shown)
+    gained = plain.nll - total(fits[0]) if fits else 0.0
+    clean = worst(plain.best)[1] <= LIMIT and not elsewhere and gained < NEEDED
+    if clean and shown < STICTION:
+        return Outcome(plain, fits, (), False, stem=stem, looked=looked)
+    slower = ranked(plain, scans) if scans and not (clean or (fits and adequate(plain, fits[0]))) else []
+    fits = sorted([*fits, *slower], key=total)
+    gained = plain.nll - total(fits[0]) if fits else 0.0
+    if clean or not fits or not adequate(plain, fits[0]):
+        sticking = _stems(looked, legal, 0.0 if elsewhere else max(STICTION, STEM * gained))
+        if shown >= STICTION and not any(adequate(plain, one) for one in sticking):
+            fits = sorted([*ranked(plain, others, progress), *slower], key=total)  # a stem was no rival after all
+        fits = sorted([*fits, *sticking], key=total)
     if fits and plain.nll - total(fits[0]) >= NEEDED and adequate(plain, fits[0]):
         same = [one for one in fits if total(one) <= total(fits[0]) + TIE and one.nll <= fits[0].nll + TIE]
-        return Outcome(plain, fits, same, True, stem=stem)
-    return Outcome(plain, fits, (), True, stem=stem)
+        return Outcome(plain, fits, same, True, stem=stem, looked=looked)
+    return Outcome(plain, fits, (), not clean, stem=stem, looked=looked)
 
 
-def _by_stem(plain: Filtered) -> bool:
-    """Return whether a stem may be it: what controllers make of measurements, it leaves nearly as it was."""
-    excess = np.nanmean(plain.judged**2, axis=0) - 1.0
-    acts = plain.explanation.filtering.acts >= 0
-    return bool(excess[acts].max() < ACTING * excess[~acts].max())
-
-
-def _stems(plain: Found, sticking: Sequence[tuple[Effect, str]]) -> list[Found]:
+def _looked(plain: Found, legal: Sequence[tuple[Effect, str]]) -> list[Looked]:
+    """Return what few stems say of each valve that may stick."""
     try:
-        found = fitted_stems(plain, sticking)
+        return [looked_at(plain, place) for place in dict.fromkeys(at for effect, at in legal if effect.hidden)]
     except NotAffine:
         return []
-    flat = [one for one in found if len(one.best.explanation.own) == 1]
-    if flat:
-        found = [one for one in found if one in flat or one.nll < flat[0].nll - STICTION]
-    return found
+
+
+def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed: float) -> list[Found]:
+    """Return the best deadband of each valve, and the best stiction where its jump gains enough."""
+    kept = []
+    for one in looked:
+        found = fitted_stems(one, [effect for effect, at in legal if effect.hidden and at == one.place], needed)
+        flat = [fit for fit in found if len(fit.best.explanation.own) == 1]
+        kept += [fit for fit in found if not flat or fit in flat or fit.nll < flat[0].nll - STICTION]
+    return kept
 
 
 @lru_cache(maxsize=16)

@@ -62,11 +62,14 @@ def coarse(plain: Found, effect: Effect, place: str) -> Filtered | None:
     return start
 
 
-def ranked(plain: Found, catalogue: Iterable[Effect], progress: Progress = None) -> list[Found]:
+def ranked(
+    plain: Found, catalogue: Iterable[Effect], progress: Progress = None, rival: float = math.inf
+) -> list[Found]:
     """Return the best fit of every effect that a filter has, at every place, the likeliest first.
 
     All are looked at in a few sizes; the likeliest of these are fitted to the end, and the likeliest of those once more
     from where the best one ended: explanations that leave the same log must not differ by where a search stopped.
+    ``rival``: nll of another explanation [nats]; what comes nowhere near it is not fitted to the end.
     """
     model = plain.best.explanation.filtering.model
     legal = [
@@ -86,7 +89,7 @@ def ranked(plain: Found, catalogue: Iterable[Effect], progress: Progress = None)
     looked.sort(key=lambda one: one.nll)
     found: list[Found] = []
     for k, start in enumerate(looked):
-        best = min((one.nll for one in found), default=math.inf)
+        best = min([rival, *(one.nll for one in found)])
         gained = plain.nll - best
         near = start.nll < best + max(LAGGING, BEHIND * gained)
         if k < FIRSTS and near:

@@ -1,7 +1,8 @@
 """Fit stiction or a deadband with a bank of stems: a grid over the sizes, then patterns around the best, ever smaller.
 
 The model's unsure parameters and the switches of its inputs start as the model without friction has them, and move with
-the sizes.
+the sizes.  What a stem gains is counted from a bank whose stems do not stick: its many paths suit any record that the
+model does not better than a single filter does.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,12 +21,20 @@ from gap.inserted import percent_in
 
 Floats = NDArray[np.float64]
 FEW, MANY = 20, 48  # stems of the grid and of the fit
-SHARES = (0.15, 0.35, 0.6)  # of J in S that are tried
-WIDER = (1.0, 1.12, 1.3)  # of S over the width of the deadband that comes nearest
+SHARES = (0.3, 0.55, 0.8)  # of J in S that are tried
+NEAR = ((1.0, 0.15), (1.12, 0.15), (1.12, 0.35), (1.3, 0.35))  # S over the width of the best deadband, J over S
+REPEATS = 0.05  # standard deviation of the breakaway from stem to stem of a bank, as a share
 SIZES = 9  # widths that are tried
+NOTHING = 0.02  # [%], a width at which nothing sticks
 SMALLEST, LARGEST = 0.25, 15.0  # [%], of S
 FINEST = 0.008  # relative size of the last pattern
-ROUNDS = 12
+ROUNDS = 16
+UNSURE = 0.3  # of the tolerance of a parameter of the model: its first step
+SHRINKS, LEAST = 0.4, 0.1  # of a step that was wrong to both sides; nats that a step must gain
+AT_BOUND = 1e-3  # of a range
+SHOWN = 6.5  # nats by which a width has to be less likely than none, to be excluded
+JUMPS = 0.3  # of S: a jump that no deadband has
+DECIDED = 60.0  # nats by which few stems decide between stiction and deadband
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +43,14 @@ class Bank:
 
     draws: Floats
     turns: Floats
+    repeats: Floats
 
     @classmethod
     def of(cls, scans: int, rows: int, count: int, seed: int = 0) -> "Bank":
         """Return numbers for so many scans, rows and stems."""
         rng = np.random.default_rng([seed, count])
-        return cls(rng.normal(size=(scans, count)), rng.random(rows))
+        draws, turns = rng.normal(size=(scans, count)), rng.random(rows)
+        return cls(draws, turns, 1.0 + REPEATS * rng.normal(size=count))
 
 
 def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtered:
@@ -62,42 +73,90 @@ def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtere
     e, loss, path = np.empty(f.Y.shape), np.empty(len(f.Y)), np.empty(len(f.Y))
     stems.banked(
         m.F, m.v, m.told, m.H, m.limits, m.memory, m.of, m.beyond, m.last, m.start, U, f.Y, f.acts, moves, f.every, K,
-        s, jitter, S, J, bank.draws, bank.turns, e, loss, path,
+        s, jitter, S, J, bank.draws, bank.turns, bank.repeats, e, loss, path,
     )  # fmt: skip
     e = stems.deviates(e)
     return Filtered(one, full, e, np.where(np.isnan(e), np.nan, 1.0), path, loss)
 
 
-def fitted_stems(plain: Found, effects: Sequence[tuple[Effect, str]]) -> list[Found]:
-    """Return the best sizes of a deadband and of stiction where a catalogue has them, the likeliest first.
-
-    The width of a deadband says near which S stiction has to be looked for: its jump makes S somewhat larger.
+@dataclass(frozen=True, eq=False)
+class Looked:
+    """What few stems say at a ``place``: ``none`` the nll [nats] of stems that do not stick, and ``flat`` deadbands of
+    growing width.
     """
+
+    place: str
+    none: float
+    flat: Sequence[Filtered]
+
+    @property
+    def gained(self) -> float:
+        """Nats by which the likeliest deadband is ahead of a stem that does not stick."""
+        return self.none - min(one.nll for one in self.flat)
+
+    @property
+    def hidden(self) -> float:
+        """The widest deadband [% OP] that the record does not exclude, 0 if it excludes them all."""
+        least = min(self.none, min(one.nll for one in self.flat))
+        found = 0.0
+        for one in self.flat:
+            if one.nll > least + SHOWN:
+                break
+            found = one.values["width"]
+        return found
+
+
+def looked_at(plain: Found, place: str) -> Looked:
+    """Return what few stems say of deadbands of the valve at a place; ``plain`` the model as it is, settled."""
     f = plain.best.explanation.filtering
+    one, few = Explanation(f, Deadband(), place), Bank.of(f.scans, len(f.Y), FEW)
+    free = {key: _inside(plain.best, key) for key in f.free}
+    widths = np.geomspace(SMALLEST, LARGEST, SIZES).tolist()
+    none, *flat = [banked(one, {**free, "width": width}, few) for width in (NOTHING, *widths)]
+    return Looked(place, none.nll, flat)
+
+
+def _inside(one: Filtered, key: str) -> float:
+    """Return a parameter of a fit; nominal where it stopped at a bound: then the fit is of something else."""
+    value, (low, high) = one.values[key], one.explanation.filtering.free[key]
+    return one.explanation.nominal[key] if min(value - low, high - value) < AT_BOUND * (high - low) else value
+
+
+def fitted_stems(looked: Looked, effects: Sequence[Effect], needed: float) -> list[Found]:
+    """Return the best sizes of a deadband and of stiction where a catalogue has them, the likeliest first; none where
+    few stems do not gain ``needed`` nats.
+    """
+    f, place = looked.flat[0].explanation.filtering, looked.place
     few, many = (Bank.of(f.scans, len(f.Y), count) for count in (FEW, MANY))
-    free = {key: plain.best.values[key] for key in f.free}
+    stiction = next((effect for effect in effects if isinstance(effect, Stiction)), None)
+    sharp: list[Filtered] = []
+    if stiction is not None:
+        one = Explanation(f, stiction, place)
+        sharp = [_jumping(one, flat, 1.0, share, few) for flat in looked.flat for share in SHARES]
+    if looked.none - min(one.nll for one in (*looked.flat, *sharp)) < needed:
+        return []
+    play, stuck = min(looked.flat, key=lambda one: one.nll), None
+    if sharp:
+        near = [_jumping(sharp[0].explanation, play, by, share, few) for by, share in NEAR]
+        stuck = _followed(min((*sharp, *near), key=lambda one: one.nll), few, 0.15, 0.02)
+    if stuck is None or stuck.values["J"] < JUMPS * stuck.values["S"] or play.nll < stuck.nll + DECIDED:
+        play = _followed(play, few, 0.25, 0.06)
     found = []
-    for place in dict.fromkeys(place for _, place in effects):
-        flat = Explanation(f, Deadband(), place)
-        widths = np.geomspace(SMALLEST, LARGEST, SIZES).tolist()
-        start = min((banked(flat, {**free, "width": w}, few) for w in widths), key=lambda x: x.nll)
-        play = _followed(_followed(start, few, 0.25, 0.06), many, 0.06, FINEST)
-        here = [effect for effect, at in effects if at == place]
-        if any(isinstance(effect, Deadband) for effect in here):
-            found.append(Found(play, (), np.zeros((0, 0))))
-        stiction = next((effect for effect in here if isinstance(effect, Stiction)), None)
-        if stiction is not None:
-            one = Explanation(f, stiction, place)
-            own = {key: play.values[key] for key in f.free}
-            points = [
-                {**own, "S": play.values["width"] * by, "J": play.values["width"] * by * share}
-                for by in WIDER
-                for share in SHARES
-            ]
-            start = min((banked(one, values, few) for values in points), key=lambda x: x.nll)
-            stuck = _followed(_followed(start, few, 0.08, 0.04), many, 0.05, FINEST)
-            found.append(Found(stuck, (), np.zeros((0, 0))))
-    return sorted(found, key=lambda x: x.nll)
+    ahead = play.nll - stuck.nll if stuck is not None else 0.0  # of the deadband
+    if any(isinstance(effect, Deadband) for effect in effects):
+        found.append(
+            _followed(play, many, 0.06, FINEST) if ahead < DECIDED else banked(play.explanation, play.values, many)
+        )
+    if stuck is not None and (ahead > 0.0 or not found):
+        found.append(_followed(stuck, many, 0.05, FINEST))
+    return sorted((Found(one, (), np.zeros((0, 0))) for one in found), key=lambda one: one.nll)
+
+
+def _jumping(one: Explanation, flat: Filtered, by: float, share: float, bank: Bank) -> Filtered:
+    """Return a stem whose S is so many times a deadband's width, and whose J is a share of S."""
+    S = by * flat.values["width"]
+    free = {key: flat.values[key] for key in one.filtering.free}
+    return banked(one, {**free, "S": S, "J": share * S}, bank)
 
 
 def followed_on(start: Filtered) -> Filtered:
@@ -114,33 +173,57 @@ def left(one: Explanation, values: Mapping[str, float]) -> Filtered:
 
 
 def _followed(start: Filtered, bank: Bank, wide: float, finest: float) -> Filtered:
-    """Return the fit near a start: one coordinate after the other, in steps from ``wide`` to ``finest``."""
+    """Return the fit near a start: one coordinate after the other, in steps from ``wide`` to ``finest``.
+
+    After each round the same way once more (Hooke and Jeeves 1961): sizes and time constants make up for each other.
+    """
     one, f = start.explanation, start.explanation.filtering
     best = banked(one, start.values, bank)
-    steps = dict.fromkeys(one.own, wide) | {key: wide * f.quiet.tolerances[key] for key in f.free}
+    steps = dict.fromkeys(one.own, wide) | {key: UNSURE * f.quiet.tolerances[key] for key in f.free}
+    ways = dict.fromkeys(steps, 1.0)
     for _ in range(ROUNDS):
-        moved = False
-        for name, step in list(steps.items()):
-            for way in (1.0, -1.0):
-                new = banked(one, _moved(one, best.values, name, way * step), bank)
-                if new.nll < best.nll - 0.1:
-                    best, moved = new, True
+        base = best
+        for name in steps:
+            for way in (ways[name], -ways[name]):
+                new = banked(one, _moved(one, best.values, name, way * steps[name]), bank)
+                if new.nll < best.nll - LEAST:
+                    best, ways[name] = new, way
                     break
             else:
-                steps[name] = 0.4 * step
-        if not moved and steps[one.own[0]] < finest:
-            break
+                steps[name] *= SHRINKS
+        if best is base:
+            if steps[one.own[0]] < finest:
+                break
+            continue
+        new = banked(one, _again(one, base.values, best.values), bank)
+        if new.nll < best.nll - LEAST:
+            best = new
     return best
 
 
+def _again(one: Explanation, before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, float]:
+    """Return values as far beyond ``now`` as that is from ``before``, within bounds."""
+    new = {**now, **{name: float(np.clip(2.0 * now[name] - before[name], *one.bounds[name])) for name in one.bounds}}
+    if "J" in new:
+        new["J"] = min(new["J"], new["S"])
+    return new
+
+
 def _moved(one: Explanation, values: Mapping[str, float], name: str, by: float) -> dict[str, float]:
-    """Return values with one moved: a size or a parameter by a factor, J by a share of S."""
+    """Return values with one moved by a factor exp(by); of stiction S + J, where it gives way, or by a share of S
+    S - J, where it stops: these two have little to do with each other.
+    """
     new = dict(values)
-    if name == "J":
-        new["J"] = float(np.clip(values["J"] + by * values["S"], 0.0, values["S"]))
-        return new
     low, high = one.bounds[name]
+    if "J" in one.own and name in one.own:
+        way, stop = values["S"] + values["J"], values["S"] - values["J"]
+        if name == "S":
+            way *= np.exp(by)
+        else:
+            stop -= 2.0 * by * values["S"]
+        stop = float(np.clip(stop, 0.0, way))
+        new["S"] = float(np.clip(0.5 * (way + stop), *one.bounds["S"]))
+        new["J"] = min(0.5 * (way - stop), new["S"])
+        return new
     new[name] = float(np.clip(values[name] * np.exp(by), low, high))
-    if name == "S":
-        new["J"] = values["J"] * new["S"] / values["S"]
     return new

@@ -11,6 +11,10 @@ the same random numbers for all sizes the likelihood is smooth in them.
 
     a stem sticks at x until |OP - x| > (S + J)/2, and then stands at OP -+ (S - J)/2          (``quasi_static_stem``)
 
+Each stem of the bank breaks away a little early or late, as no friction repeats to the last digit: so one slip is not
+had wrong by all.  Where even the best stem misses a row by far, half of them are put anywhere within the band in which
+a stem can stick, which costs as much as a mode that a replay sets right (``gap.modes``).
+
 A mixture's innovation is the normal deviate of its distribution function, sum w_i Phi(e_i): of unit variance if it is
 right, like those of a single filter.
 """
@@ -22,8 +26,10 @@ import numpy as np
 from numba import njit
 
 from gap.filters.kalman import along, commanded, looked, spread
+from gap.modes import CHARGE
 
 EVEN = 0.5  # share of the stems that must count
+LOST = 5.0  # standard deviations by which even the best stem misses a row where none has the right mode
 
 
 @njit(cache=True)
@@ -33,10 +39,10 @@ def normal(x):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def stuck(x, told, S, J):  # type: ignore[no-untyped-def]
-    """Return where a stem stands after it was told an opening."""
+def stuck(x, told, S, J, repeats):  # type: ignore[no-untyped-def]
+    """Return where a stem stands after it was told an opening; ``repeats`` its breakaway as a multiple of the mean."""
     pull = told - x
-    if abs(pull) > 0.5 * (S + J):
+    if abs(pull) > max(0.5 * (S + J) * repeats, 0.5 * (S - J)):
         return told - math.copysign(0.5 * (S - J), pull)
     return x
 
@@ -64,12 +70,12 @@ def settled_gains(A, Q, H, r, every, K, s):  # type: ignore[no-untyped-def]
 @njit(cache=True)
 def banked(  # type: ignore[no-untyped-def]
     F, v, told, H, limits, memory, of, beyond, last, start, U, Y, acts, moves, every, K, s, jitter, S, J, draws, turns,
-    e, loss, path,
+    repeats, e, loss, path,
 ):  # fmt: skip
     """Write innovations ``e`` (rows, signals) and the loss of each row [nats].
 
-    ``draws`` (scans, stems) and ``turns`` (rows,) random numbers; ``acts``: which controller gives a signal, -1 for
-    none; ``moves``: which moves the stem, ``jitter`` of its output between rows.
+    ``draws`` (scans, stems), ``turns`` (rows,), ``repeats`` (stems,) random numbers; ``acts``: which controller gives a
+    signal, -1 for none; ``moves``: which moves the stem, ``jitter`` of its output between rows.
     """
     n, N, C, M, m = len(start), F.shape[1], len(v), draws.shape[1], len(H)
     period, offset, scans = np.ones(C, dtype=np.int64), np.zeros(C, dtype=np.int64), np.ones(C, dtype=np.bool_)
@@ -85,14 +91,14 @@ def banked(  # type: ignore[no-untyped-def]
         row[n:at_mv] = start[last]
         row[at_mv + 1 :] = U[0]
         x[i] = along(told, row) + 0.45 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
-    seen = np.nan
+    lost, seen = False, np.nan
     for k in range(len(U)):
         row[at_mv + 1 :] = U[k]
         phase = k % every
         if phase == 0:
             at = k // every
             loss[at] = 0.0
-            seen = np.nan
+            lost, seen = False, np.nan
             for j in range(m):
                 e[at, j] = np.nan
                 if not np.isfinite(Y[at, j]):
@@ -120,6 +126,7 @@ def banked(  # type: ignore[no-untyped-def]
                 for i in range(M):
                     w[i] /= total
                 loss[at] += 0.5 * math.log(s[j]) - largest - math.log(total)
+                lost = lost or largest < -0.5 * LOST**2
                 e[at, j] = below
             path[at] = 0.0
             for i in range(M):
@@ -127,7 +134,9 @@ def banked(  # type: ignore[no-untyped-def]
             even = 0.0
             for i in range(M):
                 even += w[i] ** 2
-            if 1.0 / even < EVEN * M:
+            if lost:
+                loss[at] += CHARGE
+            if lost or 1.0 / even < EVEN * M:
                 passed, i = w[0], 0
                 for q in range(M):
                     share = (q + turns[at]) / M
@@ -154,7 +163,10 @@ def banked(  # type: ignore[no-untyped-def]
             op = row[n + moves]
             known = phase == 0 and np.isfinite(seen)
             row[n + moves] = seen if known else min(max(op + jitter * draws[k, i], lo), hi)
-            x[i] = stuck(x[i], along(told, row), S, J)
+            opening = along(told, row)
+            if phase == 0 and lost and i % 2 == 1:
+                x[i] = opening + 0.5 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
+            x[i] = stuck(x[i], opening, S, J, repeats[i])
             row[n + moves] = op
             row[at_mv] = x[i]
             for q in range(n):

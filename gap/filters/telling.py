@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from gap.creep import about_creep
 from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered
@@ -45,7 +46,7 @@ def _no_gap(o: Outcome, sureness: Sureness) -> GapReport:
 
 def _limits(o: Outcome) -> list[str]:
     """Return in words how large effects may be without being seen here."""
-    said = []
+    said = [f"deadband at {one.place} of up to {one.hidden:.2g} % OP" for one in o.looked if one.hidden > 0.0]
     for one in o.found:
         effect = one.best.explanation.effect
         if effect is None or not one.names:
@@ -100,6 +101,7 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
     found, shrunk = _sizes(best), held_out(o)
     said = ", ".join(f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in found.items())
     words = [f"There is a gap. Place: {listed(places)}. Cause: {effect.name} at {one.place}, {said}."]
+    words += about_creep(effect, found)
     if others:
         words.append(f"From these signals it cannot be told apart from {listed(others)}.")
     part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))

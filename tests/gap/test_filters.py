@@ -215,4 +215,9 @@ def test_digits_tell_levels_and_straight_lines():
 
 def test_a_stem_sticks_and_jumps():
     # analytic: f_s = (S + J)/2 = 4 %, f_c = (S - J)/2 = 2 %
-    assert [round(stuck(0.5, told, 0.06, 0.02), 6) for told in (0.53, 0.539, 0.545, 0.45)] == [0.5, 0.5, 0.525, 0.47]
+    assert [round(stuck(0.5, told, 0.06, 0.02, 1.0), 6) for told in (0.53, 0.539, 0.545, 0.45)] == [
+        0.5, 0.5, 0.525, 0.47,
+    ]  # fmt: skip
+    # one that breaks away late, at 0.044, and a play, which never goes back however early it breaks away
+    assert [round(stuck(0.5, told, 0.06, 0.02, 1.1), 6) for told in (0.543, 0.545)] == [0.5, 0.525]
+    assert [round(stuck(0.5, told, 0.06, 0.0, 0.9), 6) for told in (0.528, 0.531)] == [0.5, 0.501]
