@@ -9,15 +9,17 @@ or another one of any size.  The second term is at least what the noise tells: a
 answers it shows in the noise too.  Nothing here is shared with the diagnosis.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from benchmarks.gap.generator import STEPS, Record, autoregression, packed
+from benchmarks.gap.generator import Record, autoregression, packed
 from benchmarks.gap.physics import NEUTRAL, run
+from benchmarks.gap.runs import VISIBLE
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.severities import ACTS, FACTORS, OF_PV, OF_TIME, SITE, SIZE
 
@@ -26,9 +28,11 @@ TRACE = 6.5  # nats below which a test with one false alarm in 300 records misse
 TIE = 6.0  # nats within which two effects leave the same log
 ORDER = 24  # rows that whitening looks back
 HOURS = 100  # of noise that it is fitted to
+STEPS, FINE = 5, 20  # of the integration a second; where a dead time is to be told from a lag
 FIRST = 60  # rows that no diagnosis judges
 # what shows otherwise than in the mean of a linear loop: by the digits, by noise, by a stem that sticks, by its scans
 OTHERWISE = ("stiction", "deadband", "sensor_noise", "quantisation", "compression", "scan_time")
+EITHER = ("valve_leak", "sensor_bias", "sensor_drift", "step_disturbance")  # of either sign
 SIZES = (0.1, 0.3, 0.6, 1.0, 1.5)  # of the typical size, at which another effect is tried first
 
 
@@ -45,7 +49,7 @@ def told(record: Record) -> float:
 
 
 def told_apart(record: Record, other: str) -> float:
-    """Return the nats by which a record tells its one effect from another of any size."""
+    """Return the nats by which a record tells its one effect from another of any size, a step from the start."""
     if len(record.effects) != 1 or {*record.effects, other} & set(OTHERWISE) or other not in {*SIZE, *FACTORS}:
         return float("inf")
     key, loop = {**SIZE, **FACTORS}[other], SETTINGS[record.setting]
@@ -59,6 +63,27 @@ def told_apart(record: Record, other: str) -> float:
     return _least(record, act, tuple(way * share for share in SIZES for way in ((1.0, -1.0) if both else (1.0,))))
 
 
+def traced(record: Record, row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the oracle says beside a row of ``scoring``: the nats that the record tells of its effect.
+
+    And whether it cannot tell apart the names of a set that is larger than the effect's class either; None where it
+    says nothing.
+    """
+    nats = told(record)
+    names = row["sets"][0] if len(record.effects) == 1 and row["sets"] else []
+    wide = "cause" in row and not row["cause"] and set(record.effects) & set(names)
+    return {
+        "told": nats if np.isfinite(nats) else None,
+        "told_apart": all(told_apart(record, name) < TIE for name in names if name not in record.effects)
+        if wide else None,
+    }  # fmt: skip
+
+
+def visible(row: Mapping[str, Any]) -> bool:
+    """Return whether the effect of a row leaves a trace that tolerances and load do not hide."""
+    return bool(row["visible"] > VISIBLE and (row.get("told") is None or row["told"] > TRACE))
+
+
 def _least(
     record: Record, act: Callable[[Mapping[str, float], float], Mapping[str, float]], shares: tuple[float, ...]
 ) -> float:
@@ -66,7 +91,8 @@ def _least(
     loop = SETTINGS[record.setting]
     A, W = whitening(record.setting)
     quiet = [0.0 * one for one in record.random]
-    true, true_n = (_made(record, record.numbers, random) for random in (quiet, record.random))
+    steps = FINE if "dead_time" in record.effects else STEPS
+    true, true_n = (_made(record, record.numbers, random, steps) for random in (quiet, record.random))
     nominal = {**NEUTRAL, **loop.numbers}
 
     def nats(x: Floats) -> float:
@@ -78,7 +104,8 @@ def _least(
             if key == "tau":
                 base["second"] *= 1.0 + within * x[k]
         other = act(base, float(x[-1]))
-        d, d_n = true - _made(record, other, quiet), true_n - _made(record, other, record.random)
+        d = true - _made(record, other, quiet, steps)
+        d_n = true_n - _made(record, other, record.random, steps)
         if not np.isfinite(d_n).all():
             return 1e12
         return 0.5 * float(np.sum(_white(d, A, W) ** 2)) + float(np.sum(_white(d_n - d, A, W) ** 2))
@@ -88,15 +115,15 @@ def _least(
     start = min(starts, key=nats)
     simplex = np.vstack([start, *(start + 0.3 * (1.0 if v < 0.5 else -1.0) * row for v, row in zip(
         start, np.eye(len(start)), strict=True))])  # fmt: skip
-    options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.05, "maxfev": 60 * len(start)}
+    options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.05, "maxfev": 40 * len(start)}
     found = minimize(nats, start, method="Nelder-Mead", options=options)
     return float(found.fun)
 
 
-def _made(record: Record, numbers: Mapping[str, float], random: tuple[Floats, ...] | list[Floats]) -> Floats:
+def _made(record: Record, numbers: Mapping[str, float], random: Sequence[Floats], steps: int) -> Floats:
     """Return the logged signals of a loop with these numbers, not rounded, (rows, signals)."""
     sp = record.set_point
-    out = run(packed(numbers), sp, *random, 0.0 * sp, STEPS, float(sp[0]))
+    out = run(packed(numbers), sp, *random, 0.0 * sp, steps, float(sp[0]))
     return _kept(record.setting, out)
 
 
