@@ -33,34 +33,46 @@ FIRST = 60  # rows that no diagnosis judges
 # what shows otherwise than in the mean of a linear loop: by the digits, by noise, by a stem that sticks, by its scans
 OTHERWISE = ("stiction", "deadband", "sensor_noise", "quantisation", "compression", "scan_time")
 EITHER = ("valve_leak", "sensor_bias", "sensor_drift", "step_disturbance")  # of either sign
+WAVES = ("sine_disturbance", "slug")
+BEYOND = 1e12  # nats of what cannot be
 SIZES = (0.1, 0.3, 0.6, 1.0, 1.5)  # of the typical size, at which another effect is tried first
 
 
 def told(record: Record) -> float:
-    """Return the nats that a record tells of its one effect; infinite for one that shows otherwise.
-
-    >>> from benchmarks.gap.generator import record
-    >>> told(record("level", ["sensor_span"], given={"sensor_span": {"factor": 0.97}})) < TRACE
-    True
-    """
+    """Return the nats that a record tells of its one effect; infinite for one that shows otherwise."""
     if len(record.effects) != 1 or set(record.effects) & set(OTHERWISE) or not SETTINGS[record.setting].scanned:
         return float("inf")
-    return _least(record, lambda base, size: base, ())
+    return _least(record, lambda base, x: base, [np.zeros(0)])
 
 
 def told_apart(record: Record, other: str) -> float:
-    """Return the nats by which a record tells its one effect from another of any size, a step from the start."""
-    if len(record.effects) != 1 or {*record.effects, other} & set(OTHERWISE) or other not in {*SIZE, *FACTORS}:
+    """Return the nats by which a record tells its one effect from another of any size, a step from the start.
+
+    A sine from a slug, and the other way round, near the period of the one that is there; infinite where it shows
+    otherwise.
+    """
+    loop, (name, values) = SETTINGS[record.setting], next(iter(record.effects.items()))
+    key = {**SIZE, **FACTORS, "step_disturbance": "amplitude"}.get(other, "")
+    if len(record.effects) != 1 or {name, other} & set(OTHERWISE) or not (key or {name, other} == set(WAVES)):
         return float("inf")
-    key, loop = {**SIZE, **FACTORS}[other], SETTINGS[record.setting]
+    if other in WAVES:
+
+        def wave(base: Mapping[str, float], x: Floats) -> dict[str, float]:
+            its = {
+                "amplitude": values["amplitude"] * x[0], "period": values["period"] * (1.0 + 0.1 * x[1]),
+                "phase": values["phase"] + x[2],
+            }  # fmt: skip
+            return {**base, **ACTS[other](its, dict(base))}
+
+        return _least(record, wave, [np.array([share, 0.0, 0.0]) for share in SIZES])
     typical = SITE[other][1] * (loop.slow if other in OF_TIME else loop.span if other in OF_PV else 1.0)
 
-    def act(base: Mapping[str, float], share: float) -> dict[str, float]:
-        size = typical**share if other in FACTORS else typical * share
-        return {**base, **ACTS[other]({key: size}, dict(base))}
+    def act(base: Mapping[str, float], x: Floats) -> dict[str, float]:
+        size = typical ** float(x[0]) if other in FACTORS else typical * float(x[0])
+        return {**base, **ACTS[other]({key: size, "time": 0.0}, dict(base))}
 
-    both = other in FACTORS or other in ("valve_leak", "sensor_bias", "sensor_drift")
-    return _least(record, act, tuple(way * share for share in SIZES for way in ((1.0, -1.0) if both else (1.0,))))
+    shares = (*SIZES, *(-share for share in SIZES)) if other in FACTORS or other in EITHER else SIZES
+    return _least(record, act, [np.array([share]) for share in shares])
 
 
 def traced(record: Record, row: Mapping[str, Any]) -> dict[str, Any]:
@@ -85,39 +97,38 @@ def visible(row: Mapping[str, Any]) -> bool:
 
 
 def _least(
-    record: Record, act: Callable[[Mapping[str, float], float], Mapping[str, float]], shares: tuple[float, ...]
+    record: Record, act: Callable[[Mapping[str, float], Floats], Mapping[str, float]], starts: Sequence[Floats]
 ) -> float:
-    """Return the least nats over tolerances, and over shares of an effect's typical size."""
+    """Return the least nats over tolerances, and over the numbers of another effect; ``starts`` of these."""
     loop = SETTINGS[record.setting]
     A, W = whitening(record.setting)
+    steps, within = FINE if "dead_time" in record.effects else STEPS, len(loop.within)
     quiet = [0.0 * one for one in record.random]
-    steps = FINE if "dead_time" in record.effects else STEPS
     true, true_n = (_made(record, record.numbers, random, steps) for random in (quiet, record.random))
     nominal = {**NEUTRAL, **loop.numbers}
 
     def nats(x: Floats) -> float:
-        if np.any(np.abs(x[: len(loop.within)]) > 1.0):
-            return 1e12
+        if np.any(np.abs(x[:within]) > 1.0):
+            return BEYOND
         base = dict(nominal)
-        for k, (key, within) in enumerate(loop.within.items()):
-            base[key] *= 1.0 + within * x[k]
+        for k, (key, share) in enumerate(loop.within.items()):
+            base[key] *= 1.0 + share * x[k]
             if key == "tau":
-                base["second"] *= 1.0 + within * x[k]
-        other = act(base, float(x[-1]))
+                base["second"] *= 1.0 + share * x[k]
+        other = act(base, x[within:])
         d = true - _made(record, other, quiet, steps)
         d_n = true_n - _made(record, other, record.random, steps)
         if not np.isfinite(d_n).all():
-            return 1e12
+            return BEYOND
         return 0.5 * float(np.sum(_white(d, A, W) ** 2)) + float(np.sum(_white(d_n - d, A, W) ** 2))
 
-    at = np.array([(record.base[k] / nominal[k] - 1.0) / share for k, share in loop.within.items()])
-    starts = [np.append(0.98 * at, share) for share in shares] or [0.98 * at]
-    start = min(starts, key=nats)
-    simplex = np.vstack([start, *(start + 0.3 * (1.0 if v < 0.5 else -1.0) * row for v, row in zip(
-        start, np.eye(len(start)), strict=True))])  # fmt: skip
+    at = np.array([(record.base[key] / nominal[key] - 1.0) / share for key, share in loop.within.items()])
+    start = min((np.append(0.98 * at, more) for more in starts), key=nats)
+    simplex = np.array([start] * (len(start) + 1))
+    for k, value in enumerate(start):
+        simplex[k + 1, k] += 0.3 if value < 0.5 else -0.3
     options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.05, "maxfev": 40 * len(start)}
-    found = minimize(nats, start, method="Nelder-Mead", options=options)
-    return float(found.fun)
+    return float(minimize(nats, start, method="Nelder-Mead", options=options).fun)
 
 
 def _made(record: Record, numbers: Mapping[str, float], random: Sequence[Floats], steps: int) -> Floats:
