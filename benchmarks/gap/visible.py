@@ -1,12 +1,12 @@
 """How many nats a record tells of its effect: an oracle, by physics alone, of what no diagnosis could see.
 
-    nats = min over tolerances of   1/2 |W d|^2 + |W (d_n - d)|^2
+    nats = min over tolerances of 1/2 |W d|^2  +  rows x (what the noise of the loop tells a row)
 
-d: logged signals of the loop with the effect less those of a loop that may be taken for it, both without noise; d_n the
-same with the noise and the load of the record in both; W: the autoregression that whitens the loop's own noise, fitted
-to long runs of ``physics``.  The loop that may be taken for it has any parameters within the tolerances, and no effect,
-or another one of any size.  The second term is at least what the noise tells: an effect that changes how the loop
-answers it shows in the noise too.  Nothing here is shared with the diagnosis.
+d: logged signals of the loop with the effect less those of a loop that may be taken for it, both without noise; W: the
+autoregression that whitens the loop's own noise, fitted to long runs of ``physics``.  The loop that may be taken for it
+has any parameters within the tolerances, and no effect, or another one of any size.  What the noise tells: by how much
+the noise of the loop with the effect is likelier by its own autoregression than by that of the other.  Nothing here is
+shared with the diagnosis.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from benchmarks.gap.generator import Record, autoregression, packed
-from benchmarks.gap.physics import NEUTRAL, run
+from benchmarks.gap.physics import NAMES, NEUTRAL, run
 from benchmarks.gap.runs import VISIBLE
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.severities import ACTS, FACTORS, OF_PV, OF_TIME, SITE, SIZE
@@ -30,8 +30,11 @@ ORDER = 24  # rows that whitening looks back
 HOURS = 100  # of noise that it is fitted to
 STEPS, FINE = 5, 20  # of the integration a second; where a dead time is to be told from a lag
 FIRST = 60  # rows that no diagnosis judges
-# what shows otherwise than in the mean of a linear loop: by the digits, by noise, by a stem that sticks, by its scans
-OTHERWISE = ("stiction", "deadband", "sensor_noise", "quantisation", "compression", "scan_time")
+# what shows otherwise than in a linear loop: by the digits, by noise, by a stem that sticks, by its scans, at limits
+OTHERWISE = (
+    "stiction", "deadband", "sensor_noise", "quantisation", "compression", "scan_time",
+    "valve_saturation", "valve_rate_limit", "controller_limits",
+)  # fmt: skip
 EITHER = ("valve_leak", "sensor_bias", "sensor_drift", "step_disturbance")  # of either sign
 WAVES = ("sine_disturbance", "slug")
 BEYOND = 1e12  # nats of what cannot be
@@ -101,26 +104,25 @@ def _least(
 ) -> float:
     """Return the least nats over tolerances, and over the numbers of another effect; ``starts`` of these."""
     loop = SETTINGS[record.setting]
-    A, W = whitening(record.setting)
-    steps, within = FINE if "dead_time" in record.effects else STEPS, len(loop.within)
-    quiet = [0.0 * one for one in record.random]
-    true, true_n = (_made(record, record.numbers, random, steps) for random in (quiet, record.random))
     nominal = {**NEUTRAL, **loop.numbers}
+    A, W = whitening(record.setting, tuple(nominal.values()))
+    steps, within = FINE if "dead_time" in record.effects else STEPS, len(loop.within)
+    true = _made(record, record.numbers, steps)
 
-    def nats(x: Floats) -> float:
-        if np.any(np.abs(x[:within]) > 1.0):
-            return BEYOND
+    def numbers(x: Floats) -> dict[str, float]:
         base = dict(nominal)
         for k, (key, share) in enumerate(loop.within.items()):
             base[key] *= 1.0 + share * x[k]
             if key == "tau":
                 base["second"] *= 1.0 + share * x[k]
-        other = act(base, x[within:])
-        d = true - _made(record, other, quiet, steps)
-        d_n = true_n - _made(record, other, record.random, steps)
-        if not np.isfinite(d_n).all():
+        return dict(act(base, x[within:]))
+
+    def nats(x: Floats) -> float:
+        if np.any(np.abs(x[:within]) > 1.0):
             return BEYOND
-        return 0.5 * float(np.sum(_white(d, A, W) ** 2)) + float(np.sum(_white(d_n - d, A, W) ** 2))
+        other = _made(record, numbers(x), steps)
+        e = _white(true - other, A, W)[~_limited(true, other)]
+        return 0.5 * float(np.sum(e**2)) if np.isfinite(e).all() else BEYOND
 
     at = np.array([(record.base[key] / nominal[key] - 1.0) / share for key, share in loop.within.items()])
     start = min((np.append(0.98 * at, more) for more in starts), key=nats)
@@ -128,14 +130,36 @@ def _least(
     for k, value in enumerate(start):
         simplex[k + 1, k] += 0.3 if value < 0.5 else -0.3
     options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.05, "maxfev": 40 * len(start)}
-    return float(minimize(nats, start, method="Nelder-Mead", options=options).fun)
+    found = minimize(nats, start, method="Nelder-Mead", options=options)
+    return float(found.fun) + _of_noise(record, numbers(found.x))
 
 
-def _made(record: Record, numbers: Mapping[str, float], random: Sequence[Floats], steps: int) -> Floats:
-    """Return the logged signals of a loop with these numbers, not rounded, (rows, signals)."""
+def _limited(one: Floats, other: Floats) -> NDArray[np.bool_]:
+    """Return the whitened rows of which a controller's output at a limit is part, where no loop is linear, (rows,)."""
+    found = np.zeros(len(one), dtype=bool)
+    for rows in (one, other):
+        outputs = rows[:, [1, 3]] if rows.shape[1] == 4 else rows[:, 1:]
+        found |= ((outputs <= 1e-9) | (outputs >= 1.0 - 1e-9)).any(axis=1)
+    found = np.convolve(found, np.ones(ORDER + 1))[: len(one)] > 0.0
+    return np.asarray(found[max(FIRST, ORDER) :])
+
+
+def _of_noise(record: Record, other: Mapping[str, float]) -> float:
+    """Return the nats by which the noise of a record's loop tells it from a loop with other numbers."""
+    own = tuple(float(v) for v in record.numbers.values())
+    rows = _noise(record.setting, own)
+    loss = []
+    for numbers in (tuple(float(other[name]) for name in NAMES), own):
+        A, W = whitening(record.setting, numbers)
+        loss.append(0.5 * float(np.mean(np.sum(_white(rows, A, W) ** 2, axis=1))) - float(np.linalg.slogdet(W)[1]))
+    return len(record.signals["time"]) * max(loss[0] - loss[1], 0.0)
+
+
+def _made(record: Record, numbers: Mapping[str, float], steps: int) -> Floats:
+    """Return the logged signals of a loop with these numbers, without noise, not rounded, (rows, signals)."""
     sp = record.set_point
-    out = run(packed(numbers), sp, *random, 0.0 * sp, steps, float(sp[0]))
-    return _kept(record.setting, out)
+    none = np.zeros(len(sp))
+    return _kept(record.setting, run(packed(numbers), sp, none, none, none, none, steps, float(sp[0])))
 
 
 def _kept(setting: str, out: Floats) -> Floats:
@@ -151,21 +175,27 @@ def _white(d: Floats, A: Floats, W: Floats) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def whitening(setting: str) -> tuple[Floats, Floats]:
-    """Return (A_j, W) that make the noise of a loop's logged signals white, of unit variance."""
+def _noise(setting: str, numbers: tuple[float, ...]) -> Floats:
+    """Return what the noise of a loop makes of its logged signals, always of the same random numbers."""
     loop = SETTINGS[setting]
     rng = np.random.default_rng([3, list(SETTINGS).index(setting)])
     n = 3600 * HOURS
     sp = np.full(n, round(float(np.mean(loop.levels)), 2))
     random = loop.noise * rng.normal(size=n), rng.normal(size=n), loop.load * autoregression(rng, n)
-    out = run(packed({**NEUTRAL, **loop.numbers}), sp, *random, 0.0 * sp, STEPS, float(sp[0]))
+    out = run(np.array(numbers), sp, *random, np.zeros(n), STEPS, float(sp[0]))
     rows = _kept(setting, out)[3600 // loop.every :]
     fine, coarse = loop.rounding
     steps = [fine, coarse, fine, coarse] if rows.shape[1] == 4 else [fine, coarse]
     rows = np.round(rows / steps) * steps
-    rows -= rows.mean(axis=0)
+    return np.asarray(rows - rows.mean(axis=0))
+
+
+@lru_cache(maxsize=8)
+def whitening(setting: str, numbers: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """Return (A_j, W) that make the noise of a loop's logged signals white, of unit variance."""
+    rows = _noise(setting, numbers)
     scale = rows.std(axis=0)
-    rows /= scale
+    rows = rows / scale
     m = rows.shape[1]
     past = np.hstack([rows[ORDER - j : -j] for j in range(1, ORDER + 1)])
     C = np.linalg.lstsq(past, rows[ORDER:], rcond=None)[0]
