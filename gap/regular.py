@@ -61,6 +61,31 @@ def with_rows_filled(log: Log, inputs: Sequence[str], period: float = 0.0) -> Lo
     return log
 
 
+def without_unsettled(log: Log, inputs: Sequence[str], signals: Sequence[str], settling: int) -> Log:
+    """Return the log without ``settling`` rows of ``signals`` behind each hole in which an input changed.
+
+    Nobody knows when, nor what the loop did since; once it has settled it has forgotten.
+
+    >>> import numpy as np
+    >>> log = Log([0, 1, 2, 3, 4], {"SP": [1, 1, 2, 2, 2], "PV": [1, np.nan, 2, 2, 2]})
+    >>> without_unsettled(log, ["SP"], ["PV"], 2).good("PV").tolist()
+    [True, False, False, False, True]
+    """
+    seen = np.any([log.good(s) for s in signals], axis=0)
+    moved = np.any([np.diff(log[s]) != 0.0 for s in inputs], axis=0) if inputs else np.zeros(len(log) - 1, dtype=bool)
+    behind = np.flatnonzero(moved & ~seen[:-1]) + 1
+    if not len(behind):
+        return log
+    lost = np.zeros(len(log), dtype=bool)
+    for k in behind:
+        lost[k : k + settling] = True
+    note = (
+        f"{int((lost & seen).sum())} rows behind gaps in which an input changed are left out: the loop had to settle."
+    )
+    quality = {**log.quality, **{s: log.good(s) & ~lost for s in signals}}
+    return replace(log, quality=quality, notes=(*log.notes, note))
+
+
 def _coarsest(steps: NDArray[np.float64], period: float) -> float:
     """Return the longest multiple of a period of which all steps are multiples, 0 for none."""
     if period <= 0.0:

@@ -21,6 +21,7 @@ from benchmarks.gap.plant_rows import plant_figures, plant_row
 from benchmarks.gap.resumed import resumed
 from benchmarks.gap.runs import VISIBLE, Run, benchmark
 from benchmarks.gap.scoring import judged, scatter, share, wilson
+from benchmarks.gap.visible import traced, visible
 from benchmarks.report import Figures, publish
 
 NOTES = {
@@ -51,7 +52,9 @@ NOTES = {
     "site_false_alarm": "alarms, site loop (required: at most 0.02)",
     "general_place": "place right: second order, level, cascade (required: at least 0.85)",
     "general_cause": "cause right: second order, level, cascade (required: at least 0.8)",
+    "general_cause_told": "the same with sets whose every name an oracle of physics cannot tell from the truth either",
     "invisible": "runs left out: the effect leaves no trace",
+    "hidden": "of these, such whose trace tolerances or the load hide, by an oracle of physics",
     "plant_place": "place right, full plant (required: at least 0.9, on at least 60 records)",
     "plant_cause": "cause right, full plant (required: at least 0.8)",
     "plant_confident_wrong": "wrong names above 0.8, full plant",
@@ -89,7 +92,7 @@ def _row(run: Run, first: set[str]) -> dict[str, Any]:
     if run.setting == "ideal" and len(run.effects) == 1:
         row |= shrinkages(model(run.setting), Log(record.signals["time"], signals))
     row |= {"oracle": possible(model(run.setting), Log(record.signals["time"], signals), truth["effects"])}
-    row |= {"evidence": found.evidence and asdict(found.evidence)}
+    row |= {"evidence": found.evidence and asdict(found.evidence)} | traced(record, row)
     row |= {"setting": run.setting, "severity": run.severity, "mv": run.mv, "effects": list(run.effects),
             "outside": run.outside, "first": run.setting not in first, "family": run.family}  # fmt: skip
     first.add(run.setting)
@@ -99,7 +102,7 @@ def _row(run: Run, first: set[str]) -> dict[str, Any]:
 def figures(found: Sequence[dict[str, Any]], plant: Sequence[dict[str, Any]] = ()) -> tuple[Figures, dict[str, str]]:
     """Return the figures of the issue, and for each share its count and interval in words; ``plant``: its rows."""
     single = [r for r in found if len(r["effects"]) == 1]
-    seen = [r for r in single if r["visible"] > VISIBLE]
+    seen = [r for r in single if visible(r)]
     counts: dict[str, str] = {}
     out: Figures = {}
 
@@ -145,9 +148,11 @@ def figures(found: Sequence[dict[str, Any]], plant: Sequence[dict[str, Any]] = (
     wide = [r for r in seen if r["setting"] in general]
     add("general_place", wide, "place")
     add("general_cause", wide, "cause")
+    add("general_cause_told", [r | {"cause": r["cause"] or r.get("told_apart")} for r in wide], "cause")
     for name, (hits, of) in plant_figures(plant).items():
         counted(name, hits, of)
     out["invisible"] = float(len(single) - len(seen))
+    out["hidden"] = float(sum(r["visible"] > VISIBLE and not visible(r) for r in single))
     add("free_run_place", [r | {"hit": r["free_run_place"] in r["places"]} for r in seen if r["cause"]], "hit")
     for name in ("parameters_only", "flexible_residual"):
         out[name] = _quantile([r[name] for r in at("ideal", *far) if r.get(name) is not None], 0.5)

@@ -33,7 +33,6 @@ class Record:
     MV-OP figure shows them.  ``outside``: the effect that no catalogue has, "" for none.  ``clean``: the same loop
     without the effects, same noise and load: what there is between the two is the gap.
     ``numbers`` and ``base``: the numbers of ``physics`` with the effects and without.  ``set_point``: SP a second.
-    ``random``: noise, second noise and load a second, as drawn.
     """
 
     setting: str
@@ -46,7 +45,6 @@ class Record:
     numbers: Mapping[str, float] = field(default_factory=dict)
     base: Mapping[str, float] = field(default_factory=dict)
     set_point: Floats = field(default_factory=lambda: np.zeros(0))
-    random: tuple[Floats, ...] = ()
 
     @property
     def gap(self) -> float:
@@ -140,7 +138,6 @@ def record(
         numbers,
         base,
         sp,
-        (loop.noise * n_1, n_2, load),
     )
 
 

@@ -21,11 +21,17 @@ CLASSES = (
     ("valve_leak", "sensor_bias"),
 )
 CLASSES_WITH_MV = (CLASSES[0], ("second_lag", "sensor_lag"), CLASSES[2])
-# a level: gain, hold-up and span are one; a flow under a level that is logged: what the sensor does shows in the level
+# a level: gain, hold-up and span are one, and so are a leak, a step from the start and a drift, which its integral
+# takes for an inflow; a flow under a level that is logged: what the sensor does shows in the level
 CLASSES_OF = {
-    "level": (("process_gain", "process_time_constant", "sensor_span"), CLASSES[1]),
-    "cascade": (("valve_gain", "process_gain"), ("positioner_lag", "second_lag")),
-}
+    "level": (
+        ("process_gain", "process_time_constant", "sensor_span"), CLASSES[1],
+        ("valve_leak", "sensor_drift", "step_disturbance"),
+    ),
+    "cascade": (
+        ("valve_gain", "process_gain"), ("positioner_lag", "second_lag"), ("valve_leak", "step_disturbance"),
+    ),
+}  # fmt: skip
 PLACES = {
     **dict.fromkeys(
         ("stiction", "deadband", "valve_leak", "valve_saturation", "valve_rate_limit", "positioner_lag",

@@ -149,4 +149,5 @@ def short_beat_without_drift(
     averages(t, y, width, True, swing)
     for i in range(len(y)):
         swing[i] = y[i] - swing[i]
-    return short_beat(swing, band, most)
+    found: tuple[Any, int, Any, Any, Any, Any] = short_beat(swing, band, most)
+    return found

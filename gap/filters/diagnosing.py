@@ -8,6 +8,7 @@
 3. An explanation is adequate if its own innovations pass all checks; else it is "unknown".
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -37,8 +38,10 @@ from gap.filters.reading import Filtering
 from gap.filters.rivals import beside, either_way, likeliest
 from gap.filters.scanned import base_period
 from gap.filters.summed import with_outputs
+from gap.floor import settling_rows
 from gap.model import nuisances, silenced
 from gap.record import Record
+from gap.regular import without_unsettled
 from gap.start import start_values
 
 NEEDED = 6.5  # nats that an effect must gain: noise alone gains as much in one of 300 records
@@ -119,6 +122,8 @@ def filtering_of(diagram: Diagram, record: Record) -> Filtering | None:
     quiet = silenced(diagram)
     outputs = tuple(str(b.output_labels[0]) for b in quiet.blocks if b.role is Role.CONTROLLER and b.sampled)
     record = with_outputs(quiet, record, outputs)
+    settling = math.ceil(settling_rows(quiet, record))
+    record = replace(record, log=without_unsettled(record.log, record.played, record.pinned, settling))
     start = start_values(quiet, record)
     model, quiet = diagram.starting_at(start), quiet.starting_at(start)
     leads = np.zeros((len(record.played), len(record.log)), dtype=np.int64)

@@ -24,7 +24,7 @@ PART = 400  # rows in which slower scans are looked for, at least
 SLOWEST = 60  # scans of the model from one to the next of a slower controller, at most
 STRAY = 0.02  # share of rows at which its output may change though it has not scanned
 SLOWER = 3  # of these that are looked at with switches of their own
-QUANTILES = (1.0, 0.995, 0.98, 0.95, 0.9)  # of OP, at which an upper limit is tried
+HIGHEST = 0.1  # share of the rows of OP that an upper limit may cut, at most
 LEAST = 5.0  # nats that a second limit must gain
 FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
 FIRSTS, FOLLOWED = 3, 8  # explanations that are fitted to the end with switches of their own, and without
@@ -229,8 +229,9 @@ def _limited(plain: Found, one: Explanation) -> Filtered | None:
     found = None
     values: dict[str, float] = dict(free)
     for name in ("high", "low"):
-        quantiles = QUANTILES if name == "high" else [1.0 - q for q in QUANTILES]
-        sizes = np.unique(np.nanquantile(logged, quantiles)) * percent
+        beyond = np.sort(logged) if name == "low" else np.sort(logged)[::-1]
+        rows = 2 ** np.arange(int(np.log2(max(HIGHEST * len(logged), 1.0))) + 1) - 1  # at which OP exceeds it
+        sizes = np.unique(beyond[rows]) * percent
         best = best_of([tried(one, {**values, name: float(size)}) for size in sizes])
         if best is not None and (found is None or best.nll < found.nll - LEAST):
             found = best

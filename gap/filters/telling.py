@@ -60,8 +60,10 @@ def _limits(o: Outcome) -> list[str]:
             low, high = one.best.explanation.bounds[p.name]
             if reach < 0.8 * max(high - nominal, nominal - low):
                 change = f"{nominal:g} +- {reach:.2g}" if nominal else f"up to {reach:.2g}"
-                said.append(f"{effect.name} at {one.best.explanation.place} of {change} {p.unit}")
-    return [f"Possible all the same, since smaller ones do not show in this record: {'; '.join(said)}."] if said else []
+                unit = "" if p.unit == "-" else f" {p.unit}"
+                said.append(f"{effect.name} at {one.best.explanation.place}, {p.name} {change}{unit}")
+    told = "; ".join(said)
+    return [f"Possible all the same, since smaller ones do not show in this record: {told}."] if said else []
 
 
 def _unknown(o: Outcome, sureness: Sureness) -> GapReport:

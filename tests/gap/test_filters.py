@@ -221,3 +221,33 @@ def test_a_stem_sticks_and_jumps():
     # one that breaks away late, at 0.044, and a play, which never goes back however early it breaks away
     assert [round(stuck(0.5, told, 0.06, 0.02, 1.1), 6) for told in (0.543, 0.545)] == [0.5, 0.525]
     assert [round(stuck(0.5, told, 0.06, 0.0, 0.9), 6) for told in (0.528, 0.531)] == [0.5, 0.501]
+
+
+def test_rows_in_which_a_signal_is_missing_are_filtered_as_the_whole_covariance_says():
+    # oracle: the covariance carried along from the beginning, which the test before holds to all rows at once
+    model = site_flow(rest=1.5)
+    one = matrices(silenced(model), nuisances(model))
+    n, rows, every, told = one.n, 400, 5, np.zeros(one.F.shape[1])
+    rng, scans = np.random.default_rng(0), 399 * 5 + 1
+    U = np.column_stack([np.full(scans, 1.5), np.arange(float(scans)), np.ones(scans), np.zeros(scans)])
+    r, found = np.array([2e-7, 8e-8]), []
+    Y = np.array([1.5, 0.5]) + 0.01 * rng.normal(size=(rows, 2))
+    Y[200:230] = np.nan
+    Y[300, 0] = np.nan
+    A, K, s = np.empty((n, n)), np.zeros((2, n)), np.ones(2)
+    P = np.zeros((every + 1, n, n))
+    P[0] = 1e-4 * np.eye(n)
+    kalman.closed(one.F, one.free, told, n, 1.0, False, A)
+    kalman.steady(A, one.Q, one.shown, r, every, P, K, s)
+    for exact in (True, False):
+        e, S = np.empty((rows, 2)), np.empty((rows, 2))
+        kalman.filtered(
+            one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period,
+            one.offset, one.start, U, Y, r, np.zeros((rows, 2), dtype=bool), np.array([-1, 0]), every, 0, 0.0, 0.0,
+            exact, P, K, s, e, S, np.empty((scans, 1)),
+        )  # fmt: skip
+        found.append((e[100:], S[100:]))
+    (e, S), (e_fast, S_fast) = found
+    assert S[130, 0] > 1.5 * S[99, 0]  # behind 30 rows of nothing less is known
+    assert np.nanmax(np.abs(np.log(S_fast / S))) < 0.03  # variances may differ by 2 % where they count as settled
+    assert np.nanmax(np.abs(e_fast - e)) < 0.02 * np.nanmax(np.abs(e))
