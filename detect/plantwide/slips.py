@@ -66,6 +66,11 @@ class Slips(NamedTuple):
     reversals: int
     told: float
 
+    def to_dict(self) -> dict[str, float | str]:
+        """Return the slips as plain values that JSON can hold."""
+        return {"S": self.S, "low": self.low, "high": self.high, "tag": self.tag, "reversals": self.reversals,
+                "told": self.told}  # fmt: skip
+
 
 def jumps_of(y: Values) -> Jumps:
     """Return where a tag y (n,) jumps within two samples.

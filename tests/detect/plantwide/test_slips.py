@@ -117,3 +117,15 @@ def test_what_other_tags_show_decides_where_the_loop_itself_leaves_it_open(own, 
 
 def test_a_deadband_is_not_called_by_the_survey():
     assert all(suspect.slips is None for suspect in survey(two_loops(0.0)).suspects)
+
+
+@pytest.mark.parametrize("size, S", [("high", 6.67), ("none", None)])
+def test_valves_of_the_production_plant_under_slugs(size, S):
+    """S = (F_s + F_c) / k of the stem, analytic; the stems are not logged."""
+    from benchmarks.thesis_cases import logs_of, without_stems
+
+    log = without_stems(next(logs_of("slugs", size, 1)))
+    slips = {suspect.loop: suspect.slips for suspect in survey(log).suspects if suspect.slips is not None}
+    assert set(slips) == (set() if S is None else {"LCS11", "PCS11"})
+    for loop, one in slips.items():
+        assert pytest.approx(S, rel=0.08) == one.S, loop
