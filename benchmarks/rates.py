@@ -1,6 +1,6 @@
 """How often each method is right on simulated loops whose cause is known: the measured columns of ``stickslip table``.
 
-    python -m benchmarks.rates [--quick] [--json FILE] [--loops N] [--seed N] [--again NAME] [--write]
+    python -m benchmarks.rates [--quick] [--json FILE] [--loops N] [--seed N] [--folder DIR] [--again NAME] [--write]
 
 Draws loops (``calibration.draw``, setting "other_physics", half of them with a sticky valve), puts every method to
 each, and counts its verdicts by group of loops.  No threshold of any method was set on them.  For the delay the first
@@ -8,22 +8,27 @@ each, and counts its verdicts by group of loops.  No threshold of any method was
 or with a sliding window, and asked at ``CHECKS`` periods of the loop: the delay is the first time of an alarm.
 The row "combined" is the verdict of ``stickslip check`` on the record without MV.  ``--write`` keeps all in
 ``detect/rates.json``, which the table prints; ``--quick`` takes 8 loops; ``--again combined`` counts one row anew on
-the loops that are kept, in two minutes.
+the loops that are kept, in two minutes.  All 416 loops take a quarter of an hour of one core; what is counted is kept
+in ``--folder``, a line for every 26 loops, and a second call goes on where the first was stopped, unless the methods or
+the simulated loops have changed in between: then it begins anew, so that all rows are of one version.
 """
 
 import argparse
 import json
+import math
 import re
 import statistics
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.report import Figures, publish
+from benchmarks.resumed import code_of, resumed
 from calibration import LoopSpec, Truth, draw, simulate
 from detect import METHODS, compare
 from detect.judge.answer import answer
@@ -43,6 +48,7 @@ SEED = 20_260_701  # used for nothing else
 SETTING = "other_physics"
 STREAMED = 24  # sticky loops that are also fed sample by sample
 CHECKS = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)  # periods after which the twins are asked
+FOLDER = Path("rates_parts")
 BATCH = 26  # every group without stiction once
 WORDS: tuple[Word, ...] = tuple(WORDING)
 
@@ -89,6 +95,23 @@ class Counted:
                     if verdict.verdict == "stiction" and verdict.method in waiting:
                         waiting.remove(verdict.method)
                         self.periods[verdict.method].append(periods)
+
+    def row(self) -> dict[str, Any]:
+        """Return the counts as plain values that JSON holds; ``join`` reads them again."""
+        return {
+            "words": {m: {g: dict(words) for g, words in groups.items()} for m, groups in self.words.items()},
+            "microseconds": dict(self.microseconds), "periods": dict(self.periods), "streamed": self.streamed,
+        }  # fmt: skip
+
+    def join(self, row: Mapping[str, Any]) -> None:
+        """Add the counts of other loops, as ``row`` gives them."""
+        for method, groups in row["words"].items():
+            for group, words in groups.items():
+                self.words[method][group].update(words)
+        for kind in ("microseconds", "periods"):
+            for method, values in row[kind].items():
+                getattr(self, kind)[method].extend(values)
+        self.streamed += row["streamed"]
 
     def kept(self, seed: int, loops: int) -> dict[str, Any]:
         """The counts as ``detect.rates`` reads them."""
@@ -148,25 +171,47 @@ def _samples(record: LoopRecord) -> Iterator[tuple[float, Sample]]:
         yield float(t), Sample(float(pv), float(op), float(set_point))
 
 
-def measure(
-    specs: Sequence[LoopSpec], streamed: int = STREAMED, each: Callable[[Counted, int], None] | None = None
-) -> Counted:
-    """Count what every method says of the loops; ``each`` is told the counts and how many loops they are of.
+@dataclass(frozen=True)
+class Batch:
+    """Loops that are counted together."""
+
+    first: int
+    specs: Sequence[LoopSpec]
+
+    @property
+    def key(self) -> str:
+        """The number of its first loop, and how many they are."""
+        return f"{self.first}+{len(self.specs)}"
+
+
+def measure(specs: Sequence[LoopSpec], streamed: int = STREAMED, file: Path | None = None) -> Counted:
+    """Count what every method says of the loops; what the ``file`` holds is not counted again.
 
     >>> counted = measure(draw(2, seed=1), streamed=0)
     >>> sum(counted.words["play_fit"]["excited"].values())
     1
     """
     counted = Counted()
-    for first in range(0, len(specs), BATCH):
-        batch = specs[first : first + BATCH]
-        for stem, truth in simulate(batch, mv=True):
-            record = replace(stem, mv_name=None)
-            counted.add(record, stem, truth)
-            if truth.cause == "stiction" and np.isfinite(truth.period) and counted.streamed < streamed:
-                counted.follow(record, truth)
-        if each is not None:
-            each(counted, first + len(batch))
+
+    def row(batch: Batch) -> dict[str, Any]:
+        return {"key": batch.key, **_counted(batch.specs, streamed - counted.streamed).row()}
+
+    batches = [Batch(first, specs[first : first + BATCH]) for first in range(0, len(specs), BATCH)]
+    for one in map(row, batches) if file is None else resumed(batches, row, file, math.inf):
+        counted.join(one)  # before the next is made, so that the streamed loops are the first ones
+        if sys.stderr.isatty():
+            print(f"\r{one['key']} of {len(specs)}", end="", file=sys.stderr, flush=True)
+    return counted
+
+
+def _counted(specs: Sequence[LoopSpec], streamed: int) -> Counted:
+    """Count one batch, up to ``streamed`` of its sticky loops sample by sample, too."""
+    counted = Counted()
+    for stem, truth in simulate(specs, mv=True):
+        record = replace(stem, mv_name=None)
+        counted.add(record, stem, truth)
+        if truth.cause == "stiction" and np.isfinite(truth.period) and counted.streamed < streamed:
+            counted.follow(record, truth)
     return counted
 
 
@@ -199,6 +244,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=SEED, help="of the loops drawn")
     parser.add_argument("--again", metavar="NAME", action="append", help="count this row anew on the kept loops: a "
                         "method, or combined; may be repeated")  # fmt: skip
+    parser.add_argument("--folder", type=Path, default=FOLDER, metavar="DIR", help="where counts are kept on the way")
     parser.add_argument("--write", action="store_true", help="keep the counts in detect/rates.json")
     chosen = parser.parse_args()
     if chosen.again:
@@ -208,15 +254,12 @@ def main() -> None:
         publish(figures(kept), NOTES, chosen.json, chosen.quick)
         return
     n = QUICK if chosen.quick else chosen.loops
-
-    def each(counted: Counted, done: int) -> None:
-        if sys.stderr.isatty():
-            print(f"\r{done} of {n}", end="", file=sys.stderr, flush=True)
-        if chosen.write:  # after every batch: what is measured so far is whole
-            write(counted.kept(chosen.seed, done))
-
-    counted = measure(draw(n, chosen.seed, SETTING), 1 if chosen.quick else STREAMED, each)
-    publish(figures(counted.kept(chosen.seed, n)), NOTES, chosen.json, chosen.quick)
+    code = code_of("blocks", "calibration", "detect", "diagram", "engine", "logs", "plant")
+    file = None if chosen.quick else chosen.folder / f"{chosen.seed}_{code}.jsonl"
+    kept = measure(draw(n, chosen.seed, SETTING), 1 if chosen.quick else STREAMED, file).kept(chosen.seed, n)
+    if chosen.write:
+        write(kept)
+    publish(figures(kept), NOTES, chosen.json, chosen.quick)
 
 
 if __name__ == "__main__":

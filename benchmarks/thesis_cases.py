@@ -194,8 +194,8 @@ class AtRandom:
     """Random plants in which the OP of a sticky valve moves: a sticky one first, and what chance would reach.
 
     ``banded`` counts a first valve with a deadband but hardly a jump, too: those answer as late as sticky ones.
-    ``sticky`` and ``free`` are loops whose OP moves, with a sticky valve and with one without friction; ``..._slip`` of
-    those are called slipping by another tag.
+    ``sticky``, ``play`` and ``free`` are loops whose OP moves, with a sticky valve, with a deadband and hardly a jump,
+    and with a valve without friction; ``..._slip`` of those are called slipping by another tag.
     """
 
     plants: int = 0
@@ -204,6 +204,8 @@ class AtRandom:
     chance: float = 0.0
     sticky: int = 0
     sticky_slip: int = 0
+    play: int = 0
+    play_slip: int = 0
     free: int = 0
     free_slip: int = 0
 
@@ -228,6 +230,9 @@ def at_random(draws: int, seed: int = RANDOM_SEED) -> AtRandom:
         suspects = [s.loop for s in seen]
         slips = {s.loop for s in seen if s.slips is not None}
         free = {tag for tag in suspects if log.loops[tag].op not in {f"OP_{valve}" for valve in asked.F_s}}
+        play = set(suspects) - sticky - free
+        found.play += len(play)
+        found.play_slip += len(play & slips)
         found.sticky += len(sticky & set(suspects))
         found.sticky_slip += len(sticky & slips)
         found.free += len(free)
@@ -300,11 +305,13 @@ def main() -> None:
         found["random_banded_survey"] = random.banded / random.plants
         found["random_chance"] = random.chance / random.plants
         found["random_sticky_slip"] = random.sticky_slip / max(random.sticky, 1)
+        found["random_play_slip"] = random.play_slip / max(random.play, 1)
         found["random_free_slip"] = random.free_slip / max(random.free, 1)
     told["random_survey"] = f"a sticky valve first of all loops in {random.plants} random plants"
     told["random_banded_survey"] = "a valve first that sticks or has a deadband as wide"
     told["random_chance"] = "what a ranking by chance would reach there"
     told["random_sticky_slip"] = f"of {random.sticky} sticky valves whose OP moves, another tag shows that they slip"
+    told["random_play_slip"] = f"the same of {random.play} valves with a deadband and a jump below a tenth of it"
     told["random_free_slip"] = f"the same of {random.free} valves without friction"
     publish(found, told, chosen.json, chosen.quick)
 

@@ -16,10 +16,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import expit
 
 from calibration.alike import alike
 from calibration.conditions import Conditions, conditions
-from calibration.posterior import Reading, read
+from calibration.posterior import Reading, log_odds, read
 from calibration.records import Table, row, table
 from calibration.simulation import simulate
 from calibration.spec import LoopSpec
@@ -30,7 +31,7 @@ from logs import LoopRecord
 
 Floats = NDArray[np.float64]
 
-LOOPS = 600  # about 19 ms of one core each: some 7 s on two; 2,000 were not shown to tell more (9 records)
+LOOPS = 600  # about 19 ms of one core each: some 7 s on two; 2,000 were not shown to tell more (docs/methods.md)
 PIECE, PIECES = 500, 4  # samples of a piece, and how many at most
 FEWEST = 60  # loops with features below which nothing is said
 OWN_PROCESS = 200  # loops that are worth a process of their own
@@ -113,6 +114,16 @@ def at_record(
     x = np.array([[shown[0][name] for name in names] for _, shown in looks])
     found = read(known, x, model or calibrated())
     return _told(found, record, float(np.median([shown[1] for _, shown in looks])), seen, begun)
+
+
+def together(model: float, simulated: float) -> float:
+    """Return the probability of stiction of the calibrated model and of simulation together: their mean log odds.
+
+    >>> round(together(0.6, 0.9), 3), together(0.5, 0.5)
+    (0.786, 0.5)
+    """
+    odds = log_odds(np.array([model, simulated]))
+    return float(expit(odds.mean()))
 
 
 def split(record: LoopRecord) -> list[LoopRecord]:

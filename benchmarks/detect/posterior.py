@@ -1,20 +1,25 @@
 """The stage that simulates loops like the record's, beside the calibrated model alone, on loops of another physics.
 
 Both stages are asked about the same held-out loops; those whose stick lies above the detection limit told for them are
-counted, too.  A record that shows too little counts with the probability 0.5.
+counted, too.  A record that shows too little counts with the probability 0.5.  What is asked is kept in a folder, a
+line for every record, so that a second call goes on where the first was stopped.
 """
 
 import statistics
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.report import Figures
-from calibration import AtRecord, LoopSpec, Truth, at_record, draw, simulate
-from calibration.records import row
+from benchmarks.resumed import code_of, resumed
+from calibration import LoopSpec, at_record, draw, simulate
+from calibration.records import row as features_row
 from calibration.scoring import auc, calibration_error
 from detect.judge.answer import answer
 from detect.judge.model import calibrated
@@ -24,6 +29,7 @@ from logs import LoopRecord
 SEED = 73_001  # used for nothing else
 RECORDS, QUICK = 60, 2
 LOOPS, QUICK_LOOPS = 600, 100
+FOLDER = Path("calibration_parts")
 
 NOTES = {
     "simulate_s": "median time of one record by simulation under its own conditions (goal: at most 10)",
@@ -50,50 +56,91 @@ NOTES = {
 
 @dataclass(frozen=True)
 class Pair:
-    """What both stages say of one record, and what is true."""
+    """What both stages say of one record, and what is true.
 
-    spec: LoopSpec
-    truth: Truth
-    own: AtRecord | None
+    sticky : whether the valve sticks; S, J : true sizes [unit of the record]
+    own, model : by simulation and by the model, None where the record shows too little
+    unsure : whether the calibrated answer leaves the record open
+    """
+
+    sticky: bool
+    S: float
+    J: float
+    own: "Own | None"
     model: tuple[float, float, float] | None
-    scale: float
     unsure: bool = False
 
+
+class Own(NamedTuple):
+    """Of ``AtRecord``: probability, S and J, the 90 % interval of S, detection limit or None, seconds."""
+
+    probability: float
+    S: float
+    J: float
+    low: float
+    high: float
+    limit: float | None
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A held-out loop, by its number."""
+
+    number: int
+    spec: LoopSpec
+    loops: int
+
     @property
-    def sticky(self) -> bool:
-        """Whether the valve sticks."""
-        return self.truth.cause == "stiction"
+    def key(self) -> str:
+        """Its number, and how many loops are simulated for it."""
+        return f"{self.number}, {self.loops} loops"
 
 
-def pairs(records: int, loops: int, seed: int = SEED) -> list[Pair]:
-    """Ask both stages about held-out records."""
-    model, found = calibrated(), []
-    specs = draw(records, seed, "other_physics")
-    for done, (spec, (record, truth)) in enumerate(zip(specs, simulate(specs), strict=True)):
-        print(f"\r{done} of {records} records", end="", file=sys.stderr, flush=True)
-        shown = row(record)
-        said = None
-        if shown is not None:
-            opinion = model.judge(shown[0])
-            said = (opinion.probability, opinion.S[0] * shown[1], opinion.J[0] * shown[1])
-        first = answer(Prepared(record), model)
-        unsure = first.word == "inconclusive" and first.probability is not None
-        scale = 1.0 if spec.span_known else spec.unit_op
-        found.append(Pair(spec, truth, _asked(record, loops), said, scale, unsure))
+def pairs(records: int, loops: int, seed: int = SEED, folder: Path | None = None) -> list[Pair]:
+    """Ask both stages about held-out records; those in the folder are not asked again."""
+    asked = [Loop(number, spec, loops) for number, spec in enumerate(draw(records, seed, "other_physics"))]
+    code = code_of("blocks", "calibration", "detect", "diagram", "engine", "logs", "plant")
+    rows = map(_row, asked) if folder is None else resumed(asked, _row, folder / f"posterior_{seed}_{code}.jsonl", inf)
+    found = []
+    for row in rows:
+        print(f"\r{len(found) + 1} of {records} records", end="", file=sys.stderr, flush=True)
+        own, model = row["own"], row["model"]
+        found.append(Pair(row["sticky"], row["S"], row["J"], own and Own(*own), model and tuple(model), row["unsure"]))
     return found
 
 
-def _asked(record: LoopRecord, loops: int) -> AtRecord | None:
+def _row(asked: Loop) -> dict[str, Any]:
+    """Ask both stages about one loop."""
+    model, spec = calibrated(), asked.spec
+    ((record, truth),) = simulate([spec])
+    shown = features_row(record)
+    said = None
+    if shown is not None:
+        opinion = model.judge(shown[0])
+        said = (opinion.probability, opinion.S[0] * shown[1], opinion.J[0] * shown[1])
+    first = answer(Prepared(record), model)
+    scale = 1.0 if spec.span_known else spec.unit_op
+    return {
+        "key": asked.key, "sticky": truth.cause == "stiction", "S": truth.S * scale, "J": truth.J * scale,
+        "own": _asked(record, asked.loops), "model": said,
+        "unsure": first.word == "inconclusive" and first.probability is not None,
+    }  # fmt: skip
+
+
+def _asked(record: LoopRecord, loops: int) -> Own | None:
     try:
-        return at_record(record, loops=loops)
+        told = at_record(record, loops=loops)
     except ValueError:
         return None
+    limit = None if told.limit is None else told.limit[0]
+    return Own(told.probability, told.S.value, told.J.value, told.S.low, told.S.high, limit, told.seconds)
 
 
 def figures(quick: bool) -> Figures:
     """Return the figures; a quick run shows that it runs."""
     loops = QUICK_LOOPS if quick else LOOPS
-    return summed_up(pairs(QUICK if quick else RECORDS, loops), loops)
+    return summed_up(pairs(QUICK, loops) if quick else pairs(RECORDS, loops, folder=FOLDER), loops)
 
 
 def summed_up(found: Sequence[Pair], loops: int) -> Figures:
@@ -104,7 +151,7 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
     sized = [pair for pair in found if pair.sticky and pair.own is not None and pair.model is not None]
     unsure = np.array([pair.unsure for pair in found])
     limits = [pair.own.limit for pair in found if pair.own is not None]
-    above = [pair for pair in sized if pair.own and pair.own.limit and _true(pair)[0] > pair.own.limit[0]]
+    above = [pair for pair in sized if pair.own and pair.own.limit and pair.own.limit < pair.S]
     seconds = [pair.own.seconds for pair in found if pair.own is not None]
     return {
         "simulate_s": statistics.median(seconds) if seconds else None,
@@ -119,13 +166,11 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
         "unsure_model_right": _share(((model > 0.5) == sticky)[unsure].tolist()),
         "simulate_calibration_error": calibration_error(own, sticky),
         "model_calibration_error": calibration_error(model, sticky),
-        "simulate_s_error": _error([(pair.own.S.value, _true(pair)[0]) for pair in sized if pair.own]),
-        "model_s_error": _error([(pair.model[1], _true(pair)[0]) for pair in sized if pair.model]),
-        "simulate_j_error": _error([(pair.own.J.value, _true(pair)[1]) for pair in sized if pair.own]),
-        "model_j_error": _error([(pair.model[2], _true(pair)[1]) for pair in sized if pair.model]),
-        "simulate_s_inside": _share(
-            [pair.own.S.low <= _true(pair)[0] <= pair.own.S.high for pair in sized if pair.own]
-        ),
+        "simulate_s_error": _error([(pair.own.S, pair.S) for pair in sized if pair.own]),
+        "model_s_error": _error([(pair.model[1], pair.S) for pair in sized if pair.model]),
+        "simulate_j_error": _error([(pair.own.J, pair.J) for pair in sized if pair.own]),
+        "model_j_error": _error([(pair.model[2], pair.J) for pair in sized if pair.model]),
+        "simulate_s_inside": _share([pair.own.low <= pair.S <= pair.own.high for pair in sized if pair.own]),
         "limits_told": _share([limit is not None for limit in limits]),
         "above_limit_probable": _share([pair.own.probability > 0.5 for pair in above if pair.own]),
     }
@@ -134,11 +179,6 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
 def _auc(p: NDArray[np.float64], sticky: NDArray[np.bool_]) -> float | None:
     """The area, or None where one side is missing."""
     return auc(p, sticky) if 0 < int(sticky.sum()) < len(sticky) else None
-
-
-def _true(pair: Pair) -> tuple[float, float]:
-    """Return S and J in the unit of the record."""
-    return pair.truth.S * pair.scale, pair.truth.J * pair.scale
 
 
 def _error(told: Sequence[tuple[float, float]]) -> float | None:

@@ -18,11 +18,11 @@ from benchmarks.gap.models import model
 from benchmarks.gap.oracle import possible, relative, restated, right
 from benchmarks.gap.plant import runs as plant_runs
 from benchmarks.gap.plant_rows import plant_figures, plant_row
-from benchmarks.gap.resumed import resumed
 from benchmarks.gap.runs import VISIBLE, Run, benchmark
 from benchmarks.gap.scoring import judged, scatter, share, wilson
 from benchmarks.gap.visible import traced, visible
 from benchmarks.report import Figures, publish
+from benchmarks.resumed import resumed
 
 NOTES = {
     "place": "place right up to its class, ideal flow loop, typical and gross (required: at least 0.97)",

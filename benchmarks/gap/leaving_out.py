@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.gap.models import model
-from benchmarks.gap.resumed import resumed
 from benchmarks.gap.runs import VISIBLE, Run, alike, singles
 from benchmarks.gap.scoring import CONFIDENT, wilson
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.severities import SEVERITIES
+from benchmarks.resumed import resumed
 
 # effect -> those that have it as a special case
 GENERAL = {

@@ -141,9 +141,7 @@ def short_beat(y: Any, band: float, most: int) -> tuple[Any, int, Any, Any, Any,
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def short_beat_without_drift(
-    t: Any, y: Any, width: float, band: float, most: int
-) -> tuple[Any, int, Any, Any, Any, Any]:
+def short_beat_without_drift(t: Any, y: Any, width: float, band: float, most: int) -> Any:
     """``short_beat`` of y (n,) less its moving average over ``width`` [s] with held ends."""
     swing = np.empty(len(y))
     averages(t, y, width, True, swing)

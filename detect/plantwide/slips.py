@@ -36,12 +36,13 @@ SIDE = 4  # samples of the slope on either side
 SIGMAS, SHARE, STEEP = 8.0, 0.005, 2.5
 MAIN = 0.3
 REVERSALS = 4
-KNOWN = 0.05  # half of the 90 % interval of S, over S
+KNOWN = 0.03  # half of the 90 % interval of S, over S
 WAY = 0.9  # share of the jumps that go the same way as OP, or against it
 BEYOND = 1.2  # of S, that OP may come back without a jump
 STOOD = 0.8  # of a jump; other signals that drift while the valve stands may move y, too
 S_MIN = 1.0  # % of OP span
 TAKEN = 0.5  # of the jumps of a tag, that come within a sample of another loop's, from which on they are its
+NEARLY = (0.85, 0.9, 0.95)  # of S
 SKIP = 0.2  # of the log, until the stem's place no longer depends on where it stood at first
 
 
@@ -64,6 +65,11 @@ class Slips(NamedTuple):
     tag: str
     reversals: int
     told: float
+
+    def to_dict(self) -> dict[str, float | str]:
+        """Return the slips as plain values that JSON can hold."""
+        return {"S": self.S, "low": self.low, "high": self.high, "tag": self.tag, "reversals": self.reversals,
+                "told": self.told}  # fmt: skip
 
 
 def jumps_of(y: Values) -> Jumps:
@@ -133,9 +139,9 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
         return None
     if float(np.median(stood)) > STOOD * float(np.median(np.abs(size))):
         return None
-    stem, after = stick(op, 0.95 * middle, 0.2 * middle), int(SKIP * len(op))
-    rows = without_line(np.array([stem[after:], y[after:]]))
-    told = sign * float(rows[0] @ rows[1])
+    after = int(SKIP * len(op))
+    stems = stick(op, middle * np.array(NEARLY), 0.2 * middle)[after:].T  # of all of S it may never slip
+    told = float(np.max(sign * (without_line(stems) @ without_line(y[None, after:])[0])))
     return Slips(middle, middle - half, middle + half, tag, len(slid), told) if told > 0.0 else None
 
 

@@ -141,7 +141,7 @@ class Survey:
         """Plain values that JSON can hold, schema "stickslip.survey/1"."""
 
         def plain(suspect: Suspect) -> dict[str, Any]:
-            slips = None if suspect.slips is None else suspect.slips._asdict()
+            slips = None if suspect.slips is None else suspect.slips.to_dict()
             return {**suspect.__dict__, "slips": slips, "reason": suspect.reason}
 
         return {

@@ -154,8 +154,8 @@ def _cut_pieces(pieces: Pieces, gaps: tuple[Gap, ...], p: Params) -> tuple[tuple
     if gaps:
         hidden = (not half.fault and falls_into(gaps, half.peak_time) for half in found)
         found = [half._replace(fault="gap") if gone else half for half, gone in zip(found, hidden, strict=True)]
-    t, e = (np.insert(y, bounds[1:], np.nan) for y in (t, e))
-    return tuple(found), t, e, bool(drifts)
+    shown_t, shown_e = (np.insert(y, bounds[1:], np.nan) for y in (t, e))
+    return tuple(found), shown_t, shown_e, drifts
 
 
 def preconditions(record: LoopRecord, facts: tuple[Fact, ...] | None = None) -> Refusal | None:

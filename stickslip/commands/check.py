@@ -14,6 +14,7 @@ from stickslip.targets import check_targets, write_whole
 if TYPE_CHECKING:
     from detect import Diagnosis, Method
 
+UNSURE = (0.2, 0.85)  # probabilities between which simulation and model together tell more (docs/methods.md)
 MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 
 
@@ -38,7 +39,10 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @click.option(
     "--method", "own", multiple=True, metavar="FILE.py:FUNCTION", help="Also show a detector of your own; repeatable."
 )
-@click.option("--simulate", is_flag=True, help="Compare with 600 loops simulated like this record (about 10 s).")
+@click.option(
+    "--simulate/--no-simulate", default=None,
+    help="Compare with 600 loops simulated like this record, about 10 s; by default where the verdict is unsure.",
+)  # fmt: skip
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
 @user_errors
@@ -71,7 +75,7 @@ def command(files: tuple[Path, ...], **told: Any) -> None:
 
 
 def _check(
-    files: tuple[Path, ...], html: Path | None, json_file: str | None, simulate: bool, measurement: str | None,
+    files: tuple[Path, ...], html: Path | None, json_file: str | None, simulate: bool | None, measurement: str | None,
     span: tuple[float, float] | None, own: tuple[str, ...], **told: Any,
 ) -> None:  # fmt: skip
     methods = _methods(own)
@@ -97,7 +101,7 @@ def _check(
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
     say = Speaker(json_file)
     _tell(say, diagnosis)
-    beside = _beside(say, diagnosis) if simulate else {}
+    beside = _beside(say, diagnosis) if simulate or (simulate is None and _unsure(diagnosis)) else {}
     if html is not None:
         from stickslip.commands.loop_page import loop_page
 
@@ -119,13 +123,21 @@ def _methods(own: tuple[str, ...]) -> "list[Method]":
     return [method_named(given) for given in own]
 
 
+def _unsure(diagnosis: "Diagnosis") -> bool:
+    """Return whether the calibrated model leaves it open, so that simulation tells more; the stem needs none."""
+    p = diagnosis.probability
+    return diagnosis.verdict == "inconclusive" and p is not None and UNSURE[0] <= p <= UNSURE[1]
+
+
 def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
     """Simulate under the record's conditions, print what that says, and return what JSON holds of it.
 
-    The verdict stays the calibrated one; the detection limit becomes that of this very record.
+    The verdict stays the calibrated one; the detection limit becomes that of this very record, and the probability of
+    both together stands beside.
     """
     from calibration import at_record
-    from calibration.by_simulation import LOOPS
+    from calibration.by_simulation import LOOPS, together
+    from detect.chances import chance
 
     if diagnosis.probability is None:
         say("Simulation: not asked, because the calibrated model was not asked either.")
@@ -137,9 +149,11 @@ def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
     except ValueError as error:
         say.paragraph(f"Simulation: not applicable, because {error}.")
         return {"simulation": None}
+    both = together(diagnosis.probability, found.probability)
     for sentence in found.sentences:
         say.paragraph(sentence)
-    told = found.to_dict()
+    say.paragraph(f"With the calibrated model's {chance(diagnosis.probability)} that makes {chance(both)}.")
+    told = found.to_dict() | {"together": both}
     return {"simulation": told, "detection_limit": told["detection_limit"]}
 
 

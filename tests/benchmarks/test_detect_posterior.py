@@ -1,17 +1,13 @@
 """The figures of both stages: counted apart where the calibrated answer leaves a record open."""
 
-from benchmarks.detect.posterior import NOTES, Pair, summed_up
-from calibration import draw
-from calibration.spec import Truth
+import json
+
+from benchmarks.detect import posterior
+from benchmarks.detect.posterior import NOTES, Own, Pair, pairs, summed_up
 
 
 def pair(sticky, p, unsure):
-    spec = draw(1, seed=1)[0]
-    truth = Truth(
-        cause="stiction" if sticky else "healthy", group="cycling" if sticky else "healthy", S=5.0, J=3.0,
-        process="self_regulating", cycling=True, travel=2.0, op_range=10.0, period=50.0, defects=(),
-    )  # fmt: skip
-    return Pair(spec, truth, None, (p, 5.0, 3.0), 1.0, unsure)
+    return Pair(sticky, 5.0, 3.0, None, (p, 5.0, 3.0), unsure)
 
 
 def test_the_unsure_are_counted_apart():
@@ -26,3 +22,13 @@ def test_the_unsure_are_counted_apart():
 def test_one_side_alone_has_no_area():
     found = summed_up([pair(True, 0.4, True), pair(False, 0.2, False)], 10)
     assert found["unsure_model_auc"] is None and found["unsure_simulate_right"] == 0.0
+
+
+def test_a_record_that_was_asked_is_not_asked_again(tmp_path, monkeypatch):
+    """One real record, read from the file the second time, and equal."""
+    (one,) = pairs(1, 60, seed=5, folder=tmp_path)
+    assert one.own is None or isinstance(one.own, Own)
+    monkeypatch.setattr(posterior, "_row", None)
+    assert pairs(1, 60, seed=5, folder=tmp_path) == [one]
+    (line,) = next(tmp_path.glob("posterior_5_*.jsonl")).read_text().splitlines()
+    assert json.loads(line)["sticky"] == one.sticky

@@ -1,7 +1,10 @@
 """Counting verdicts on simulated loops: every loop is counted once a method, alarms come at checks."""
 
+import json
+
 import pytest
 
+from benchmarks import rates, resumed
 from benchmarks.rates import CHECKS, SETTING, WORDS, Counted, again, figures, measure
 from calibration import draw, simulate
 from detect import METHODS, diagnose
@@ -44,3 +47,44 @@ def test_one_row_counted_again_is_the_row_that_was_counted():
     assert again(spoiled, [COMBINED, "stem_play"])["counts"] == kept["counts"]
     with pytest.raises(ValueError, match="did you mean 'play_fit'"):
         again(kept, ["playfit"])
+
+
+def test_counts_survive_the_file():
+    counted = measure(draw(2, seed=6, setting=SETTING), streamed=0)
+    again_counted = Counted()
+    again_counted.join(json.loads(json.dumps(counted.row())))
+    assert again_counted.kept(6, 2) == counted.kept(6, 2)
+
+
+def test_a_stopped_count_goes_on_and_streams_the_first_loops_alone(tmp_path, monkeypatch):
+    """What was counted is not counted again; the loops that are streamed are those of one run."""
+    specs, file, made = draw(6, seed=6), tmp_path / "parts" / "counts.jsonl", []
+
+    def counted(part, streamed):
+        made.append(streamed)
+        if len(made) == stop:
+            raise KeyboardInterrupt
+        one = Counted(streamed=min(streamed, 1))
+        for spec in part:
+            one.words["play_fit"][spec.group]["stiction"] += 1
+        return one
+
+    monkeypatch.setattr(rates, "BATCH", 2)
+    monkeypatch.setattr(rates, "_counted", counted)
+    stop = 3
+    with pytest.raises(KeyboardInterrupt):
+        measure(specs, 2, file)
+    assert len(file.read_text().splitlines()) == 2
+    stop = 99
+    found = measure(specs, 2, file)
+    assert made == [2, 1, 0, 0]  # the third batch was begun twice, and the streamed loops had been the first two
+    assert found.streamed == 2 and sum(sum(words.values()) for words in found.words["play_fit"].values()) == 6
+
+
+def test_rows_of_another_version_are_in_another_file(tmp_path, monkeypatch):
+    (tmp_path / "detect").mkdir()
+    (tmp_path / "detect" / "a.py").write_text("1")
+    monkeypatch.setattr(resumed, "HERE", tmp_path)
+    before = resumed.code_of("detect")
+    (tmp_path / "detect" / "a.py").write_text("2")
+    assert resumed.code_of("detect") != before

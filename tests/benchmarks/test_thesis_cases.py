@@ -38,14 +38,16 @@ def test_counts():
     for cell in (sticky, sound):
         cell.words.update(["stiction"] * 3 + ["inconclusive"])
         cell.blind.update(["inconclusive"] * 4)
+        cell.tags.update(["stiction"] * 4)
         cell.thesis_sticky = 1
     assert (sticky.right, sticky.thesis_right, sticky.starts) == (3, 1, 4)
     assert (sound.right, sound.thesis_right) == (1, 3)
     assert (sticky.blind_right, sound.blind_right) == (0, 4)
+    assert (sticky.tags_right, sound.tags_right) == (4, 0)
     first = First("constant", "high")
     first.add(next(logs_of("constant", "high", 1)), STICKY)
     assert (first.starts, first.first) == (1, 1)
     found = figures([sticky, sound], [first])
     assert found["cells"] == 2.0 and found["sine_high_level_right"] == 0.75 and found["cells_right"] == 0.0
-    assert found["cells_right_without_stem"] == 1.0
+    assert found["cells_right_without_stem"] == found["cells_right_of_tags"] == 1.0
     assert set(found) == set(notes([sticky, sound], [first]))

@@ -180,6 +180,39 @@ def test_simulate_adds_what_loops_like_this_one_say(call, exports, monkeypatch):
     assert "simulation" not in plain and plain["verdict"] == content["verdict"]
 
 
+@pytest.mark.parametrize("option, asked", [((), True), (("--no-simulate",), False)])
+def test_an_unsure_record_is_simulated_by_default(call, exports, monkeypatch, option, asked):
+    """The record is one whose probability a model of the test puts between the limits; what is simulated is real."""
+    from dataclasses import replace
+    from functools import partial
+
+    import calibration
+    from calibration.by_simulation import together
+    from stickslip.commands import one_loop
+
+    plain = one_loop.diagnosed
+    monkeypatch.setattr(
+        one_loop, "diagnosed", lambda loop: replace(plain(loop), verdict="inconclusive", probability=0.6)
+    )
+    monkeypatch.setattr(calibration, "at_record", partial(calibration.at_record, loops=120, workers=1))
+    done = call("check", exports / "FIC101_pi_export.csv", *option, "--json", "-")
+    content = document(done.stdout)
+    assert ("simulation" in content) is asked and done.exit_code == 0
+    if asked:
+        told = content["simulation"]
+        assert told["together"] == pytest.approx(together(0.6, told["probability"]))
+
+
+@pytest.mark.parametrize("verdict, p", [("stiction", 0.95), ("inconclusive", 0.1), ("inconclusive", None)])
+def test_a_record_that_needs_no_simulation_is_not_simulated(verdict, p):
+    from types import SimpleNamespace
+
+    from stickslip.commands.check import _unsure
+
+    assert not _unsure(SimpleNamespace(verdict=verdict, probability=p))
+    assert _unsure(SimpleNamespace(verdict="inconclusive", probability=0.5))
+
+
 def test_simulate_of_a_record_that_shows_nothing_is_not_applicable(call, tmp_path):
     (tmp_path / "flat.csv").write_text("time,SP,PV,OP\n" + "".join(f"{i},5,5,50\n" for i in range(300)))
     result = call("check", tmp_path / "flat.csv", "--simulate", "--json", "-")

@@ -1,5 +1,6 @@
 """Rows of a benchmark that goes on where it was stopped: each is a line of a file."""
 
+import hashlib
 import json
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -18,6 +19,21 @@ class Keyed(Protocol):
 
 
 R = TypeVar("R", bound=Keyed)
+HERE = Path(__file__).parents[1]
+
+
+def code_of(*places: str) -> str:
+    """Return a digest of the sources and tables below folders of the house: rows of another version are another file's.
+
+    >>> len(code_of("logs")), code_of("logs") == code_of("logs", "detect")
+    (12, False)
+    """
+    digest = hashlib.sha256()
+    for place in places:
+        for file in sorted((HERE / place).rglob("*")):
+            if file.suffix in (".py", ".npz") and "__pycache__" not in file.parts:
+                digest.update(str(file.relative_to(HERE)).encode() + file.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def resumed(runs: Sequence[R], made: Callable[[R], Row], file: Path, seconds: float) -> Iterator[Row]:
