@@ -21,26 +21,26 @@ def filled(x: Values) -> Values:
     return np.where(np.isnan(x), MISSING, x)
 
 
-def classifier(x: Values, y: npt.NDArray[Any], trees: int, leaves: int, seed: int) -> Any:
-    """Fit classes y (n,) by features x (n, f)."""
+def classifier(x: Values, y: npt.NDArray[Any], trees: int, leaves: int, seed: int, weight: Values | None = None) -> Any:
+    """Fit classes y (n,) by features x (n, f); ``weight`` of each record (n,) [-], equal if not given."""
     from sklearn.ensemble import GradientBoostingClassifier
 
     model = GradientBoostingClassifier(
         n_estimators=trees, learning_rate=0.06, subsample=0.5, max_leaf_nodes=leaves, max_depth=None,
         min_samples_leaf=15, max_features=0.12, random_state=seed,
     )  # fmt: skip
-    return model.fit(filled(x), y)
+    return model.fit(filled(x), y, sample_weight=weight)
 
 
-def quantile(x: Values, y: Values, share: float, trees: int, leaves: int, seed: int) -> Any:
-    """Fit the quantile ``share`` [-] of y (n,) by features x (n, f)."""
+def quantile(x: Values, y: Values, share: float, trees: int, leaves: int, seed: int, weight: Values) -> Any:
+    """Fit the quantile ``share`` [-] of y (n,) by features x (n, f); ``weight`` of each record (n,) [-]."""
     from sklearn.ensemble import GradientBoostingRegressor
 
     model = GradientBoostingRegressor(
         loss="quantile", alpha=share, n_estimators=trees, learning_rate=0.08, subsample=0.6, max_leaf_nodes=leaves,
         max_depth=None, min_samples_leaf=8, max_features=0.2, random_state=seed,
     )  # fmt: skip
-    return model.fit(filled(x), y)
+    return model.fit(filled(x), y, sample_weight=weight)
 
 
 def start(model: Any, x: Values) -> Values:

@@ -1,6 +1,8 @@
 """``python -m calibration train`` and ``score``: the calibrated model again from nothing, and what it is worth."""
 
 import json
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
@@ -9,21 +11,50 @@ import numpy as np
 
 from calibration.spec import Setting
 
-# First seeds of the two laws that are learnt from: to fit patterns, trees, and the calibration.
-PATTERNS: dict[Setting, int] = {"training": 10_001, "creeping": 31_000}
-TREES: dict[Setting, int] = {"training": 20_000, "creeping": 30_000}
-HOLDING: dict[Setting, int] = {"training": 20_040, "creeping": 30_060}
-SHARE: dict[Setting, float] = {"training": 2 / 3, "creeping": 1 / 3}  # of the loops for the trees
+
+@dataclass(frozen=True)
+class Source:
+    """Loops of one law: its first seed, whether most of its sticky loops are moved by something else, how many."""
+
+    law: Setting
+    seed: int
+    moved: bool
+    loops: int
+
+
+# What is learnt from: to fit patterns, trees, and the calibration.
+PATTERNS = (
+    Source("training", 10_001, False, 15_500), Source("creeping", 31_000, False, 15_500),
+    Source("training", 40_000, True, 15_000), Source("creeping", 41_000, True, 15_000),
+)  # fmt: skip
+TREES = (
+    Source("training", 20_000, False, 20_000), Source("creeping", 30_000, False, 10_000),
+    Source("training", 42_000, True, 6000), Source("creeping", 43_000, True, 6000),
+)  # fmt: skip
+HOLDING = (Source("training", 20_040, False, 2000), Source("creeping", 30_060, False, 2000))
 KERNELS = 10_000  # seed of the loops that the limits of the kernels are taken from
 CHOOSING, TESTING = (7000, 7100), 9100  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
-def _table(folder: Path, setting: Setting, seed: int, loops: int, workers: int | None) -> Any:
-    from calibration.records import PART, kept_table
+def _total(sources: Sequence[Source]) -> int:
+    return sum(source.loops for source in sources)
+
+
+def _parts(sources: Sequence[Source], loops: int, part: int) -> list[tuple[Source, int]]:
+    """How many parts of each source there are, where ``loops`` are asked for in all; at least one."""
+    return [(one, max(round(loops * one.loops / _total(sources) / part), 1)) for one in sources]
+
+
+def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | None) -> Any:
+    """The tables of several sources, one after the other."""
+    from calibration.records import PART, Table, kept_table
 
     try:
-        return kept_table(folder, setting, seed, max(round(loops / PART), 1), workers)
+        return Table.joined([
+            kept_table(folder, one.law, one.seed, count, workers, one.moved)
+            for one, count in _parts(sources, loops, PART)
+        ])  # fmt: skip
     except ValueError as error:
         raise click.UsageError(str(error)) from None
 
@@ -34,27 +65,21 @@ def _read_out(folder: Path, loops: int, workers: int | None) -> None:
     from detect.judge.features.patterns import FILE
 
     odd, even = kernels([view for view, _ in views(KERNELS)][:LIMITED])
-    count = max(round(loops / len(PATTERNS) / PART), 1)
     pooled = [
-        pooled_loops(folder / f"patterns_{setting}", seed, count, odd, even, workers, setting)
-        for setting, seed in PATTERNS.items()
+        pooled_loops(folder / f"patterns_{one.law}_{one.seed}", one.seed, count, odd, even, workers, one.law, one.moved)
+        for one, count in _parts(PATTERNS, loops, PART)
     ]
     x, group = (np.concatenate(both) for both in zip(*pooled, strict=True))
     fit(x, group, odd, even, click.echo).write(FILE)
 
 
-def _both(folder: Path, seeds: dict[Setting, int], loops: dict[Setting, float], workers: int | None) -> Any:
-    """The tables of both laws, one after the other."""
-    from calibration.records import Table
-
-    return Table.joined([_table(folder, law, seed, round(loops[law]), workers) for law, seed in seeds.items()])
-
-
 @click.command()
-@click.option("--loops", type=click.IntRange(min=1), default=30_000, show_default=True, help="to fit the trees on")
-@click.option("--holding", type=click.IntRange(min=1), default=4000, show_default=True, help="to calibrate on")
+@click.option("--loops", type=click.IntRange(min=1), default=_total(TREES), show_default=True, help="for the trees")
 @click.option(
-    "--patterns", type=click.IntRange(min=0), default=31_000, show_default=True,
+    "--holding", type=click.IntRange(min=1), default=_total(HOLDING), show_default=True, help="to calibrate on"
+)
+@click.option(
+    "--patterns", type=click.IntRange(min=0), default=_total(PATTERNS), show_default=True,
     help="to fit the patterns on; 0: those of the shipped file",
 )  # fmt: skip
 @click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
@@ -74,8 +99,8 @@ def train(
 
     if patterns:
         _read_out(folder, patterns, workers)
-    fitted = _both(folder, TREES, {law: share * loops for law, share in SHARE.items()}, workers)
-    held = _both(folder, HOLDING, dict.fromkeys(HOLDING, holding / len(HOLDING)), workers)
+    fitted = _tables(folder, TREES, loops, workers)
+    held = _tables(folder, HOLDING, holding, workers)
     model = fit(fitted, held, click.echo, trees=trees)
     file = out or FILE
     model.write(file)
@@ -99,5 +124,5 @@ def score(loops: int, setting: Setting, seed: int, folder: Path, file: Path | No
     from calibration.scoring import score as figures
     from detect.judge.model import FILE, Model
 
-    told = _table(folder, setting, seed, loops, workers)
+    told = _tables(folder, [Source(setting, seed, False, loops)], loops, workers)
     click.echo(json.dumps(figures(Model.read(file or FILE), told), indent=1))

@@ -53,13 +53,15 @@ _PROCESSES = (("one_lag", 0.35), ("two_lags", 0.4), ("integrating", INTEGRATING)
 _DRIVERS = ("sine", "square", "saw", "triangle", "stochastic", "moves", "moves_SP", "stochastic_SP")
 
 
-def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0) -> list[LoopSpec]:
+def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0, moved: bool = False) -> list[LoopSpec]:
     """Return ``n`` loops: half sticky (a fifth of these not cycling), the rest spread evenly over ``OTHERS``.
 
     ``setting`` "other_physics" has another law of friction (Stribeck with mass, LuGre), a pneumatic lag, a PID in
     series form, longer dead times and other colours of disturbance; no calibration may use it.  "creeping" is
     "training" with a valve that gives a little before it breaks away, slips by another jump each time, and has J of 0.1
     to 1 S in place of 0.3 to 1 S.  ``first``: number of the first loop, where a large set is drawn in parts.
+    ``moved``: four fifths of the sticky loops are moved by something else in place of one fifth; these take the most
+    examples to learn, and whoever learns from them weights them down again.
 
     Raises ``ValueError`` unless n >= 1, seed >= 0 and the setting is known.
 
@@ -78,7 +80,8 @@ def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0) ->
     for i in range(first, first + n):
         group = "sticky" if i % 2 == 0 else others[(i // 2) % len(others)]
         if group == "sticky":
-            group = "excited" if (i // 2) % round(1 / NOT_CYCLING) == 0 else "cycling"
+            rare = (i // 2) % round(1 / NOT_CYCLING) == 0
+            group = "excited" if rare != moved else "cycling"
         specs.append(one(group, (seed, i, get_args(Setting).index(setting)), setting))
     return specs
 

@@ -31,7 +31,7 @@ COUNT = {"odd": 420, "even": 180}  # kernels
 SHARES = {"odd": (0.3, 0.6, 0.85, 0.97), "even": (0.1, 0.35, 0.65, 0.9)}
 LIMITED = 200  # loops that limits are taken from
 DRAWN = 40  # values of z from each of them
-NETWORKS, INNER, PASSES = 4, 32, 12  # fitted from different starts, inner numbers, passes over the loops
+NETWORKS, INNER, PASSES = 4, 64, 10  # fitted from different starts, inner numbers, passes over the loops
 DECAY, RATE, BATCH = 1.0, 5e-4, 128
 SEED = 1  # of the kernels
 
@@ -42,9 +42,12 @@ KEPT = Kept(
 Say = Callable[[str], None]
 
 
-def views(seed: int, workers: int | None = None, setting: Setting = "training") -> list[tuple[View, Truth]]:
-    """The views on one part of a setting that show enough, and what is true of them."""
-    found = ((view_of(Prepared(loop)), truth) for loop, truth in simulate(draw(PART, seed, setting), workers))
+def views(
+    seed: int, workers: int | None = None, setting: Setting = "training", moved: bool = False
+) -> list[tuple[View, Truth]]:
+    """The views on one part of a setting that show enough, and what is true of them; ``moved`` as in ``draw``."""
+    loops = simulate(draw(PART, seed, setting, moved=moved), workers)
+    found = ((view_of(Prepared(loop)), truth) for loop, truth in loops)
     return [(view, truth) for view, truth in found if view is not None]
 
 
@@ -87,21 +90,23 @@ def _limits(bare: Kernels, looked_at: Sequence[Singles], shares: Sequence[float]
 
 def pooled_loops(
     folder: Path, seed: int, count: int, odd: Kernels, even: Kernels, workers: int | None = None,
-    setting: Setting = "training",
+    setting: Setting = "training", moved: bool = False,
 ) -> tuple[Singles, npt.NDArray[np.str_]]:  # fmt: skip
     """Pooled numbers (n, p) and groups (n,) of ``count`` parts from ``seed`` on, those made before from the folder.
+
+    ``moved`` as in ``draw``.
 
     Raises ``ValueError`` if the folder holds what other kernels have pooled.
     """
     import polars as pl
 
-    asked = {"setting": setting, "seed": seed, "part": PART, "kernels": _digest(odd, even)}
+    asked = {"setting": setting, "seed": seed, "moved": moved, "part": PART, "kernels": _digest(odd, even)}
     with opened(folder, asked, KEPT, fresh=False) as place:
         place.note()
         there = place.firsts()
         for k in range(count):
             if k * PART not in there:
-                seen = views(seed + k, workers, setting)
+                seen = views(seed + k, workers, setting, moved)
                 x = np.array([pooled_of(view, odd, even) for view, _ in seen])
                 columns = {KEPT.key: k * PART + np.arange(len(x)), "group": [truth.group for _, truth in seen], "x": x}
                 place.add(pl.DataFrame(columns))

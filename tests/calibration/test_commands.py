@@ -26,14 +26,14 @@ def small(monkeypatch, tmp_path, here):
 
 
 def test_a_model_is_made_from_nothing(small):
-    sizes = ["--loops", "84", "--holding", "56", "--patterns", "56", "--trees", "20"]
+    sizes = ["--loops", "112", "--holding", "56", "--patterns", "112", "--trees", "20"]
     places = ["--folder", str(small / "parts"), "--out", str(small / "model.npz")]
     done = CliRunner().invoke(calibration, ["train", *sizes, *places], catch_exceptions=False)
     assert done.exit_code == 0, done.output
     made, kept = Model.read(small / "model.npz"), Model.read(FILE)
     assert made.names == kept.names  # what is shipped was made from the features that there are
     assert set(made.causes) == set(kept.causes)
-    assert made.about["fitted_on"] <= 84 and made.about["calibrated_on"] <= 56
+    assert made.about["fitted_on"] <= 112 and made.about["calibrated_on"] <= 56
     p, others = made.probabilities(np.zeros((1, len(made.names))))
     assert p + others.sum(axis=1) == pytest.approx([1.0])
     read = patterns.Readout.read(small / "patterns.npz")

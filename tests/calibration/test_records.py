@@ -32,6 +32,14 @@ def test_specs_are_plain_and_a_set_may_be_drawn_in_parts() -> None:
     assert draw(30, seed=4) != specs and draw(30, seed=3, setting="other_physics") != specs
 
 
+def test_most_of_the_sticky_loops_are_moved_by_something_else_where_that_is_asked_for() -> None:
+    usual, moved = draw(520, seed=3), draw(520, seed=3, moved=True)
+    for specs, share in ((usual, 0.2), (moved, 0.8)):
+        sticky = [spec.group for spec in specs if spec.cause == "stiction"]
+        assert len(sticky) == 260 and sticky.count("excited") == share * 260
+    assert [a for a in usual if a.group in OTHERS] == [b for b in moved if b.group in OTHERS]
+
+
 def test_bad_requests_are_refused() -> None:
     with pytest.raises(ValueError, match="n = 0, seed = 1"):
         draw(0, 1)
