@@ -199,8 +199,8 @@ def _elsewhere(now: Filtered) -> dict[str, float]:
     if not isinstance(one.effect, SineDisturbance):
         for s in f.signals:
             if s not in f.ops:
-                by = float(np.nanstd(f.record.log[s]) / np.nanstd(op))
-                rivals[f"an error of {s} that follows the same plan"] = s, by
+                scale = float(np.nanstd(f.record.log[s]) / np.nanstd(op))
+                rivals[f"an error of {s} that follows the same plan"] = s, scale
     found = {}
     for name, (signal, by) in rivals.items():
         start = tried(Elsewhere(f, one.effect, one.place, (), signal, by), now.values)
