@@ -35,8 +35,11 @@ def constancy(one: Filtered) -> dict[str, float]:
 
 def stretches(rows: int) -> dict[str, Floats]:
     """Return name -> 1 in one of six stretches of the record, else 0."""
-    where = np.repeat(np.arange(STRETCHES), [len(part) for part in np.array_split(np.arange(rows), STRETCHES)])
-    return {f"stretch {k + 1} of {STRETCHES}": (where == k).astype(np.float64) for k in range(STRETCHES)}
+    parts = np.array_split(np.arange(rows), STRETCHES)
+    return {
+        f"stretch {k + 1} of {STRETCHES}": np.isin(np.arange(rows), part).astype(np.float64)
+        for k, part in enumerate(parts)
+    }
 
 
 def modulated(e: Floats, slopes: Mapping[str, Floats], known: Mapping[str, Floats]) -> dict[str, float]:
