@@ -44,7 +44,7 @@ def fitted_scan(candidate: Candidate) -> Fit | None:
     head = replace(candidate, problem=candidate.problem.early)
     if head.problem is not candidate.problem and len(many) > KEPT:
         fits = [fit for fit in head.tried(many) if math.isfinite(fit.F)]
-        many = [fit.values for fit in sorted(fits, key=lambda fit: fit.F)[:KEPT]]
+        many = [dict(fit.values) for fit in sorted(fits, key=lambda fit: fit.F)[:KEPT]]
     return best_of(candidate.tried(many))
 
 
