@@ -20,6 +20,7 @@ SHRINK = 0.55  # of a pattern from round to round
 FINEST = 2e-4  # relative size of the last pattern
 ENOUGH = 50.0  # nats that the first part of the record must gain by the effect
 HEAD = 0.4  # share of the record that is enough for the search where its first part does not show the gap
+FEWEST = 1200  # rows of a first part that show enough slips
 WORTH = 0.2  # share of the gap that an effect must explain to be followed on the whole record
 LAST, LAST_ROUNDS = 0.005, 12  # least width of the first pattern there, and how many there are
 PLACES = 2  # at which hidden modes are looked for where a filter has told which promise most
@@ -62,6 +63,8 @@ def promising(many: Sequence[Candidate]) -> list[Candidate]:
 def _head(candidate: Candidate, modes: bool) -> Candidate:
     """Return a candidate on the first part of the record, with wrong modes set right or as replays have them."""
     problem = candidate.problem.early
+    if len(problem.record.log) < FEWEST:
+        problem = candidate.problem
     if problem is candidate.problem:
         problem = replace(problem, record=problem.record.first_part(HEAD))
     return replace(candidate, problem=replace(problem, modes=modes))

@@ -93,10 +93,14 @@ def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress:
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
-    """Return the single effects to which a second is added: the best ones, one of those that leave the same."""
+    """Return the single effects to which a second is added: the best ones, one of those that leave the same.
+
+    At most one of them sticks, because what is looked for beside it costs most.
+    """
     found: list[Fit] = []
     for fit in fits:
         useful = fit.present and not fit.candidate.noisy and share(problem, fit) >= ENOUGH
+        useful = useful and not (fit.effect.hidden and any(one.effect.hidden for one in found))
         if useful and all(abs(fit.F - one.F) > SAME for one in found):
             found.append(fit)
     return found[:FIRSTS]

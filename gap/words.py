@@ -158,16 +158,15 @@ def disturbance_only(problem: Problem, rival: UnmeasuredLoad | None, total: floa
     """
     if rival is None:
         return []
-    what = f"{rival} that follows no plan"
     if total is not None:
         more, close = rival.F - total, rival.explains and rival.F - total <= needed(problem)
         if close:
-            return [f"Disturbance only cannot be excluded: {what}, leaves nothing and is {more:.0f} nats less likely."]
-        return [f"Disturbance only is excluded: {what}, is {more:.0f} nats less likely."]
+            return [f"Disturbance only cannot be excluded: {rival}, leaves nothing and is {more:.0f} nats less likely."]
+        return [f"Disturbance only is excluded: {rival}, is {more:.0f} nats less likely."]
     if rival.explains:
-        return [f"Disturbance only cannot be excluded: {what}, leaves nothing of the gap."]
+        return [f"Disturbance only cannot be excluded: {rival}, leaves nothing of the gap."]
     part = float(np.clip((problem.score - rival.left) / max(problem.score - problem.level, 1e-9), 0.0, 1.0))
-    return [f"Disturbance only is no explanation: the best, {what}, leaves {100.0 * (1.0 - part):.1f} % of the gap."]
+    return [f"Disturbance only is no explanation: the best, {rival}, leaves {100.0 * (1.0 - part):.1f} % of the gap."]
 
 
 def next_test(problem: Problem, same: Sequence[Fit]) -> str:
