@@ -139,6 +139,7 @@ def fitted_stems(looked: Looked, effects: Sequence[Effect], needed: float) -> li
     if sharp:
         near = [_jumping(sharp[0].explanation, play, by, share, few) for by, share in NEAR]
         stuck = _followed(min((*sharp, *near), key=lambda one: one.nll), few, 0.15, 0.02)
+        stuck = _followed(stuck, few, 0.08, 0.02)  # from there once more: a bank's likelihood is not quite smooth
     if stuck is None or stuck.values["J"] < JUMPS * stuck.values["S"] or play.nll < stuck.nll + DECIDED:
         play = _followed(play, few, 0.25, 0.06)
     found = []
@@ -148,7 +149,7 @@ def fitted_stems(looked: Looked, effects: Sequence[Effect], needed: float) -> li
             _followed(play, many, 0.06, FINEST) if ahead < DECIDED else banked(play.explanation, play.values, many)
         )
     if stuck is not None and (ahead > 0.0 or not found):
-        found.append(_followed(stuck, many, 0.05, FINEST))
+        found.append(_followed(stuck, many, 0.08, FINEST))
     return sorted((Found(one, (), np.zeros((0, 0))) for one in found), key=lambda one: one.nll)
 
 

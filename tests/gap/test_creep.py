@@ -6,8 +6,9 @@ from blocks import LuGreStem
 from cases.models import ideal_flow
 from diagram import ensemble
 from gap import diagnose
-from gap.creep import about_creep, creeps, least_sizes
+from gap.creep import about_creep, coarse, creeps, least_sizes
 from gap.effects import effect
+from gap.model import read
 from gap.report import Size
 from logs import Log
 
@@ -51,3 +52,10 @@ def test_a_deadband_is_said_to_be_a_stem_that_creeps_as_well():
     assert "S - J = 2 %" in about_creep(effect("deadband"), {"width": size(2.0)})[0]
     assert about_creep(effect("valve_gain"), {"factor": size(1.1)}) == []
     assert about_creep(effect("stiction"), {"S": size(2.0), "J": size(1.0)}) == []
+
+
+def test_a_log_of_few_digits_shows_op_in_steps_only(recorded):
+    log = recorded()
+    assert not coarse(*read(ideal_flow(), log))  # six digits
+    rounded = Log(log.t, {**{s: log[s] for s in ("SP", "PV")}, "OP": log["OP"].round(3)})
+    assert coarse(*read(ideal_flow(), rounded))
