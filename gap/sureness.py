@@ -25,6 +25,8 @@ BENCHMARK: Mapping[str, tuple[int, int]] = {
     # follow LuGre's law, and are called deadband
     "filter, digits": (6, 6), "filter, white": (54, 57), "filter, nearly": (4, 5), "filter, stiction": (2, 2),
     "filter, deadband": (5, 9), "filter, unknown": (66, 66),
+    # separator section and full plant, 21 tuning records of seeds 61 and 62, by the filter as it was being made
+    "segments, complete": (15, 18), "segments, adequate": (3, 3),
 }  # fmt: skip
 
 
