@@ -14,14 +14,22 @@ VISIBLE = 0.5  # largest difference to the log without the effect, root mean squ
 
 
 def plant_row(run: PlantRun) -> dict[str, Any]:
-    """Return what the diagnosis of one run came to."""
+    """Return what the diagnosis of one run came to; one whose plant stops early leaves no record to diagnose."""
     from gap import diagnose
 
-    log = run.made()
+    try:
+        log = run.made()
+    except RuntimeError as stopped:
+        nothing = {"gap": False, "causes": [], "where": None}
+        return plant_judged(run, nothing) | {"seconds": 0.0, "cpu": 0.0, "visible": 0.0, "stopped": str(stopped)}
     begin, used = time.perf_counter(), time.process_time()
-    report = diagnose(MODELS[run.model][0](), log, progress=False).to_dict()
-    found = plant_judged(run, report)
+    report = diagnose(MODELS[run.model][0](), log, progress=False)
+    found = plant_judged(run, report.to_dict())
     found |= {"seconds": time.perf_counter() - begin, "cpu": time.process_time() - used}
+    found |= {
+        "probability": report.causes[0].probability if report.causes else None,
+        "kind": report.evidence.kind if report.evidence else None,
+    }
     if run.effect:
         clean = run.made(clean=True)
         steps = {s: ROUNDING[s[0]] for s in log.names if ROUNDING[s[0]] > 0.0}

@@ -1,6 +1,7 @@
 """Gain of the process: ``factor`` times the model's.
 
-A process with a gain ``K`` has another one; in front of any other with one input stands a gain.
+A process with a gain ``K`` has another one; in front of any other with one input stands a gain.  Not of a line, whose
+``K`` is its friction (``line_friction``).
 """
 
 from collections.abc import Mapping
@@ -8,6 +9,7 @@ from typing import Any
 
 from blocks.arithmetic import Gain
 from blocks.block import Block
+from blocks.flow_resistance import FlowResistance
 from blocks.role import Role
 from diagram.diagram import Diagram
 from gap.effect import Parameter, above
@@ -28,7 +30,9 @@ class ProcessGain(Inserted):
     where = "before"
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
-        """Return whether the process has a gain, or one input."""
+        """Return whether the process has a gain, or one input, and is no line."""
+        if isinstance(block, FlowResistance):
+            return False
         return "K" in block.param_names or len(block.input_labels) == 1
 
     def put(self, diagram: Diagram, place: str) -> Diagram:

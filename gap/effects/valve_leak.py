@@ -8,7 +8,9 @@ from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
 from gap.effect import Parameter, not_below
+from gap.effects.recycle_leak import RecycleLeak
 from gap.inserted import Inserted, percent_out
+from gap.paths import given, users
 
 
 class ValveLeak(Inserted):
@@ -23,6 +25,13 @@ class ValveLeak(Inserted):
     role = Role.VALVE
     parameters = (Parameter("flow", "% of full flow", 0.0, 0.05, 20.0, "log"),)
     where = "after"
+
+    def fits(self, diagram: Diagram, block: Block) -> bool:
+        """Return whether something flows behind the stem, other than what ``recycle_leak`` is for."""
+        if not super().fits(diagram, block):
+            return False
+        readers = users(diagram, given(diagram, block.name))
+        return not any(RecycleLeak().fits(diagram, diagram[name]) for name in readers)
 
     def made(self, diagram: Diagram, place: str) -> Block:
         """Return the offset."""

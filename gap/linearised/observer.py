@@ -15,10 +15,10 @@ from blocks.sources import Ramp
 from diagram import wire
 from diagram.diagram import Diagram
 from diagram.ensembles.variants import variants_of
+from engine.observing import observed, slopes_at
 from engine.run import Settings, prepare
 from engine.snapshot import Snapshot
 from engine.table import Component
-from gap.linearised.observing import observed, slopes_at
 
 Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less
@@ -62,9 +62,10 @@ class Observer:
         places, columns = many.places(self.diagram.plan(), self.component)
         first = np.array([start.get(name, value) for name, value in zip(self.states, self.start, strict=True)])
         I, W = prepare(self.component, Settings(), 0.0)
-        self.diagram.plan().fill(Snapshot(self.component, I, W), self.diagram.blocks)
+        now = Snapshot(self.component, I, W)
+        self.diagram.plan().fill(now, self.diagram.blocks)
         for k in range(len(u)):
-            W[places] = many.table[k, columns]
+            now.put(places, many.table[k, columns])
             out[k] = self._one(I, W, u[k][..., self.read], y, K, which, first.copy(), dt)
         return out
 
