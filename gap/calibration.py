@@ -102,10 +102,10 @@ def rows_of(file: Path) -> dict[str, Any]:
 
 def _far(row: Mapping[str, Any]) -> float:
     """Return how far the size of a run's effect is from neutral: a factor by its logarithm, a rate by its inverse."""
-    size, neutral = abs(row["size"]), row.get("neutral", 0.0)
+    size, neutral = float(row["size"]), float(row.get("neutral", 0.0))
     if neutral > 0.0 and size > 0.0:
         return 1.0 / size if math.isinf(neutral) else abs(math.log(size / neutral))
-    return abs(row["size"] - neutral)
+    return abs(size - neutral)
 
 
 def _known(value: float) -> float | None:
