@@ -64,7 +64,7 @@ def calibrated(
                 made = one.made(problem)
                 if made is not None:
                     report = diagnose(diagram, made, catalogue=catalogue, limits=False, progress=False)
-                    done[one.key] = _row(one, report)
+                    done[one.key] = _row(one, report, base.model)
                     file.parent.mkdir(parents=True, exist_ok=True)
                     with file.open("a") as out:
                         out.write(json.dumps(done[one.key]) + "\n")
@@ -72,7 +72,7 @@ def calibrated(
     return Calibration(tuple(done.values()))
 
 
-def _row(one: Injection, report: GapReport) -> dict[str, Any]:
+def _row(one: Injection, report: GapReport, model: Diagram) -> dict[str, Any]:
     named = [{cause.effect, *cause.ambiguous_with} for cause in report.causes]
     name = one.effect.name if one.effect else "none"
     places = set(report.where.confidence_set) if report.where else {""}
@@ -83,6 +83,7 @@ def _row(one: Injection, report: GapReport) -> dict[str, Any]:
         "place": one.place,
         "values": dict(one.values),
         "size": one.values.get(one.main, 0.0),
+        "neutral": one.effect.nominal(model, one.place).get(one.main, 0.0) if one.effect else 0.0,
         "parameter": f"{one.main} [{unit}]" if one.main else "",
         "named": " and ".join(c.effect for c in report.causes) or "none",
         "right": not report.gap if one.effect is None else len(named) == 1 and name in named[0],

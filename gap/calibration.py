@@ -5,6 +5,7 @@ so far.  ``gap.calibrate`` makes the runs.
 """
 
 import json
+import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -38,19 +39,18 @@ class Calibration:
 
     @property
     def limits(self) -> dict[str, tuple[float, float, str]]:
-        """Effect -> (smallest size named right, largest size missed, parameter with unit); NaN where there is none."""
+        """Effect -> (smallest size named right, largest size missed, parameter with unit); NaN where there is none.
+
+        Smallest and largest by how far they are from neutral, to either side.
+        """
         found: dict[str, tuple[float, float, str]] = {}
-        for row in self.rows:
-            if row["effect"] == "none":
-                continue
-            least, missed, what = found.get(row["effect"], (float("nan"), float("nan"), row["parameter"]))
-            size = row["size"]
-            if row["right"]:
-                least = size if not least < size else least
-            else:
-                missed = size if not missed > size else missed
-            found[row["effect"]] = least, missed, what
-        return dict(sorted(found.items()))
+        for name in sorted({row["effect"] for row in self.rows} - {"none"}):
+            rows = [row for row in self.rows if row["effect"] == name]
+            least = min((row for row in rows if row["right"]), key=_far, default=None)
+            missed = max((row for row in rows if not row["right"]), key=_far, default=None)
+            sizes = [float("nan") if row is None else row["size"] for row in (least, missed)]
+            found[name] = sizes[0], sizes[1], rows[0]["parameter"]
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """Return the counts as plain values for JSON."""
@@ -65,9 +65,10 @@ class Calibration:
             right, of = counts.get(name, 0), sum(counts.values())
             wrong = ", ".join(f"{what} {n}" for what, n in sorted(counts.items()) if what != name)
             least, missed, what = self.limits.get(name, (float("nan"), float("nan"), ""))
-            size = f"; named from {least:.4g} {what} on" if least == least else ""
-            size += f", missed up to {missed:.4g}" if missed == missed else ""
-            lines.append(f"  {name}: {right} of {of}{size}" + (f"; instead: {wrong}" if wrong else ""))
+            size = [f"named from {least:.4g} on"] if least == least else []
+            size += [f"missed up to {missed:.4g}"] if missed == missed else []
+            told = f"; {what} {', '.join(size)}" if size else ""
+            lines.append(f"  {name}: {right} of {of}{told}" + (f"; instead: {wrong}" if wrong else ""))
         for of_kind, (right, of) in counted(self.rows).items():
             lines.append(f"  answers '{of_kind}': right {right} of {of}")
         return "\n".join(lines)
@@ -97,6 +98,14 @@ def rows_of(file: Path) -> dict[str, Any]:
         except (ValueError, KeyError, TypeError):
             continue
     return found
+
+
+def _far(row: Mapping[str, Any]) -> float:
+    """Return how far the size of a run's effect is from neutral: a factor by its logarithm, a rate by its inverse."""
+    size, neutral = float(row["size"]), float(row.get("neutral", 0.0))
+    if neutral > 0.0 and size > 0.0:
+        return 1.0 / size if math.isinf(neutral) else abs(math.log(size / neutral))
+    return abs(size - neutral)
 
 
 def _known(value: float) -> float | None:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from gap.report import GapReport
 
 HIGHEST = 1e3  # of the scale: beyond, a residual is just large
+TICKS = (-1000.0, -100.0, -10.0, -3.0, 0.0, 3.0, 10.0, 100.0, 1000.0)
 
 
 def plot_residuals(report: "GapReport") -> "Figure":
@@ -31,6 +32,9 @@ def plot_residuals(report: "GapReport") -> "Figure":
             panel.plot(*thinned(report.t / scale, shown), color=colour, linewidth=0.6, label=label)
         panel.set_yscale("symlog", linthresh=3.0)
         panel.axhspan(-3.0, 3.0, color=SHADE, linewidth=0, zorder=0.1)
+        low, high = panel.get_ylim()
+        panel.set_yticks([tick for tick in TICKS if low <= tick <= high])
+        panel.set_ylim(low, high)
         panel.yaxis.set_major_formatter("{x:g}")
         panel.set_ylabel(f"residual of {signal}\n[s.d. without a gap]", fontsize=8.5)
         tidy(panel)

@@ -252,7 +252,7 @@ def _report(
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     t = f.record.log.t[f.skipped :]
     notes = (*_notes(f), PRIOR_OF_UNKNOWN, str(sureness))
-    return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.quiet, o.evidence)
+    return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.model, o.evidence)
 
 
 def _notes(f: Filtering) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import pytest
 from cases.models import ideal_flow
 from gap import calibrated, diagnose
 from gap.cache import folder
+from gap.calibration import Calibration
 from gap.effects import effect
 from gap.evidence import Evidence
 from gap.sureness import Sureness, counted
@@ -66,3 +67,28 @@ def test_rows_without_a_gap_are_not_counted_as_names():
         {"evidence": {"kind": "pair", "gap": 1.0, "share": 1.0, "margin": 9.0}, "right": False},
     ]
     assert counted(rows) == {"pair": (0, 1)}
+
+
+@pytest.mark.parametrize(
+    ("neutral", "right", "wrong", "least", "missed"),
+    [
+        (0.0, [-0.5, 0.2], [-0.1, 0.05], 0.2, -0.1),  # a bias, to either side
+        (1.0, [0.5, 1.3], [0.9, 1.05], 1.3, 0.9),  # a factor: halved is as much as doubled
+        (float("inf"), [0.1, 2.0], [5.0, 9.0], 2.0, 5.0),  # a rate: the less, the more it limits
+    ],
+)
+def test_the_smallest_size_is_that_nearest_to_neutral(neutral, right, wrong, least, missed):
+    rows = [
+        {
+            "effect": "e",
+            "size": size,
+            "neutral": neutral,
+            "right": ok,
+            "parameter": "p [-]",
+            "named": "",
+            "evidence": None,
+        }
+        for ok, sizes in ((True, right), (False, wrong))
+        for size in sizes
+    ]
+    assert Calibration(tuple(rows)).limits == {"e": (least, missed, "p [-]")}

@@ -73,3 +73,10 @@ def test_an_effect_in_a_loop_with_a_feedforward_is_named_also_where_rows_are_mis
     if name:
         assert report.causes[0].parameters["tau"].value == pytest.approx(20.0, rel=0.1)
     assert any("computed from the logged OP, W" in note for note in report.notes)
+
+
+def test_the_report_draws_the_model_with_its_noise_and_marks_three_standard_deviations():
+    report = diagnose(heater(), logged(heater()), catalogue=[effect("valve_gain")], limits=False, progress=False)
+    assert report.diagram["feed"].params["sd"] == 0.5  # not silenced, as it is for the filter
+    labels = [tick.get_text() for tick in report.plot().axes[0].get_yticklabels()]
+    assert {"−3", "3"} <= {label.replace("-", "−") for label in labels}
