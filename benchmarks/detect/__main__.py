@@ -1,8 +1,9 @@
 """All figures of detection: python -m benchmarks.detect [--quick] [--json FILE] [--only PART,PART].
 
-Each part is a module of this package with ``NOTES`` and ``figures(quick)``.  ``cost`` takes some minutes, ``posterior``
-a quarter of an hour; ``accuracy`` simulates 4,000 loops and goes on where it was stopped (``calibration_parts``).  The
-JSON file is written after every part.
+Each part is a module of this package with ``NOTES`` and ``figures(quick)``.  By the time of one loop, two idle cores
+take some three minutes for ``cost``, ten for ``posterior`` (60 records), ten for ``accuracy`` (4,000 loops).  The last
+two go on where they were stopped (``calibration_parts``), and begin anew where the code has changed.  The JSON file is
+written after every part.
 """
 
 import json
