@@ -32,8 +32,10 @@ def classifier(x: Values, y: npt.NDArray[Any], trees: int, leaves: int, seed: in
     return model.fit(filled(x), y, sample_weight=weight)
 
 
-def quantile(x: Values, y: Values, share: float, trees: int, leaves: int, seed: int, weight: Values) -> Any:
-    """Fit the quantile ``share`` [-] of y (n,) by features x (n, f); ``weight`` of each record (n,) [-]."""
+def quantile(
+    x: Values, y: Values, share: float, trees: int, leaves: int, seed: int, weight: Values | None = None
+) -> Any:
+    """Fit the quantile ``share`` [-] of y (n,) by features x (n, f); ``weight`` as in ``classifier``."""
     from sklearn.ensemble import GradientBoostingRegressor
 
     model = GradientBoostingRegressor(

@@ -9,29 +9,30 @@ from typing import Any, get_args
 import click
 import numpy as np
 
-from calibration.spec import Setting
+from calibration.spec import Kinds, Setting
 
 
 @dataclass(frozen=True)
 class Source:
-    """Loops of one law: its first seed, whether most of its sticky loops are moved by something else, how many."""
+    """Loops of one law: its first seed, which kinds of loop (``draw``), how many."""
 
     law: Setting
     seed: int
-    moved: bool
+    kinds: Kinds
     loops: int
 
 
 # What is learnt from: to fit patterns, trees, and the calibration.
 PATTERNS = (
-    Source("training", 10_001, False, 15_500), Source("creeping", 31_000, False, 15_500),
-    Source("training", 40_000, True, 15_000), Source("creeping", 41_000, True, 15_000),
+    Source("training", 10_001, "usual", 15_500), Source("creeping", 31_000, "usual", 15_500),
+    Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
 )  # fmt: skip
 TREES = (
-    Source("training", 20_000, False, 20_000), Source("creeping", 30_000, False, 10_000),
-    Source("training", 42_000, True, 6000), Source("creeping", 43_000, True, 6000),
+    Source("training", 20_000, "usual", 20_000), Source("creeping", 30_000, "usual", 10_000),
+    Source("training", 42_000, "moved", 6000), Source("creeping", 43_000, "moved", 6000),
+    Source("training", 44_000, "levels", 500), Source("creeping", 45_000, "levels", 500),
 )  # fmt: skip
-HOLDING = (Source("training", 20_040, False, 2000), Source("creeping", 30_060, False, 2000))
+HOLDING = (Source("training", 20_040, "usual", 2000), Source("creeping", 30_060, "usual", 2000))
 KERNELS = 10_000  # seed of the loops that the limits of the kernels are taken from
 CHOOSING, TESTING = (7000, 7100), 9100  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -52,7 +53,7 @@ def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | 
 
     try:
         return Table.joined([
-            kept_table(folder, one.law, one.seed, count, workers, one.moved)
+            kept_table(folder, one.law, one.seed, count, workers, one.kinds)
             for one, count in _parts(sources, loops, PART)
         ])  # fmt: skip
     except ValueError as error:
@@ -66,7 +67,7 @@ def _read_out(folder: Path, loops: int, workers: int | None) -> None:
 
     odd, even = kernels([view for view, _ in views(KERNELS)][:LIMITED])
     pooled = [
-        pooled_loops(folder / f"patterns_{one.law}_{one.seed}", one.seed, count, odd, even, workers, one.law, one.moved)
+        pooled_loops(folder / f"patterns_{one.law}_{one.seed}", one.seed, count, odd, even, workers, one.law, one.kinds)
         for one, count in _parts(PATTERNS, loops, PART)
     ]
     x, group = (np.concatenate(both) for both in zip(*pooled, strict=True))
@@ -124,5 +125,5 @@ def score(loops: int, setting: Setting, seed: int, folder: Path, file: Path | No
     from calibration.scoring import score as figures
     from detect.judge.model import FILE, Model
 
-    told = _tables(folder, [Source(setting, seed, False, loops)], loops, workers)
+    told = _tables(folder, [Source(setting, seed, "usual", loops)], loops, workers)
     click.echo(json.dumps(figures(Model.read(file or FILE), told), indent=1))

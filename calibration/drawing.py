@@ -11,7 +11,7 @@ from typing import Any, get_args
 import numpy as np
 
 from calibration.margins import Loop, ultimate
-from calibration.spec import Cause, LoopSpec, Setting
+from calibration.spec import Cause, Kinds, LoopSpec, Setting
 
 Random = np.random.Generator
 
@@ -31,6 +31,9 @@ OTHERS: dict[str, Cause] = {
     "dead_loop": "dead_loop",
 }
 """Groups without stiction and their cause; compression acts on the log of a healthy loop."""
+
+LEVEL = "level_deadband"
+"""Integrating with a deadband and no jump, which cycles by itself: to learn from only, of the cause "deadband"."""
 
 NOT_CYCLING = 0.2  # share of the sticky loops that disturbance or set point must move
 INTEGRATING = 0.25  # share of integrating processes
@@ -53,17 +56,18 @@ _PROCESSES = (("one_lag", 0.35), ("two_lags", 0.4), ("integrating", INTEGRATING)
 _DRIVERS = ("sine", "square", "saw", "triangle", "stochastic", "moves", "moves_SP", "stochastic_SP")
 
 
-def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0, moved: bool = False) -> list[LoopSpec]:
+def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0, kinds: Kinds = "usual") -> list[LoopSpec]:
     """Return ``n`` loops: half sticky (a fifth of these not cycling), the rest spread evenly over ``OTHERS``.
 
     ``setting`` "other_physics" has another law of friction (Stribeck with mass, LuGre), a pneumatic lag, a PID in
     series form, longer dead times and other colours of disturbance; no calibration may use it.  "creeping" is
     "training" with a valve that gives a little before it breaks away, slips by another jump each time, and has J of 0.1
     to 1 S in place of 0.3 to 1 S.  ``first``: number of the first loop, where a large set is drawn in parts.
-    ``moved``: four fifths of the sticky loops are moved by something else in place of one fifth; these take the most
-    examples to learn, and whoever learns from them weights them down again.
+    Two ``kinds`` are to learn from only: "moved", where four fifths of the sticky loops are moved by something else in
+    place of one fifth (these take the most examples; whoever learns from them weights them down again), and "levels",
+    integrating loops with a deadband and no jump, none of which sticks.
 
-    Raises ``ValueError`` unless n >= 1, seed >= 0 and the setting is known.
+    Raises ``ValueError`` unless n >= 1, seed >= 0 and setting and kinds are known.
 
     >>> specs = draw(200, seed=1)
     >>> sum(spec.cause == "stiction" for spec in specs), specs == draw(200, seed=1)
@@ -75,13 +79,17 @@ def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0, mo
         )
     if setting not in get_args(Setting):
         raise ValueError(f"setting = {setting!r}; give one of {', '.join(get_args(Setting))}")
+    if kinds not in get_args(Kinds):
+        raise ValueError(f"kinds = {kinds!r}; give one of {', '.join(get_args(Kinds))}")
     others = tuple(OTHERS)
     specs = []
     for i in range(first, first + n):
         group = "sticky" if i % 2 == 0 else others[(i // 2) % len(others)]
         if group == "sticky":
             rare = (i // 2) % round(1 / NOT_CYCLING) == 0
-            group = "excited" if rare != moved else "cycling"
+            group = "excited" if rare != (kinds == "moved") else "cycling"
+        if kinds == "levels":
+            group = LEVEL
         specs.append(one(group, (seed, i, get_args(Setting).index(setting)), setting))
     return specs
 
@@ -91,13 +99,14 @@ def one(group: str, stream: Sequence[int], setting: Setting = "training") -> Loo
 
     Raises ``ValueError`` for a group that is not known.
     """
-    if group not in OTHERS and group not in ("cycling", "excited"):
-        raise ValueError(f"group = {group!r}; give one of cycling, excited, {', '.join(OTHERS)}")
-    r = np.random.default_rng(stream)
+    if group not in OTHERS and group not in ("cycling", "excited", LEVEL):
+        raise ValueError(f"group = {group!r}; give one of cycling, excited, {LEVEL}, {', '.join(OTHERS)}")
+    r, level = np.random.default_rng(stream), group == LEVEL
     values: dict[str, Any] = {"seed": int(r.integers(2**31)), "setting": setting, "group": group}
-    values["cause"] = OTHERS.get(group, "stiction")
+    values["cause"] = "deadband" if level else OTHERS.get(group, "stiction")
+    group = "deadband" if level else group
     law = _pick(r, _VALVES[setting])
-    values |= _loop(r, group, law, setting)
+    values |= _loop(r, group, law, setting, level)
     values |= _valve(r, group, law, values["natural"] / values["per_natural"])
     if law == "creeping":
         values |= {"give": _log(r, *GIVE), "unevenness": _log(r, *UNEVENNESS)}
@@ -117,10 +126,10 @@ def _pick(r: Random, shares: Sequence[tuple[str, float]]) -> str:
     return shares[int(r.choice(len(shares), p=weights / weights.sum()))][0]
 
 
-def _loop(r: Random, group: str, law: str, setting: Setting) -> dict[str, Any]:
+def _loop(r: Random, group: str, law: str, setting: Setting, level: bool) -> dict[str, Any]:
     """Draw process and controller; the gain is a share of the one at which the loop rings for ever."""
-    process = _pick(r, _PROCESSES)
-    if process == "integrating" and group == "deadband":
+    process = "integrating" if level else _pick(r, _PROCESSES)
+    if process == "integrating" and group == "deadband" and not level:
         process = "two_lags"  # with an integrating process a deadband makes a cycle of its own
     tau1 = 10.0
     theta = tau1 * (_log(r, 0.1, 5.0) if setting != "other_physics" else _log(r, 0.3, 4.0))

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from calibration.drawing import draw
 from calibration.simulation import simulate
-from calibration.spec import Setting, Truth
+from calibration.spec import Kinds, Setting, Truth
 from detect.judge.features.channels import EVEN, ODD, channels
 from detect.judge.features.patterns import DILATIONS, Kernels, Readout, pooled_of
 from detect.judge.features.view import View, view_of
@@ -43,10 +43,10 @@ Say = Callable[[str], None]
 
 
 def views(
-    seed: int, workers: int | None = None, setting: Setting = "training", moved: bool = False
+    seed: int, workers: int | None = None, setting: Setting = "training", kinds: Kinds = "usual"
 ) -> list[tuple[View, Truth]]:
-    """The views on one part of a setting that show enough, and what is true of them; ``moved`` as in ``draw``."""
-    loops = simulate(draw(PART, seed, setting, moved=moved), workers)
+    """The views on one part of a setting that show enough, and what is true of them; ``kinds`` as in ``draw``."""
+    loops = simulate(draw(PART, seed, setting, kinds=kinds), workers)
     found = ((view_of(Prepared(loop)), truth) for loop, truth in loops)
     return [(view, truth) for view, truth in found if view is not None]
 
@@ -90,23 +90,23 @@ def _limits(bare: Kernels, looked_at: Sequence[Singles], shares: Sequence[float]
 
 def pooled_loops(
     folder: Path, seed: int, count: int, odd: Kernels, even: Kernels, workers: int | None = None,
-    setting: Setting = "training", moved: bool = False,
+    setting: Setting = "training", kinds: Kinds = "usual",
 ) -> tuple[Singles, npt.NDArray[np.str_]]:  # fmt: skip
     """Pooled numbers (n, p) and groups (n,) of ``count`` parts from ``seed`` on, those made before from the folder.
 
-    ``moved`` as in ``draw``.
+    ``kinds`` as in ``draw``.
 
     Raises ``ValueError`` if the folder holds what other kernels have pooled.
     """
     import polars as pl
 
-    asked = {"setting": setting, "seed": seed, "moved": moved, "part": PART, "kernels": _digest(odd, even)}
+    asked = {"setting": setting, "seed": seed, "kinds": kinds, "part": PART, "kernels": _digest(odd, even)}
     with opened(folder, asked, KEPT, fresh=False) as place:
         place.note()
         there = place.firsts()
         for k in range(count):
             if k * PART not in there:
-                seen = views(seed + k, workers, setting, moved)
+                seen = views(seed + k, workers, setting, kinds)
                 x = np.array([pooled_of(view, odd, even) for view, _ in seen])
                 columns = {KEPT.key: k * PART + np.arange(len(x)), "group": [truth.group for _, truth in seen], "x": x}
                 place.add(pl.DataFrame(columns))

@@ -20,7 +20,7 @@ from calibration.chunks import read, write
 from calibration.crossings import extent
 from calibration.drawing import draw
 from calibration.simulation import simulate
-from calibration.spec import Setting, Truth
+from calibration.spec import Kinds, Setting, Truth
 from detect.judge.features import features_of, view_of
 from detect.judge.features.patterns import FILE as PATTERNS
 from detect.prepare.prepared import Prepared
@@ -112,34 +112,34 @@ def table(told: Sequence[tuple[LoopRecord, Truth]]) -> Table:
 
 
 def kept_table(
-    folder: Path, setting: Setting, seed: int, count: int, workers: int | None = None, moved: bool = False
+    folder: Path, setting: Setting, seed: int, count: int, workers: int | None = None, kinds: Kinds = "usual"
 ) -> Table:
     """The table of ``count`` parts of a setting from ``seed`` on; parts not yet in the folder are made and kept there.
 
-    ``workers`` processes (default all cores); ``moved`` as in ``draw``.  Loops of the engine, which take a tenth of a
+    ``workers`` processes (default all cores); ``kinds`` as in ``draw``.  Loops of the engine, which take a tenth of a
     second each, are kept too (``chunks``), so that other features can be tried without simulating them again; those in
     sampled time are not.
     Raises ``ValueError`` if the folder holds features of another version.
     """
     from rich.progress import track
 
-    asked = {"setting": setting, "seed": seed, "moved": moved, "part": PART, "code": _code()}
+    asked = {"setting": setting, "seed": seed, "kinds": kinds, "part": PART, "code": _code()}
     with opened(folder / f"{setting}_{seed}", asked, KEPT, fresh=False) as place:
         place.note()
         there = place.firsts()
         missing = [k for k in range(count) if k * PART not in there]
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            waited = {pool.submit(_made, folder, setting, seed + k, moved): k for k in missing}
+            waited = {pool.submit(_made, folder, setting, seed + k, kinds): k for k in missing}
             for done in track(as_completed(waited), f"{setting} loops from seed {seed}", len(missing)):
                 place.add(_frame(done.result(), waited[done] * PART))
         rows = joined(place.rows(), KEPT.key)
     return _unframed(rows.filter(rows[KEPT.key] < count * PART))
 
 
-def _made(folder: Path, setting: Setting, seed: int, moved: bool = False) -> Table:
+def _made(folder: Path, setting: Setting, seed: int, kinds: Kinds = "usual") -> Table:
     """One part, in this process."""
     if setting != "other_physics":
-        return table(simulate(draw(PART, seed, setting, moved=moved), 1))
+        return table(simulate(draw(PART, seed, setting, kinds=kinds), 1))
     loops = folder / f"loops_{setting}_{seed}"
     write(loops, PART, seed, setting, 1, progress=False)
     return table([(record, truth) for _, record, truth in read(loops)])

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 Setting: TypeAlias = Literal["training", "other_physics", "creeping"]
+Kinds: TypeAlias = Literal["usual", "moved", "levels"]
 Cause: TypeAlias = Literal[
     "stiction", "tight_tuning", "external_oscillation", "sensor", "saturation", "deadband", "dead_loop",
     "cascade_slave", "drift", "healthy",

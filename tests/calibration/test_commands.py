@@ -33,7 +33,7 @@ def test_a_model_is_made_from_nothing(small):
     made, kept = Model.read(small / "model.npz"), Model.read(FILE)
     assert made.names == kept.names  # what is shipped was made from the features that there are
     assert set(made.causes) == set(kept.causes)
-    assert made.about["fitted_on"] <= 112 and made.about["calibrated_on"] <= 56
+    assert made.about["fitted_on"] <= 196 and made.about["calibrated_on"] <= 56
     p, others = made.probabilities(np.zeros((1, len(made.names))))
     assert p + others.sum(axis=1) == pytest.approx([1.0])
     read = patterns.Readout.read(small / "patterns.npz")

@@ -33,14 +33,23 @@ def test_specs_are_plain_and_a_set_may_be_drawn_in_parts() -> None:
 
 
 def test_most_of_the_sticky_loops_are_moved_by_something_else_where_that_is_asked_for() -> None:
-    usual, moved = draw(520, seed=3), draw(520, seed=3, moved=True)
+    usual, moved = draw(520, seed=3), draw(520, seed=3, kinds="moved")
     for specs, share in ((usual, 0.2), (moved, 0.8)):
         sticky = [spec.group for spec in specs if spec.cause == "stiction"]
         assert len(sticky) == 260 and sticky.count("excited") == share * 260
     assert [a for a in usual if a.group in OTHERS] == [b for b in moved if b.group in OTHERS]
 
 
+def test_a_level_with_a_deadband_cycles_and_is_no_stiction() -> None:
+    told = [truth for _, truth in simulate(draw(40, seed=3, kinds="levels"), workers=1)]
+    assert {truth.cause for truth in told} == {"deadband"} and {truth.process for truth in told} == {"integrating"}
+    assert all(np.isnan(truth.S) or truth.J == 0.0 for truth in told)
+    assert sum(truth.cycling for truth in told) > 10
+
+
 def test_bad_requests_are_refused() -> None:
+    with pytest.raises(ValueError, match="kinds = 'all'"):
+        draw(1, 1, kinds="all")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="n = 0, seed = 1"):
         draw(0, 1)
     with pytest.raises(ValueError, match="setting = 'lab'"):

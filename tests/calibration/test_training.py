@@ -57,7 +57,9 @@ def test_a_kind_of_loop_that_was_drawn_more_often_weighs_no_more():
 
     def more_often(seed):
         table = made(1500, seed)
-        moved = np.random.default_rng(seed).random(1500) < 0.8  # of the sticky loops; a fifth where nobody adds any
+        moved = (
+            np.random.default_rng(100 + seed).random(1500) < 0.8
+        )  # of the sticky loops; a fifth where nobody adds any
         group = np.where(table.sticky, np.where(moved, "excited", "cycling"), "healthy")
         size = np.where(moved, 8.0, 2.0)  # which no feature tells
         return Table(table.names, table.x, table.unit, table.truth | {"group": group, "S": size, "J": size})

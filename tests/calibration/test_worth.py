@@ -28,7 +28,7 @@ def test_features_are_kept_part_by_part(tmp_path, monkeypatch, here) -> None:
     monkeypatch.setattr("calibration.records.PART", 4)  # read when a part is made, in this process
     monkeypatch.setattr(
         "calibration.records._made",
-        lambda folder, setting, seed, moved: table(simulate(draw(4, seed, setting, moved=moved))),
+        lambda folder, setting, seed, kinds: table(simulate(draw(4, seed, setting, kinds=kinds))),
     )
     monkeypatch.setattr("calibration.records.ProcessPoolExecutor", here)
     two = kept_table(tmp_path, "training", 5, 2)
