@@ -23,7 +23,7 @@ from engine.table import Component
 Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less
 LOST = 1e3  # sizes at the start beyond which a process has run away
-AGAIN = 100  # rows after which slopes are taken again
+AGAIN, FEW = 100, 10  # rows after which slopes are taken again; where a process has run away, which then starts anew
 TIED = "observer:tied"
 
 
@@ -74,26 +74,41 @@ class Observer:
         dt: float,
     ) -> Floats:  # fmt: skip
         """Return what one run leaves, from ``z``."""
-        rows, far = len(y), np.maximum(np.abs(z), 1.0)
-        e = np.full(y.shape, np.nan)
+        e, start, far = np.full(y.shape, np.nan), z.copy(), np.maximum(np.abs(z), 1.0)
         here, off = np.ascontiguousarray(u[0]), np.concatenate([u[2, 1:], np.zeros((1, u.shape[2]))])
         begins, ends = here + off, np.concatenate([u[1, 1:], u[0, -1:]]) + off
-        for first in range(0, rows, AGAIN):
-            part = slice(first, min(first + AGAIN, rows))
+
+        def kept(part: slice) -> bool:
+            """Write what some rows leave; return whether the process is still near its path behind them."""
             size = np.maximum(np.abs(z), LEAST)
-            J = slopes_at(I, W, self.into, self.loaded, here[first], self.decay, z, size)
+            J = slopes_at(I, W, self.into, self.loaded, here[part.start], self.decay, z, size)
             if not np.isfinite(J).all():
-                break
+                return False
             with np.errstate(over="ignore", invalid="ignore"):
                 P_1, P_2 = (dt * size[:, None] * phi / size for phi in phis(dt * J * size / size[:, None]))
                 e[part] = observed(
                     I, W, self.into, self.loaded, self.shown, here[part], begins[part], ends[part], y[part], K,
                     which[part], self.decay, J, P_1, P_2, z,
                 )  # fmt: skip
-            if not (np.abs(z) < LOST * far).all():
-                e[part] = np.nan
-                break
+            return bool((np.abs(z) < LOST * far).all())
+
+        for part in parted(0, len(y), AGAIN):
+            before = z.copy()
+            if not kept(part):
+                z[:] = before
+                for few in parted(part.start, part.stop, FEW):
+                    if not kept(few):
+                        e[few], z[:] = np.nan, start
         return e
+
+
+def parted(first: int, behind: int, rows: int) -> list[slice]:
+    """Return slices of so many rows.
+
+    >>> parted(0, 5, 2)
+    [slice(0, 2, None), slice(2, 4, None), slice(4, 5, None)]
+    """
+    return [slice(k, min(k + rows, behind)) for k in range(first, behind, rows)]
 
 
 def phis(A: Floats) -> tuple[Floats, Floats]:
