@@ -27,10 +27,11 @@ NEARLY = 0.97  # share of the gap from which on hardly anything is left
 BENCHMARK: Mapping[str, tuple[int, int]] = {
     "complete, clear": (104, 104), "complete, close": (9, 9), "adequate, above 0.97": (2, 2),
     "adequate, below 0.97": (8, 8), "digits": (9, 10), "pair": (5, 6), "unknown": (17, 20),
-    # site loop, 159 tuning records, of 54 the class of the effect left out of the catalogue; of six sticky stems four
-    # follow LuGre's law, and are called deadband
-    "filter, digits": (6, 6), "filter, white": (54, 57), "filter, nearly": (4, 5), "filter, stiction": (2, 2),
-    "filter, deadband": (5, 9), "filter, unknown": (66, 66),
+    # site loop, 124 tuning records with an effect (seeds 50, 52, 60; misses of the first two have been worked on, so
+    # these shares flatter); "unknown" of 61 whose effect the catalogue lacks, at their share (``OUTSIDE``)
+    "filter, digits": (10, 10), "filter, white": (76, 76), "filter, load": (10, 10), "filter, noise": (5, 5),
+    "filter, rivalled": (5, 6), "filter, nearly": (2, 2), "filter, stiction": (2, 2), "filter, deadband": (5, 8),
+    "filter, unknown": (40, 42),
 }  # fmt: skip
 
 
@@ -48,9 +49,14 @@ def kind(evidence: Evidence) -> str:
 
 
 OUTSIDE = 0.25  # share of the gaps whose effect is in no catalogue
-# kind of answer -> such answers to effects outside the catalogue, for each one to effects of the catalogue
-MISTAKEN: Mapping[str, float] = {}
-RECALLED = 0.8  # share of effects outside the catalogue that are called unknown
+# kind of answer -> such answers to effects outside the catalogue, for each one to effects of the catalogue: one more
+# than found of 61 tuning records whose effect the catalogue lacks (27 of seeds 50, 52 and 60 that no catalogue has; of
+# seed 60, 34 with their class left out); two of them got a name, both with a rival near
+MISTAKEN: Mapping[str, float] = {
+    "filter, white": 0.009, "filter, load": 0.068, "filter, noise": 0.135, "filter, rivalled": 0.34,
+    "filter, nearly": 0.34, "filter, stiction": 0.34, "filter, deadband": 0.085,
+}  # fmt: skip
+RECALLED = 0.9  # share of effects outside the catalogue that are called unknown
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,10 @@ def constancy(one: Filtered) -> dict[str, float]:
 def stretches(rows: int) -> dict[str, Floats]:
     """Return name -> 1 in one of six stretches of the record, else 0."""
     parts = np.array_split(np.arange(rows), STRETCHES)
-    return {f"stretch {k + 1} of {STRETCHES}": np.isin(np.arange(rows), part) * 1.0 for k, part in enumerate(parts)}
+    return {
+        f"stretch {k + 1} of {STRETCHES}": np.isin(np.arange(rows), part).astype(np.float64)
+        for k, part in enumerate(parts)
+    }
 
 
 def modulated(e: Floats, slopes: Mapping[str, Floats], known: Mapping[str, Floats]) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 1. A gap if the model as it is leaves innovations that are not white, or an effect gains more than noise lets it.
 2. Textures first: what the digits of the log tell needs no search.  Then all effects that a filter has, by likelihood.
-   Stems that stick come last, and only while nothing else is adequate: their bank costs most.
+   Slower scans and stems that stick come last, and only while nothing else is adequate: they cost most.
 3. An explanation is adequate if its own innovations pass all checks; else it is "unknown".
 """
 
@@ -20,12 +20,13 @@ from gap.effect import Effect
 from gap.effects.compression import Compression
 from gap.effects.disturbance import Disturbance
 from gap.effects.quantisation import Quantisation
+from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
 from gap.evidence import Evidence
 from gap.filters.affine import NotAffine
 from gap.filters.checks import checks
 from gap.filters.constant import constancy
-from gap.filters.digits import coarse_sensor, compressed
+from gap.filters.digits import coarse_sensor, compressed, few_levels
 from gap.filters.explaining import ranked, settled, total
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found
@@ -47,6 +48,7 @@ LIMIT_STEMS = 9.0  # of a bank of stems, which is not exact
 EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
 TIE = 6.0  # nats between explanations that the record does not tell apart
+CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
 ACTING = 1.5  # excess of OP's innovations over that of PV's from which on the controller is it
 STICTION = 16.0  # nats that a jump must gain over a deadband: a bank of stems is no more exact
 
@@ -95,7 +97,7 @@ def _kind(best: Filtered) -> str:
     effect = best.explanation.effect
     if not passes(best):
         return "filter, nearly"
-    if rival(best)[1] < TIE:
+    if rival(best)[1] < CLEAR:
         return "filter, rivalled"
     if isinstance(effect, Disturbance):
         return "filter, load"
@@ -157,10 +159,13 @@ def outcome(
             found = compressed(plain, effect, next(iter(effect.places(f.model)), "historian"), seed)
             if found is not None and passes(found.best):
                 return Outcome(plain, (found,), (found,), True, True, stem)
-    fits = ranked(plain, catalogue, progress)
+    scans = [effect for effect in catalogue if isinstance(effect, ScanTime)]
+    fits = ranked(plain, [effect for effect in catalogue if effect not in scans], progress)
     clean = worst(plain.best)[1] <= LIMIT and not elsewhere
     if clean and (not fits or plain.nll - total(fits[0]) < NEEDED):
         return Outcome(plain, fits, (), False, stem=stem)
+    if scans and (not fits or not adequate(plain, fits[0])):
+        fits = sorted([*fits, *ranked(plain, scans)], key=total)
     if (not fits or not adequate(plain, fits[0])) and (elsewhere or (stem is None and _by_stem(plain.best))):
         sticking = [(effect, place) for effect, place in legal if effect.hidden]
         fits = sorted([*fits, *_stems(plain, sticking)], key=total)
@@ -188,12 +193,14 @@ def _stems(plain: Found, sticking: Sequence[tuple[Effect, str]]) -> list[Found]:
     return found
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def worst(one: Filtered) -> tuple[str, float]:
     """Return the check that an explanation passes least, and by how much."""
     found = checks(one)
     if one.explanation.effect:
         found |= constancy(one) | beside(one) | either_way(one)
+        if not isinstance(one.explanation.effect, Quantisation):
+            found |= few_levels(one.explanation.filtering)
     name = max(found, key=lambda key: abs(found[key]))
     return name, abs(found[name])
 
@@ -203,7 +210,7 @@ def passes(one: Filtered) -> bool:
     return worst(one)[1] <= (LIMIT_STEMS if one.explanation.sticks else LIMIT)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def rival(one: Filtered) -> tuple[str, float]:
     """Return the likeliest generic rival of an explanation, and by how many nats it is worse."""
     name, loss = likeliest(one)

@@ -43,6 +43,20 @@ def levels(values: Floats) -> float:
     return float(f"{step:.4g}") if float(off.max()) <= 0.51 * fine + UNEVEN * step else 0.0
 
 
+def few_levels(f: Filtering) -> dict[str, float]:
+    """Return name -> figure of each measurement that has few levels: sqrt(2 n ln(1/p)), p the share that is on them by
+    chance; a sensor that is no coarser than its log has none.
+    """
+    found = {}
+    for j, s in enumerate(f.signals):
+        values = f.Y[:, j][np.isfinite(f.Y[:, j])]
+        step = levels(values) if s not in f.ops and len(values) else 0.0
+        if step:
+            p = min((2.0 * 0.51 * rounding(values) + 2.0 * UNEVEN * step) / step, 1.0)
+            found[f"few levels of {s}"] = float(np.sqrt(-2.0 * len(values) * np.log(p)))
+    return found
+
+
 def coarse_sensor(plain: Found, effect: Effect, place: str) -> Found | None:
     """Return a sensor of few levels if its signal has them and the controller has seen them too."""
     f = plain.best.explanation.filtering

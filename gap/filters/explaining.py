@@ -20,6 +20,7 @@ from gap.filters.switches import with_switches
 from gap.loads import planned
 
 STEPPED = (ScanTime, ControllerLimits)
+PART = 400  # rows in which slower scans are looked for, at least
 SLOWEST = 60  # scans of the model from one to the next of a slower controller, at most
 STRAY = 0.02  # share of rows at which its output may change though it has not scanned
 SLOWER = 3  # of these that are looked at with switches of their own
@@ -180,13 +181,18 @@ def _both(start: Filtered, names: Sequence[str]) -> Found:
 
 
 def _slower(one: Explanation, free: Mapping[str, float]) -> Filtered | None:
-    """Return the best of the slower scans: the likeliest ones with and without the rows near switches, each with
-    switches that suit it.
+    """Return the best of the slower scans: those likeliest in the first part of the record, with and without the rows
+    near switches, each with switches that suit it.
     """
-    counted = replace(one.filtering, apart=True).counted
-    looked = [found for values in _scans(one) if (found := tried(one, {**free, **values})) is not None]
-    near = sorted(looked, key=lambda x: x.nll)[:SLOWER]
-    near += sorted(looked, key=lambda x: float(x.losses[counted].sum()))[:SLOWER]
+    rows = len(one.filtering.Y)
+    head = one.filtering.head(min(rows, max(PART, rows // 4)))
+    counted = replace(head, apart=True).counted
+    first = replace(one, filtering=head)
+    looked = [found for values in _scans(one) if (found := tried(first, {**free, **values})) is not None]
+    best = sorted(looked, key=lambda x: x.nll)[:SLOWER]
+    best += sorted(looked, key=lambda x: float(x.losses[counted].sum()))[:SLOWER]
+    many = {tuple(x.values.items()): x.values for x in best}.values()
+    near = [found for values in many if (found := tried(one, values)) is not None]
     near += [found for x in near if (found := tried(one, {**x.values, "present": 0.0})) is not None]
     return best_of([with_switches(found) for found in near])
 

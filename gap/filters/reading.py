@@ -163,3 +163,8 @@ class Filtering:
     def with_leads(self, leads: NDArray[np.int64]) -> "Filtering":
         """Return the same record with other scans at which its inputs switch."""
         return replace(self, leads=leads)
+
+    def head(self, rows: int) -> "Filtering":
+        """Return the first rows of the record."""
+        log = self.record.log.samples(0, rows)
+        return replace(self, record=replace(self.record, log=log), leads=self.leads[:, :rows])

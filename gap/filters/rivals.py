@@ -30,6 +30,7 @@ BANDS = (0.0, 1.0 / 600.0, 1.0 / 40.0, 1.0 / 6.0)  # correlation times, in recor
 SIZES = (0.15, 0.4, 1.0, 2.5)  # of what the source gives in the model
 NEARBY, ROUNDS = (0.7, 1.4), 3  # sizes near the best; steps of its fit
 LITTLE = 0.01  # relative size of a little of an effect
+OVERTONES = (2, 3)  # of a periodic load that are looked at
 
 
 def randoms(one: Explanation) -> Iterator[Nuisance]:
@@ -83,20 +84,48 @@ def either_way(now: Filtered) -> dict[str, float]:
         return {}
     basis, _ = np.linalg.qr(np.stack([d[first:].ravel() for d in slopes.values()], axis=1))
     e = np.clip(np.nan_to_num(now.judged), -CALM, CALM).ravel()
-    found = {}
+    pairs = []
     for effect in f.catalogue:
         for place in effect.places(f.model):
             size = _little(Explanation(f, effect, place))
-            moved = tried(Explanation(f, effect, place), free | size) if size else None
-            if moved is None:
-                continue
-            change = (moved.e * np.sqrt(moved.S) - bare.e * np.sqrt(bare.S)) / np.sqrt(now.S)
-            d = np.nan_to_num(change[first:]).ravel()
-            own = d - basis @ (basis.T @ d)
-            length = float(np.sqrt(own @ own))
-            if length > FRESH * float(np.sqrt(d @ d)):
-                found[f"beside it {effect.name} at {place}, or its opposite"] = float(e @ own) / length
+            if size:
+                name = f"beside it {effect.name} at {place}, or its opposite"
+                pairs.append((name, bare, tried(Explanation(f, effect, place), free | size)))
+    pairs += [(name, now, tried(one, now.values)) for name, one in _overtones(now.explanation)]
+    found = {}
+    for name, without, moved in pairs:
+        if moved is None:
+            continue
+        change = (moved.e * np.sqrt(moved.S) - without.e * np.sqrt(without.S)) / np.sqrt(now.S)
+        d = np.nan_to_num(change[first:]).ravel()
+        own = d - basis @ (basis.T @ d)
+        length = float(np.sqrt(own @ own))
+        if length > FRESH * float(np.sqrt(d @ d)):
+            found[name] = float(e @ own) / length
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class Overtone(Explanation):
+    """A periodic load with a little of a sine beside it, ``turns`` in a period, ``shift`` of a turn later."""
+
+    turns: int = 2
+    shift: float = 0.0
+
+    def wave(self, values):  # type: ignore[no-untyped-def]
+        """Return the load at each scan."""
+        t = self.filtering.time + 0.5 * self.filtering.period
+        at = self.turns * (t / values["period"] + values["phase"]) + self.shift
+        return super().wave(values) + LITTLE * values["amplitude"] * np.sin(2.0 * np.pi * at)
+
+
+def _overtones(one: Explanation) -> Iterator[tuple[str, Explanation]]:
+    """Yield a periodic load with a little of another shape, by name."""
+    if one.load and "period" in one.own:
+        for turns in OVERTONES:
+            for shift in (0.0, 0.25):
+                name = f"beside it a load {turns} times as fast, {shift:g} of its period later"
+                yield name, Overtone(one.filtering, one.effect, one.place, turns=turns, shift=shift)
 
 
 def _little(one: Explanation) -> dict[str, float]:
@@ -126,7 +155,9 @@ def _random(now: Filtered) -> dict[str, float]:
     bare = tried(Explanation(f), {key: now.values[key] for key in f.free})
     if bare is None:
         return {}
-    best = min((with_random(bare, random) for random in randoms(bare.explanation)), key=lambda x: x.nll)
+    noisy = {source.block for source in f.noise if source.correlation_time == 0.0}  # more of it is in the catalogue
+    rivals = [one for one in randoms(bare.explanation) if one.correlation_time > 0.0 or one.block not in noisy]
+    best = min((with_random(bare, one) for one in rivals), key=lambda x: x.nll)
     if best is bare:
         return {}
     best = refined(best, tuple(f.free), ROUNDS).best
@@ -168,8 +199,8 @@ def _elsewhere(now: Filtered) -> dict[str, float]:
     if not isinstance(one.effect, SineDisturbance):
         for s in f.signals:
             if s not in f.ops:
-                by = float(np.nanstd(f.record.log[s]) / np.nanstd(op))
-                rivals[f"an error of {s} that follows the same plan"] = s, by
+                scale = float(np.nanstd(f.record.log[s]) / np.nanstd(op))
+                rivals[f"an error of {s} that follows the same plan"] = s, scale
     found = {}
     for name, (signal, by) in rivals.items():
         start = tried(Elsewhere(f, one.effect, one.place, (), signal, by), now.values)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.filters.diagnosing import TIE, Outcome, explained, rival, worst
+from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
@@ -15,13 +15,14 @@ from gap.filters.reading import Filtering
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.sizes import BLOCKS, SEEN, SURE
 from gap.structure import by_wiring
-from gap.sureness import Sureness
+from gap.sureness import OUTSIDE, Sureness
 from gap.words import LISTED, NO_PLACE
 
 Floats = NDArray[np.float64]
 FELT = 3.6  # standard deviations of a size that a gap of 6.5 nats needs
 STEM_SPREAD = {"S": 0.05, "J": 0.2, "width": 0.06}  # share by which sizes of a bank of stems are off (tuning records)
 DIGITS_SPREAD = {"step": 0.01, "deviation": 0.15}
+PRIOR_OF_UNKNOWN = f"Of all gaps {100.0 * OUTSIDE:.0f} % are taken to have a cause that is in no catalogue."
 ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
 
 
@@ -113,7 +114,7 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
             else "."
         )
     )
-    if not o.textured and rival(best.best)[1] < TIE:
+    if not o.textured and rival(best.best)[1] < CLEAR:
         other, behind = rival(best.best)
         words.append(f"Nearly as well ({behind:.1f} nats less) the record is explained by {other}.")
     shares = _shares(o)
@@ -204,17 +205,12 @@ def _fraction(before: float, after: float) -> float:
 def _ahead(one: Filtered, first: int) -> Filtered:
     """Return what values that were fitted on the rows up to ``first`` leave of the whole record."""
     f = one.explanation.filtering
-    head = _head(f, first)
-    explanation = replace(one.explanation, filtering=head)
+    explanation = replace(one.explanation, filtering=f.head(first))
     if explanation.sticks:
         near = Filtered(explanation, one.values, one.e, one.S, one.OP)
         return left(one.explanation, followed_on(near).values)
     fitted = refined(explanation.filtered(one.values), free_names(explanation), 5)
     return one.explanation.filtered(fitted.best.values)
-
-
-def _head(f: Filtering, first: int) -> Filtering:
-    return replace(f, record=replace(f.record, log=f.record.log.samples(0, first)), leads=f.leads[:, :first])
 
 
 def abnormal_segment(plain: Filtered) -> tuple[str, ...]:
@@ -253,7 +249,7 @@ def _report(
     both = np.stack([o.plain.best.judged, after.judged])
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     t = f.record.log.t[f.skipped :]
-    notes = (*_notes(f), str(sureness))
+    notes = (*_notes(f), PRIOR_OF_UNKNOWN, str(sureness))
     return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.model, o.evidence)
 
 

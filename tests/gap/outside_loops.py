@@ -1,4 +1,4 @@
-"""The site's flow loop from scan to scan, in plain Python, with effects that no catalogue has.
+"""The site's flow loop from scan to scan, in plain Python, with effects that no catalogue has, and some that it has.
 
 y_k+1 = a y_k + (1 - a) K (OP_k + load_k),  a = exp(-1/tau)        a first order under inputs that are held: exact
 """
@@ -25,11 +25,14 @@ KINDS = {
     "none": lambda t, rng: {},
     "step": lambda t, rng: {"load": 0.06 * (t >= 3400.0)},
     "sine": lambda t, rng: {"load": 0.02 * np.sin(2.0 * np.pi * t / 140.0)},
-    "a gain that switches": lambda t, rng: {"K": np.where(t < 3400.0, 3.0, 2.6)},
+    "more noise": lambda t, rng: {"noise": 0.007 * rng.normal(size=len(t))},
+    "a gain that switches": lambda t, rng: {"K": np.where(t < 3400.0, 3.0, 2.75)},
     "a gain that oscillates": lambda t, rng: {"K": 3.0 * (1.0 + 0.06 * np.sin(2.0 * np.pi * t / 140.0))},
-    "a gain that wears": lambda t, rng: {"K": 3.0 * (1.0 - 0.2 * t / t[-1])},
-    "a slow load": lambda t, rng: {"load": 0.03 * autoregression(rng, len(t), 1200.0)},
-    "a ramp of the load": lambda t, rng: {"load": 0.08 * np.clip((t - 2500.0) / 2500.0, 0.0, 1.0)},
+    "a gain that wears": lambda t, rng: {"K": 3.0 * (1.0 - 0.13 * t / t[-1])},
+    "a square wave of the load": lambda t, rng: {"load": 0.02 * np.sign(np.sin(2.0 * np.pi * t / 300.0))},
+    "a slow load": lambda t, rng: {"load": 0.018 * autoregression(rng, len(t), 1200.0)},
+    "a ramp of the load": lambda t, rng: {"load": 0.05 * np.clip((t - 2800.0) / 1800.0, 0.0, 1.0)},
+    "a gain that goes with the direction": lambda t, rng: {"way": 0.03},
     "a restless stem": lambda t, rng: {"load": 0.025 * rng.normal(size=len(t))},
     "a sensor whose noise is coloured": lambda t, rng: {"noise": 0.01 * autoregression(rng, len(t), 15.0)},
 }
@@ -52,6 +55,7 @@ def site_log(kind="none", seed=5, hours=2.0):
         e = SP[k] - PV[k]
         z += K_P / T_I * e
         OP[k] = min(max(K_P * e + z, 0.0), 1.0)
-        y = a * y + (1.0 - a) * K[k] * (OP[k] + load[k])
+        way = np.sign(OP[k] - OP[k - 1]) if k else 0.0
+        y = a * y + (1.0 - a) * K[k] * (OP[k] * (1.0 + own.get("way", 0.0) * way) + load[k])
     rows = slice(None, None, 5)
     return Log(t[rows], {"SP": SP[rows], "PV": np.round(PV[rows] / 0.0015) * 0.0015, "OP": OP[rows].round(3)})

@@ -16,7 +16,12 @@ from gap.model import Nuisance, read
 from tests.gap.outside_loops import KINDS, site_log
 
 FEW = ("step_disturbance", "sine_disturbance", "sensor_drift", "sensor_noise", "process_gain", "second_lag")
-KNOWN = {"none": [], "step": ["step_disturbance"], "sine": ["sine_disturbance"]}
+KNOWN = {
+    "none": [],
+    "step": ["step_disturbance"],
+    "sine": ["sine_disturbance"],
+    "more noise": ["sensor_noise"],
+}
 
 
 def filtered_as_it_is(kind):
@@ -27,6 +32,8 @@ def filtered_as_it_is(kind):
 def test_what_no_catalogue_has_is_unknown_and_what_it_has_is_named(kind):
     report = diagnose(site_flow(), site_log(kind), catalogue=[effect(name) for name in FEW], progress=False)
     assert [cause.effect for cause in report.causes] == KNOWN.get(kind, ["unknown"])
+    if kind == "a gain that switches":
+        assert "worse than a gain that follows the same plan, which no effect of the catalogue is" in str(report)
 
 
 def test_what_parameters_do_already_is_no_change_of_theirs():

@@ -46,6 +46,8 @@ def test_a_coarse_sensor_is_told_from_a_coarse_log(site_record):
     cause = diagnose(site_flow(), coarse, catalogue=known("quantisation", "sensor_noise")).causes[0]
     assert cause.effect == "quantisation"
     assert cause.parameters["step"].value == pytest.approx(0.02, rel=0.01)
+    without = diagnose(site_flow(), coarse, catalogue=known("sensor_noise"))  # leaves innovations as noise does
+    assert [cause.effect for cause in without.causes] == ["unknown"]
     plain = site_record()  # the controller has seen what this log leaves out
     rounded = Log(plain.t, {**{s: plain[s] for s in ("SP", "OP")}, "PV": np.round(plain["PV"] / 0.02) * 0.02})
     assert "quantisation" not in [
