@@ -38,7 +38,7 @@ OTHERWISE = (
 EITHER = ("valve_leak", "sensor_bias", "sensor_drift", "step_disturbance")  # of either sign
 WAVES = ("sine_disturbance", "slug")
 BEYOND = 1e12  # nats of what cannot be
-SIZES = (0.1, 0.3, 0.6, 1.0, 1.5)  # of the typical size, at which another effect is tried first
+SIZES = (0.1, 0.3, 0.6, 1.0, 1.5, 3.0)  # of the typical size, at which another effect is tried first
 
 
 def told(record: Record) -> float:

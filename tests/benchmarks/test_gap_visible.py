@@ -13,7 +13,7 @@ def test_a_span_within_the_tolerance_of_the_hold_up_leaves_no_trace():
 
 
 def test_a_lag_of_the_sensor_leaves_a_trace_and_is_one_of_the_process():
-    made = record("level", ["sensor_lag"], seed=3, hours=0.7)
+    made = record("level", ["sensor_lag"], seed=3, hours=0.7, given={"sensor_lag": {"tau": 30.0}})
     assert told(made) > TRACE
     assert told_apart(made, "second_lag") < 0.1  # analytic: the same place in the loop
     assert told_apart(made, "controller_gain") > TIE
