@@ -29,6 +29,7 @@ from gap.filters.logged_stem import logged_stem
 from gap.filters.telling import told as told_by_filters
 from gap.floor import Floor, measured
 from gap.instants import with_instants
+from gap.linearised.chance import priced
 from gap.linearised.filtered import filter_of
 from gap.linearised.usual import floor_of_record, suspected
 from gap.model import read, silenced
@@ -78,6 +79,8 @@ def diagnose(
     legal = candidates(problem, problem.quiet, catalogue)
     fits = ranked(legal, progress)
     problem, fits = _instants_again(problem, fits)
+    if problem.record.filter is not None:
+        fits = priced(problem, fits)
     compressed = [found for one in catalogue if one.of_log and (found := _compression(problem, one)) is not None]
     lattices = [fit for fit in fits if isinstance(fit.effect, Quantisation) and problem.score > fit.F]
     textured = [*compressed, *lattices]

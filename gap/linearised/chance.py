@@ -1,0 +1,52 @@
+"""What an effect gains in a filter where there is no gap, which it must gain in a record besides.
+
+A filter takes what drives the process from rows that show noise as well; a lag that smooths it foretells measurements
+better, gap or none.  So each effect that may be named is tried, with its sizes, on runs of the model as it is.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.floor import scored, without_gap
+from gap.problem import Problem
+from gap.search import Fit, narrowed
+from logs import Log
+
+Floats = NDArray[np.float64]
+
+RUNS = 12  # of the model as it is
+SEED = 700  # of the first of them
+MOST = 12  # effects that are tried
+SIGMAS = 3.0  # standard deviations of the gain from run to run that are taken off besides its mean
+
+
+def priced(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
+    """Return fits, the best first, those that may be named dearer by what they gain without a gap [nats]."""
+    found = list(fits)
+    if not found or found[0].total >= problem.score:
+        return found
+    logs = without_gap(problem.model, problem.record, RUNS, SEED)
+    if len(logs) < 2:
+        return found
+    plain = problem.innovations(problem.quiet, logs=logs)
+    done: list[Fit] = []
+    while len(done) < MOST and found[0] not in done and found[0].present:  # the next may be the best once this one is
+        best = found[0]
+        gain = scored(plain) - _left(problem, best, plain, logs)
+        usual = float(np.mean(gain)) + SIGMAS * float(np.std(gain, ddof=1))
+        new = replace(best, price=best.price + max(usual, 0.0)) if np.isfinite(usual) else best
+        done.append(new)
+        found = sorted([new, *found[1:]], key=lambda fit: fit.total)
+    return found
+
+
+def _left(problem: Problem, fit: Fit, plain: Floats, logs: Sequence[Log]) -> Floats:
+    """Return the scores of logs that an effect of these sizes explains, (logs,)."""
+    if fit.candidate.noisy:
+        return np.array([narrowed(replace(fit, e=e)).F for e in plain])
+    own = {name: fit.values[name] for name in fit.candidate.own}
+    there = fit.effect.insert(problem.quiet, fit.place, **own)
+    return scored(problem.innovations(fit.effect.started(there, fit.place, problem.record.first), logs=logs))
