@@ -15,7 +15,7 @@ from gap.pairs import Pair
 from gap.problem import Problem
 from gap.proposals import smooth
 from gap.ranges import fitted
-from gap.search import Candidate, Fit, best_of, refined, slopes
+from gap.search import Candidate, Fit, best_of, narrowed, refined, slopes
 
 Floats = NDArray[np.float64]
 LIKE = 0.99  # cosine between the slopes of two effects at neutral, from which on the other is fitted too
@@ -30,11 +30,16 @@ def alternatives(problem: Problem, pair: Pair, catalogue: Iterable[Effect]) -> t
 
 def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]) -> list[Fit]:
     same = [fit]
-    base = inserted(problem.quiet, other)
-    own = _trace(replace(fit.candidate, base=base))
+    if fit.candidate.noisy:
+        return same
+    noisy = other.candidate.noisy  # more noise leaves a replay as it is, but makes it count for less
+    base = problem.quiet if noisy else inserted(problem.quiet, other)
+    here = replace(fit.candidate, base=base)
+    best = refined(here.tried([fit.values])[0]) if noisy else fit
+    own = _trace(here)
     for candidate in candidates(problem, base, catalogue):
         known = candidate.effect is fit.effect or candidate.effect is other.effect
-        if known or not smooth(candidate) or "time" in candidate.own or fit.candidate.noisy or other.candidate.noisy:
+        if known or not smooth(candidate) or "time" in candidate.own:
             continue
         if own is None or (trace := _trace(candidate)) is None or abs(_cosine(own, trace)) < LIKE:
             continue
@@ -46,9 +51,16 @@ def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]
             near = TIE
             if other.effect.hidden and abs(_cosine(own, trace)) > SAME:  # one mode that starts otherwise tells nothing
                 near += RELEVANT * max(problem.score - problem.level, 0.0)
-            if fit.F + near >= found.F and found.price <= fit.price:
+            if _behind(found, best, other) <= near and found.price <= fit.price:
                 same.append(found)
     return same
+
+
+def _behind(found: Fit, best: Fit, other: Fit) -> float:
+    """Return the nats by which a fit is worse than the best one, beside another effect."""
+    if not other.candidate.noisy:
+        return found.F - best.F
+    return narrowed(replace(other, e=found.e)).F - narrowed(replace(other, e=best.e)).F
 
 
 def _as_large(candidate: Candidate, fit: Fit, own: Floats, trace: Floats) -> list[Fit]:

@@ -49,6 +49,16 @@ def test_a_sensor_of_few_levels_alone_is_named_alone(recorded):
     assert beside_digits(problem, first, DIGITS, 1, False) is None
 
 
+def test_beside_more_noise_the_class_of_the_other_is_listed(recorded):
+    # analytic: gain of the valve, of the process and span of the sensor leave the same PV and OP
+    catalogue = [effect(name) for name in ("sensor_noise", "sensor_span", "process_gain", "valve_gain", "dead_time")]
+    span = ("sensor_span", "sensor", {"factor": 1.2})
+    log = logged(recorded, 5, span, ("sensor_noise", "sensor", {"factor": 2.0}))
+    first, second = diagnose(ideal_flow(), log, catalogue=catalogue, limits=False, progress=False).causes
+    assert {first.effect, *first.ambiguous_with} == {"sensor_span", "process_gain", "valve_gain"}
+    assert second.effect == "sensor_noise" and not second.ambiguous_with
+
+
 def test_a_stem_that_is_the_smaller_of_two_is_found_and_the_class_of_the_other(recorded):
     values = {"deadband": {"width": 0.6}, "process_gain": {"factor": 1.2}}
     log = logged(recorded, 5, ("process_gain", "process", values["process_gain"]),
