@@ -267,7 +267,8 @@ def abnormal_segment(problem: Problem) -> tuple[str, ...]:
     """
     floor, e = problem.floor, problem.as_it_is
     usual = max(floor.mean / e.shape[1], float(np.finfo(float).tiny))
-    excess = np.array([float(losses(e[:, k][np.isfinite(e[:, k])]).mean()) / usual - 1.0 for k in range(e.shape[1])])
+    shown = [e[np.isfinite(e[:, k]), k] for k in range(e.shape[1])]
+    excess = np.array([float(losses(one).mean()) / usual - 1.0 if len(one) else -np.inf for one in shown])
     levels = np.where(floor.changes, -np.inf, excess)
     k = int(np.argmax(levels if levels.max() > ABNORMAL else excess))
     driver = problem.quiet.blocks[problem.quiet.driven[problem.record.pinned[k]][0]].name
