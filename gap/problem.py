@@ -87,7 +87,7 @@ class Problem:
         branches = branches_of(diagram, self.quiet, self.record, self.floor) if self.modes else None
         found, kept = branched(ready, record or self.record, params, logs=logs, branches=branches)
         e = self.floor.innovations(found)
-        if self.floor.coloured and logs is None:
+        if self.floor.coloured and logs is None and self.record.filter is None:  # what it drives is logged there
             e[:, self.at_limit[: e.shape[1]]] = np.nan
         return e, kept
 
