@@ -17,6 +17,7 @@ from gap.sureness import Sureness
 from logs import Log
 
 Floats = NDArray[np.float64]
+UNLIKE = 0.045  # share by which F of a large diagram may exceed its mean: no log is written by quite the same program
 AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
 EARLY = 0.2  # share of the record on which sizes are tried first
 SHOWN = 600.0  # nats by which the gap must show there
@@ -159,7 +160,8 @@ class Problem:
     @property
     def limit(self) -> float:
         """F that records without a gap do not exceed."""
-        return float(self.level + SIGMAS * self.floor.sd * np.sqrt(self.known))
+        more = float(SIGMAS * self.floor.sd * np.sqrt(self.known))
+        return self.level + (more if self.record.filter is None else max(more, UNLIKE * self.level))
 
 
 @lru_cache(maxsize=16)
