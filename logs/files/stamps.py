@@ -36,6 +36,7 @@ _MONTH_WORDS = (
     "jan ene gen", "feb fév fev", "mar mär mrz mrt maa", "apr avr abr", "may mai maj mei mag", "jun giu",
     "jul lug", "aug aoû aou ago", "sep set", "oct okt ott out", "nov", "dec dez des déc dic",
 )  # fmt: skip
+_AT_ONCE = 100_000  # stamps that are cut into parts at once: these take 400 bytes each
 _MONTHS = {name: i for i, names in enumerate(_MONTH_WORDS, start=1) for name in names.split()}
 _HOUR = 3600.0
 
@@ -200,6 +201,14 @@ def _unreadable_row(text: pl.Series) -> int:
 
 def _moments(text: pl.Series, pattern: str) -> pl.Series:
     """Date-times by the pattern, in UTC where the stamp tells its offset; null where they do not exist."""
+    import polars as pl
+
+    first = range(0, max(len(text), 1), _AT_ONCE)
+    return pl.concat([_moments_of(text.slice(i, _AT_ONCE), pattern) for i in first], rechunk=True)
+
+
+def _moments_of(text: pl.Series, pattern: str) -> pl.Series:
+    """Date-times of a part of a column."""
     import polars as pl
 
     parts = text.str.extract_groups(pattern).struct.unnest()

@@ -104,7 +104,7 @@ def parse_table(text: str, separator: str | None = None, *, split_units: bool = 
     names, units = names_and_units(header) if split_units else (header, {})
     if split_units:
         rows = _without_word_rows(rows, names, units, chosen, notes)
-    body, lines = "\n".join(line for _, line in rows), [n for n, _ in rows]
+    body, lines = "\n".join(line for _, line in rows).encode("utf-8"), [n for n, _ in rows]
     del text, numbered, rows  # a third of the memory that a long file takes
     frame = _frame(names, body, len(lines), chosen)
     frame = without_twins(frame, dict(zip(header, names, strict=True)), twins, notes)
@@ -221,13 +221,13 @@ def _is_words_row(row: list[str]) -> bool:
     return not any(is_state(cell) or (is_blank(cell) and cell != "-") for cell in filled)
 
 
-def _frame(names: list[str], text: str, rows: int, separator: str) -> pl.DataFrame:
+def _frame(names: list[str], body: bytes, rows: int, separator: str) -> pl.DataFrame:
     import polars as pl
 
     plain = [str(i) for i in range(len(names))]  # polars takes a name such as "^a.*$" for a pattern
     try:
         frame = pl.read_csv(
-            io.BytesIO(text.encode("utf-8")),
+            io.BytesIO(body),
             has_header=False,
             new_columns=plain,
             schema_overrides=[pl.String] * len(names),

@@ -34,7 +34,7 @@ def test_nothing_of_the_report_is_used_for_tuning():
     assert len({run.key for run in (*tuning, *report)}) == len(tuning) + len(report)
     assert not {run.outside for run in tuning if run.outside} & {run.outside for run in report}
     pairs = [{run.effects for run in family if len(run.effects) == 2} for family in (tuning, report)]
-    assert len(pairs[0]) == 20 and len(pairs[1]) == 72
+    assert len(pairs[0]) == 20 and len(pairs[1]) == 110
 
 
 def test_a_run_makes_the_same_record_each_time():
