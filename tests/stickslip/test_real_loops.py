@@ -4,7 +4,7 @@ import csv
 import json
 
 # by their label; told in docs/verdict.md, not tuned away
-ACCUSED_WRONGLY = {f"LIC31102B_{day}_2155" for day in ("20241108", "20241109", "20241126")}
+ACCUSED_WRONGLY = {f"LIC31102B_{day}_2155" for day in ("20240824", "20241108", "20241109", "20241126")}
 
 
 def test_every_file(call, real_data):
@@ -13,7 +13,7 @@ def test_every_file(call, real_data):
     assert len(rows) >= 30
     for row in rows:
         process = ["--process", "integrating"] if row["integrating"] == "true" else []
-        result = call("check", real_data / row["file"], *process, "--json", "-")
+        result = call("check", real_data / row["file"], *process, "--no-simulate", "--json", "-")
         assert result.exit_code in (0, 1), row["loop"]
         answer = json.loads(result.stdout)
         assert answer["schema"] == "stickslip.check/2"
