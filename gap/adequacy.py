@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gap.floor import scored, without_gap
+from gap.inserting import inserted
 from gap.modes import CHARGE
 from gap.noise import is_noise
 from gap.problem import SIGMAS, Problem
@@ -98,11 +99,12 @@ def standing(problem: Problem, fit: Fit) -> NDArray[np.bool_]:
 
 def own_limit(problem: Problem, fit: Fit) -> float:
     """Return the score that runs of the model with the effect do not exceed when they are explained by it."""
-    effect, place, values = fit.effect, fit.place, {name: fit.values[name] for name in fit.candidate.own}
     if fit.candidate.noisy:
         return problem.limit
-    model = effect.started(effect.insert(problem.model, place, **values), place, problem.record.first)
-    quiet = effect.started(effect.insert(problem.quiet, place, **values), place, problem.record.first)
+    model, quiet = (
+        fit.effect.started(inserted(diagram, fit), fit.place, problem.record.first)
+        for diagram in (problem.model, problem.quiet)
+    )
     logs = without_gap(model, problem.record, OWN_RUNS, 1)
     if not logs:
         return problem.limit

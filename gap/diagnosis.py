@@ -81,9 +81,11 @@ def diagnose(
     problem, fits = _instants_again(problem, fits)
     if problem.record.filter is not None:
         fits = priced(problem, fits)
-    odd = problem.record.filter is None or problem.score > problem.limit  # digits alone prove little of a large diagram
-    of_log = [one for one in catalogue if one.of_log and odd]
-    compressed = [found for one in of_log if (found := _compression(problem, one)) is not None]
+    if problem.record.filter is None or problem.score > problem.limit:  # digits alone prove little of a large diagram
+        found = (_compression(problem, one) for one in catalogue if one.of_log)
+        compressed = [fit for fit in found if fit is not None]
+    else:
+        compressed = []
     lattices = [fit for fit in fits if isinstance(fit.effect, Quantisation) and problem.score > fit.F]
     textured = [*compressed, *lattices]
     others = [fit for fit in fits if fit not in lattices]

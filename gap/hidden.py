@@ -67,7 +67,9 @@ def _head(candidate: Candidate, modes: bool) -> Candidate:
         problem = candidate.problem
     if problem is candidate.problem:
         problem = replace(problem, record=problem.record.first_part(HEAD))
-    return replace(candidate, problem=replace(problem, modes=modes))
+    if problem.modes != modes:
+        problem = replace(problem, modes=modes)
+    return replace(candidate, problem=problem)
 
 
 def _grid(candidate: Candidate) -> list[Point]:

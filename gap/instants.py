@@ -14,10 +14,10 @@ from diagram.diagram import Diagram
 from diagram.inputs import close, source_name
 from gap.floor import losses
 from gap.problem import Problem
+from gap.record import switches
 
 Floats = NDArray[np.float64]
 BEHIND = 3  # rows in which a switch shows
-RARE = 0.1  # share of rows at which a signal that switches does so, at most
 MOST = 10  # scans within an interval that are tried
 
 
@@ -30,7 +30,7 @@ def with_instants(problem: Problem, explained: Diagram | None = None) -> Problem
     seen = problem.quiet if explained is None else explained
     periods = [block.period for block in problem.quiet.blocks if block.sampled and block.ports_in]
     scans = min(round(log.dt / min(periods)), MOST) if periods else 1
-    switching = [s for s in problem.record.played if 0.0 < float((np.diff(log[s]) != 0.0).mean()) < RARE]
+    switching = [s for s in problem.record.played if switches(log, s)]
     if scans < 2 or not switching:
         return problem
     early = np.arange(scans) * log.dt / scans  # [s] before the row that shows the switch

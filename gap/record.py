@@ -17,6 +17,7 @@ FINEST = 1e-12  # of the largest value: numbers themselves are not more exact
 FEW = 0.1  # distinct values for each row, at most, where a signal has few
 UNEVEN = 0.02  # how far, in steps, they may lie off their lattice
 APART = 2.5  # roundings of the log by which they lie apart, where it has rounded them again
+RARE = 0.1  # share of rows at which a set point switches, at most
 FEWEST = 20  # rows below which a record says too little
 
 
@@ -75,6 +76,15 @@ def spacing(values: ArrayLike) -> float:
     off, again = np.abs(levels - np.round(levels / step) * step), rounding(known)
     again = again if APART * again < step else 0.0
     return step if float(np.max(off)) < UNEVEN * step + 0.51 * again else 0.0
+
+
+def switches(log: Log, signal: str) -> bool:
+    """Return whether a signal stands still but for switches at few rows, as a set point does.
+
+    >>> switches(Log(np.arange(40.0), {"SP": np.repeat([1.0, 2.0], 20)}), "SP")
+    True
+    """
+    return 0.0 < float((np.diff(log[signal]) != 0.0).mean()) < RARE
 
 
 class Residuals(Protocol):

@@ -14,12 +14,11 @@ from gap.filters.affine import NotAffine
 from gap.filters.scanned import base_period
 from gap.model import Nuisance, known_within, nuisances
 from gap.paths import made_of
-from gap.record import Record, rounding
+from gap.record import RARE, Record, rounding
 
 Floats = NDArray[np.float64]
 UNSEEN = 1e9  # variance of a signal that is not there
 NEAR = 4  # rows behind a switch of an input that tell of its scan
-RARE = 0.1  # share of rows at which an input that switches does so, at most
 SKIPPED = 60  # rows at the beginning, and at least the time in which a start is forgotten
 
 

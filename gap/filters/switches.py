@@ -9,7 +9,7 @@ import numpy as np
 
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import tried
-from gap.filters.reading import RARE
+from gap.record import switches
 
 BEHIND = 5  # rows in which a switch shows
 MOST = 12  # scans within an interval that are tried
@@ -19,7 +19,7 @@ def with_switches(now: Filtered) -> Filtered:
     """Return the explanation with its inputs switching at the likeliest scans; the same object if none is likelier."""
     f = now.explanation.filtering
     log = f.record.log
-    switching = [j for j, s in enumerate(f.record.played) if 0.0 < float((np.diff(log[s]) != 0.0).mean()) < RARE]
+    switching = [j for j, s in enumerate(f.record.played) if switches(log, s)]
     if f.every < 2 or not switching:
         return now
     leads = f.leads.copy()

@@ -14,12 +14,11 @@ from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.playback import held
 from gap.linearised.parts import ancestors
-from gap.record import Record
+from gap.record import Record, switches
 from logs import Log
 
 Floats = NDArray[np.float64]
 BEFORE = 1e-6  # of an interval: how long before a row the value is taken that holds until it
-RARE = 0.1  # share of rows at which a set point jumps, at most
 
 
 def as_input(diagram: Diagram, record: Record, log: Log, signal: str) -> object:
@@ -44,9 +43,8 @@ def jumps(diagram: Diagram, record: Record, log: Log, signal: str) -> NDArray[np
         stop = {s for s in record.pinned if diagram.blocks[diagram.driven[s][0]].role is not Role.CONTROLLER}
         read = {str(s) for name in ancestors(diagram, [signal], stop) for s in diagram[name].input_labels}
         for s in read & set(record.played):
-            moved = np.diff(log[s]) != 0.0
-            if moved.mean() < RARE:
-                found[1:] |= moved
+            if switches(log, s):
+                found[1:] |= np.diff(log[s]) != 0.0
     return found
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gap.floor import scored, without_gap
+from gap.inserting import inserted
 from gap.problem import Problem
 from gap.search import Fit, narrowed
 from logs import Log
@@ -47,6 +48,5 @@ def _left(problem: Problem, fit: Fit, plain: Floats, logs: Sequence[Log]) -> Flo
     """Return the scores of logs that an effect of these sizes explains, (logs,)."""
     if fit.candidate.noisy:
         return np.array([narrowed(replace(fit, e=e)).F for e in plain])
-    own = {name: fit.values[name] for name in fit.candidate.own}
-    there = fit.effect.insert(problem.quiet, fit.place, **own)
-    return scored(problem.innovations(fit.effect.started(there, fit.place, problem.record.first), logs=logs))
+    there = fit.effect.started(inserted(problem.quiet, fit), fit.place, problem.record.first)
+    return scored(problem.innovations(there, logs=logs))

@@ -11,6 +11,22 @@ from logs import Log
 ROWS = 1801  # half an hour, a row a second
 
 
+def simulated(model, SP, seed):
+    """What the historian of a diagram logs at the set points of a log."""
+    run = ensemble(model, SP.duration, times=SP.t, inputs=SP, seeds=[seed], signals=["OP", "PV"], progress=False)
+    return Log(SP.t, {"SP": SP["SP"], **{s: run.values[s][0].round(6) for s in ("OP", "PV")}})
+
+
+@pytest.fixture(scope="session")
+def logged():
+    """Simulate a diagram at the set points of another log, as its historian would log it."""
+
+    def log(model, plain, seed):
+        return simulated(model, Log(plain.t, {"SP": plain["SP"]}), seed)
+
+    return log
+
+
 @pytest.fixture(scope="session")
 def recorded():
     """Simulate the ideal flow loop with an effect as its historian would log it."""
@@ -23,10 +39,7 @@ def recorded():
         if name:
             one = effect(name)
             model = one.started(one.insert(model, place, **values), place, {"SP": 1.5, "PV": 1.5, "OP": 0.5})
-        many = ensemble(
-            model, t[-1], times=t, inputs=Log(t, {"SP": SP}), seeds=[seed], signals=["OP", "PV"], progress=False
-        )
-        return Log(t, {"SP": SP, **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+        return simulated(model, Log(t, {"SP": SP}), seed)
 
     return record
 

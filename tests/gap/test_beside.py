@@ -3,7 +3,6 @@
 import pytest
 
 from cases.models import ideal_flow
-from diagram import ensemble
 from gap import diagnose
 from gap.alternatives import alternatives
 from gap.beside_digits import beside_digits
@@ -11,30 +10,29 @@ from gap.candidates import candidates, ranked
 from gap.diagnosis import prepared
 from gap.effects import effect
 from gap.pairs import paired
-from logs import Log
 
 DIGITS = [effect(name) for name in ("quantisation", "step_disturbance", "sensor_bias", "process_gain")]
 STEM = [effect(name) for name in ("deadband", "process_gain", "valve_gain", "sensor_span", "dead_time")]
 START = {"SP": 1.5, "PV": 1.5, "OP": 0.5}
 
 
-def logged(recorded, seed, *effects):
-    """A record of the loop with effects (name, place, values), as its historian would keep it."""
-    plain = recorded(seed=seed)
-    model = ideal_flow(rest=1.5)
-    for name, place, values in effects:
-        one = effect(name)
-        model = one.started(one.insert(model, place, **values), place, START)
-    many = ensemble(
-        model, plain.duration, times=plain.t, inputs=Log(plain.t, {"SP": plain["SP"]}), seeds=[seed],
-        signals=["OP", "PV"], progress=False,
-    )  # fmt: skip
-    return Log(plain.t, {"SP": plain["SP"], **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+@pytest.fixture
+def with_effects(recorded, logged):
+    """Simulate the loop with effects (name, place, values), as its historian would keep it."""
+
+    def log(seed, *effects):
+        model = ideal_flow(rest=1.5)
+        for name, place, values in effects:
+            one = effect(name)
+            model = one.started(one.insert(model, place, **values), place, START)
+        return logged(model, recorded(seed=seed), seed)
+
+    return log
 
 
-def test_a_step_beside_a_sensor_of_few_levels_is_named_too(recorded):
+def test_a_step_beside_a_sensor_of_few_levels_is_named_too(with_effects):
     step = ("step_disturbance", "feed", {"amplitude": 0.015, "time": 900.0})
-    log = logged(recorded, 3, ("quantisation", "sensor", {"step": 0.02}), step)
+    log = with_effects(3, ("quantisation", "sensor", {"step": 0.02}), step)
     causes = {c.effect: c.parameters for c in diagnose(ideal_flow(), log, catalogue=DIGITS, progress=False).causes}
     assert set(causes) == {"quantisation", "step_disturbance"}
     assert causes["quantisation"]["step"].value == pytest.approx(0.02, rel=1e-3)
@@ -42,26 +40,26 @@ def test_a_step_beside_a_sensor_of_few_levels_is_named_too(recorded):
     assert causes["step_disturbance"]["time"].value == pytest.approx(900.0, abs=20.0)
 
 
-def test_a_sensor_of_few_levels_alone_is_named_alone(recorded):
-    log = logged(recorded, 3, ("quantisation", "sensor", {"step": 0.02}))
+def test_a_sensor_of_few_levels_alone_is_named_alone(with_effects):
+    log = with_effects(3, ("quantisation", "sensor", {"step": 0.02}))
     problem = prepared(ideal_flow(), log)
     (first,) = [f for f in ranked(candidates(problem, problem.quiet, DIGITS), False) if f.effect.name == "quantisation"]
     assert beside_digits(problem, first, DIGITS, 1, False) is None
 
 
-def test_beside_more_noise_the_class_of_the_other_is_listed(recorded):
+def test_beside_more_noise_the_class_of_the_other_is_listed(with_effects):
     # analytic: gain of the valve, of the process and span of the sensor leave the same PV and OP
     catalogue = [effect(name) for name in ("sensor_noise", "sensor_span", "process_gain", "valve_gain", "dead_time")]
     span = ("sensor_span", "sensor", {"factor": 1.2})
-    log = logged(recorded, 5, span, ("sensor_noise", "sensor", {"factor": 2.0}))
+    log = with_effects(5, span, ("sensor_noise", "sensor", {"factor": 2.0}))
     first, second = diagnose(ideal_flow(), log, catalogue=catalogue, limits=False, progress=False).causes
     assert {first.effect, *first.ambiguous_with} == {"sensor_span", "process_gain", "valve_gain"}
     assert second.effect == "sensor_noise" and not second.ambiguous_with
 
 
-def test_a_stem_that_is_the_smaller_of_two_is_found_and_the_class_of_the_other(recorded):
+def test_a_stem_that_is_the_smaller_of_two_is_found_and_the_class_of_the_other(with_effects):
     values = {"deadband": {"width": 0.6}, "process_gain": {"factor": 1.2}}
-    log = logged(recorded, 5, ("process_gain", "process", values["process_gain"]),
+    log = with_effects(5, ("process_gain", "process", values["process_gain"]),
                  ("deadband", "valve", values["deadband"]))  # fmt: skip
     problem = prepared(ideal_flow(), log)
     gains = [one for one in STEM if one.name != "deadband"]

@@ -5,7 +5,6 @@ import pytest
 from benchmarks.gap.generator import record
 from blocks import LuGreStem
 from cases.models import ideal_flow
-from diagram import ensemble
 from gap import diagnose
 from gap.creep import about_creep, coarse, creeps, least_sizes
 from gap.effects import effect
@@ -22,14 +21,9 @@ def size(value):
     return Size(value, 0.9 * value, 1.1 * value, "% OP")
 
 
-def test_of_bristles_in_a_noisy_loop_the_log_says_s_less_j_only(recorded):
-    log = recorded(seed=3)
+def test_of_bristles_in_a_noisy_loop_the_log_says_s_less_j_only(recorded, logged):
     stem = LuGreStem(F_S, F_C, k=SPRING, start=0.5, low=-1.0, high=2.0, name="stem")
-    run = ensemble(
-        ideal_flow(rest=1.5).insert("MV", stem), log.duration, times=log.t, inputs=Log(log.t, {"SP": log["SP"]}),
-        seeds=[3], signals=["OP", "PV"], progress=False,
-    )  # fmt: skip
-    found = Log(log.t, {"SP": log["SP"], **{s: run.values[s][0].round(6) for s in ("OP", "PV")}})
+    found = logged(ideal_flow(rest=1.5).insert("MV", stem), recorded(seed=3), 3)
     report = diagnose(ideal_flow(), found, catalogue=[effect("stiction"), effect("deadband")])
     (cause,) = report.causes
     assert cause.effect == "stiction" and cause.ambiguous_with == ()

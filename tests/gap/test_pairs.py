@@ -4,31 +4,24 @@ import numpy as np
 import pytest
 
 from cases.models import ideal_flow
-from diagram import ensemble
 from gap import diagnose
 from gap.candidates import candidates, ranked
 from gap.diagnosis import prepared
 from gap.effects import effect
 from gap.proposals import proposed
 from gap.together import together
-from logs import Log
 
 NAMES = ("dead_time", "second_lag", "process_gain", "controller_gain", "sensor_bias", "process_time_constant")
 FEW = [effect(name) for name in NAMES]
 
 
 @pytest.fixture(scope="module")
-def log(recorded):
+def log(recorded, logged):
     """A record of a process with a dead time and a second lag, of which the model has neither."""
     model = effect("second_lag").insert(
         effect("dead_time").insert(ideal_flow(rest=1.5), "process", theta=1.3), "process", tau=2.2
     )
-    plain = recorded(seed=3)
-    many = ensemble(
-        model, plain.duration, times=plain.t, inputs=Log(plain.t, {"SP": plain["SP"]}), seeds=[3],
-        signals=["OP", "PV"], progress=False,
-    )  # fmt: skip
-    return Log(plain.t, {"SP": plain["SP"], **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+    return logged(model, recorded(seed=3), 3)
 
 
 def test_two_effects_of_one_segment_are_both_named(log):

@@ -5,29 +5,23 @@ import pytest
 
 from blocks import Noise
 from cases.models import ideal_flow
-from diagram import ensemble
 from gap import diagnose
 from gap.adequacy import needed
 from gap.diagnosis import prepared
 from gap.effects import effect
 from gap.unmeasured import forgotten, octaves, unmeasured_load
-from logs import Log
 
 SD, TIME = 0.006, 120.0  # of the load that the model lacks: standard deviation, correlation time [s]
 FEW = [effect(name) for name in ("sensor_bias", "process_gain", "dead_time", "controller_gain", "sine_disturbance")]
 
 
 @pytest.fixture(scope="module")
-def wandering(recorded):
+def wandering(recorded, logged):
     """A record of the loop with a load that wanders, of which the model knows nothing."""
     plain = recorded(seed=4)
     load = Noise("load", sd=SD, dt=1.0, correlation_time=TIME, name="feed").with_role("disturbance")
     model = ideal_flow(rest=1.5).replace("feed", load)
-    many = ensemble(
-        model, plain.duration, times=plain.t, inputs=Log(plain.t, {"SP": plain["SP"]}), seeds=[4],
-        signals=["OP", "PV"], progress=False,
-    )  # fmt: skip
-    return Log(plain.t, {"SP": plain["SP"], **{s: many.values[s][0].round(6) for s in ("OP", "PV")}})
+    return logged(model, plain, 4)
 
 
 def load_of(log):
