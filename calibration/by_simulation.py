@@ -35,6 +35,7 @@ LOOPS = 600  # about 19 ms of one core each: some 7 s on two; 2,000 were not sho
 PIECE, PIECES = 500, 4  # samples of a piece, and how many at most
 FEWEST = 60  # loops with features below which nothing is said
 OWN_PROCESS = 200  # loops that are worth a process of their own
+SHARE = 30  # loops that a process makes at a time
 
 
 @dataclass(frozen=True)
@@ -141,13 +142,23 @@ def typical(seen: Sequence[Conditions]) -> Conditions:
 
 
 def simulated(specs: Sequence[LoopSpec], workers: int | None = None) -> Table:
-    """Return features and truth of loops, made by several processes."""
+    """Return features and truth of loops, in their order, made by several processes, of which this is one.
+
+    It takes shares from the end, while the others, which must load everything first, take theirs from the beginning.
+    """
     count = min(workers or os.cpu_count() or 1, max(1, len(specs) // OWN_PROCESS))
     if count <= 1:
         return made_of(specs)
-    shares = [list(specs[len(specs) * k // count : len(specs) * (k + 1) // count]) for k in range(count)]
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-        return Table.joined([one for one in pool.map(made_of, shares) if len(one.names)])
+    shares = [list(specs[k : k + SHARE]) for k in range(0, len(specs), SHARE)]
+    made: dict[int, Table] = {}
+    with ProcessPoolExecutor(count - 1, mp_context=get_context("spawn")) as pool:
+        asked = [pool.submit(made_of, share) for share in shares]
+        for k in range(len(shares) - 1, -1, -1):
+            if not asked[k].cancel():  # begun, as all before it
+                break
+            made[k] = made_of(shares[k])
+        made |= {k: one.result() for k, one in enumerate(asked) if k not in made}
+    return Table.joined([made[k] for k in range(len(shares)) if len(made[k].names)])
 
 
 def made_of(specs: Sequence[LoopSpec]) -> Table:

@@ -2,8 +2,9 @@
 
     1. a record that shows nothing is refused by name, without a probability
     2. where MV is logged and moves, the stem answers (``methods.stem_play``): PV is not asked
-    3. the features go to the model, which was calibrated on simulated loops only
-    4. "stiction" from the probability ``accuse`` on, with S and J
+    3. where PV bends each time OP has come back by the same travel, its valve is seen to slip (``own_slips``)
+    4. the features go to the model, which was calibrated on simulated loops only
+    5. "stiction" from the probability ``accuse`` on, with S and J
        "no stiction" only as a claim with a size: probability below ``clear``, OP turned back, PV follows OP, and a
        stick above the detection limit would have shown
        all else is inconclusive, with the reason
@@ -23,6 +24,8 @@ from detect.judge.actions import CAUSES, confirming_steps
 from detect.judge.features import features_of, view_of
 from detect.judge.features.view import View
 from detect.judge.model import Model, Opinion, calibrated, rounded
+from detect.judge.own_slips import own_slips
+from detect.plantwide.slips import Slips
 from detect.prepare.prepared import STEPS_MAX, Prepared
 from detect.verdict import Verdict
 from detect.words import Word
@@ -97,6 +100,9 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         told = stem_play.detect(loop)
         if told.applicable:
             return _from_stem(told, loop)
+    slips = own_slips(loop.with_stale)
+    if slips is not None:
+        return _from_slips(slips, loop)
     view, left = view_of(loop), len(loop.with_stale.whole)
     if view is None or left < SAMPLES:
         return _refusal(f"Too little is left to look at: {left} samples without a gap; {SAMPLES} that move are needed.")
@@ -234,3 +240,13 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
     action = next_step({"stiction": 1.0}, S, True) if S is not None else ""
     reason = f"The stem is logged, so it answers and PV is not asked. {told.reason}"
     return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)
+
+
+def _from_slips(slips: Slips, loop: Prepared) -> Answer:
+    """The answer where PV itself shows that the valve slips; no probability, because the slips are seen."""
+    S = Amount(slips.S, slips.low, slips.high, "% of OP")
+    reason = (
+        f"PV changes its pace at once each time OP has come back by {rounded(slips.S):g} %, {slips.reversals} times, "
+        "and keeps it before, while OP moves: the valve stands and slips."
+    )
+    return Answer("stiction", None, {}, S, None, None, reason, next_step({"stiction": 1.0}, S, loop.record.mv is not None))

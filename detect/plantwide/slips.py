@@ -10,8 +10,9 @@
 A valve that sticks lets OP travel by S and then slips, so that the flow through it, and what hangs on that flow, jump.
 A valve with a deadband but no jump makes a kink.  Where something outside makes y jump and the valve answers, integral
 action takes the whole jump back before the next, and ``stood`` is 1.  Called are slips where S is known to ``KNOWN``
-from ``REVERSALS`` reversals or more, all jumps go the way that OP moves (or all the other way), OP never came back by
-more than S without one, and y stood.  Of several loops, jumps at the same instants belong to that whose stem, by S and
+from ``REVERSALS`` reversals or more, nearly all jumps go the way that OP moves (or the other way), OP never came back
+by more than S without one, and y stood.  A stem that slides one way and stands the other scatters both readings of S:
+then S is that of the stems of some S and J whose slips and the jumps of y meet.  Of several loops, jumps at the same instants belong to that whose stem, by S and
 J = S / 5, tells a tag best.
 
 Blind where OP travels by more than J in some three samples, and to jumps below ``SHARE`` of what else moves the tag.
@@ -37,8 +38,10 @@ SIGMAS, SHARE, STEEP = 8.0, 0.005, 2.5
 MAIN = 0.3
 REVERSALS = 4
 KNOWN = 0.03  # half of the 90 % interval of S, over S
-WAY = 0.9  # share of the jumps that go the same way as OP, or against it
-BEYOND = 1.2  # of S, that OP may come back without a jump
+WAY = 0.75  # share of the jumps that go the same way as OP, or against it
+BEYOND, BACK = 1.2, 0.1  # of S, that OP may come back without a jump, and in which share of the cases more
+SHARES = np.array([0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.65, 0.9])  # J over S of the stems that are tried
+IN_TIME = 0.9  # share of the slips of a stem, and of the jumps, that come within a sample of each other
 STOOD = 0.8  # of a jump; other signals that drift while the valve stands may move y, too
 S_MIN = 1.0  # % of OP span
 TAKEN = 0.5  # of the jumps of a tag, that come within a sample of another loop's, from which on they are its
@@ -120,6 +123,7 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
     sign = 1.0 if agree.sum() >= 0.0 else -1.0
     if np.mean(agree == sign) < WAY:
         return None
+    at, size = at[agree == sign], size[agree == sign]  # the others have another source
     way = sign * np.sign(size)
     slid, still, stood, beyond = [], [], [], []
     for a, b, old, new in zip(at[:-1], at[1:], way[:-1], way[1:], strict=True):
@@ -131,18 +135,40 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
             stood.append(float(new * sign * (y[b] - y[a + 1 + furthest])))
         else:
             beyond.append(float(np.max(np.maximum.accumulate(ahead) - ahead)))
-    if len(slid) < REVERSALS:
+    if len(slid) < REVERSALS or float(np.median(stood)) > STOOD * float(np.median(np.abs(size))):
         return None
     middle, half = min((_middle(np.array(each)) for each in (slid, still)), key=lambda one: one[1] / one[0])
     missed = np.mean(np.array(beyond) > BEYOND * middle) if beyond else 0.0
-    if middle < S_MIN or half > KNOWN * middle or missed > 1.0 - WAY:
-        return None
-    if float(np.median(stood)) > STOOD * float(np.median(np.abs(size))):
-        return None
     after = int(SKIP * len(op))
+    if half > KNOWN * middle or missed > BACK:
+        middle, half = _timed(op, at, way, _middle(np.array(slid))[0], after)
+    if middle < S_MIN or half > KNOWN * middle:
+        return None
     stems = stick(op, middle * np.array(NEARLY), 0.2 * middle)[after:].T  # of all of S it may never slip
     told = float(np.max(sign * (without_line(stems) @ without_line(y[None, after:])[0])))
     return Slips(middle, middle - half, middle + half, tag, len(slid), told) if told > 0.0 else None
+
+
+def _timed(op: Values, at: npt.NDArray[np.intp], way: Values, S: float, after: int) -> tuple[float, float]:
+    """Return S and half of its range, of those stems of about S that slip when y jumps; (1, inf) where none does."""
+    sizes = np.repeat(S * np.linspace(0.85, 1.15, 31), len(SHARES))
+    d = np.diff(stick(op, sizes, sizes * np.tile(SHARES, 31)), axis=0)
+    moves = np.abs(d) > 1e-9 * float(np.ptp(op))
+    d[1:][moves[:-1]] = 0.0  # what is left are first moves after a stand
+    slip = np.where(moves, np.sign(d), 0.0)[after:]
+    seen = np.zeros(len(op) - 1)
+    seen[at] = way
+    near = np.zeros_like(seen)
+    for k in (-1, 1, 0):
+        near[at + k] = way
+    near, seen = near[after:], seen[after:]
+    jumps, asked = max(np.count_nonzero(seen), 1), np.maximum(np.count_nonzero(slip, axis=0), 1)
+    met = np.count_nonzero((slip == near[:, None]) & (slip != 0.0), axis=0)
+    share = 2.0 * np.minimum(met, jumps) / (jumps + asked)
+    good = sizes[share >= max(float(share.max()) - 0.03, IN_TIME)]
+    if not len(good):
+        return 1.0, float("inf")
+    return 0.5 * float(good.min() + good.max()), 0.5 * float(good.max() - good.min())
 
 
 def _middle(each: Values) -> tuple[float, float]:

@@ -1,0 +1,91 @@
+"""Slips of a valve seen in its own PV: what fills or empties a level or a pressure jumps, so that PV bends.
+
+    dPV/dt + a PV = d - b stem        a process with one store; a = 0 where it integrates
+    y = dPV/dt, and dPV/dt + a PV     where the process is not known to integrate
+
+The rules are those for slips in another tag (``plantwide.slips``): y jumps each time OP has come back by the same
+travel, the way that closes the loop, and stands before.  A loop that follows an outside wave well keeps y near 0 while
+OP moves, which looks like standing, and a slip further upstream then steps y at an even beat.  Hence one rule more:
+a valve that stands for most of OP's travel leaves nothing but its slips to bring PV back, and these must make up
+``MOST`` of the range of y.
+
+Needs PV with little noise: a jump of y shows above ``plantwide.slips.SIGMAS`` of what y does from sample to sample; PV
+neither compressed nor rounded; and OP that moves by less than ``STEP`` of S in a sample.  It accuses and never clears.  The idea and the limits are ours.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.plantwide.slips import Slips, jumps_of, slips_of
+from detect.prepare.prepared import Prepared
+from detect.prepare.process_kind import kind_of_tag
+
+__all__ = ["driving", "own_slips", "rate_of"]
+
+Values = npt.NDArray[np.float64]
+MOST = 0.33
+STANDS = 0.5  # S over OP's travel from which a valve stands for most of it
+SMOOTH = 90.0  # % of the samples, whose rate changes least: the others may be slips
+SAMPLES = 100  # fewest
+STEP = 0.1  # of S, that OP may move in nine samples of ten
+# Facts of the data behind which PV is a chain of straight lines or steps, or OP is not what the controller wants.
+BENT = ("compressed", "quantised", "stale_data", "op_saturated")
+
+
+def own_slips(loop: Prepared) -> Slips | None:
+    """Return the slips that the PV of a loop shows of its own valve; None where none, or OP's span is not known.
+
+    >>> from detect.prepare.stick import stick
+    >>> from logs import LoopRecord
+    >>> t = np.arange(3000.0)
+    >>> u = 50 + 5 * np.sin(t / 60) + 2 * np.sin(t / 171)
+    >>> level = np.cumsum(50 - stick(u, 4.0, 1.0) + np.sin(t / 100))
+    >>> found = own_slips(Prepared(LoopRecord.from_arrays(t, pv=level, op=u, op_span=(0, 100), process="integrating")))
+    >>> round(found.S, 1)
+    4.0
+    """
+    grid = loop.whole
+    percent = loop.op_percent(1.0)
+    if percent is None or len(grid) < SAMPLES or grid.drawn > 0.0 or any(fact.code in BENT for fact in loop.present):
+        return None
+    op = percent * grid.op
+    step = float(np.percentile(np.abs(np.diff(op)), 90.0))
+    kinds = (rate_of,) if kind_of_tag(loop.record).integrating else (rate_of, lambda pv: driving(op, pv))
+    for drives in kinds:
+        y = drives(grid.pv)
+        jumps = jumps_of(y)
+        found = slips_of(op, y, jumps, loop.record.pv_name)
+        if found is None or step > STEP * found.S:
+            continue
+        if found.S <= STANDS * np.ptp(op) or np.median(np.abs(jumps.size)) >= MOST * np.ptp(y):
+            return found._replace(low=found.low - step, high=found.high + step)
+    return None
+
+
+def rate_of(pv: Values) -> Values:
+    """Return how fast pv (n,) changes [unit of PV per sample], at every sample what led to it.
+
+    >>> rate_of(np.array([0.0, 1.0, 3.0])).tolist()
+    [1.0, 1.0, 2.0]
+    """
+    return np.concatenate([pv[1:2] - pv[:1], np.diff(pv)])
+
+
+def driving(op: Values, pv: Values) -> Values:
+    """Return what drives pv (n,) of a process with one store, dPV/dt + a PV [unit of PV per sample].
+
+    Between jumps the rate falls back as PV rises: a is the least-squares slope of its changes on those of PV and OP.
+
+    >>> x = np.where(np.arange(400) % 100 < 50, 1.0, -1.0)
+    >>> np.unique(driving(0 * x, np.cumsum(x))).tolist()
+    [-1.0, 1.0]
+    """
+    rate = rate_of(pv)
+    bend, moves = np.diff(rate[1:]), np.column_stack([pv[1:-1] - pv[:-2], np.diff(op[1:])])
+    smooth = np.abs(bend) <= np.percentile(np.abs(bend), SMOOTH)
+    if not np.any(moves[smooth]):
+        return rate
+    a = -float(np.linalg.lstsq(moves[smooth], bend[smooth], rcond=None)[0][0])
+    return rate + min(max(a, 0.0), 1.0) * np.concatenate([pv[:1], pv[:-1]])
