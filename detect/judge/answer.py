@@ -249,4 +249,6 @@ def _from_slips(slips: Slips, loop: Prepared) -> Answer:
         f"PV changes its pace at once each time OP has come back by {rounded(slips.S):g} %, {slips.reversals} times, "
         "and keeps it before, while OP moves: the valve stands and slips."
     )
-    return Answer("stiction", None, {}, S, None, None, reason, next_step({"stiction": 1.0}, S, loop.record.mv is not None))
+    return Answer(
+        "stiction", None, {}, S, None, None, reason, next_step({"stiction": 1.0}, S, loop.record.mv is not None)
+    )

@@ -4,7 +4,9 @@
     y = dPV/dt, and dPV/dt + a PV     where the process is not known to integrate
 
 The rules are those for slips in another tag (``plantwide.slips``): y jumps each time OP has come back by the same
-travel, the way that closes the loop, and stands before.  A loop that follows an outside wave well keeps y near 0 while
+travel, the way that closes the loop, and stands before.  Integral action on a square wave from outside turns OP at its
+steps and travels as far between any two; but then the valve answers, and y moves with OP between the steps: called is
+nothing where OP tells ``TOLD`` of y there, but for the noise, and by ``MOVED`` of a jump.  A loop that follows an outside wave well keeps y near 0 while
 OP moves, which looks like standing, and a slip further upstream then steps y at an even beat.  Hence one rule more:
 a valve that stands for most of OP's travel leaves nothing but its slips to bring PV back, and these must make up
 ``MOST`` of the range of y.
@@ -18,20 +20,21 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from detect.plantwide.slips import Slips, jumps_of, slips_of
+from detect.plantwide.slips import SIDE, Jumps, Slips, jumps_of, slips_of
 from detect.prepare.prepared import Prepared
 from detect.prepare.process_kind import kind_of_tag
 
 __all__ = ["driving", "own_slips", "rate_of"]
 
 Values = npt.NDArray[np.float64]
+TOLD, MOVED = 0.8, 0.15
 MOST = 0.33
 STANDS = 0.5  # S over OP's travel from which a valve stands for most of it
 SMOOTH = 90.0  # % of the samples, whose rate changes least: the others may be slips
 SAMPLES = 100  # fewest
 STEP = 0.1  # of S, that OP may move in nine samples of ten
-# Facts of the data behind which PV is a chain of straight lines or steps, or OP is not what the controller wants.
-BENT = ("compressed", "quantised", "stale_data", "op_saturated")
+# Facts of the data behind which PV is a chain of straight lines or steps.
+BENT = ("compressed", "quantised", "stale_data")
 
 
 def own_slips(loop: Prepared) -> Slips | None:
@@ -52,16 +55,38 @@ def own_slips(loop: Prepared) -> Slips | None:
         return None
     op = percent * grid.op
     step = float(np.percentile(np.abs(np.diff(op)), 90.0))
-    kinds = (rate_of,) if kind_of_tag(loop.record).integrating else (rate_of, lambda pv: driving(op, pv))
-    for drives in kinds:
-        y = drives(grid.pv)
+    rate = rate_of(grid.pv)
+    store = rate if kind_of_tag(loop.record).integrating else driving(op, grid.pv)
+    for y in (rate,) if store is rate else (rate, store):
         jumps = jumps_of(y)
         found = slips_of(op, y, jumps, loop.record.pv_name)
-        if found is None or step > STEP * found.S:
+        if found is None or step > STEP * found.S or _answers(op, store, jumps, found.S):
             continue
         if found.S <= STANDS * np.ptp(op) or np.median(np.abs(jumps.size)) >= MOST * np.ptp(y):
             return found._replace(low=found.low - step, high=found.high + step)
     return None
+
+
+def _answers(op: Values, y: Values, jumps: Jumps, S: float) -> bool:
+    """Return whether y (n,) moves with OP the way of its ``jumps`` while OP comes back for one."""
+    at, size = jumps
+    agree = np.sign(op[at] - op[at - SIDE]) * np.sign(size)
+    sign = 1.0 if agree.sum() >= 0.0 else -1.0
+    at, way = at[agree == sign], sign * np.sign(size[agree == sign])
+    moved, told = [], []
+    for a, b, old, new in zip(at[:-1], at[1:], way[:-1], way[1:], strict=True):
+        back = slice(a + 1 + int(np.argmax(old * op[a + 1 : b + 1])), b - 1)
+        if old != new and len(op[back]) >= SIDE:
+            moved.append(op[back] - np.mean(op[back]))
+            told.append(sign * (y[back] - np.mean(y[back])))
+    if not moved:
+        return False
+    u, v = np.concatenate(moved), np.concatenate(told)
+    steps = np.diff(y)
+    noise = 0.5 * (1.4826 * float(np.median(np.abs(steps - np.median(steps))))) ** 2
+    slope = float(u @ v) / max(float(u @ u), 1e-300)
+    left = max(float(v @ v) - noise * len(v), 1e-300)
+    return slope * S > MOVED * float(np.median(np.abs(size))) and slope * float(u @ v) > TOLD * left
 
 
 def rate_of(pv: Values) -> Values:
