@@ -4,15 +4,16 @@
     y = dPV/dt, and dPV/dt + a PV     where the process is not known to integrate
 
 The rules are those for slips in another tag (``plantwide.slips``): y jumps each time OP has come back by the same
-travel, the way that closes the loop, and stands before.  Integral action on a square wave from outside turns OP at its
+travel, the way that closes the loop, and stands before. Integral action on a square wave from outside turns OP at its
 steps and travels as far between any two; but then the valve answers, and y moves with OP between the steps: called is
-nothing where OP tells ``TOLD`` of y there, but for the noise, and by ``MOVED`` of a jump.  A loop that follows an outside wave well keeps y near 0 while
-OP moves, which looks like standing, and a slip further upstream then steps y at an even beat.  Hence one rule more:
-a valve that stands for most of OP's travel leaves nothing but its slips to bring PV back, and these must make up
-``MOST`` of the range of y.
+nothing where OP tells ``TOLD`` of y there, but for the noise, and by ``MOVED`` of a jump. A loop that follows an
+outside wave well keeps y near 0 while OP moves, which looks like standing, and a slip further upstream then steps y at
+an even beat. Hence one rule more: a valve that stands for most of OP's travel leaves nothing but its slips to bring PV
+back, and these must make up ``MOST`` of the range of y.
 
 Needs PV with little noise: a jump of y shows above ``plantwide.slips.SIGMAS`` of what y does from sample to sample; PV
-neither compressed nor rounded; and OP that moves by less than ``STEP`` of S in a sample.  It accuses and never clears.  The idea and the limits are ours.
+neither compressed nor rounded; and OP that moves by less than ``STEP`` of S in a sample. It accuses and never clears.
+The idea and the limits are ours.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ def own_slips(loop: Prepared) -> Slips | None:
         found = slips_of(op, y, jumps, loop.record.pv_name)
         if found is None or step > STEP * found.S or _answers(op, store, jumps, found.S):
             continue
-        if found.S <= STANDS * np.ptp(op) or np.median(np.abs(jumps.size)) >= MOST * np.ptp(y):
+        if STANDS * np.ptp(op) >= found.S or np.median(np.abs(jumps.size)) >= MOST * np.ptp(y):
             return found._replace(low=found.low - step, high=found.high + step)
     return None
 

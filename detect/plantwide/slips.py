@@ -8,12 +8,12 @@
     stood  the part of a jump that y has covered already while OP came back
 
 A valve that sticks lets OP travel by S and then slips, so that the flow through it, and what hangs on that flow, jump.
-A valve with a deadband but no jump makes a kink.  Where something outside makes y jump and the valve answers, integral
-action takes the whole jump back before the next, and ``stood`` is 1.  Called are slips where S is known to ``KNOWN``
+A valve with a deadband but no jump makes a kink. Where something outside makes y jump and the valve answers, integral
+action takes the whole jump back before the next, and ``stood`` is 1. Called are slips where S is known to ``KNOWN``
 from ``REVERSALS`` reversals or more, nearly all jumps go the way that OP moves (or the other way), OP never came back
-by more than S without one, and y stood.  A stem that slides one way and stands the other scatters both readings of S:
-then S is that of the stems of some S and J whose slips and the jumps of y meet.  Of several loops, jumps at the same instants belong to that whose stem, by S and
-J = S / 5, tells a tag best.
+by more than S without one, and y stood. A stem that slides one way and stands the other scatters both readings of S:
+then S is that of the stems of some S and J whose slips and the jumps of y meet. Of several loops, jumps at the same
+instants belong to that whose stem, by S and J = S / 5, tells a tag best.
 
 Blind where OP travels by more than J in some three samples, and to jumps below ``SHARE`` of what else moves the tag.
 The idea and the limits are ours.
