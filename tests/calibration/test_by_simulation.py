@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from calibration import at_record, simulate
+from calibration import at_record, by_simulation, simulate
 from calibration.alike import alike
 from calibration.by_simulation import PIECE, split
 from calibration.conditions import conditions
@@ -117,3 +117,13 @@ def test_neighbours_and_quantiles_carry_their_weights() -> None:
     assert np.argmax(weights) == 20 and weights[90] < 1e-6 * weights[20]
     at = weighted_quantile(points[:, 0], weights, np.array([0.05, 0.5, 0.95]))
     assert at[0] < 0.2 < at[2] and at[1] == pytest.approx(0.2, abs=0.02)
+
+
+def test_several_processes_make_the_loops_that_one_makes_in_the_same_order(monkeypatch) -> None:
+    monkeypatch.setattr(by_simulation, "OWN_PROCESS", 5)
+    monkeypatch.setattr(by_simulation, "SHARE", 3)
+    specs = alike(conditions(record("cycling", (31, 1))), 23, seed=4)
+    one, two = (by_simulation.simulated(specs, workers) for workers in (1, 2))
+    assert one.names.tolist() == two.names.tolist()
+    np.testing.assert_array_equal(one.x, two.x)
+    assert one.sticky.tolist() == two.sticky.tolist() and one.truth["group"].tolist() == two.truth["group"].tolist()
