@@ -78,10 +78,9 @@ def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
         left.plot([], [], color=FIT, lw=0.8, label="not whole")
     legend(left)
     left.margins(x=0.01, y=0.05)
-    left.set_xlabel("time [s]")
+    some = f"; the first {CYCLES} of {len(start)} half cycles" if len(start) > CYCLES else ""
+    left.set_xlabel(f"time [s]{some}")
     left.set_ylabel("e = SP - PV, centred")
-    some = f" (first {CYCLES} of {len(start)})" if len(start) > CYCLES else ""
-    left.set_title(f"half cycles of e{some}", fontsize=9, loc="left")
     tidy(left)
     _draw_ratios(v, right, used)
 

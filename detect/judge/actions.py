@@ -73,8 +73,9 @@ def confirming_steps(cause: str, S: float, unit: str) -> str:
     """The confirming test for a cause, with steps of a quarter of S, up to 1.5 S; empty if none is needed.
 
     >>> confirming_steps("stiction", 4.0, "% of OP")[:60]
-    'put the loop in manual, move OP by 8 % of OP one way until P'
+    'put the loop in manual, move OP by 8 % one way until PV foll'
     """
     from detect.judge.model import rounded
 
+    unit = unit.removesuffix(" of OP")  # it is OP that is moved
     return CAUSES[cause].test.format(start=rounded(2.0 * S), step=rounded(0.25 * S), count=6, unit=unit)

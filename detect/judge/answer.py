@@ -126,6 +126,10 @@ def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinio
     return replace(told, assumptions=_looked_at(loop, view))
 
 
+def _travelled(travel: float, unit: str) -> str:
+    return f"{rounded(travel):g} {unit.replace('% of OP', '% of its span').replace('the unit of OP', 'its unit')}"
+
+
 def _looked_at(loop: Prepared, view: View) -> tuple[str, ...]:
     """What is said of a record of which the last part alone was looked at."""
     whole = loop.record.log.duration
@@ -150,14 +154,14 @@ def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opi
     if why_not:
         return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", next_step(causes, S, stem))
     if p >= model.accuse:
-        reason = f"{chances} S is about {S}, J about {J}. OP travels {rounded(travel):g} {unit}."
+        reason = f"{chances} S is about {S}, J about {J}. OP travels {_travelled(travel, unit)}."
         return Answer("stiction", p, causes, S, J, limit, reason, next_step({"stiction": 1.0}, S, stem))
     if p <= model.clear:
         kept = _kept_open(found, limit, travel)
         if kept is None and limit is not None:
             size = max(limit[0], 0.08 * travel)
             reason = (
-                f"S is below {rounded(size):g} {unit}: OP travels {rounded(travel):g} {unit} and turns back, PV "
+                f"S is below {rounded(size):g} {unit}: OP travels {_travelled(travel, unit)} and turns back, PV "
                 f"follows it, and a larger stick would have shown. {chances}"
             )
             return Answer("no_stiction", p, causes, None, None, (size, unit), reason, next_step(causes, S, stem))

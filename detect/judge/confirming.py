@@ -16,14 +16,14 @@ def confirming_rows(S: Amount) -> list[list[str]]:
 
     >>> plan = confirming_rows(Amount(4.0, 3.0, 5.0, "% of OP"))
     >>> [row[1:4] for row in plan[:2]]
-    [['+8 % of OP', '0', 'follows, at the latest after S'], ['-1 % of OP', '1', 'stands']]
+    [['+8 %', '0', 'follows, at the latest after S'], ['-1 %', '1', 'stands']]
     >>> [row[3] for row in plan[2:]]
     ['stands', 'stands or jumps', 'stands or jumps', 'stands or jumps', 'has jumped']
     """
-    size = rounded(SHARE * S.value)
-    rows = [["1", f"+{rounded(AWAY * S.value):g} {S.unit}", "0", "follows, at the latest after S", "follows"]]
+    size, unit = rounded(SHARE * S.value), S.unit.removesuffix(" of OP")
+    rows = [["1", f"+{rounded(AWAY * S.value):g} {unit}", "0", "follows, at the latest after S", "follows"]]
     for k in range(1, STEPS + 1):
         back = k * size
         said = "stands" if back < S.low else "stands or jumps" if back <= S.high else "has jumped"
-        rows.append([str(k + 1), f"-{size:g} {S.unit}", f"{back:.3g}", said, "follows each step"])
+        rows.append([str(k + 1), f"-{size:g} {unit}", f"{back:.3g}", said, "follows each step"])
     return rows

@@ -250,7 +250,8 @@ def draw(v: Verdict, figure: FigureBase) -> None:
     low.set_ylabel("PV")
     low.set_xlabel("time [s]")
     right.plot(v.array("sizes"), v.array("loss"), ".-", color=INK)
-    right.set_yscale("symlog", linthresh=10.0)
+    if np.max(v.array("loss")) > 10.0:
+        right.set_yscale("symlog", linthresh=10.0)
     right.set_xlabel("S [unit of OP]")
     right.set_title("loss of log-likelihood", fontsize=9, loc="left")
     for axes in (top, low):

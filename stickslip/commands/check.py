@@ -162,6 +162,7 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     from detect.chances import chance
     from detect.judge.actions import CAUSES
     from detect.words import WORDS
+    from stickslip.commands.one_loop import UNLIKELY
 
     word = WORDS[diagnosis.verdict]
     say(f"{diagnosis.loop}: {word.spoken.upper()}", fg=COLOUR_OF[word.kind], bold=True)
@@ -172,7 +173,10 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
         say.paragraph(f"Next: {diagnosis.action}")
     if diagnosis.causes:
         say()
-        say.table(["cause", "probability"], [[CAUSES[c].spoken, chance(p)] for c, p in diagnosis.causes.items()])
+        likely = {cause: p for cause, p in diagnosis.causes.items() if p >= UNLIKELY or cause == "stiction"}
+        rows = [[CAUSES[cause].spoken, chance(p)] for cause, p in likely.items()]
+        left = len(diagnosis.causes) - len(likely)
+        say.table(["cause", "probability"], rows + [[f"each of {left} others", chance(0.0)]] * (left > 0))
     say()
     say("Read and assumed:")
     for sentence in diagnosis.assumptions:

@@ -1,6 +1,7 @@
 """``stickslip check`` on several loops, of one file or of several: a table, the groups, and where to look first."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -76,7 +77,9 @@ def check_many(
     surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]
     rows = _rows(judged, surveys)
     say(f"{len(rows)} loops, those to look at first on top:", bold=True)
-    say.table(list(COLUMNS), [row for _, row in rows])
+    say.table(list(COLUMNS[:-1]), [row[:-1] for _, row in rows])
+    for why in dict.fromkeys(row[-1] for _, row in rows if row[-1]):  # what is said of several loops is said once
+        say.paragraph(f"{', '.join(row[0] for _, row in rows if row[-1] == why)}: {why}.", "  - ")
     for read, one in zip(found, surveys, strict=True):
         if one is not None:
             say(f"{read.file.name}: oscillations that tags share", bold=True)
@@ -163,7 +166,8 @@ def _page(
     for (file, _), one in zip(judged, surveys, strict=True):
         if one is not None:
             section = Section(file.name, f"{len(one.groups)} shared oscillations", "open", one.words.replace("\n", " "))
-            section.figures.append(figure_to_svg(one.plot()))
+            if one.groups:
+                section.figures.append(figure_to_svg(one.plot()))
             shared.append(section)
     answers = [answer for _, found in judged for answer in found]
     said = [k for k in range(len(COLUMNS)) if k < 2 or any(row[k] not in ("", "-") for _, row in rows)]
@@ -175,4 +179,13 @@ def _page(
     table.figures.append(table_to_html([COLUMNS[k] for k in said], cells, links=links, badges={1: kinds}))
     sticky = words.count("stiction")
     lead = f"In {sticky} of {len(answers)} loops the valve looks sticky." if sticky else "No valve is called sticky."
-    return page(f"{len(rows)} loops", lead, [table, *shared, *(section_of(answer) for answer in answers)])
+    seen = {suspect.loop: suspect.reason for one in surveys if one is not None for suspect in one.suspects}
+    sections = []
+    for answer, word in zip(answers, words, strict=True):
+        section = section_of(answer)
+        if word != answer.verdict:  # other tags decide where the loop itself leaves it open
+            section = replace(
+                section, badge=WORDS[word].spoken.upper(), kind=WORDS[word].kind, before=seen[answer.loop]
+            )
+        sections.append(section)
+    return page(f"{len(rows)} loops", lead, [table, *shared, *sections])

@@ -98,7 +98,8 @@ sup { line-height: 0; } ol.foot { color: var(--soft); font-size: 14px; margin: 8
 ol.foot li { max-width: 80ch; }
 a { color: var(--link); } footer { color: var(--soft); font-size: 13.5px; margin-top: 28px; }
 @media (max-width: 560px) { main { padding: 20px 10px 40px; } article { padding: 16px 14px; } h1 { font-size: 24px; }
-  dl { grid-template-columns: 1fr; gap: 0; } dd { margin-bottom: 8px; } }
+  dl { grid-template-columns: 1fr; gap: 0; } dd { margin-bottom: 8px; }
+  table:not(.ordered) th.num { white-space: normal; } }
 @media print { body { background: none; font-size: 10.5pt; } main { max-width: none; padding: 0; }
   nav { display: none; }
   article { break-inside: auto; border: 0; padding: 0; } tr, svg, .grid > div { break-inside: avoid; }

@@ -30,7 +30,7 @@ def test_a_sticky_valve_is_told_with_size_cause_and_action(sticky):
     assert found.S.low < found.S.value < found.S.high and found.S.unit == "% of OP"
     assert found.J.value <= found.S.value and found.J.low <= found.J.value <= found.J.high
     assert next(iter(found.causes)) == "stiction"
-    for piece in ("valve maintenance", "To confirm", f"steps of {rounded(found.S.value / 4):g} % of OP"):
+    for piece in ("valve maintenance", "To confirm", f"steps of {rounded(found.S.value / 4):g} %"):
         assert piece in found.action
     # S of the example's valve is 5 % of OP, by how it was made
     assert found.S.low <= 5.0 <= found.S.high
