@@ -101,44 +101,23 @@ def responses(
     Shapes (s, c), (s, c), (s,).  The first ``settle`` points, by default a turn, do not count; dead times shift the
     lanes.
     """
-    from scipy.signal import lfilter
+    from detect.judge.features.response_kernels import ONCE, PLAIN, SUMMED, TWICE, tried
 
     m, s, c = x.shape
     settle = min(round(turn), m // 4) if settle is None else settle
     load = np.stack([np.ones(m - settle), np.linspace(-1.0, 1.0, m - settle)])  # an offset and a drift tell nothing
     load = (load / np.linalg.norm(load, axis=1, keepdims=True)).astype(np.float32)
     target = y.T[settle:]
-    target = target - load.T @ (load @ target)
+    target = np.ascontiguousarray(target - load.T @ (load @ target))
     tss = np.maximum(np.sum(target**2, axis=0, dtype=np.float64), 1e-12)
-    centred = x - x[:1]
-    gain = np.zeros((s, c))
-    which = np.zeros((s, c), dtype=np.intp)
-    number = 0
-
-    def tried(z: Lanes) -> None:
-        nonlocal number
-        least = 1e-6 * np.einsum("msc,msc->sc", z, z) + 1e-12
-        for delay in DELAYS:
-            d = min(round(delay * turn), settle)
-            a, b = settle - d, m - d
-            part = z[a:b]
-            cross = np.einsum("msc,ms->sc", part, target)
-            level, along = (load @ part.reshape(b - a, s * c)).reshape(2, s, c)
-            power = np.maximum(np.einsum("msc,msc->sc", part, part) - level**2 - along**2, least)
-            told = np.where(cross > 0.0, cross**2 / power, 0.0)
-            better = told > gain
-            gain[better] = told[better]
-            which[better] = number
-            number += 1
-
-    for lag in LAGS:
-        if lag == 0.0:
-            tried(centred)
-            continue
-        a = np.float32(math.exp(-1.0 / max(lag * turn, 0.05)))
-        b = np.array([1.0 - a], dtype=np.float32)
-        once = lfilter(b, np.array([1.0, -a], dtype=np.float32), centred, axis=0)
-        tried(once)
-        tried(lfilter(b, np.array([1.0, -a], dtype=np.float32), once, axis=0))
-    tried(np.cumsum(centred - centred.mean(axis=0), axis=0))
+    centred = np.ascontiguousarray(x - x[:1])
+    mean, rows = centred.mean(axis=0), np.ascontiguousarray(load.T)
+    shifts = np.array([min(round(delay * turn), settle) for delay in DELAYS])
+    gain, which = np.zeros((s, c)), np.zeros((s, c), dtype=np.intp)
+    filters = [(PLAIN, 0.0)]
+    for lag in LAGS[1:]:
+        a = math.exp(-1.0 / max(lag * turn, 0.05))
+        filters += [(ONCE, a), (TWICE, a)]
+    for k, (kind, a) in enumerate([*filters, (SUMMED, 0.0)]):
+        tried(centred, mean, target, rows, kind, np.float32(a), shifts, k * len(DELAYS), gain, which)
     return np.maximum(tss[:, None] - gain, 1e-4 * tss[:, None]), which, tss

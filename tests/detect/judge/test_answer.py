@@ -156,7 +156,7 @@ def test_a_file_of_another_kind_is_refused(tmp_path):
 
 
 def test_steps_follow_the_size():
-    assert "steps of 0.25 % of OP" in confirming_steps("stiction", 1.0, "% of OP")
+    assert "steps of 0.25 %" in confirming_steps("stiction", 1.0, "% of OP")
     assert "{" not in "".join(confirming_steps(cause, 2.0, "% of OP") for cause in CAUSES)
 
 
