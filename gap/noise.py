@@ -8,6 +8,8 @@ another, early as late:
 are then normal, of variance 1.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,9 +22,12 @@ LARGEST = 4.0  # innovation: what is beyond counts as this, so that a few do not
 FACTORS = 40  # sizes of noise that are tried, and again between the best ones
 
 
-def fitted_noise(candidate: Candidate) -> Fit | None:
-    """Return the fit of another size of a sensor's noise; None where its signal is not logged."""
-    plain = candidate.absent
+def fitted_noise(candidate: Candidate, beside: Fit | None = None) -> Fit | None:
+    """Return the fit of another size of a sensor's noise; None where its signal is not logged.
+
+    ``beside``: a fit of another effect, whose innovations count instead of those of the candidate's diagram.
+    """
+    plain = candidate.absent if beside is None else replace(candidate.absent, e=beside.e)
     if not {str(s) for s in candidate.base[candidate.place].output_labels} & set(candidate.problem.record.pinned):
         return None
     factors = np.geomspace(*candidate.bounds["factor"], FACTORS)

@@ -14,7 +14,7 @@ from gap.floor import losses
 from gap.isolability import classes
 from gap.model import nuisances
 from gap.noise import correlation, is_noise
-from gap.pairs import Pair
+from gap.pair import Pair
 from gap.problem import Problem
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.search import Candidate, Fit, best_of, refined
