@@ -19,7 +19,8 @@ from gap.search import Candidate, Fit, best_of, refined
 
 FIRST = 14  # sizes of the first parameter
 SHARES = (0.0, 0.12, 0.25, 0.4, 0.6, 0.85)  # the second as a share of the first
-KEPT = 3  # troughs that are followed
+KEPT, APART = 4, 0.3  # troughs that are followed, and how far apart their first sizes are, as a logarithm
+BEGUN = 2  # from which modes are set right
 SHOWS = 0.3  # share of what the first part shows that the search explains before wrong modes are set right
 DEARER = 4.0  # times their charge that modes set right cost besides, in the search
 SHRINK = 0.55  # of a pattern from round to round
@@ -113,15 +114,22 @@ def _searched(candidate: Candidate) -> tuple[Point, float, float]:
     wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
     fits = sorted(_at(head, _grid(head)), key=lambda fit: fit.F)
     ends = [_followed(head, _point(fit), fit, wide, 0.12, rounds=4) for fit in _apart(fits)]
-    point, fit, wide, across = min(ends, key=lambda one: one[1].F)
+    ends.sort(key=lambda one: one[1].F)
+    point, fit, wide, across = ends[0]
     if fit.F >= head.absent.F - ENOUGH:
         return point, wide, across
-    if not _filtered(candidate):
-        if _share(fit) < SHOWS:
-            return point, wide, across
-        (fit,) = _at(_head(candidate, True), [point])
-        wide, across = AROUND
-    point, _, wide, across = _followed(fit.candidate, point, fit, wide, across, finest=10.0 * FINEST)
+    if _filtered(candidate):
+        point, _, wide, across = _followed(head, point, fit, wide, across, finest=10.0 * FINEST)
+        return point, wide, across
+    best: tuple[Point, Fit, float, float] | None = None
+    for point, fit, *_ in ends[:BEGUN]:
+        if _share(fit) < SHOWS or (best is not None and _share(best[1]) >= CLEAN):
+            break
+        (begun,) = _at(_head(candidate, True), [point])
+        found = _followed(begun.candidate, point, begun, *AROUND, finest=10.0 * FINEST)
+        if best is None or _cost(found[1]) < _cost(best[1]):
+            best = found
+    point, _, wide, across = best or ends[0]
     return point, wide, across
 
 
@@ -129,7 +137,7 @@ def _apart(fits: Sequence[Fit]) -> list[Fit]:
     """Return the best of fits, which are in order, that lie in troughs of their own."""
     kept: list[Fit] = []
     for fit in fits:
-        if all(abs(np.log(_point(fit)[0] / _point(other)[0])) > 0.5 for other in kept):
+        if all(abs(np.log(_point(fit)[0] / _point(other)[0])) > APART for other in kept):
             kept.append(fit)
     return kept[:KEPT]
 
