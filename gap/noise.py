@@ -1,9 +1,10 @@
 """Fit the noise of a sensor: a replay has none, so it shows in the width of the innovations only.
 
-Any gap makes innovations wider.  More noise of a sensor leaves them white, and as wide at one level of the signal as at
-another, while it moves as at rest, early as late:
+Any gap makes innovations wider.  More noise of a sensor leaves them white, with no mean, and as wide at one level of the
+signal as at another, while it moves as at rest, early as late:
 
-    z = corr(e_k, e_(k-j)) sqrt(n)          z = corr(e_k^2, x_k) sqrt(n),   x the level of the signal, its rate, or time
+    z = corr(e_k, e_(k-j)) sqrt(n)          z = mean(e) sqrt(n) / sd(e)
+    z = corr(e_k^2, x_k) sqrt(n),           x the level of the signal, its rate, or time
 
 are then normal, of variance 1.  Noise that grows with the signal instead, of which a record of few levels, or a little
 noise, shows next to nothing, would have for the level
@@ -57,6 +58,7 @@ def is_noise(fit: Fit) -> bool:
         level = record.log[s][problem.floor.skipped :] - raw  # of the model: the noise itself is not in it
         time, rate = np.arange(len(e), dtype=float), np.abs(np.gradient(level))
         z = [shown(e[:-lag], e[lag:]) for lag in LAGS] + [shown(e**2, x) for x in (level, time)]
+        z.append(float(np.nanmean(e)) / max(float(np.nanstd(e)), 1e-300) * float(np.sqrt(np.isfinite(e).sum())))
         if max(map(abs, z)) > UNLIKELY or abs(shown(e**2, rate)) > MOVING:
             return False
         if shown(e**2, level) > 0.5 * growing(e, level, fit.values["factor"]) > 0.0:

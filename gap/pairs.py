@@ -7,6 +7,7 @@ from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import needed, scored_alone, share
 from gap.beside_noise import beside_noise
+from gap.beside_stem import with_stem
 from gap.candidates import candidates, price, ranked
 from gap.effect import Effect
 from gap.hidden import followed_on, glimpsed
@@ -56,6 +57,10 @@ def paired(
             if second is not None:
                 pair = Pair(first, second)
                 found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
+        if first.effect.hidden and share(problem, first) >= WORTH and not any(_enough(problem, one) for one in found):
+            joint = with_stem(problem, first, _beside(problem, first, legal)[1])
+            if joint is not None and share(problem, joint.second) >= WORTH:
+                found.append(improved(problem, joint))
     best = min(found, key=lambda pair: pair.total, default=None)
     return None if best is None else with_narrower(problem, best, legal)
 

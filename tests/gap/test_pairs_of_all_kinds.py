@@ -43,9 +43,14 @@ def test_both_are_named_with_their_sizes(case, with_effects):
         assert found[name][size].value == pytest.approx(values[size], rel=0.05), name
 
 
-def test_noise_is_no_second_effect_of_what_is_not_white(with_effects):
-    """A step that is left out is no noise, however well a wide noise makes up for it."""
-    (play, step), _ = CASES["a play and a late step"]
-    problem = prepared(ideal_flow(), with_effects(3, play, step))
-    legal = candidates(problem, problem.quiet, [effect(name) for name in ("deadband", "sensor_noise")])
+@pytest.mark.parametrize(
+    ("known", "left"),
+    [
+        (("deadband", "valve", {"width": 2.0}), CASES["a play and a late step"][0][1]),
+        (("dead_time", "process", {"theta": 1.5}), ("sensor_bias", "sensor", {"offset": 0.05})),
+    ],
+)
+def test_what_is_not_white_or_has_a_mean_is_no_noise_beside_another_effect(with_effects, known, left):
+    problem = prepared(ideal_flow(), with_effects(3, known, left))
+    legal = candidates(problem, problem.quiet, [effect(name) for name in (known[0], "sensor_noise")])
     assert not beside_noise(problem, ranked(legal, False))
