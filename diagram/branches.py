@@ -39,7 +39,9 @@ class Branches:
     ``changes``: pinned signal -> by how much its offset may change from one sample to the next before others are tried
     [unit of the signal]: behind a controller, five times its one-step error without a gap.  ``offsets``: pinned signal
     -> how large its offset may be, for a signal that knows no error of its own, as a stem's position.  ``share``: a
-    mode is kept if the worst of them falls below this share of what it was.
+    mode is kept if the worst of them falls below this share of what it was.  ``patience``: after samples at which no
+    mode has helped, 1, 2, 4, ... and at most so many go by until modes are tried again; a run whose sizes are wrong is
+    wrong at every sample, and costs six times as much with every one tried.
     """
 
     block: str
@@ -47,6 +49,7 @@ class Branches:
     changes: Mapping[str, float] = field(default_factory=dict)
     offsets: Mapping[str, float] = field(default_factory=dict)
     share: float = 0.2
+    patience: int = 1
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,8 @@ def branching(diagram: "Wired", branches: Branches, t0: float, t_end: float) -> 
             f"limits {dict(watched)!r}, share = {branches.share!r}, but limits are positive and a share lies between "
             "0 and 1; give what a pin moves without a gap, and e.g. 0.5"
         )
+    if not (isinstance(branches.patience, int) and branches.patience >= 1):
+        raise ValueError(f"patience = {branches.patience!r}, but it is a number of samples; give 1 or more")
     return Branching(
         block=b,
         modes=tuple(block.modes[mode] for mode in branches.modes or known),
@@ -98,6 +103,7 @@ def branching(diagram: "Wired", branches: Branches, t0: float, t_end: float) -> 
         limits=tuple(limits),
         change=tuple(signal in branches.changes for signal in watched),
         share=float(branches.share),
+        patience=branches.patience,
     )
 
 

@@ -57,7 +57,8 @@ class Branching:
     ``stops`` (n,): the samples [s] at which a branch may be left, the end of the run among them.  ``pins``: the blocks
     whose memory ``d[0]`` is watched at each stop, ``limits`` [their unit] what it may be, or, where ``change`` says so,
     by how much it may change from one stop to the next.  Beyond that ``modes`` are tried, and one is kept if it brings
-    the worst of them below ``share`` of what it was.
+    the worst of them below ``share`` of what it was.  After tries in vain, stop after stop, 1, 2, 4, ... and at most
+    ``patience`` stops go by until the next.
     """
 
     block: int
@@ -67,6 +68,7 @@ class Branching:
     limits: tuple[float, ...]
     change: tuple[bool, ...]
     share: float
+    patience: int = 1
 
 
 @dataclass(frozen=True)
@@ -147,9 +149,29 @@ def measure(floats, before, places, limits, change):  # type: ignore[no-untyped-
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance_branching(  # type: ignore[no-untyped-def]
-    ints, floats, buffer, grid, rows, stops, row, modes, places, limits, change, share, mode, held, measures, state
+    ints,
+    floats,
+    buffer,
+    grid,
+    rows,
+    stops,
+    row,
+    modes,
+    places,
+    limits,
+    change,
+    share,
+    patience,
+    mode,
+    held,
+    measures,
+    state,
 ):
-    """Advance from stop to stop; ``state[0]`` is the number of the next one.  Resumable like ``advance.advance``."""
+    """Advance from stop to stop.  Resumable like ``advance.advance``.
+
+    ``state``: the number of the next stop, how many stops are let go by after the next try in vain, and the first stop
+    at which modes are tried again.
+    """
     I = pointer_to(ints)
     size, saved = H + I[N_BLOCKS] * R, I[SAVED]
     before_I, before_W = np.empty(size, dtype=np.int64), np.empty(saved)
@@ -166,7 +188,9 @@ def advance_branching(  # type: ignore[no-untyped-def]
             return CHATTERING if status == PAUSED else status  # more events than there is room for
         own = measure(floats, before_W, places, limits, change)
         measures[k, 0] = measures[k, 1] = own
-        if own > 1.0 and k > 0:  # nothing has been compared before the first stop
+        if own <= 1.0:
+            state[1], state[2] = 1, 0
+        elif k > 0 and k >= state[2]:  # nothing has been compared before the first stop
             best, kept, there = share * own, OWN, OWN
             for tried in range(2 * len(modes)):
                 if tried % 2 == 0 and modes[tried // 2] == before_W[before_I[row + D]]:
@@ -184,6 +208,10 @@ def advance_branching(  # type: ignore[no-untyped-def]
                 run_branch(ints, floats, buffer, grid, rows, row, modes, kept, stops[k], last)
             if kept != OWN:
                 mode[k], held[k], measures[k, 1] = modes[kept // 2], kept % 2, best
+                state[1] = 1
+            else:
+                state[2] = k + state[1]
+                state[1] = min(2 * state[1], patience)
         state[0] += 1
     return OK
 
@@ -206,13 +234,13 @@ def run_branching(
     buffer = np.empty((EVENT_BUFFER + 2 * int(I[at.MAX_CHAIN] + I[at.N_EVENTS]), 4))
     n = len(given.stops)
     mode, held, measures = np.full(n, np.nan), np.zeros(n, dtype=np.int64), np.full((n, 2), np.nan)
-    state, events = np.zeros(1, dtype=np.int64), []
+    state, events = np.array([0, 1, 0]), []
     try:
         while True:
             status = Status(
                 advance_branching(
                     I, W, buffer, times, log, given.stops, row, np.array(given.modes), places, limits, change,
-                    given.share, mode, held, measures, state,
+                    given.share, given.patience, mode, held, measures, state,
                 )
             )  # fmt: skip
             events.append(buffer[: I[at.EV_COUNT]].copy())

@@ -11,7 +11,7 @@ from gap.effect import Effect
 from gap.inserting import inserted
 from gap.isolability import SAME
 from gap.nesting import RELEVANT
-from gap.pairs import Pair
+from gap.pair import Pair
 from gap.problem import Problem
 from gap.proposals import smooth
 from gap.ranges import fitted
@@ -39,7 +39,7 @@ def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]
     own = _trace(here)
     for candidate in candidates(problem, base, catalogue):
         known = candidate.effect is fit.effect or candidate.effect is other.effect
-        if known or not smooth(candidate) or "time" in candidate.own:
+        if known or not smooth(candidate):
             continue
         if own is None or (trace := _trace(candidate)) is None or abs(_cosine(own, trace)) < LIKE:
             continue

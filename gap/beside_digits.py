@@ -13,7 +13,7 @@ from gap.candidates import candidates, ranked
 from gap.effect import Effect
 from gap.floor import measured
 from gap.inserting import inserted
-from gap.pairs import Pair
+from gap.pair import Pair
 from gap.problem import Problem
 from gap.search import Fit
 

@@ -1,9 +1,13 @@
 """Fit an effect with a hidden mode, such as a stem that sticks: its score has many troughs and one deep, narrow one.
 
-A grid over both sizes, the second as a share of the first; then patterns of points around the best few, ever smaller.
-Twice on the first part of the record: with the modes as the replay has them, which makes the deep trough wide, and with
-wrong ones set right, which is what tells where replays of the true sizes go wrong.  The better one is followed on the
-whole record.
+1. A grid over both sizes, the second as a share of the first, and patterns of points around the best few, on the first
+   part of the record, with the modes as the replay has them, which makes the deep trough wide.
+2. From its bottom patterns, ever smaller, with wrong modes set right, which tells where replays of the true sizes go
+   wrong.  Modes set right repair wrong sizes as well, by many more of them, so here each costs more.
+3. Where the modes are right innovations have slopes: steps along these on the whole record, and patterns only where
+   they leave something.
+
+A filter of a large diagram has no modes to set right: there the first patterns are followed, then those of the whole.
 """
 
 from collections.abc import Sequence
@@ -11,18 +15,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from gap.search import Candidate, Fit, best_of
+from gap.search import Candidate, Fit, best_of, refined
 
 FIRST = 14  # sizes of the first parameter
 SHARES = (0.0, 0.12, 0.25, 0.4, 0.6, 0.85)  # the second as a share of the first
-KEPT = 3  # troughs that are followed
+KEPT, APART = 4, 0.3  # troughs that are followed, and how far apart their first sizes are, as a logarithm
+BEGUN = 2  # from which modes are set right
+SHOWS = 0.3  # share of what the first part shows that the search explains before wrong modes are set right
+DEARER = 4.0  # times their charge that modes set right cost besides, in the search
 SHRINK = 0.55  # of a pattern from round to round
 FINEST = 2e-4  # relative size of the last pattern
 ENOUGH = 50.0  # nats that the first part of the record must gain by the effect
 HEAD = 0.4  # share of the record that is enough for the search where its first part does not show the gap
 FEWEST = 1200  # rows of a first part that show enough slips
-WORTH = 0.2  # share of the gap that an effect must explain to be followed on the whole record
-LAST, LAST_ROUNDS = 0.005, 12  # least width of the first pattern there, and how many there are
+WORTH, CLEAN = 0.5, 0.9  # share of the gap from which on, up to which patterns are followed on the whole record
+LAST, LAST_ROUNDS = 0.005, 6  # least width of the first pattern there, and how many there are
+WORTH_BETWEEN, ROUNDS_BETWEEN = 0.2, 12  # the same share and number where a filter makes the residuals
 PLACES = 2  # at which hidden modes are looked for where a filter has told which promise most
 AROUND = 0.1, 0.1  # first widths of a pattern around values that are nearly right
 WIDER = 0.9  # of a pattern that has moved
@@ -32,22 +40,46 @@ Point = tuple[float, float]  # the first size, and the second as a share of it
 
 def fitted_hidden(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode; None if no run succeeded."""
-    tries = (False, True) if candidate.problem.record.filter is None else (False,)  # a filter has no modes to set right
-    ends = [_searched(_head(candidate, modes)) for modes in tries]
-    fits = _at(candidate, [point for point, _, _ in ends])
-    best = best_of(fits)
-    if best is None:
+    point, wide, across = _searched(candidate)
+    fit = best_of(_at(candidate, [point]))
+    if fit is None:
         return None
-    point, wide, across = ends[fits.index(best)] if len(fits) == len(ends) else ends[0]
-    if not candidate.absent.F - WORTH * max(candidate.absent.F - candidate.problem.level, 0.0) > best.F:
-        return best  # far from anything that could be named, alone or beside another
-    return _followed(candidate, point, best, max(wide, LAST), max(across, LAST), rounds=LAST_ROUNDS)[1]
+    if _filtered(candidate):
+        near, rounds = _share(fit) >= WORTH_BETWEEN, ROUNDS_BETWEEN
+    else:
+        fit = refined(fit)
+        near, rounds = WORTH <= _share(fit) < CLEAN, LAST_ROUNDS
+    if not near:  # far from anything that could be named, alone or beside another, or there
+        return fit
+    return _followed(candidate, _point(fit), fit, max(wide, LAST), max(across, LAST), rounds=rounds)[1]
+
+
+def first_look(candidate: Candidate) -> float:
+    """Return the lowest score of a coarse grid on the first part of the record, with the modes as replays have them."""
+    return min((fit.F for fit in _at(_head(candidate, False), _grid(candidate)[::2])), default=np.inf)
 
 
 def glimpsed(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode, searched coarsely on the first part of the record."""
-    point, _, _ = _searched(_head(candidate, True), fine=False)
+    point, _, _ = _searched(candidate)
     return best_of(_at(candidate, [point]))
+
+
+def _filtered(candidate: Candidate) -> bool:
+    return candidate.problem.record.filter is not None
+
+
+def _share(fit: Fit) -> float:
+    """Return the share of what there is without the effect that a fit explains."""
+    absent = fit.candidate.absent.F
+    level = fit.candidate.problem.floor.mean * float(np.isfinite(fit.e).mean()) * len(fit.e)
+    return (absent - fit.F) / max(absent - level, 1e-9)
+
+
+def _point(fit: Fit) -> Point:
+    """Return the first size of a fit, and the second as a share of it."""
+    first, *second = (fit.values[name] for name in fit.candidate.sizes)
+    return first, second[0] / first if second and first > 0.0 else 0.0
 
 
 def promising(many: Sequence[Candidate]) -> list[Candidate]:
@@ -80,37 +112,58 @@ def _grid(candidate: Candidate) -> list[Point]:
     ]
 
 
-def _searched(head: Candidate, fine: bool = True) -> tuple[Point, float, float]:
-    """Return the point of the lowest score, and the widths of the last pattern around it."""
-    points = _grid(head)
-    found = [*zip(points, _at(head, points), strict=True)]
-    found.sort(key=lambda one: one[1].F)
-    kept: list[tuple[Point, Fit]] = []
-    for point, fit in found:
-        if all(abs(np.log(point[0] / other[0])) > 0.5 for other, _ in kept):
-            kept.append((point, fit))
-        if len(kept) == KEPT:
-            break
+def _searched(candidate: Candidate) -> tuple[Point, float, float]:
+    """Return the point of the lowest score on the first part of the record, and the last widths of a pattern there."""
+    head = _head(candidate, False)
     low, high = head.bounds[head.sizes[0]]
     wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
-    best = [_followed(head, *one, wide, 0.12, rounds=4) for one in kept]
-    point, fit, wide, across = min(best, key=lambda one: one[1].F)
-    if fine and fit.F < head.absent.F - ENOUGH:
+    fits = sorted(_at(head, _grid(head)), key=lambda fit: fit.F)
+    ends = [_followed(head, _point(fit), fit, wide, 0.12, rounds=4) for fit in _apart(fits)]
+    ends.sort(key=lambda one: one[1].F)
+    point, fit, wide, across = ends[0]
+    if fit.F >= head.absent.F - ENOUGH:
+        return point, wide, across
+    if _filtered(candidate):
         point, _, wide, across = _followed(head, point, fit, wide, across, finest=10.0 * FINEST)
+        return point, wide, across
+    best: tuple[Point, Fit, float, float] | None = None
+    for point, fit, *_ in ends[:BEGUN]:
+        if _share(fit) < SHOWS or (best is not None and _share(best[1]) >= CLEAN):
+            break
+        (begun,) = _at(_head(candidate, True), [point])
+        found = _followed(begun.candidate, point, begun, *AROUND, finest=10.0 * FINEST)
+        if best is None or _cost(found[1]) < _cost(best[1]):
+            best = found
+    point, _, wide, across = best or ends[0]
     return point, wide, across
 
 
+def _apart(fits: Sequence[Fit]) -> list[Fit]:
+    """Return the best of fits, which are in order, that lie in troughs of their own."""
+    kept: list[Fit] = []
+    for fit in fits:
+        if all(abs(np.log(_point(fit)[0] / _point(other)[0])) > APART for other in kept):
+            kept.append(fit)
+    return kept[:KEPT]
+
+
 def followed_on(fit: Fit) -> Fit:
-    """Return a fit of an effect with a hidden mode after patterns of ever smaller width around its values."""
-    first, *second = (fit.values[name] for name in fit.candidate.sizes)
-    share = second[0] / first if second and first > 0.0 else 0.0
+    """Return a fit of an effect with a hidden mode after steps along slopes, and where these leave something patterns
+    of ever smaller width on the first part of the record and steps again.
+    """
+    fit = refined(fit)
+    if _share(fit) >= CLEAN:
+        return fit
     head = _head(fit.candidate, True)
-    (begun,) = _at(head, [(first, share)])
-    point, _, wide, across = _followed(head, (first, share), begun, *AROUND, finest=10.0 * FINEST)
-    (there,) = _at(fit.candidate, [point])
-    if there.F > fit.F:
-        point, there, wide, across = (first, share), fit, *AROUND
-    return _followed(fit.candidate, point, there, max(wide, LAST), max(across, LAST), rounds=LAST_ROUNDS)[1]
+    point = _point(fit)
+    (begun,) = _at(head, [point])
+    there = best_of(_at(fit.candidate, [_followed(head, point, begun, *AROUND, finest=10.0 * FINEST)[0]]))
+    return fit if there is None else best_of([fit, refined(there)]) or fit
+
+
+def _cost(fit: Fit) -> float:
+    """Return what the search goes by: modes that are set right cost more there, because they repair wrong sizes too."""
+    return fit.F + DEARER * fit.charge
 
 
 def _at(candidate: Candidate, points: Sequence[Point]) -> list[Fit]:
@@ -140,8 +193,8 @@ def _followed(
             for a, b in pattern
         ]
         fits = _at(candidate, points)
-        k = int(np.argmin([one.F for one in fits]))
-        if fits[k].F < fit.F:
+        k = int(np.argmin([_cost(one) for one in fits]))
+        if _cost(fits[k]) < _cost(fit):
             point, fit = points[k], fits[k]
             wide, across = WIDER * wide, WIDER * across
         else:

@@ -12,6 +12,7 @@ from gap.record import Record
 
 BEYOND = 20.0  # of its floor, from which on an innovation tells a wrong mode
 SHARE = 0.5  # of what it was, to which another mode must bring a row
+PATIENCE = 16  # rows that go by, at most, where no mode has helped at the rows before
 CHARGE = 6.0  # nats of a mode that is set right
 
 
@@ -39,4 +40,8 @@ def branches_of(diagram: Diagram, model: Diagram, record: Record, floor: Floor) 
     changes = {s: BEYOND * scale[s] for s, yes in zip(record.pinned, floor.changes, strict=True) if yes}
     stem = {str(s) for s in diagram[stems[0]].output_labels}
     offsets = {s: BEYOND * scale[s] for s in record.pinned if s in stem and s not in changes}
-    return Branches(stems[0], changes=changes, offsets=offsets, share=SHARE) if changes or offsets else None
+    return (
+        Branches(stems[0], changes=changes, offsets=offsets, share=SHARE, patience=PATIENCE)
+        if changes or offsets
+        else None
+    )

@@ -1,20 +1,24 @@
 """Two effects at once, where one is not adequate: pairs that lines propose, then a second effect beside the best."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress
-from gap.adequacy import needed, share
-from gap.candidates import PRICE, candidates, price, ranked
+from gap.adequacy import needed, scored_alone, share
+from gap.beside_noise import beside_noise
+from gap.beside_stem import with_stem
+from gap.candidates import candidates, price, ranked
 from gap.effect import Effect
 from gap.hidden import followed_on, glimpsed
 from gap.inserting import inserted
+from gap.nesting import HARDLY, RELEVANT, TIE
+from gap.pair import Pair
 from gap.problem import Problem
 from gap.proposals import proposed, smooth
 from gap.search import Candidate, Fit, best_of, refined
 from gap.sensitivity import promised
-from gap.together import Together, together, values_of
+from gap.together import Together, marked, together, values_of
 
 FIRSTS = 2  # single effects to which a second is added
 ENOUGH = 0.3  # share of the gap that one of two effects explains alone
@@ -29,19 +33,6 @@ HALF = 0.5  # of what one effect leaves, which another beside it may leave to be
 TURNS = 2  # times that each is fitted again given the other
 
 
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """Two effects, each fitted in the presence of the other; the score is that of the second."""
-
-    first: Fit
-    second: Fit
-
-    @property
-    def total(self) -> float:
-        """Score and price [nats]."""
-        return self.second.F + self.first.price + self.second.price + PRICE
-
-
 def paired(
     problem: Problem, fits: Sequence[Fit], catalogue: Iterable[Effect], progress: Progress = None
 ) -> Pair | None:
@@ -52,11 +43,13 @@ def paired(
     """
     if not fits or share(problem, fits[0]) < ENOUGH:
         return None
-    found = joined(problem, fits)
-    if found and problem.limit + needed(problem) >= found[0].second.F:
-        return found[0]
+    found = beside_noise(problem, fits)
+    if not any(_enough(problem, pair) for pair in found):
+        found += joined(problem, fits)
     legal = list(catalogue)
     for first in _firsts(problem, fits):
+        if any(_enough(problem, pair) for pair in found):
+            break
         seconds = [_second(problem, first, legal, progress)]
         if not first.effect.hidden:
             seconds.append(_stem_beside(problem, first, seconds[0], legal))
@@ -64,17 +57,19 @@ def paired(
             if second is not None:
                 pair = Pair(first, second)
                 found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
-        if any(_enough(problem, pair) for pair in found):
-            break
-    return min(found, key=lambda pair: pair.total, default=None)
+        if first.effect.hidden and share(problem, first) >= WORTH and not any(_enough(problem, one) for one in found):
+            joint = with_stem(problem, first, _beside(problem, first, legal)[1])
+            if joint is not None and share(problem, joint.second) >= WORTH:
+                found.append(improved(problem, joint))
+    best = min(found, key=lambda pair: pair.total, default=None)
+    return None if best is None else with_narrower(problem, best, legal)
 
 
 def _enough(problem: Problem, pair: Pair) -> bool:
     """Return whether no better pair need be looked for."""
-    sticks = pair.first.effect.hidden or pair.second.effect.hidden
-    if sticks and share(problem, pair.second) >= STICKING:
+    if pair.sticks and share(problem, pair.second) >= STICKING:
         return True
-    return problem.limit + needed(problem) >= pair.second.F
+    return problem.limit + needed(problem) >= scored_alone(pair.second)
 
 
 def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Fit | None:
@@ -134,12 +129,18 @@ def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[
     legal = [
         one
         for one in candidates(problem, inserted(problem.quiet, first), catalogue)
-        if not (one.effect is first.effect and one.place == first.place) and not (one.effect and one.effect.hidden)
+        if not (one.effect is first.effect and one.place == first.place)
+        and not (one.effect and one.effect.hidden)
+        and not one.noisy  # which has been tried beside all of them
     ]
     rough = [one for one in legal if not smooth(one)]
     if not first.effect.hidden:
         return rough, []
-    return rough, sorted((one for one in legal if smooth(one)), key=promised, reverse=True)[:PROMISING]
+
+    def promise(one: Candidate) -> float:
+        return promised(replace(one, problem=problem.early))
+
+    return rough, sorted((one for one in legal if smooth(one)), key=promise, reverse=True)[:PROMISING]
 
 
 def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
@@ -186,7 +187,12 @@ def _apart(problem: Problem, fit: Fit) -> Pair:
 
 
 def improved(problem: Problem, pair: Pair) -> Pair:
-    """Return a pair with each effect fitted again in the presence of the other."""
+    """Return a pair with the sizes of both fitted at once; with a hidden mode, each in the presence of the other."""
+    if not pair.sticks:
+        both = together(*(replace(fit.candidate, problem=problem) for fit in (pair.first, pair.second)))
+        start = both.tried([{**marked(pair.first.values, "1."), **marked(pair.second.values, "2.")}]) if both else []
+        found = _apart(problem, refined(start[0])) if start else pair
+        return found if found.total < pair.total else pair
     for _ in range(TURNS):
         before = pair.total
         first = _again(problem, inserted(problem.quiet, pair.second), pair.first)
@@ -204,3 +210,23 @@ def _again(problem: Problem, base: Diagram, fit: Fit) -> Fit:
     if not start:
         return fit
     return replace(followed_on(start[0]) if fit.effect.hidden else refined(start[0], 3), price=fit.price)
+
+
+def with_narrower(problem: Problem, pair: Pair, catalogue: Sequence[Effect]) -> Pair:
+    """Return a pair with a deadband in place of a stem whose jump gains nothing of relevance (``nesting``)."""
+    for wide, other in ((pair.first, pair.second), (pair.second, pair.first)):
+        narrow = next((one for one in catalogue if wide.effect.nests and one.name == wide.effect.nests), None)
+        if narrow is None or other.candidate.noisy:
+            continue
+        candidate = Candidate(problem, inserted(problem.quiet, other), narrow, wide.place)
+        size, *jump = (wide.values[name] for name in wide.candidate.sizes)
+        widths = [size - share * sum(jump) for share in (0.0, 0.5, 1.0)]
+        start = best_of(candidate.tried([{candidate.sizes[0]: width} for width in widths]))
+        if start is None or share(problem, start) < WORTH:
+            continue
+        found = followed_on(start)
+        found = replace(found, price=price(found))
+        near = TIE + RELEVANT * max(problem.score - problem.level, 0.0)
+        if near >= found.F - wide.F and share(problem, found) > 1.0 - HARDLY:
+            return Pair(other, found)
+    return pair

@@ -16,8 +16,10 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from gap.candidates import way
 from gap.inserting import inserted
 from gap.problem import Problem
+from gap.ranges import fitted
 from gap.robust import step
 from gap.search import Candidate, Fit, slopes
 from gap.together import marked
@@ -110,9 +112,8 @@ def _beside(problem: Problem, shapes: Sequence[_Shape], rows: NDArray[np.int64])
 
 
 def smooth(candidate: Candidate) -> bool:
-    """Return whether an effect has a slope at neutral."""
-    known = candidate.effect is not None and not candidate.effect.hidden and "period" not in candidate.own
-    known = known and not candidate.noisy
+    """Return whether an effect has a slope at neutral, and needs no search of its own kind (a limit, a time)."""
+    known = candidate.effect is not None and way(candidate) is fitted
     return known and math.isfinite(candidate.nominal[candidate.sizes[0]])
 
 

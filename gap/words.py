@@ -14,7 +14,7 @@ from gap.floor import losses
 from gap.isolability import classes
 from gap.model import nuisances
 from gap.noise import correlation, is_noise
-from gap.pairs import Pair
+from gap.pair import Pair
 from gap.problem import Problem
 from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.search import Candidate, Fit, best_of, refined
@@ -251,12 +251,14 @@ def shape(problem: Problem) -> list[str]:
         against[f"the level of {s}"] = values[skipped:]
         against[f"the rate of {s}"] = np.gradient(values)[skipped:]
         against[f"the direction of {s}"] = np.sign(np.gradient(values))[skipped:]
-    found = {name: correlation(e[:, k], values) for name, values in against.items()}
-    best = max(found, key=lambda name: abs(found[name]))
     signal = problem.record.pinned[k]
-    if abs(found[best]) < 0.1:
-        return [f"The residual of {signal} goes with no logged level, rate or direction."]
-    return [f"The residual of {signal} goes with {best} (correlation {found[best]:.2f})."]
+    words = []
+    for what, size in (("residual", e[:, k]), ("size of the residual", np.abs(e[:, k]))):
+        found = {name: correlation(size, values) for name, values in against.items()}
+        best = max(found, key=lambda name: abs(found[name]))
+        if abs(found[best]) >= 0.1:
+            words.append(f"The {what} of {signal} goes with {best} (correlation {found[best]:.2f}).")
+    return words or [f"The residual of {signal} goes with no logged level, rate or direction."]
 
 
 def abnormal_segment(problem: Problem) -> tuple[str, ...]:

@@ -1,5 +1,7 @@
 """Branches of a replay: a stem whose mode and place are unknown at the start is found; a right model is left alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,15 @@ def test_a_stem_unknown_at_the_start_is_found(off):
         return int(last)
 
     assert wrong(FITTING) < 0.6 * wrong(None)
+    assert wrong(replace(FITTING, patience=16)) < 0.6 * wrong(None)
+
+
+def test_with_patience_fewer_samples_are_tried_where_no_mode_helps():
+    seen, _, start = window(t0=0.0)
+    wide = sticky_loop(False, QuasiStaticStem(0.09, 0.01))  # wrong sizes: wrong again and again, in any mode
+    every, patient = (replay(wide, seen, start=start, branches=replace(FITTING, patience=n)).taken for n in (1, 64))
+    assert 0 < len(patient) < len(every)
+    assert patient[0] == every[0]  # nothing has been in vain before
 
 
 @pytest.mark.parametrize("valve", [None, StickSlip.high()], ids=["massless", "mass"])
@@ -103,6 +114,7 @@ def test_rows_and_events_of_branches_that_were_not_kept_leave_no_trace():
         (Branches("valve"), "no pin tells"),
         (Branches("valve", changes={"OP": 0.0}), "limits are positive"),
         (Branches("valve", changes={"OP": 1e-5}, share=1.5), "share = 1.5"),
+        (Branches("valve", changes={"OP": 1e-5}, patience=0), "patience = 0"),
     ],
 )
 def test_misuse_is_explained(given, words):

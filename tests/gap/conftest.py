@@ -9,6 +9,7 @@ from gap.effects import effect
 from logs import Log
 
 ROWS = 1801  # half an hour, a row a second
+START = {"SP": 1.5, "PV": 1.5, "OP": 0.5}
 
 
 def simulated(model, SP, seed):
@@ -42,6 +43,20 @@ def recorded():
         return simulated(model, Log(t, {"SP": SP}), seed)
 
     return record
+
+
+@pytest.fixture(scope="session")
+def with_effects(recorded, logged):
+    """Simulate the loop with effects (name, place, values), as its historian would keep it."""
+
+    def log(seed, *effects):
+        model = ideal_flow(rest=1.5)
+        for name, place, values in effects:
+            one = effect(name)
+            model = one.started(one.insert(model, place, **values), place, START)
+        return logged(model, recorded(seed=seed), seed)
+
+    return log
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -13,21 +13,6 @@ from gap.pairs import paired
 
 DIGITS = [effect(name) for name in ("quantisation", "step_disturbance", "sensor_bias", "process_gain")]
 STEM = [effect(name) for name in ("deadband", "process_gain", "valve_gain", "sensor_span", "dead_time")]
-START = {"SP": 1.5, "PV": 1.5, "OP": 0.5}
-
-
-@pytest.fixture
-def with_effects(recorded, logged):
-    """Simulate the loop with effects (name, place, values), as its historian would keep it."""
-
-    def log(seed, *effects):
-        model = ideal_flow(rest=1.5)
-        for name, place, values in effects:
-            one = effect(name)
-            model = one.started(one.insert(model, place, **values), place, START)
-        return logged(model, recorded(seed=seed), seed)
-
-    return log
 
 
 def test_a_step_beside_a_sensor_of_few_levels_is_named_too(with_effects):

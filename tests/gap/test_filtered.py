@@ -9,10 +9,12 @@ from cases.plant_models import LOGGED_SECTION
 from diagram import simulate
 from gap import diagnose
 from gap.effects import effect
+from gap.floor import Floor
 from gap.linearised.between import jumps
 from gap.linearised.filtered import filter_of
 from gap.linearised.parts import parts
 from gap.model import read, silenced
+from gap.problem import Problem, Settled
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +39,21 @@ def test_a_plant_with_an_unmeasured_feed_has_a_filter_that_knows_the_feed_as_a_l
     found = filter_of(model, quiet, record)
     assert found is not None
     assert list(found.filter.loads) == ["F_in"] and "F_in" in found.filter.parts.rest
+
+
+@pytest.mark.parametrize("spread", [0.0, 1.0, 100.0])
+def test_a_large_diagram_alarms_at_four_and_a_half_percent_or_standard_deviations_whichever_is_more(healthy, spread):
+    # expected: max(1.045 F, F + 4.5 sd), analytic, F and sd of the runs without a gap; other programs write F + 2 %
+    model, quiet, record = seen(healthy)
+    found = filter_of(model, quiet, record)
+    rows, signals = len(record.log) - 20, len(found.pinned)
+    scores = 4000.0 + spread * np.array([-1.0, 0.0, 1.0])
+    floor = Floor(np.zeros(signals, dtype=bool), np.zeros((0, signals, signals)), np.eye(signals), 20, scores, rows)
+    settled = Settled({}, np.zeros((rows, signals)))
+    large = Problem(model, quiet, found, floor, {}, settled=settled)
+    assert large.limit == pytest.approx(max(1.045 * 4000.0, 4000.0 + 4.5 * spread))
+    small = Problem(model, quiet, record, floor, {}, settled=settled)
+    assert small.limit == pytest.approx(4000.0 + 4.5 * spread)
 
 
 def test_the_true_characteristic_leaves_next_to_nothing_on_a_record_that_starts_away_from_its_rest():
