@@ -11,15 +11,18 @@ Where loads are not measured the residuals are coloured, and the A_j make of the
 would give; where sensor noise and rounding are all there is, no A_j is needed and none is used.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.block import Block
+from blocks.recorded import Recorded
 from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
+from engine.run import Settings
 from gap.offsets import offsets
 from gap.record import Record
 from gap.scales import time_scale
@@ -35,6 +38,7 @@ ORDER = 24  # rows that a prediction of the residuals may look back
 WORTH = 0.5  # nats a row that predicting residuals must gain to be done
 GROWTH = 1.5  # a level whose variance grows by this between the thirds of a record has none
 SMALLEST = 1e-12
+ANY_PROGRAM = 1e-5  # of a state's size: error a step of a large diagram's run; a filter takes it to miss as much
 MECHANICAL = 1e-4  # share of its travel to which a stem's position is known
 
 
@@ -118,10 +122,11 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
         log.duration,
         t0=float(log.t[0]),
         times=log.t,
-        inputs=Log(log.t, {s: log[s] for s in record.played}) if record.played else None,
+        inputs=_played(record) if record.played else None,
         seeds=np.arange(seed, seed + runs),
         signals=driven,
         progress=False,
+        settings=Settings() if record.filter is None else Settings(rtol=ANY_PROGRAM),
     )
     played = {s: log[s] for s in record.played}
     logs = []
@@ -130,6 +135,23 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
         quality = {s: log.good(s) for s in driven}
         logs.append(Log(log.t, {**played, **values}, quality=quality))
     return logs
+
+
+def _played(record: Record) -> Mapping[str, Block] | Log:
+    """Return what drives the inputs of a run as the record's system was driven.
+
+    In a large diagram a set point is written where it switches only: a program steps over rows and draws a curve
+    between its steps, and one that had to stop at each row would be more exact than any that wrote the record.
+    """
+    log = record.log
+    if record.filter is None:
+        return Log(log.t, {s: log[s] for s in record.played})
+    found = {}
+    for s in record.played:
+        moved = np.concatenate([[True], np.diff(log[s]) != 0.0])
+        moved[-1] = True
+        found[s] = Recorded(s, log.t[moved], log[s][moved], hold="previous")
+    return found
 
 
 def skipped_rows(rows: int, settling: float = 0.0) -> int:

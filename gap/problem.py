@@ -17,12 +17,12 @@ from gap.sureness import Sureness
 from logs import Log
 
 Floats = NDArray[np.float64]
-UNLIKE = 0.045  # share by which F of a large diagram may exceed its mean: no log is written by quite the same program
 AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted
 EARLY = 0.2  # share of the record on which sizes are tried first
 SHOWN = 600.0  # nats by which the gap must show there
 FAIR = 0.4  # of its share by rows, at least
 SIGMAS = 4.5  # by which F may exceed its mean without a gap
+SIGMAS_OF_FILTER = 3.5  # the same of a large diagram, whose mean and spread forty runs tell
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,8 +160,8 @@ class Problem:
     @property
     def limit(self) -> float:
         """F that records without a gap do not exceed."""
-        more = float(SIGMAS * self.floor.sd * np.sqrt(self.known))
-        return self.level + (more if self.record.filter is None else max(more, UNLIKE * self.level))
+        far = SIGMAS if self.record.filter is None else SIGMAS_OF_FILTER
+        return self.level + float(far * self.floor.sd * np.sqrt(self.known))
 
 
 @lru_cache(maxsize=16)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from blocks.role import Role
 from diagram.diagram import Diagram
-from diagram.playback import held
 from gap.linearised.parts import ancestors
 from gap.record import Record, switches
 from logs import Log
@@ -21,10 +20,8 @@ Floats = NDArray[np.float64]
 BEFORE = 1e-6  # of an interval: how long before a row the value is taken that holds until it
 
 
-def as_input(diagram: Diagram, record: Record, log: Log, signal: str) -> object:
-    """Return a logged signal as an input of a run."""
-    if not moves(diagram, signal):
-        return held(log, signal)
+def line(diagram: Diagram, record: Record, log: Log, signal: str) -> tuple[Floats, Floats]:
+    """Return times [s] and values of the line along which a signal that changes all the time goes from row to row."""
     return joined(log, signal, jumps(diagram, record, log, signal))
 
 

@@ -1,6 +1,7 @@
 """What a log makes of the valves and planned sources before a process: simulated as they are, with whatever sticks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,20 +9,39 @@ from numpy.typing import NDArray
 from diagram.changes import part
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
-from gap.linearised.between import BEFORE, as_input
+from diagram.playback import held
+from gap.linearised.behind import Behind
+from gap.linearised.between import BEFORE, line, moves
 from gap.linearised.parts import Parts
 from gap.record import Record
 from logs import Log
 
 Floats = NDArray[np.float64]
-BETWEEN = (0.125, 0.375, 0.625, 0.875)  # shares of an interval at which a signal is looked at for its mean
+BETWEEN = tuple((np.arange(8) + 0.5) / 8.0)  # shares of an interval at which a signal is looked at for its mean
 
 
-def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int) -> Floats:
+def as_inputs(
+    diagram: Diagram, record: Record, log: Log, signals: Sequence[str], more: Behind, many: int
+) -> dict[str, Any]:
+    """Return logged signals as inputs of so many runs; ``more`` what each run adds between rows."""
+    found: dict[str, Any] = {}
+    for s in signals:
+        if not moves(diagram, s):
+            found[s] = held(log, s)
+        else:
+            table = line(diagram, record, log, s)
+            same = s not in more.more or len(more.more[s]) == 1
+            found[s] = more.added(s, table, 0) if same else [more.added(s, table, i) for i in range(many)]
+    return found
+
+
+def driven(
+    diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int, more: Behind
+) -> Floats:
     """Return what a log makes valves and planned sources give, (runs, 3, rows, inputs): at each row, just before it,
     and by how much the mean over the interval before it differs from that of a straight line.
 
-    ``own`` parameters of these blocks, one value a run.
+    ``own`` parameters of these blocks, one value a run; ``more`` what each run adds to the log between rows.
     """
     piece = part(diagram, found.fed, "fed")
     inside = [s for s in found.given if s in piece.signals]
@@ -32,7 +52,7 @@ def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mappin
     if inside:
         run = ensemble(
             piece, log.duration, t0=float(log.t[0]), times=times, params=dict(own), seeds=np.zeros(many, dtype=int),
-            inputs={s: as_input(diagram, record, log, s) for s in piece.open_inputs} or None, signals=inside,
+            inputs=as_inputs(diagram, record, log, piece.open_inputs, more, many) or None, signals=inside,
             progress=False,
         )  # fmt: skip
     for j, s in enumerate(found.given):
@@ -40,11 +60,13 @@ def driven(diagram: Diagram, found: Parts, record: Record, log: Log, own: Mappin
             values = np.where(run.ok[:, None], run.values[s], np.nan)
             at, within = values[:, ::each], values[:, :-1].reshape(many, -1, each)
         else:
-            table = as_input(diagram, record, log, s)
+            table = as_inputs(diagram, record, log, [s], more, many)[s]
             at = np.broadcast_to(log[s], (many, len(log)))
             within = np.broadcast_to(at[:, :-1, None], (many, len(log) - 1, each))
-            if isinstance(table, tuple):
-                within = np.broadcast_to(np.interp(times[:-1], *table).reshape(1, -1, each), within.shape)
+            if isinstance(table, tuple | list):
+                lines = [table] if isinstance(table, tuple) else table
+                seen = np.stack([np.interp(times[:-1], *one) for one in lines])
+                within = np.broadcast_to(seen.reshape(len(lines), -1, each), within.shape)
         out[:, 0, :, j] = at
         out[:, 1, 0, j], out[:, 1, 1:, j] = at[:, 0], within[..., -1]
         out[:, 2, 1:, j] = within[..., 1:-1].mean(axis=-1) - 0.5 * (within[..., 0] + within[..., -1])

@@ -24,10 +24,11 @@ from diagram.diagram import Diagram
 from diagram.inputs import close
 from diagram.linear.slopes import Slopes
 from diagram.pins import replays
-from gap.linearised.between import as_input, jumps
-from gap.linearised.driving import driven
+from gap.linearised.behind import NOTHING, Behind, behind
+from gap.linearised.between import jumps
+from gap.linearised.driving import as_inputs, driven
 from gap.linearised.gains import Gains, Linear, gains
-from gap.linearised.local import linear, moved, near
+from gap.linearised.local import back, linear, near
 from gap.linearised.observer import Observer, observer
 from gap.linearised.parts import Parts, ancestors, parts
 from gap.model import nuisances
@@ -48,7 +49,7 @@ class Filter:
     """The filter of a model for records of one kind: its ``parts``, its ``process`` near the record's middle.
 
     ``quiet`` the model; ``loads`` those that nobody measures, signal -> (standard deviation, correlation time [s]);
-    ``dt`` [s] between rows; ``expected`` (rows, signals) what is left on average without a gap behind jumps of set
+    ``back`` state -> how far it moves for what is measured to move by one; ``dt`` [s] between rows; ``expected`` (rows, signals) what is left on average without a gap behind jumps of set
     points, between whose rows the outputs of controllers are not quite known.
     """
 
@@ -57,6 +58,7 @@ class Filter:
     dt: float
     quiet: Diagram
     process: Linear
+    back: Mapping[str, Floats]
     expected: Floats | None = None
     known: dict[object, Any] = field(default_factory=dict, repr=False)
 
@@ -67,62 +69,82 @@ class Filter:
         given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
         many = max((len(v) for v in given.values()), default=1)
         found = parts(diagram, replace(record, pinned=(*self.parts.known, *self.parts.measured)), self.loads)
+        more = self._behind(diagram, record, given)
         out = []
         for log in [record.log] if logs is None else logs:
             columns = np.full((many, len(log), len(record.pinned)), np.nan)
             for s, values in {
-                **self._ruled(diagram, found, record, log, given), **self._measured(diagram, found, record, log, given)
-            }.items():  # fmt: skip
+                **self._ruled(diagram, found, record, log, given, more),
+                **self._measured(diagram, found, record, log, given, more),
+            }.items():
                 columns[..., record.pinned.index(s)] = values
             out.append(columns if self.expected is None else columns - self.expected[: len(log)])
         return np.concatenate(out)
 
+    def _behind(self, diagram: Diagram, record: Record, given: Mapping[str, Floats]) -> Behind:
+        """Return what runs of a diagram do between rows; a stem that sticks does it at other times than the log's."""
+        seen = self.quiet if any(block.can_stick for block in diagram.blocks) else diagram
+        known = [*self.parts.known, *self.parts.measured]
+        if given and seen is diagram:
+            return behind(seen, record, known, given)
+        key = "behind", id(record.log), _digest(seen, [block.name for block in seen.blocks])
+        alone: Behind = self._kept(key, record.log, lambda: behind(seen, record, known, {}))
+        return alone
+
     def _ruled(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats]
+        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], more: Behind
     ) -> dict[str, Floats]:
         """Return the offsets of controllers, (runs or 1, rows) each."""
         if not found.judged:
             return {}
         own = _own(given, found.ruled)
+        runs = max((len(v) for v in given.values()), default=1) if own or more.runs > 1 else 1
 
         def made() -> dict[str, Floats]:
             piece = part(diagram, found.ruled, "ruled")
-            closed = close(piece, {s: as_input(diagram, record, log, s) for s in piece.open_inputs})
-            run = replays(closed, log if own else [log], signals=list(found.judged), params=own)
-            return {s: np.where(run.ok[:, None], run.values[f"{s}:offset"], np.nan) for s in found.judged}
+            inputs = as_inputs(diagram, record, log, piece.open_inputs, more, runs)
+            each = []
+            for i in range(runs):
+                closed = close(piece, {s: v[i] if isinstance(v, list) else v for s, v in inputs.items()})
+                run = replays(closed, [log], signals=list(found.judged), params={key: v[[i]] for key, v in own.items()})
+                each.append({s: np.where(run.ok[:, None], run.values[f"{s}:offset"], np.nan) for s in found.judged})
+            return {s: np.concatenate([one[s] for one in each]) for s in found.judged}
 
-        return made() if own else self._kept(("ruled", id(log), _digest(diagram, found.ruled)), log, made)
+        if own or more.runs > 1:
+            return made()
+        return self._kept(("ruled", id(log), id(more), _digest(diagram, found.ruled)), log, made)
 
     def _measured(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats]
+        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], more: Behind
     ) -> dict[str, Floats]:
         """Return the innovations of measurements, (runs or 1, rows) each."""
         fed, own = _own(given, found.fed), _own(given, found.rest)
         y = np.stack([log[s] for s in found.measured], axis=1)
 
         def made() -> Floats:
-            runs = max((len(v) for v in (*fed.values(), *own.values())), default=1)
+            runs = max((*(len(v) for v in (*fed.values(), *own.values())), more.runs))
             u = np.broadcast_to(
-                self.driven(diagram, found, record, log, fed, runs), (runs, 3, len(log), len(found.given))
+                self.driven(diagram, found, record, log, fed, runs, more), (runs, 3, len(log), len(found.given))
             )
             process = self._observer(diagram, found)
             known = self.gains(record)
             K = known.of(process.states, self.process.states)
-            e = process.residuals(own, u, y, K, known.which, self.start(record, log), self.dt)
+            e = process.residuals(own, u, y, K, known.which, self.start(record), self.back, self.dt)
             return np.where(np.isnan(e) & np.isfinite(y), LOST, known.white(e))
 
-        key = "rest", id(log), _digest(diagram, (*found.fed, *found.rest))
-        e = made() if fed or own else self._kept(key, log, made)
+        key = "rest", id(log), id(more), _digest(diagram, (*found.fed, *found.rest))
+        e = made() if fed or own or more.runs > 1 else self._kept(key, log, made)
         return {s: e[..., j] for j, s in enumerate(found.measured)}
 
     def driven(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int
-    ) -> Floats:
+        self, diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int,
+        more: Behind,
+    ) -> Floats:  # fmt: skip
         """Return the inputs of the process, (runs or 1, 3, rows, inputs): see ``driving``."""
-        if own:
-            return driven(diagram, found, record, log, own, many)
-        key = "fed", id(log), found.given, _digest(diagram, found.fed)
-        alone: Floats = self._kept(key, log, lambda: driven(diagram, found, record, log, {}, 1))
+        if own or more.runs > 1:
+            return driven(diagram, found, record, log, own, many, more)
+        key = "fed", id(log), id(more), found.given, _digest(diagram, found.fed)
+        alone: Floats = self._kept(key, log, lambda: driven(diagram, found, record, log, {}, 1, more))
         return alone
 
     def _observer(self, diagram: Diagram, found: Parts) -> Observer:
@@ -138,7 +160,7 @@ class Filter:
         log = record.log
 
         def made() -> Gains:
-            u = self.driven(self.quiet, self.parts, record, log, {}, 1)[0]
+            u = self.driven(self.quiet, self.parts, record, log, {}, 1, self._behind(self.quiet, record, {}))[0]
             doubts: dict[int, Floats] = {}
             for s in self.parts.known:
                 if s in self.quiet.driven and self.quiet.blocks[self.quiet.driven[s][0]].role is Role.CONTROLLER:
@@ -152,24 +174,18 @@ class Filter:
         found: Gains = self._kept(("gains", id(log)), log, made)
         return found
 
-    def start(self, record: Record, log: Log) -> dict[str, float]:
-        """Return the states from which the model's process shows the first row of a log.
-
-        Of logs other than the record the state is as far from the record's as is linear in what they show.
-        """
-
-        def at_first(log: Log) -> Floats:
-            y = np.stack([log[s] for s in self.parts.measured], axis=1)
-            return np.asarray(y[np.isfinite(y).all(axis=1)][0])
+    def start(self, record: Record) -> dict[str, float]:
+        """Return the states from which the model's process shows the first row of a record."""
+        y = np.stack([record.log[s] for s in self.parts.measured], axis=1)
 
         def made() -> Slopes:
-            u = self.driven(self.quiet, self.parts, record, record.log, {}, 1)[0, 0, 0]
+            more = self._behind(self.quiet, record, {})
+            u = self.driven(self.quiet, self.parts, record, record.log, {}, 1, more)[0, 0, 0]
             at = dict(zip(self.parts.given, u.tolist(), strict=True))
-            return near(part(self.quiet, self.parts.rest, "rest"), self.parts, at, at_first(record.log))
+            return near(part(self.quiet, self.parts.rest, "rest"), self.parts, at, y[np.isfinite(y).all(axis=1)][0])
 
         local: Slopes = self._kept(("start", id(record.log)), record.log, made)
-        x = local.x + moved(local, self.parts, at_first(log) - at_first(record.log))
-        return dict(zip(local.states, x.tolist(), strict=True))
+        return dict(zip(local.states, local.x.tolist(), strict=True))
 
     def _kept(self, key: object, log: Log | None, made: Any) -> Any:
         """Return what is known by a key, or make it; the log that is part of a key lives as long as what it gave."""
@@ -199,7 +215,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
     if not found.measured or not loads:
         return None
     dt = float(np.median(np.diff(record.log.t)))
-    u = driven(quiet, found, record, record.log, {}, 1)[0, 0]
+    u = driven(quiet, found, record, record.log, {}, 1, NOTHING)[0, 0]
     at = dict(zip(found.given, u.mean(axis=0).tolist(), strict=True))
     shown = np.array([np.nanmean(record.log[s]) for s in found.measured])
     local = near(part(quiet, found.rest, "rest"), found, at, shown)
@@ -210,7 +226,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
         record,
         pinned=judged,
         used=tuple(s for s in record.pinned if s not in judged),
-        filter=Filter(found, loads, dt, quiet, process),
+        filter=Filter(found, loads, dt, quiet, process, dict(zip(local.states, back(local, found), strict=True))),
     )
 
 

@@ -31,17 +31,19 @@ def near(piece: Diagram, found: Parts, at: Mapping[str, float], shown: Floats) -
         off = (shown - local.s[rows]) / unit
         if np.abs(off).max() < NEAR:
             break
-        local = slopes(closed.at_state(local.x + moved(local, found, off * unit)))
+        local = slopes(closed.at_state(local.x + back(local, found) @ (off * unit)))
     return local
 
 
-def moved(local: Slopes, found: Parts, by: Floats) -> Floats:
-    """Return how far the states of a process move, as little as that takes, for what is measured to move ``by``."""
+def back(local: Slopes, found: Parts) -> Floats:
+    """Return how far the states of a process move, as little as that takes, for each of what is measured to move by
+    one, (states, measured).
+    """
     rows = [local.signals.index(s) for s in found.measured]
     unit = np.maximum(np.abs(local.s[rows]), LEAST)
     size = np.maximum(np.abs(local.x), LEAST)
     C = local.joined()[2][rows] * size / unit[:, None]
-    return np.asarray(size * np.linalg.lstsq(C, by / unit, rcond=1e-6)[0])
+    return np.asarray(size[:, None] * np.linalg.pinv(C, rcond=1e-6) / unit)
 
 
 def linear(

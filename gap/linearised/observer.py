@@ -23,7 +23,10 @@ from engine.table import Component
 Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less
 LOST = 1e3  # sizes at the start beyond which a process has run away
-AGAIN, FEW = 100, 10  # rows after which slopes are taken again; where a process has run away, which then starts anew
+AGAIN, FEW = 100, 10  # rows after which slopes are taken again; where they change, and where a process runs away
+SAME = 0.5  # share by which the slopes of a state's rate may change meanwhile
+PLACED = 3  # steps to a state that shows a row
+ABSURD = 0.1  # share of a measurement that no row can be off by
 TIED = "observer:tied"
 
 
@@ -46,13 +49,13 @@ class Observer:
 
     def residuals(
         self, params: Mapping[str, ArrayLike], u: Floats, y: Floats, K: Floats, which: NDArray[np.int64],
-        start: Mapping[str, float], dt: float,
+        start: Mapping[str, float], back: Mapping[str, Floats], dt: float,
     ) -> Floats:  # fmt: skip
         """Return what each row shows beyond its prediction, (runs, rows, outputs); NaN from where a run fails.
 
         ``params`` block.name -> one value a run; ``u`` (runs, 3, rows, inputs) inputs as ``driven`` gives them;
         ``y`` (rows, outputs); ``K`` (kinds, states, outputs), ``which`` (rows,) of them; ``start`` state -> value;
-        ``dt`` [s] between rows.
+        ``back`` state -> how far it moves for each output to move by one, (outputs,); ``dt`` [s] between rows.
         """
         out = np.full((len(u), *y.shape), np.nan)
         if self.diagram.plan().delays:  # what a dead time holds is not in the states
@@ -61,27 +64,47 @@ class Observer:
         many = variants_of(self.diagram, given, None, None, np.zeros(len(u)))
         places, columns = many.places(self.diagram.plan(), self.component)
         first = np.array([start.get(name, value) for name, value in zip(self.states, self.start, strict=True)])
+        M = np.array([back.get(name, np.zeros(y.shape[1])) for name in self.states])
         I, W = prepare(self.component, Settings(), 0.0)
         now = Snapshot(self.component, I, W)
         self.diagram.plan().fill(now, self.diagram.blocks)
         for k in range(len(u)):
             now.put(places, many.table[k, columns])
-            out[k] = self._one(I, W, u[k][..., self.read], y, K, which, first.copy(), dt)
+            out[k] = self._one(I, W, u[k][..., self.read], y, K, which, first.copy(), M, dt)
         return out
 
     def _one(
         self, I: NDArray[np.int64], W: Floats, u: Floats, y: Floats, K: Floats, which: NDArray[np.int64], z: Floats,
-        dt: float,
+        M: Floats, dt: float,
     ) -> Floats:  # fmt: skip
-        """Return what one run leaves, from ``z``."""
+        """Return what one run leaves, from a state near ``z`` that shows the first row."""
         e, start, far = np.full(y.shape, np.nan), z.copy(), np.maximum(np.abs(z), 1.0)
         here, off = np.ascontiguousarray(u[0]), np.concatenate([u[2, 1:], np.zeros((1, u.shape[2]))])
-        begins, ends = here + off, np.concatenate([u[1, 1:], u[0, -1:]]) + off
+        begins, ends = here + 2.0 * off, np.concatenate([u[1, 1:], u[0, -1:]])  # what is fast feels the end alone
 
-        def kept(part: slice) -> bool:
-            """Write what some rows leave; return whether the process is still near its path behind them."""
+        none = np.zeros((len(z), len(z)))
+
+        def placed(k: int) -> None:
+            """Move the state to where it shows a row, as little as that takes."""
+            for _ in range(PLACED):
+                seen = z.copy()
+                row = slice(k, k + 1)
+                off = observed(
+                    I, W, self.into, self.loaded, self.shown, here[row], begins[row], ends[row], y[row], K, which[row],
+                    self.decay, none, none, none, seen,
+                )[0]  # fmt: skip
+                if not np.isfinite(off[np.isfinite(y[k])]).all():
+                    return
+                z[:] += M @ np.nan_to_num(off)
+
+        def slopes(k: int) -> tuple[Floats, Floats]:
+            """Return the slopes of the rates where the process is at a row, and the size of its states there."""
             size = np.maximum(np.abs(z), LEAST)
-            J = slopes_at(I, W, self.into, self.loaded, here[part.start], self.decay, z, size)
+            return slopes_at(I, W, self.into, self.loaded, here[k], self.decay, z, size), size
+
+        def went(part: slice) -> bool:
+            """Write what some rows leave; return whether the process stayed near its path, its slopes what they were."""
+            J, size = slopes(part.start)
             if not np.isfinite(J).all():
                 return False
             with np.errstate(over="ignore", invalid="ignore"):
@@ -90,15 +113,33 @@ class Observer:
                     I, W, self.into, self.loaded, self.shown, here[part], begins[part], ends[part], y[part], K,
                     which[part], self.decay, J, P_1, P_2, z,
                 )  # fmt: skip
-            return bool((np.abs(z) < LOST * far).all())
+            if lost(part):
+                return False
+            other = (slopes(min(part.stop, len(y) - 1))[0] - J) * size
+            return bool((np.abs(other).sum(axis=1) <= SAME * np.abs(J * size).sum(axis=1)).all())
 
-        for part in parted(0, len(y), AGAIN):
+        def lost(part: slice) -> bool:
+            """Return whether the process is far off its path behind some rows."""
+            shown = np.nan_to_num(np.abs(e[part.stop - 1]) / np.maximum(np.abs(y[part.stop - 1]), LEAST))
+            return not ((np.abs(z) < LOST * far).all() and (shown < ABSURD).all())
+
+        def follow(part: slice, steps: Sequence[int]) -> None:
+            """Write what some rows leave, in parts so short that the slopes hold in each."""
             before = z.copy()
-            if not kept(part):
+            if went(part):
+                return
+            if steps:
                 z[:] = before
-                for few in parted(part.start, part.stop, FEW):
-                    if not kept(few):
-                        e[few], z[:] = np.nan, start
+                for shorter in parted(part.start, part.stop, steps[0]):
+                    follow(shorter, steps[1:])
+            elif lost(part):
+                if not (np.abs(z) < LOST * far).all():
+                    e[part], z[:] = np.nan, start
+                placed(min(part.stop, len(y) - 1))
+
+        placed(0)
+        for part in parted(0, len(y), AGAIN):
+            follow(part, (FEW, 1))
         return e
 
 

@@ -15,7 +15,7 @@ from gap.linearised.parts import ancestors
 from gap.record import Record
 
 Floats = NDArray[np.float64]
-TOLD = 0.7  # share of the runs that make a floor; the rest tell its scores
+FOLDS = 4  # parts of the runs, each of which tells the score of a floor made of the others
 FAR = 6.0  # medians of a residual beyond which it says nothing of the usual size
 SIGMAS = 4.5  # by which a segment's loss may exceed its mean without a gap
 
@@ -38,14 +38,23 @@ def floor_of_record(
     filter = _filter(record)
     found = filter.residuals(quiet, record, None, without_gap(model, record, runs, seed))
     behind = filter.gains(record).which > 0
-    told = found[: round(TOLD * len(found))]  # the others judge: a record is as new to the floor as they are
-    expected = np.where(behind[:, None], np.nan_to_num(np.nanmean(told, axis=0)), 0.0)
-    found = found - expected
     judged = [s in filter.parts.judged for s in record.pinned]
-    bound = FAR * np.nanmedian(np.abs(found), axis=(0, 1))  # rows right behind a jump do not set the scale of others
-    bound[judged] = np.inf
-    floor = floor_of(np.clip(found[: len(told)], -bound, bound), settling_rows(model, record), judged, True)
-    floor = replace(floor, scores=np.sort(floor.score(found[len(told) :])))
+    settling = settling_rows(model, record)
+
+    def told(others: Floats) -> tuple[Floats, Floor]:
+        """Return what is expected of each row, and the floor, from some runs."""
+        expected = np.where(behind[:, None], np.nan_to_num(np.nanmean(others, axis=0)), 0.0)
+        bound = FAR * np.nanmedian(np.abs(others - expected), axis=(0, 1))  # rows right behind a jump set no scale
+        bound[judged] = np.inf
+        return expected, floor_of(np.clip(others - expected, -bound, bound), settling, judged, True)
+
+    folds = np.arange(len(found)) % FOLDS
+    scores = []
+    for fold in range(FOLDS):  # runs judge a floor made of others: a record is as new to it as they are
+        expected, floor = told(found[folds != fold])
+        scores.append(floor.score(found[folds == fold] - expected))
+    floor = replace(floor, scores=np.sort(np.concatenate(scores)))
+    found = found - expected
     r = residuals(found, floor.changes)[:, floor.skipped :]
     unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))
     loss = losses(r / unit).mean(axis=1)

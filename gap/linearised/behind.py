@@ -1,0 +1,89 @@
+"""What logged signals do between the rows behind a switch of a set point, where no smooth line through rows tells it.
+
+A controller's output jumps there, a pressure follows within a fraction of an interval.  A run of the model itself, with
+the record's set points and without noise, shows both; what it does beyond the line through its own rows is added to
+the line through the log's.  A run of a model with an effect shows what that makes of it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagram.diagram import Diagram
+from diagram.ensembles.running import ensemble
+from gap.linearised.between import line, moves
+from gap.record import Record, switches
+from logs import Log
+
+Floats = NDArray[np.float64]
+ROWS = 15  # behind a switch for which signals are looked at
+SHARES = (0.015, 0.03, 0.06, 0.125, 0.1875, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)  # of an interval: where
+
+
+@dataclass(frozen=True, eq=False)
+class Behind:
+    """At the times ``t`` [s] what is added to each signal, ``more`` (runs or 1, times)."""
+
+    t: Floats
+    more: Mapping[str, Floats]
+
+    @property
+    def runs(self) -> int:
+        """How many runs there are."""
+        return max((len(v) for v in self.more.values()), default=1)
+
+    def added(self, signal: str, table: tuple[Floats, Floats], run: int) -> tuple[Floats, Floats]:
+        """Return times [s] and values of a signal that goes along a table's lines, with what a run adds to them."""
+        if signal not in self.more:
+            return table
+        t, v = table
+        more = self.more[signal]
+        there = np.interp(self.t, t, v) + more[min(run, len(more) - 1)]
+        place = np.searchsorted(t, self.t)
+        new = ~np.isclose(t[np.minimum(place, len(t) - 1)], self.t, rtol=0.0, atol=1e-9)
+        both, values = np.concatenate([t, self.t[new]]), np.concatenate([v, there[new]])
+        values[place[~new]] = there[~new]
+        order = np.argsort(both, kind="stable")
+        return both[order], values[order]
+
+
+NOTHING = Behind(np.zeros(0), {})
+
+
+def behind(diagram: Diagram, record: Record, signals: Sequence[str], given: Mapping[str, Floats]) -> Behind:
+    """Return what a diagram's signals do between rows behind switches of the record's set points.
+
+    ``given`` block.parameter -> one value a run.  A run that fails adds nothing.
+    """
+    log = record.log
+    rows = _rows(record)
+    moving = [s for s in signals if moves(diagram, s)]
+    if not len(rows) or not moving:
+        return NOTHING
+    t = (log.t[rows - 1, None] + np.diff(log.t)[rows - 1, None] * np.array(SHARES)).ravel()
+    times = np.union1d(log.t, t)
+    many = max((len(v) for v in given.values()), default=1)
+    run = ensemble(
+        diagram, log.duration, t0=float(log.t[0]), times=times, params=dict(given), seeds=np.zeros(many, dtype=int),
+        inputs=Log(log.t, {s: log[s] for s in record.played}), signals=moving, progress=False,
+    )  # fmt: skip
+    own, fine = np.searchsorted(times, log.t), np.searchsorted(times, t)
+    more = {}
+    for s in moving:
+        more[s] = np.zeros((many, len(t)))
+        for i in np.flatnonzero(run.ok):
+            table = line(diagram, record, Log(log.t, {s: run.values[s][i, own], **{p: log[p] for p in record.played}}), s)
+            more[s][i] = run.values[s][i, fine] - np.interp(t, *table)
+    return Behind(t, more)
+
+
+def _rows(record: Record) -> NDArray[np.int64]:
+    """Return the rows whose interval before them is behind a switch of a set point."""
+    found = np.zeros(len(record.log), dtype=bool)
+    for s in record.played:
+        if switches(record.log, s):
+            for k in np.flatnonzero(np.diff(record.log[s]) != 0.0) + 1:
+                found[k + 1 : k + 1 + ROWS] = True
+    return np.flatnonzero(found)
