@@ -1,5 +1,6 @@
 """What the network learns from: signals of simulated loops, kept part by part, and the channels of them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -32,7 +33,7 @@ class Examples:
     """Loops as the network sees them.
 
     x : (n, ``CHANNELS``, ``MOST``) [-] in half precision, zero beyond the length of each
-    length : (n,) points; group : (n,) kind of loop; size : (n, 2) ln S and ln J over OP's travel, NaN without
+    length : (n,) points; group : (n,) kind of loop; size : (n, 2) ln S and ln J over OP's travel, NaN where none sticks
     """
 
     x: npt.NDArray[np.float16]
@@ -90,7 +91,8 @@ def _columns(setting: Setting, seed: int, kinds: Kinds, workers: int | None, fir
         # the range of OP is known in % of its span from the simulation, the record may not tell the span
         unit = view.travel * view.op_scale * truth.op_range / shown
         own = {"number": first + len(columns["number"]), "group": truth.group, "turn": view.turn}
-        own |= {"S": float(np.log(truth.S / unit)), "J": float(np.log(truth.J / unit))}
+        sizes = np.log((truth.S / unit, truth.J / unit)) if truth.cause == "stiction" else (math.nan, math.nan)
+        own |= {"S": float(sizes[0]), "J": float(sizes[1])}
         own |= {name: getattr(view, name)[:LOOKED_AT].astype(np.float32) for name in ("u", "y", "e")}
         for name, value in own.items():
             columns[name].append(value)
