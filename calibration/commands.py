@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, get_args
 
@@ -22,10 +23,16 @@ class Source:
     loops: int
 
 
-# What is learnt from: to fit patterns, trees, and the calibration.
+# What is learnt from: to fit patterns, the network, trees, and the calibration.
 PATTERNS = (
     Source("training", 10_001, "usual", 15_500), Source("creeping", 31_000, "usual", 15_500),
     Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
+)  # fmt: skip
+NETWORK = (
+    Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
+    Source("training", 50_000, "moved", 6000), Source("creeping", 50_000, "moved", 6000),
+    Source("training", 50_030, "moved", 12_000), Source("creeping", 50_030, "moved", 12_000),
+    Source("training", 50_500, "usual", 6000), Source("creeping", 50_500, "usual", 5500),
 )  # fmt: skip
 TREES = (
     Source("training", 20_000, "usual", 20_000), Source("creeping", 30_000, "usual", 10_000),
@@ -73,6 +80,19 @@ def _read_out(folder: Path, loops: int, workers: int | None) -> None:
     fit(x, group, odd, even, click.echo).write(FILE)
 
 
+def _network(folder: Path, loops: int, workers: int | None) -> None:
+    """Fit the network, whose scores the features of all loops contain, and write the shipped file."""
+    from calibration.network import fit
+    from calibration.signals import PART, Examples, examples
+    from detect.judge.features.network import FILE
+
+    seen = [
+        examples(folder / f"signals_{one.law}_{one.kinds}_{one.seed}", one.seed, count, one.law, one.kinds, workers)
+        for one, count in _parts(NETWORK, loops, PART)
+    ]
+    fit(Examples.joined(seen), click.echo).write(FILE)
+
+
 @click.command()
 @click.option("--loops", type=click.IntRange(min=1), default=_total(TREES), show_default=True, help="for the trees")
 @click.option(
@@ -81,6 +101,10 @@ def _read_out(folder: Path, loops: int, workers: int | None) -> None:
 @click.option(
     "--patterns", type=click.IntRange(min=0), default=_total(PATTERNS), show_default=True,
     help="to fit the patterns on; 0: those of the shipped file",
+)  # fmt: skip
+@click.option(
+    "--network", type=click.IntRange(min=0), default=_total(NETWORK), show_default=True,
+    help="to fit the network on, by PyTorch; 0: that of the shipped file",
 )  # fmt: skip
 @click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
 @click.option(
@@ -91,14 +115,20 @@ def _read_out(folder: Path, loops: int, workers: int | None) -> None:
 )
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
 def train(
-    loops: int, holding: int, patterns: int, trees: int, folder: Path, out: Path | None, workers: int | None
-) -> None:
+    loops: int, holding: int, patterns: int, network: int, trees: int, folder: Path, out: Path | None,
+    workers: int | None,
+) -> None:  # fmt: skip
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
+    from calibration.network import MISSING
     from calibration.training import fit
     from detect.judge.model import FILE
 
+    if network and not find_spec("torch"):
+        raise click.UsageError(MISSING)
     if patterns:
         _read_out(folder, patterns, workers)
+    if network:
+        _network(folder, network, workers)
     fitted = _tables(folder, TREES, loops, workers)
     held = _tables(folder, HOLDING, holding, workers)
     model = fit(fitted, held, click.echo, trees=trees)

@@ -22,6 +22,7 @@ from calibration.drawing import draw
 from calibration.simulation import simulate
 from calibration.spec import Kinds, Setting, Truth
 from detect.judge.features import features_of, view_of
+from detect.judge.features.network import FILE as NETWORK
 from detect.judge.features.patterns import FILE as PATTERNS
 from detect.prepare.prepared import Prepared
 from logs import LoopRecord
@@ -152,7 +153,8 @@ def _code() -> str:
     for place in ("calibration", "detect/judge/features", "detect/prepare"):
         for file in sorted((here / place).glob("*.py")):
             digest.update(file.read_bytes())
-    digest.update(PATTERNS.read_bytes())
+    for kept in (PATTERNS, NETWORK):
+        digest.update(kept.read_bytes())
     return digest.hexdigest()[:16]
 
 

@@ -26,7 +26,7 @@ def small(monkeypatch, tmp_path, here):
 
 
 def test_a_model_is_made_from_nothing(small):
-    sizes = ["--loops", "112", "--holding", "56", "--patterns", "112", "--trees", "20"]
+    sizes = ["--loops", "112", "--holding", "56", "--patterns", "112", "--network", "0", "--trees", "20"]
     places = ["--folder", str(small / "parts"), "--out", str(small / "model.npz")]
     done = CliRunner().invoke(calibration, ["train", *sizes, *places], catch_exceptions=False)
     assert done.exit_code == 0, done.output

@@ -4,7 +4,7 @@ import numpy as np
 
 from calibration import draw, simulate
 from calibration.records import Table, kept_table, table
-from calibration.scoring import score
+from calibration.scoring import auc, score
 from detect.judge.model import FILE, calibrated
 
 LOOPS = 240  # half sticky; the standard error of AUC is 0.017, that of the share found 0.04
@@ -18,6 +18,8 @@ def test_the_shipped_model_is_worth_what_the_page_says() -> None:
     assert found["false_alarm"] < 0.06
     assert found["calibration_error"] < 0.09  # of 240 loops; ten bins of 24
     assert found["s_error"] < 0.15 and found["j_error"] < 0.25
+    seen = told.rows(told.seen)
+    assert auc(seen.x[:, seen.names.tolist().index("network_sticky")], seen.sticky) > 0.9  # the network by itself
 
 
 def test_the_model_file_is_small() -> None:

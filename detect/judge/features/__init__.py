@@ -9,6 +9,7 @@
     steps       how OP and PV move and stand
     setting     sampling, noise, resolution, drift, set point, controller
     patterns    scores of random convolution kernels over OP, PV, e and what is new in PV
+    network     scores of learnt convolutions over these and over what each size of stick would leave new in PV
 
 ``features(loop)`` gives all of them by name, NaN where one does not apply; about 25 ms for 3,000 samples.
 """
@@ -19,6 +20,7 @@ import math
 
 from detect.judge.features.folds import fold_features
 from detect.judge.features.innovations import innovation_features
+from detect.judge.features.network import network_features
 from detect.judge.features.patterns import pattern_features
 from detect.judge.features.play import play_features
 from detect.judge.features.setting import setting_features
@@ -32,7 +34,7 @@ __all__ = ["View", "features", "features_of", "view_of"]
 
 FAMILIES = (
     play_features, innovation_features, fold_features, shape_features, wave_features, step_features, setting_features,
-    pattern_features,
+    pattern_features, network_features,
 )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from detect.judge.features.view import View
 
-__all__ = ["EVEN", "ODD", "channels", "since_turn"]
+__all__ = ["EVEN", "ODD", "channels", "innovations", "since_turn"]
 
 Values = npt.NDArray[np.float64]
 Singles = npt.NDArray[np.float32]
@@ -33,7 +33,7 @@ BINS = 10  # of the travel since a turn
 def channels(v: View) -> tuple[Singles, Singles, Values]:
     """The odd (7, n) and even (5, n) channels, and ``since_turn``, (4 ``BINS``,)."""
     u, y, e = (_read(x[:LOOKED_AT], v.turn) for x in (v.u, v.y, v.e))
-    r = _new(u, y)
+    r = innovations(u, y)
     r = np.clip(r / max(float(r.std()), 1e-6), -CLIP, CLIP)
     span = float(np.percentile(u, 99) - np.percentile(u, 1)) or 1.0
     w = _travelled(u, BACK * span) / span
@@ -70,7 +70,8 @@ def _over(x: Values) -> Values:
     return np.asarray(d / (float(d.std()) + 1e-9))
 
 
-def _new(u: Values, y: Values) -> Values:
+def innovations(u: Values, y: Values) -> Values:
+    """What is new in y (n,) beside its past and u (n,): ``r`` of the module, zero where the past is short."""
     deep, n = max(LAGS), len(u)
     past = [y[deep - k : n - k] for k in PAST] + [u[deep - k : n - k] for k in LAGS]
     columns = np.stack([np.ones(n - deep), *past])

@@ -1,0 +1,155 @@
+"""The network of convolutions (``detect.judge.features.network``), fitted by PyTorch (extra "training").
+
+loss      -ln share of the right kind - ln share of the right side, sticky or not
+          + ``SIZED`` (|ln S - s| / w + ln w), w told beside s, J alike, of the sticky loops
+steps     AdamW on ``BATCH`` loops of about one length; half of them are cut to 40 to 100 % of it, half change sign;
+          the rate rises over ``RISE`` loops and falls as half a cosine
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from calibration.signals import Examples
+from detect.judge.features.channels import ODD
+from detect.judge.features.network import ALONG, CHANNELS, KERNEL, LAYERS, POOLED, STRIDE, Network
+from detect.judge.features.patterns import STICKY
+
+__all__ = ["MISSING", "fit"]
+
+Say = Callable[[str], None]
+
+WIDTHS = {"stem": 40, "b1": 48, "b2": 48, "b3": 64, "b4": 64, "b5": 80, "b6": 80}  # channels
+HEADS, INNER = 4, 96  # weighted means over time; numbers f
+PASSES, BATCH, GROUP = 12, 64, 48  # over the loops; loops of a step; steps that loops are sorted by length in
+RATE, RISE, DECAY, DROPPED, SIZED = 2.5e-3, 15_000, 0.03, 0.1, 0.2
+CUT, LONG = 0.4, 200  # least share of a record that is kept, of records of so many points
+FLIPPED = np.r_[np.ones(ODD), np.zeros(ALONG), np.ones(CHANNELS - ODD - ALONG)].astype(bool)  # odd channels
+MISSING = 'PyTorch fits the network: pip install "stickslip[training]", or give --network 0 to keep the shipped one'
+
+
+def fit(loops: Examples, say: Say = print, seed: int = 0, passes: int = PASSES) -> Network:
+    """The network of simulated loops; ``say`` is told the mean loss of each pass.
+
+    Raises ``ImportError`` where PyTorch is not installed.
+    """
+    try:
+        import torch
+    except ImportError:
+        raise ImportError(MISSING) from None
+    torch.manual_seed(seed)
+    kinds = tuple(np.unique(loops.group).tolist())
+    sticky = torch.from_numpy(np.isin(kinds, STICKY))
+    target = torch.from_numpy(np.searchsorted(kinds, loops.group))
+    size = torch.from_numpy(np.clip(loops.size, np.log(0.02), np.log(5.0)))
+    model = _model(len(kinds))
+    steps = torch.optim.AdamW(model.parameters(), RATE, weight_decay=DECAY)
+    rng, done, whole = np.random.default_rng(seed), 0, passes * len(loops)
+    for number in range(passes):
+        losses = []
+        for which, x, length in _batches(loops, rng):
+            for group in steps.param_groups:
+                group["lr"] = RATE * min(1.0, (done + BATCH) / RISE) * 0.5 * (1.0 + np.cos(np.pi * done / whole))
+            with torch.autocast("cpu", torch.bfloat16):
+                z, told = (y.float() for y in model(torch.from_numpy(x), torch.from_numpy(length)))
+            loss = _loss(z, told, target[which], size[which], sticky)
+            steps.zero_grad()
+            loss.backward()
+            torch.nn.utils.clip_grad_norm_(model.parameters(), 5.0)
+            steps.step()
+            losses.append(loss.item())
+            done += len(which)
+        say(f"network: pass {number + 1} of {passes} over {len(loops)} loops, loss {np.mean(losses):.3f}")
+    return taken(model, kinds)
+
+
+def _loss(z: Any, told: Any, target: Any, size: Any, sticky: Any) -> Any:
+    import torch
+    from torch.nn import functional
+
+    odds = torch.logsumexp(z[:, sticky], 1) - torch.logsumexp(z[:, ~sticky], 1)
+    bad = sticky[target]
+    loss = functional.cross_entropy(z, target) + functional.binary_cross_entropy_with_logits(odds, bad.float())
+    if not bad.any():
+        return loss
+    width = told[bad, 2:].clamp(-4.0, 2.0)
+    return loss + SIZED * ((size[bad] - told[bad, :2]).abs() * torch.exp(-width) + width).mean()
+
+
+def _batches(
+    loops: Examples, rng: np.random.Generator
+) -> Iterator[tuple[npt.NDArray[np.intp], npt.NDArray[np.float32], npt.NDArray[np.int64]]]:
+    """Loops of one pass by number, their channels and their lengths, batch by batch."""
+    order = rng.permutation(len(loops))
+    for many in np.array_split(order, max(len(order) // (BATCH * GROUP), 1)):
+        whole = loops.length[many]
+        share = np.where((rng.random(len(many)) < 0.5) | (whole < LONG), 1.0, rng.uniform(CUT, 1.0, len(many)))
+        length = (whole * share).astype(np.int64)
+        first = (rng.random(len(many)) * (whole - length + 1)).astype(np.int64)
+        batches = np.array_split(np.argsort(length, kind="stable"), max(len(many) // BATCH, 1))
+        for k in rng.permutation(len(batches)):
+            own = batches[k]
+            x = np.zeros((len(own), CHANNELS, -(-int(length[own].max()) // STRIDE) * STRIDE), dtype=np.float32)
+            for i, j in enumerate(own):
+                x[i, :, : length[j]] = loops.x[many[j], :, first[j] : first[j] + length[j]]
+            x[:, FLIPPED] *= rng.choice((-1.0, 1.0), (len(own), 1, 1))
+            yield many[own], x, length[own]
+
+
+def _model(kinds: int) -> Any:
+    """The network of ``detect.judge.features.network`` as a module; the layers are called as its weights are."""
+    import torch
+    from torch import nn
+
+    class Convolutions(nn.Module):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__()
+            width, pooled = CHANNELS, 0
+            for name, stride, spread, _ in LAYERS:
+                taps = KERNEL.get(name, 5)
+                convolution = nn.Conv1d(
+                    width, WIDTHS[name], taps, stride, padding=taps // 2 * spread, dilation=spread, bias=False
+                )
+                width = WIDTHS[name]
+                pooled += width if name in POOLED else 0
+                self.add_module(name, nn.Sequential(convolution, nn.BatchNorm1d(width)))
+            self.att = nn.Conv1d(width, HEADS, 1)
+            self.fc = nn.Linear(pooled + (2 + HEADS) * width, INNER)
+            self.out, self.size = nn.Linear(INNER, kinds), nn.Linear(INNER, 4)
+
+        def forward(self, x: Any, length: Any) -> tuple[Any, Any]:
+            h, every, found = x, 1, []
+            for name, stride, _, added in LAYERS:
+                every *= stride
+                there = (torch.arange(x.shape[2] // every)[None] * every < length[:, None])[:, None].float()
+                own = torch.relu(getattr(self, name)(h)) * there
+                h = h + own if added else own
+                if name in POOLED:
+                    found.append((h * there).sum(2) / there.sum(2))
+            h = h.float()
+            mean = (h * there).sum(2) / there.sum(2)
+            spread = (((h - mean[:, :, None]) ** 2 * there).sum(2) / there.sum(2) + 1e-6).sqrt()
+            share = torch.softmax(self.att(h).float() - 1e4 * (1.0 - there), 2)
+            weighted = torch.einsum("bkn,bcn->bkc", share, h).flatten(1)
+            pooled = torch.cat([*found, mean, spread, weighted], 1).float()
+            f = torch.relu(self.fc(nn.functional.dropout(pooled, DROPPED, self.training)))
+            return self.out(f), self.size(f)
+
+    return Convolutions()
+
+
+def taken(model: Any, kinds: tuple[str, ...]) -> Network:
+    """The numbers of a fitted module; what its layers are normed by is in their weights."""
+    kept = {name: value.double().numpy() for name, value in model.state_dict().items()}
+    weights = {}
+    for name, *_ in LAYERS:
+        gain = kept[f"{name}.1.weight"] / np.sqrt(kept[f"{name}.1.running_var"] + 1e-5)
+        w = kept[f"{name}.0.weight"] * gain[:, None, None]
+        weights[f"{name}/w"] = w.reshape(len(w), -1)
+        weights[f"{name}/b"] = kept[f"{name}.1.bias"] - kept[f"{name}.1.running_mean"] * gain
+    for name in ("att", "fc", "out", "size"):
+        w = kept[f"{name}.weight"]
+        weights |= {f"{name}/w": w.reshape(len(w), -1), f"{name}/b": kept[f"{name}.bias"]}
+    return Network({name: w.astype(np.float32) for name, w in weights.items()}, kinds)

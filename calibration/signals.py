@@ -1,0 +1,108 @@
+"""What the network learns from: signals of simulated loops, kept part by part, and the channels of them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from calibration.crossings import extent
+from calibration.drawing import draw
+from calibration.simulation import simulate
+from calibration.spec import Kinds, Setting
+from detect.judge.features.channels import LOOKED_AT, MOST
+from detect.judge.features.network import CHANNELS, seen_by
+from detect.judge.features.view import View, view_of
+from detect.prepare.prepared import Prepared
+from logs.files.resumable import Kept, differences, joined, opened
+
+__all__ = ["Examples", "examples"]
+
+PART = 500  # loops
+KEPT = Kept(
+    "signals", "stickslip.calibration.signals/1", "number", ValueError, partial(differences, phrases_of={})
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Examples:
+    """Loops as the network sees them.
+
+    x : (n, ``CHANNELS``, ``MOST``) [-] in half precision, zero beyond the length of each
+    length : (n,) points; group : (n,) kind of loop; size : (n, 2) ln S and ln J over OP's travel, NaN where none sticks
+    """
+
+    x: npt.NDArray[np.float16]
+    length: npt.NDArray[np.int64]
+    group: npt.NDArray[np.str_]
+    size: npt.NDArray[np.float32]
+
+    def __len__(self) -> int:
+        return len(self.length)
+
+    @staticmethod
+    def joined(parts: Sequence["Examples"]) -> "Examples":
+        """Several sets, one after the other."""
+        names = ("x", "length", "group", "size")
+        return Examples(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+def examples(
+    folder: Path, seed: int, count: int, setting: Setting = "training", kinds: Kinds = "usual",
+    workers: int | None = None,
+) -> Examples:  # fmt: skip
+    """The loops of ``count`` parts from ``seed`` on that show enough for a view, those made before from the folder.
+
+    ``setting`` and ``kinds`` as in ``draw``.  Raises ``ValueError`` if the folder holds other loops.
+    """
+    import polars as pl
+
+    with opened(folder, {"setting": setting, "seed": seed, "kinds": kinds, "part": PART}, KEPT, fresh=False) as place:
+        place.note()
+        there = place.firsts()
+        for k in range(count):
+            if k * PART not in there:
+                place.add(pl.DataFrame(_columns(setting, seed + k, kinds, workers, k * PART)))
+        rows = joined(place.rows(), KEPT.key).filter(pl.col(KEPT.key) < count * PART)
+    x = np.zeros((len(rows), CHANNELS, MOST), dtype=np.float16)
+    length = np.zeros(len(rows), dtype=np.int64)
+    for i, row in enumerate(rows.iter_rows(named=True)):
+        told = seen_by(_view(row))
+        length[i] = told.shape[1]
+        x[i, :, : length[i]] = told
+    return Examples(
+        x, length, rows["group"].to_numpy().astype(str), rows.select("S", "J").to_numpy().astype(np.float32)
+    )
+
+
+def _columns(setting: Setting, seed: int, kinds: Kinds, workers: int | None, first: int) -> dict[str, Any]:
+    """One part as columns, its rows numbered from ``first`` on."""
+    columns: dict[str, list[Any]] = {
+        name: [] for name in ("number", "group", "S", "J", "turn", "u", "y", "e")
+    }  # fmt: skip
+    for loop, truth in simulate(draw(PART, seed, setting, kinds=kinds), workers):
+        view, shown = view_of(Prepared(loop)), extent(loop.op)
+        if view is None or not shown > 0.0:
+            continue
+        # the range of OP is known in % of its span from the simulation, the record may not tell the span
+        unit = view.travel * view.op_scale * truth.op_range / shown
+        own = {"number": first + len(columns["number"]), "group": truth.group, "turn": view.turn}
+        sizes = np.log((truth.S / unit, truth.J / unit)) if truth.cause == "stiction" else (math.nan, math.nan)
+        own |= {"S": float(sizes[0]), "J": float(sizes[1])}
+        own |= {name: getattr(view, name)[:LOOKED_AT].astype(np.float32) for name in ("u", "y", "e")}
+        for name, value in own.items():
+            columns[name].append(value)
+    return columns
+
+
+def _view(row: dict[str, Any]) -> View:
+    """A view with what the channels look at; all else is left open."""
+    u, y, e = (np.array(row[name], dtype=np.float64) for name in ("u", "y", "e"))
+    return View(
+        u=u, y=y, e=e, sp=None, turn=row["turn"], block=1, travel=float(np.ptp(u)), noise=0.0, stale=0.0, raw_u=u,
+        raw_y=y, integrating=None, op_scale=1.0, seconds=float(len(u)),
+    )  # fmt: skip

@@ -1,0 +1,134 @@
+"""Scores of a network of convolutions over OP, PV, e, what is new in PV, and what each size of stick would leave new.
+
+    h_0 = x                  22 channels: odd ones, r and dy along the way of OP, |w| (``channels``), ``candidates``
+    h   = max(W * h + b, 0)  seven layers; four double the time between two points, three add what they got to it
+    p   = mean of h over time after the layers ``POOLED``, and of the last: mean, deviation and four weighted means,
+          weights exp(a h) over their sum
+    f   = max(W p + b, 0),   z = W f + b: one value per kind of loop,   s = W f + b: ln S and ln J over OP's travel
+    score_g = ln of the share of exp(z_g) among all,   score_sticky = ln of the odds of the sticky kinds
+
+Fitted on simulated loops that nothing else is fitted on (``calibration.network``), run here in plain numpy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from detect.judge.features.candidates import CANDIDATES, candidates
+from detect.judge.features.channels import ODD, channels
+from detect.judge.features.patterns import LEAST, STICKY
+from detect.judge.features.view import View
+
+__all__ = ["CHANNELS", "FILE", "LAYERS", "STRIDE", "Network", "network_features", "seen_by", "shipped_network"]
+
+Singles = npt.NDArray[np.float32]
+FILE = Path(__file__).parents[1] / "network.npz"
+
+ALONG = 3  # even channels
+CHANNELS = ODD + ALONG + CANDIDATES
+KERNEL = {"stem": 9}  # taps, 5 elsewhere
+LAYERS = (  # name, points between two, taps spread by, whether what it finds is added to what it got
+    ("stem", 2, 1, False), ("b1", 2, 1, False), ("b2", 1, 2, True), ("b3", 2, 1, False), ("b4", 1, 2, True),
+    ("b5", 2, 1, False), ("b6", 1, 2, True),
+)  # fmt: skip
+POOLED = ("b2", "b4")
+STRIDE = 16  # points of x in one of the last layer
+
+
+def seen_by(v: View) -> Singles:
+    """What the network sees of a view, (``CHANNELS``, n)."""
+    odd, even, _ = channels(v)
+    own = candidates(odd[0].astype(np.float64), odd[1].astype(np.float64))
+    return np.concatenate([odd, even[:ALONG], own.astype(np.float32)])
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """The numbers of the network.
+
+    weights : "<layer>/w" (o, c taps) and "<layer>/b" (o,) of each of ``LAYERS``, and of "att", "fc", "out" and "size"
+    kinds : of the kinds of loop
+    """
+
+    weights: Mapping[str, Singles]
+    kinds: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the scores: the kinds of loop, "sticky", and the medians of ln S and ln J over OP's travel."""
+        return (*self.kinds, "sticky", "S", "J")
+
+    def pooled(self, x: Singles) -> Singles:
+        """What is pooled over time (p,) of channels x (``CHANNELS``, n)."""
+        h = np.zeros((len(x), -(-x.shape[1] // STRIDE) * STRIDE), dtype=np.float32)
+        h[:, : x.shape[1]] = x
+        every, found = 1, []
+        for name, stride, spread, added in LAYERS:
+            own = np.maximum(self._linear(name, _taps(h, KERNEL.get(name, 5), stride, spread)), 0.0)
+            every *= stride
+            own[:, -(-x.shape[1] // every) :] = 0.0  # beyond the record
+            h = h + own if added else own
+            if name in POOLED:
+                found.append(h[:, : -(-x.shape[1] // every)].mean(axis=1))
+        h = h[:, : -(-x.shape[1] // every)]
+        a = self._linear("att", h)
+        share = np.exp(a - a.max(axis=1, keepdims=True))
+        share /= share.sum(axis=1, keepdims=True)
+        spread_out = np.sqrt(h.var(axis=1) + 1e-6)
+        return np.concatenate([*found, h.mean(axis=1), spread_out, (share @ h.T).ravel()])
+
+    def scores(self, x: Singles) -> Singles:
+        """The scores by ``names`` of channels x (``CHANNELS``, n)."""
+        f = np.maximum(self._linear("fc", self.pooled(x)[:, None]), 0.0)
+        z, size = self._linear("out", f)[:, 0], self._linear("size", f)[:2, 0]
+        sticky = np.isin(self.kinds, STICKY)
+        odds = _total(z[sticky]) - _total(z[~sticky])
+        return np.asarray(np.clip(np.r_[z - _total(z), odds, size], LEAST, -LEAST), dtype=np.float32)
+
+    def _linear(self, name: str, x: Singles) -> Singles:
+        return np.asarray(self.weights[f"{name}/w"] @ x + self.weights[f"{name}/b"][:, None])
+
+    def write(self, file: Path) -> None:
+        """Keep the network in a file, in half precision."""
+        halves: dict[str, Any] = {name: w.astype(np.float16) for name, w in self.weights.items()}
+        np.savez_compressed(file, kinds=np.array(self.kinds), **halves)
+
+    @classmethod
+    def read(cls, file: Path) -> Network:
+        """The network kept in a file."""
+        with np.load(file, allow_pickle=False) as kept:
+            weights = {name: kept[name].astype(np.float32) for name in kept.files if name != "kinds"}
+            return cls(weights, tuple(kept["kinds"].tolist()))
+
+
+def _taps(x: Singles, taps: int, stride: int, spread: int) -> Singles:
+    """The points (c taps, m) that each of m points sees of x (c, n), zeros beyond both ends."""
+    beyond = (taps // 2) * spread
+    wide = np.pad(x, ((0, 0), (beyond, beyond)))
+    seen = np.lib.stride_tricks.sliding_window_view(wide, (taps - 1) * spread + 1, axis=1)[:, ::stride, ::spread]
+    return np.ascontiguousarray(seen.transpose(0, 2, 1)).reshape(len(x) * taps, -1)
+
+
+def _total(z: Singles) -> Any:
+    """ln of the sum of exp(z)."""
+    top = z.max()
+    return top + np.log(np.exp(z - top).sum())
+
+
+@cache
+def shipped_network() -> Network:
+    """The network that the package ships."""
+    return Network.read(FILE)
+
+
+def network_features(v: View) -> dict[str, float]:
+    """The features of this family by name [-]."""
+    read = shipped_network()
+    return {f"network_{name}": float(value) for name, value in zip(read.names, read.scores(seen_by(v)), strict=True)}

@@ -1,0 +1,72 @@
+"""The network fitted by PyTorch: it finds what is there, runs alike without PyTorch, and says where that lacks."""
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from calibration.__main__ import calibration
+from calibration.network import MISSING, fit
+from calibration.scoring import auc
+from calibration.signals import Examples, examples
+from detect.judge.features.channels import MOST
+from detect.judge.features.network import CHANNELS
+
+RNG = np.random.default_rng(5)
+
+
+def made(n: int) -> Examples:
+    """Noise of three kinds of loop; "excited" has slips in its first channel, of a size that is told."""
+    group = RNG.choice(["drift", "excited", "healthy"], n)
+    length = RNG.integers(60, 300, n)
+    x = np.zeros((n, CHANNELS, MOST), dtype=np.float16)
+    size = np.full((n, 2), np.nan, dtype=np.float32)
+    for i in range(n):
+        own = RNG.normal(size=(CHANNELS, length[i]))
+        if group[i] == "excited":
+            size[i] = RNG.uniform(-2.0, 0.0)
+            own[0, :: RNG.integers(15, 25)] += 6.0 * np.exp(size[i, 0])
+        x[i, :, : length[i]] = own
+    return Examples(x, length, group, size)
+
+
+def test_it_finds_what_is_there_and_runs_the_same_without_torch(monkeypatch):
+    torch = pytest.importorskip("torch", reason="PyTorch (extra training) is not installed")
+    models = []
+    monkeypatch.setattr("calibration.network.RISE", 500)
+    own = fit.__globals__["_model"]
+    monkeypatch.setattr("calibration.network._model", lambda kinds: models.append(own(kinds)) or models[-1])
+    said = []
+    net = fit(made(2000), said.append, passes=4)
+    assert len(said) == 4 and float(said[-1].split()[-1]) < float(said[0].split()[-1])
+    fresh = made(300)
+    told = np.array([net.scores(x[:, :n].astype(np.float32)) for x, n in zip(fresh.x, fresh.length, strict=True)])
+    bad = fresh.group == "excited"
+    assert auc(told[:, net.names.index("sticky")], bad) > 0.9
+    assert np.corrcoef(told[bad, -2], fresh.size[bad, 0])[0, 1] > 0.5
+    model = models[0].eval()
+    with torch.no_grad():  # all records in one batch, the short ones filled up with zeros
+        z, size = model(torch.from_numpy(fresh.x[:, :, :304].astype(np.float32)), torch.from_numpy(fresh.length))
+    assert told[:, :3] == pytest.approx(torch.log_softmax(z, 1).numpy(), abs=1e-3)
+    assert told[:, -2:] == pytest.approx(size[:, :2].numpy(), abs=1e-3)
+
+
+def test_signals_are_kept_and_equal_when_made_again(monkeypatch, tmp_path):
+    monkeypatch.setattr("calibration.signals.PART", 28)
+    both = examples(tmp_path, 79, 2, kinds="moved")
+    parts = sorted((tmp_path / "parts").iterdir())
+    assert len(parts) == 2 and 50 <= len(both) <= 56 and both.x.shape == (len(both), CHANNELS, MOST)
+    sticky = np.isin(both.group, ["cycling", "excited"])
+    assert np.isfinite(both.size[sticky]).all() and np.isnan(both.size[~sticky]).all()
+    assert not both.x[0, :, both.length[0] :].any()
+    parts[0].unlink()
+    again = examples(tmp_path, 79, 2, kinds="moved")
+    assert np.array_equal(both.x, again.x) and np.array_equal(both.group, again.group)
+    with pytest.raises(ValueError, match="holds another signals"):
+        examples(tmp_path, 79, 2)
+
+
+def test_without_torch_the_command_says_what_to_do(monkeypatch, tmp_path):
+    monkeypatch.setattr("calibration.commands.find_spec", lambda name: None)
+    done = CliRunner().invoke(calibration, ["train", "--folder", str(tmp_path / "parts")])
+    assert done.exit_code == 2 and MISSING in " ".join(done.output.split())
+    assert not (tmp_path / "parts").exists()  # before anything is simulated
