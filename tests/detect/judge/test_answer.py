@@ -183,3 +183,18 @@ def test_a_healthy_loop_is_told_in_a_plain_sentence():
     assert "(instrument technician). To confirm: compare" in said
     for one in CAUSES.values():  # a test has somebody who makes it
         assert bool(one.owner) == bool(one.test)
+
+
+def test_a_stem_that_never_moves_is_told_with_the_least_size():
+    t = np.arange(1200.0)
+    op = 50.0 + 2.0 * np.sin(t / 30)
+    pv = 5.0 + np.sin(t / 200)
+    log = LoopRecord.from_arrays(t, pv=pv, op=op, mv=np.full(1200, 48.0), op_span=(0, 100))
+    found = answer(Prepared(log))
+    assert found.word == "inconclusive"
+    assert "S + J above 4 % of OP" in found.reason and "transmitter is dead" in found.reason
+    moved = np.where(t > 600, 48.5, 48.0)
+    assert (
+        "never moves"
+        not in answer(Prepared(LoopRecord.from_arrays(t, pv=pv, op=op, mv=moved, op_span=(0, 100)))).reason
+    )
