@@ -210,7 +210,8 @@ class Sure:
         return getattr(self.model, name)
 
     def judge(self, found):
-        return replace(self.model.judge(found), probability=self.probability)
+        said = self.model.judge(found)
+        return replace(said, causes=said.causes | {"stiction": self.probability})
 
 
 @pytest.mark.parametrize("process, word", [("integrating", "inconclusive"), ("self_regulating", "stiction")])
