@@ -53,7 +53,7 @@ class Speaker:
 
         table = Table(header_style="bold")
         for k, column in enumerate(columns):  # words are not cut, but for very long ones
-            words = [word for row in rows for word in row[k].split()]
+            words = [word for row in (columns, *rows) for word in row[k].split()]
             table.add_column(column, overflow="fold", min_width=min(max(map(len, words), default=1), WORD))
         for row in rows:
             table.add_row(*map(plain, row))

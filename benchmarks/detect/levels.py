@@ -25,7 +25,7 @@ LOOPS: dict[Kinds, int] = {"levels": 400, "usual": 1000}
 ALLOWED = 0.02  # of the loops without stiction, as everywhere
 
 NOTES = {
-    "level_false_alarms": "levels that a deadband makes cycle, told to be levels, called sticky (goal: at most 0.03)",
+    "level_false_alarms": "levels that a deadband makes cycle, told to be levels, called sticky (goal: at most 0.02)",
     "level_false_alarms_before": "the same by the limit of all other loops",
     "level_found": "sticky valves found in loops told to integrate",
     "level_found_before": "the same by the limit of all other loops",
