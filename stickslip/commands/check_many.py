@@ -149,7 +149,8 @@ def _rows(
             period = "-" if answer.period is None else f"{float(f'{answer.period:.3g}'):g}"
             row = [name, WORDS[word].spoken, chance(answer.probability), period, travel, why.rstrip(".")]
             place = FIRST.index(word) if one is None else int(word != "stiction")
-            order.append(((place, -gain, -(answer.probability or 0.0)), len(order), row))
+            sure = 1.0 if answer.probability is None and word == "stiction" else answer.probability or 0.0
+            order.append(((place, -gain, -sure), len(order), row))
     return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]
 
 
