@@ -16,8 +16,7 @@ import numpy as np
 from benchmarks.report import Figures
 from calibration import draw, simulate
 from calibration.spec import Kinds
-from detect.judge.answer import answer
-from detect.judge.model import calibrated
+from detect.judge.answer import LEVELS_CYCLE, answer
 from detect.prepare.prepared import Prepared
 
 SEEDS: dict[Kinds, int] = {"levels": 63_100, "usual": 63_101}
@@ -36,11 +35,12 @@ NOTES = {
 
 
 class Seen(NamedTuple):
-    """A loop: whether it sticks, whether it is told to integrate, whether it is called, and how probable it is."""
+    """A loop: whether it sticks, is told to integrate, is called, is kept open as a level alone, and how probable."""
 
     sticky: bool
     told: bool
     called: bool
+    kept: bool
     p: float
 
 
@@ -51,7 +51,8 @@ def seen(kinds: Kinds, n: int) -> list[Seen]:
         said = answer(Prepared(record))
         p = said.probability if said.probability is not None else float(said.word == "stiction")
         told = record.process == "integrating"
-        found.append(Seen(truth.cause == "stiction", told, said.word == "stiction", p))
+        kept = LEVELS_CYCLE in said.reason
+        found.append(Seen(truth.cause == "stiction", told, said.word == "stiction", kept, p))
     return found
 
 
@@ -64,12 +65,11 @@ def figures(quick: bool = False) -> Figures:
     """Return all figures."""
     part = 20 if quick else 1
     levels, usual = (seen(kinds, LOOPS[kinds] // part) for kinds in ("levels", "usual"))
-    accuse = calibrated().accuse
     told = [one for one in levels if one.told]
     sticky = [one for one in usual if one.sticky]
 
     def before(one: Seen) -> bool:
-        return one.called or one.p >= accuse
+        return one.called or one.kept
 
     def now(one: Seen) -> bool:
         return one.called

@@ -43,6 +43,9 @@ TRAVELS = 1.0  # % of OP's span, or of its unit: over less no stem need move
 # In a process known to integrate a deadband makes the loop cycle, which no simulation that is learnt from shows.  From
 # this probability on 2 % of such loops are called (training law, seed 63000; ``benchmarks.detect --only levels``).
 LEVEL = 0.985
+LEVELS_CYCLE = (
+    "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV tells them apart"
+)
 FEWEST = 2.0  # samples between two turns of OP
 
 
@@ -161,10 +164,7 @@ def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opi
     if why_not:
         return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", next_step(causes, S, stem))
     if view.integrating and model.accuse <= p < LEVEL:
-        level = (
-            "In an integrating process a deadband without jump makes the loop cycle as a stick does, and PV tells them "
-            f"apart only from {100.0 * LEVEL:g} % on: log the stem position, or make the test."
-        )
+        level = f"{LEVELS_CYCLE} only from {100.0 * LEVEL:g} % on: log the stem position, or make the test."
         return Answer("inconclusive", p, causes, None, None, None, f"{chances} {level}", next_step(causes, S, stem))
     if p >= model.accuse:
         reason = f"{chances} S is about {S}, J about {J}. OP travels {_travelled(travel, unit)}."

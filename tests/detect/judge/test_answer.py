@@ -220,5 +220,5 @@ def test_in_a_process_that_integrates_stiction_is_called_from_a_higher_probabili
     loop = Prepared(replace(sticky, process=process))
     found = answer(loop, Sure(0.5 * (calibrated().accuse + LEVEL)))
     assert found.word == word
-    assert ("a deadband without jump makes the loop cycle" in found.reason) == (word == "inconclusive")
+    assert ("a deadband without jump makes a loop cycle" in found.reason) == (word == "inconclusive")
     assert answer(loop, Sure(0.999)).word == "stiction"
