@@ -8,7 +8,7 @@ each, and counts its verdicts by group of loops.  No threshold of any method was
 or with a sliding window, and asked at ``CHECKS`` periods of the loop: the delay is the first time of an alarm.
 The row "combined" is the verdict of ``stickslip check`` on the record without MV.  ``--write`` keeps all in
 ``detect/rates.json``, which the table prints; ``--quick`` takes 8 loops; ``--again combined`` counts one row anew on
-the loops that are kept, in two minutes.  All 416 loops take a quarter of an hour of one core; what is counted is kept
+the loops that are kept, in two minutes.  All 416 loops take six minutes of one core; what is counted is kept
 in ``--folder``, a line for every 26 loops, and a second call goes on where the first was stopped, unless the methods or
 the simulated loops have changed in between: then it begins anew, so that all rows are of one version.
 """

@@ -35,7 +35,7 @@ class Diagnosis:
     verdict : as in ``Verdict``
     probability : float or None
         Probability of stiction [-], calibrated on simulated loops; None where the model was not asked: the record
-        was refused, the stem was logged, or methods voted.
+        was refused, the stem was logged, PV itself shows that the valve slips, or methods voted.
     causes : mapping of name to float
         Probability of each cause [-], largest first; "stiction" is one of them.
     amount : mapping of "S" and "J" to Amount, or None

@@ -41,7 +41,8 @@ def ranked(table: pl.DataFrame) -> pl.DataFrame:
     place = pl.col("verdict").replace_strict(
         dict(zip(FIRST, range(len(FIRST)), strict=True)), default=len(FIRST), return_dtype=pl.Int64
     )
-    by = [place, pl.col("probability").fill_null(-1.0), pl.col("order")]
+    seen = pl.when(pl.col("verdict") == "stiction").then(1.0).otherwise(-1.0)  # the stem or slips were seen: no guess
+    by = [place, pl.col("probability").fill_null(seen), pl.col("order")]
     table = table.with_columns(pl.Series("group", grouped(table), dtype=pl.String)).drop("phasors")
     table = table.sort(by, descending=[False, True, False])
     return table.select(pl.int_range(1, pl.len() + 1, dtype=pl.Int64).alias("rank"), pl.all())

@@ -18,6 +18,7 @@ from stickslip.standard import hidden
 from stickslip.targets import write_whole
 
 COLOUR_OF = {"bad": "red", "good": "green", "open": "yellow"}  # in a terminal, by the kind of what is said
+PIPED, WORD = 120, 14  # columns of a table that no terminal shows; letters of a word that a table does not cut
 LONGEST_MESSAGE = 1500  # a header of a million columns must not flood the terminal
 
 json_option = click.option(
@@ -51,13 +52,15 @@ class Speaker:
         from rich.table import Table
 
         table = Table(header_style="bold")
-        for column in columns:
-            table.add_column(column, overflow="fold")
+        for k, column in enumerate(columns):  # words are not cut, but for very long ones
+            words = [word for row in (columns, *rows) for word in row[k].split()]
+            table.add_column(column, overflow="fold", min_width=min(max(map(len, words), default=1), WORD))
         for row in rows:
             table.add_row(*map(plain, row))
         # Markup off: "[s]" is a unit here, and names come from the user's file.
         stream = sys.stderr if self.to_error else sys.stdout
-        console = Console(file=stream, markup=False, emoji=False, highlight=False)
+        width = None if stream.isatty() else PIPED
+        console = Console(file=stream, markup=False, emoji=False, highlight=False, width=width)
         with console.capture() as drawn:  # printed by us: rich would end the process when the reader has gone
             console.print(table)
         self._out(drawn.get(), self.to_error)

@@ -1,9 +1,9 @@
 """All figures of detection: python -m benchmarks.detect [--quick] [--json FILE] [--only PART,PART].
 
-Each part is a module of this package with ``NOTES`` and ``figures(quick)``.  By the time of one loop, two idle cores
-take some three minutes for ``cost``, ten for ``posterior`` (60 records), ten for ``accuracy`` (4,000 loops).  The last
-two go on where they were stopped (``calibration_parts``), and begin anew where the code has changed.  The JSON file is
-written after every part.
+Each part is a module of this package with ``NOTES`` and ``figures(quick)``. By the time of one loop, two idle cores
+take some three minutes for ``cost``, ten for ``posterior`` (60 records), ten for ``accuracy`` (4,000 loops), one for
+``levels``. ``posterior`` and ``accuracy`` go on where they were stopped (``calibration_parts``), and begin anew where
+the code has changed. The JSON file is written after every part.
 """
 
 import json
@@ -14,7 +14,8 @@ from pathlib import Path
 
 from benchmarks.report import Figures, options, publish
 
-PARTS = ("cost", "posterior", "accuracy")  # what it costs; the stage that simulates loops like the record's; how right
+# what it costs; the stage that simulates loops like the record's; how right; levels that a deadband makes cycle
+PARTS = ("cost", "posterior", "accuracy", "levels")
 
 
 def main() -> int:

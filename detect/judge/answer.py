@@ -4,7 +4,7 @@
     2. where MV is logged and moves, the stem answers (``methods.stem_play``): PV is not asked
     3. where PV bends each time OP has come back by the same travel, its valve is seen to slip (``own_slips``)
     4. the features go to the model, which was calibrated on simulated loops only
-    5. "stiction" from the probability ``accuse`` on, with S and J
+    5. "stiction" from the probability ``accuse`` on, from ``LEVEL`` on in a process known to integrate, with S and J
        "no stiction" only as a claim with a size: probability below ``clear``, OP turned back, PV follows OP, and a
        stick above the detection limit would have shown
        all else is inconclusive, with the reason
@@ -27,6 +27,7 @@ from detect.judge.model import Model, Opinion, calibrated, rounded
 from detect.judge.own_slips import own_slips
 from detect.plantwide.slips import Slips
 from detect.prepare.prepared import STEPS_MAX, Prepared
+from detect.prepare.stick import turns
 from detect.verdict import Verdict
 from detect.words import Word
 
@@ -38,6 +39,13 @@ UNLIKE = 0.03  # share of features beyond all simulated ones from which on the m
 # Facts of the data behind which nothing can be judged, where they forbid it.
 REFUSED = ("manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
 SAMPLES = 100  # of a record; the simulated ones have 300 and more
+TRAVELS = 1.0  # % of OP's span, or of its unit: over less no stem need move
+# In a process known to integrate a deadband makes the loop cycle, which no simulation that is learnt from shows.  From
+# this probability on 2 % of such loops are called (training law, seed 63000; ``benchmarks.detect --only levels``).
+LEVEL = 0.985
+LEVELS_CYCLE = (
+    "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV tells them apart"
+)
 FEWEST = 2.0  # samples between two turns of OP
 
 
@@ -108,7 +116,9 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         return _refusal(f"Too little is left to look at: {left} samples without a gap; {SAMPLES} that move are needed.")
     model = model or calibrated()
     found = features_of(view)
-    return _judged(loop, view, found, model.judge(found), model)
+    said = _judged(loop, view, found, model.judge(found), model)
+    still = _stem_stands(loop) if said.word == "inconclusive" else ""
+    return replace(said, reason=f"{still} {said.reason}") if still else said
 
 
 def _refusal(text: str) -> Answer:
@@ -153,6 +163,9 @@ def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opi
     chances = f"Probability of stiction {chance(p)}; {_others(causes)}."
     if why_not:
         return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", next_step(causes, S, stem))
+    if view.integrating and model.accuse <= p < LEVEL:
+        level = f"{LEVELS_CYCLE} only from {100.0 * LEVEL:g} % on: log the stem position, or make the test."
+        return Answer("inconclusive", p, causes, None, None, None, f"{chances} {level}", next_step(causes, S, stem))
     if p >= model.accuse:
         reason = f"{chances} S is about {S}, J about {J}. OP travels {_travelled(travel, unit)}."
         return Answer("stiction", p, causes, S, J, limit, reason, next_step({"stiction": 1.0}, S, stem))
@@ -244,6 +257,23 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
     action = next_step({"stiction": 1.0}, S, True) if S is not None else ""
     reason = f"The stem is logged, so it answers and PV is not asked. {told.reason}"
     return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)
+
+
+def _stem_stands(loop: Prepared) -> str:
+    """What to say where a logged stem never moves though OP travels and turns back; "" where not so."""
+    grid = loop.whole
+    if grid.mv is None or not np.all(np.isfinite(grid.mv)):
+        return ""
+    scale, unit = _unit(loop)
+    travel = float(np.ptp(grid.op)) * scale
+    turned = len(turns(grid.op, 0.5 * float(np.ptp(grid.op))))
+    if np.ptp(grid.mv) > 1e-6 * max(float(np.max(np.abs(grid.mv))), 1e-300) or travel < TRAVELS or not turned:
+        return ""
+    return (
+        f"The logged stem never moves while OP travels {_travelled(travel, unit)} and turns back {turned} times: it "
+        f"sticks or has a deadband, S + J above {rounded(travel):g} {unit}, or its transmitter is dead; which of them "
+        "shows only when OP moves further."
+    )
 
 
 def _from_slips(slips: Slips, loop: Prepared) -> Answer:

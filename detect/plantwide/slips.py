@@ -155,17 +155,17 @@ def _timed(op: Values, at: npt.NDArray[np.intp], way: Values, S: float, after: i
     d = np.diff(stick(op, sizes, sizes * np.tile(SHARES, 31)), axis=0)
     moves = np.abs(d) > 1e-9 * float(np.ptp(op))
     d[1:][moves[:-1]] = 0.0  # what is left are first moves after a stand
-    slip = np.where(moves, np.sign(d), 0.0)[after:]
+    slip = np.asarray(np.sign(d) * moves)[after:]
     seen = np.zeros(len(op) - 1)
     seen[at] = way
     near = np.zeros_like(seen)
     for k in (-1, 1, 0):
         near[at + k] = way
     near, seen = near[after:], seen[after:]
-    jumps, asked = max(np.count_nonzero(seen), 1), np.maximum(np.count_nonzero(slip, axis=0), 1)
+    jumps, asked = max(int(np.count_nonzero(seen)), 1), np.maximum(np.count_nonzero(slip, axis=0), 1)
     met = np.count_nonzero((slip == near[:, None]) & (slip != 0.0), axis=0)
     share = 2.0 * np.minimum(met, jumps) / (jumps + asked)
-    good = sizes[share >= max(float(share.max()) - 0.03, IN_TIME)]
+    good = sizes[share >= max(float(np.max(share)) - 0.03, IN_TIME)]
     if not len(good):
         return 1.0, float("inf")
     return 0.5 * float(good.min() + good.max()), 0.5 * float(good.max() - good.min())

@@ -105,9 +105,8 @@ class Group:
     @property
     def words(self) -> str:
         """The group in two or three sentences."""
-        said = (
-            f"{len(self.shares)} tags share an oscillation of {self.period:.3g} s, of the loops {_listed(self.loops)}."
-        )
+        period = f"{float(f'{self.period:.3g}'):g} s"
+        said = f"{len(self.shares)} tags share an oscillation of {period}, of the loops {_listed(self.loops)}."
         if not self.suspects:
             return f"{said} No OP of these loops moves by {TRAVEL_MIN:g} % of its span: the source lies elsewhere."
         first = self.suspects[0]

@@ -14,6 +14,7 @@ from logs.errors import ReadError
 from logs.files.assemble import Layout, assemble
 from logs.files.columns import Roles, choose_columns, loop_names
 from logs.files.names import plain, role_of
+from logs.hint import nearest
 from logs.log import Log
 from logs.loop import LoopRecord
 from logs.loop_signals import LoopSignals, within
@@ -118,6 +119,8 @@ def _noted(layout: Layout, given: Mapping[str, str | None] | None, loop: str | N
     """The tag and the signals of the loop asked for, where the file itself notes its loops; otherwise "" and None."""
     noted = layout.heading.loops if layout.heading is not None else {}
     if loop is not None:
+        if noted and loop not in noted and not loop_names(layout.names):
+            raise ReadError(f"no loop {loop!r} in the file; {nearest(loop, list(noted))}")
         return loop, noted.get(loop)
     named = any((given or {}).get(part) for part in ("pv", "op"))
     if not noted or named or {"PV", "OP"} <= set(layout.names):

@@ -146,10 +146,11 @@ def _rows(
             word = words[len(order)]
             if suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
-            period = "-" if answer.period is None else f"{answer.period:.3g}"
+            period = "-" if answer.period is None else f"{float(f'{answer.period:.3g}'):g}"
             row = [name, WORDS[word].spoken, chance(answer.probability), period, travel, why.rstrip(".")]
             place = FIRST.index(word) if one is None else int(word != "stiction")
-            order.append(((place, -gain, -(answer.probability or 0.0)), len(order), row))
+            sure = 1.0 if answer.probability is None and word == "stiction" else answer.probability or 0.0
+            order.append(((place, -gain, -sure), len(order), row))
     return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]
 
 

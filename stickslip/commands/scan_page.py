@@ -167,7 +167,7 @@ def _detail(row: Row) -> "Section":
         told["S"] += f" {row['size_unit']} (90 % interval {row['S_low']:.2g} to {row['S_high']:.2g})"
     if row["detection_limit"] is not None:
         told["Detection limit"] = f"{row['detection_limit']:.2g} {row['size_unit']}"
-    told["Period"] = f"{row['period_s']:.3g} s" if row["period_s"] else "no oscillation"
+    told["Period"] = f"{number(row['period_s'], '.3g')} s" if row["period_s"] else "no oscillation"
     told["Shared with"] = row["group"] or "-"
     told["Data"] = f"{row['samples']} samples, one every {row['interval_s']:.3g} s" if row["samples"] else "-"
     if row["health"]:
@@ -212,9 +212,14 @@ def cause(row: Row) -> str:
 
 def size(row: Row) -> str:
     """Return S of a row, with its unit where that is not % of OP."""
-    return number(row["S"], ".2g") + ("" if row["size_unit"] in (None, "% of OP") else " (unit of OP)")
+    in_percent = row["S"] is None or row["size_unit"] in (None, "% of OP")
+    return number(row["S"], ".2g") + ("" if in_percent else " (unit of OP)")
 
 
 def number(value: float | None, form: str) -> str:
-    """Return a number in a form, or a dash."""
-    return "-" if value is None else format(value, form)
+    """Return a number in a form, or a dash; a number of three digits without a power of ten up to 100,000.
+
+    >>> number(1170.4, ".3g"), number(None, ".3g")
+    ('1170', '-')
+    """
+    return "-" if value is None else f"{float(format(value, form)):g}" if form.endswith("g") else format(value, form)

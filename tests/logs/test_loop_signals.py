@@ -43,6 +43,12 @@ def test_a_file_keeps_the_loops(plant, tmp_path, ending):
         read_loop(file, loop="FIC1")
 
 
+def test_a_loop_that_is_not_noted_is_refused_with_the_names_of_those_that_are(plant, tmp_path):
+    plant.to_csv(tmp_path / "plant.csv")
+    with pytest.raises(ReadError, match=r"no loop 'PCS12' in the file; .*PCS11"):
+        read_loop(tmp_path / "plant.csv", loop="PCS12")
+
+
 def test_the_kind_of_process_can_be_given_for_all_loops(plant, tmp_path):
     plant.to_csv(tmp_path / "plant.csv")
     assert {record.process for record in read_loops(tmp_path / "plant.csv", process="integrating")} == {"integrating"}

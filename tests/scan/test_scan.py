@@ -237,3 +237,10 @@ def test_loops_that_share_an_oscillation_are_told_from_loops_of_the_same_period(
     assert grouped(table) == ["B", "B", None, None]
     later = table.with_columns(start=pl.Series([0.0, 9000.0, 0.0, 0.0]))
     assert grouped(later) == [None] * 4  # not at the same time
+
+
+def test_a_stick_that_was_seen_ranks_before_one_that_is_probable() -> None:
+    """Where the stem or slips of the valve were seen there is no probability."""
+    said = [("A", "stiction", 0.97), ("B", "stiction", None), ("C", "inconclusive", 0.7), ("D", "inconclusive", None)]
+    rows = [{"order": i, "loop": loop, "verdict": word, "probability": p} for i, (loop, word, p) in enumerate(said)]
+    assert ranked(table_of(rows))["loop"].to_list() == ["B", "A", "C", "D"]

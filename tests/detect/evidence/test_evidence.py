@@ -115,7 +115,7 @@ def test_a_valve_that_gets_worse_is_seen_to():
 
 def test_the_confirming_test_brackets_S():
     rows = plan_of(Amount(4.0, 3.0, 5.0, "% of OP"))
-    assert [row[1] for row in rows] == ["+8 % of OP"] + ["-1 % of OP"] * 6
+    assert [row[1] for row in rows] == ["+8 %"] + ["-1 %"] * 6
     assert [row[3] for row in rows[1:]] == ["stands"] * 2 + ["stands or jumps"] * 3 + ["has jumped"]
 
 

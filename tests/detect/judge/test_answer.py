@@ -8,7 +8,7 @@ import pytest
 from cases.stories import EXPORTS
 from detect import diagnose
 from detect.judge.actions import CAUSES, confirming_steps
-from detect.judge.answer import Amount, answer, next_step
+from detect.judge.answer import LEVEL, Amount, answer, next_step
 from detect.judge.features import features
 from detect.judge.model import FILE, Model, calibrated, rounded
 from detect.prepare.prepared import Prepared
@@ -166,7 +166,7 @@ def test_the_answer_needs_no_library_of_trees():
 
     code = f"""
 import sys
-from detect.judge.answer import Amount, answer, next_step
+from detect.judge.answer import LEVEL, Amount, answer, next_step
 from detect.prepare.prepared import Prepared
 from logs import read_loop
 print(answer(Prepared(read_loop({str(EXPORTS / "FIC101_pi_export.csv")!r}))).word)
@@ -183,3 +183,42 @@ def test_a_healthy_loop_is_told_in_a_plain_sentence():
     assert "(instrument technician). To confirm: compare" in said
     for one in CAUSES.values():  # a test has somebody who makes it
         assert bool(one.owner) == bool(one.test)
+
+
+def test_a_stem_that_never_moves_is_told_with_the_least_size():
+    t = np.arange(1200.0)
+    op = 50.0 + 2.0 * np.sin(t / 30)
+    pv = 5.0 + np.sin(t / 200)
+    log = LoopRecord.from_arrays(t, pv=pv, op=op, mv=np.full(1200, 48.0), op_span=(0, 100))
+    found = answer(Prepared(log))
+    assert found.word == "inconclusive"
+    assert "S + J above 4 % of OP" in found.reason and "transmitter is dead" in found.reason
+    moved = np.where(t > 600, 48.5, 48.0)
+    assert (
+        "never moves"
+        not in answer(Prepared(LoopRecord.from_arrays(t, pv=pv, op=op, mv=moved, op_span=(0, 100)))).reason
+    )
+
+
+class Sure:
+    """The calibrated model with a probability that is given."""
+
+    def __init__(self, probability):
+        self.model, self.probability = calibrated(), probability
+
+    def __getattr__(self, name):
+        return getattr(self.model, name)
+
+    def judge(self, found):
+        said = self.model.judge(found)
+        return replace(said, causes=said.causes | {"stiction": self.probability})
+
+
+@pytest.mark.parametrize("process, word", [("integrating", "inconclusive"), ("self_regulating", "stiction")])
+def test_in_a_process_that_integrates_stiction_is_called_from_a_higher_probability_on(sticky, process, word):
+    """There a deadband without jump makes the loop cycle, too, and the model has not seen that."""
+    loop = Prepared(replace(sticky, process=process))
+    found = answer(loop, Sure(0.5 * (calibrated().accuse + LEVEL)))
+    assert found.word == word
+    assert ("a deadband without jump makes a loop cycle" in found.reason) == (word == "inconclusive")
+    assert answer(loop, Sure(0.999)).word == "stiction"
