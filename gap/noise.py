@@ -1,7 +1,7 @@
 """Fit the noise of a sensor: a replay has none, so it shows in the width of the innovations only.
 
-Any gap makes innovations wider.  More noise of a sensor leaves them white, with no mean, and as wide at one level of the
-signal as at another, while it moves as at rest, early as late:
+Any gap makes innovations wider.  More noise of a sensor leaves them white, without a mean, and as wide at one level of
+the signal as at another, while it moves as at rest, early as late:
 
     z = corr(e_k, e_(k-j)) sqrt(n)          z = mean(e) sqrt(n) / sd(e)
     z = corr(e_k^2, x_k) sqrt(n),           x the level of the signal, its rate, or time

@@ -11,7 +11,7 @@ from gap.beside_stem import with_stem
 from gap.candidates import candidates, price, ranked
 from gap.effect import Effect
 from gap.hidden import followed_on, glimpsed
-from gap.inserting import inserted
+from gap.inserting import begun, inserted
 from gap.nesting import HARDLY, RELEVANT, TIE
 from gap.pair import Pair
 from gap.problem import Problem
@@ -175,8 +175,8 @@ def _apart(problem: Problem, fit: Fit) -> Pair:
     (_, one, first_place), (_, two, second_place) = both.parts
     values = values_of(fit, "1."), values_of(fit, "2.")
     bases = (
-        two.insert(problem.quiet, second_place, **values[1]),
-        one.insert(problem.quiet, first_place, **values[0]),
+        begun(problem, problem.quiet, two, second_place, values[1]),
+        begun(problem, problem.quiet, one, first_place, values[0]),
     )
     made = [
         Fit(Candidate(problem, base, effect, place), own, fit.F, fit.e)
