@@ -56,7 +56,7 @@ def is_noise(fit: Fit) -> bool:
         e = np.clip(fit.e[:, k], -LARGEST, LARGEST)
         raw = problem.as_it_is[:, k] * problem.floor.L[k, k]
         level = record.log[s][problem.floor.skipped :] - raw  # of the model: the noise itself is not in it
-        time, rate = np.arange(len(e), dtype=float), np.abs(np.gradient(level))
+        time, rate = np.arange(len(e), dtype=float), np.abs(np.diff(level, prepend=level[:1]))  # up to this row only
         z = [shown(e[:-lag], e[lag:]) for lag in LAGS] + [shown(e**2, x) for x in (level, time)]
         z.append(float(np.nanmean(e)) / max(float(np.nanstd(e)), 1e-300) * float(np.sqrt(np.isfinite(e).sum())))
         if max(map(abs, z)) > UNLIKELY or abs(shown(e**2, rate)) > MOVING:
