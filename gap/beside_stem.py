@@ -13,7 +13,7 @@ from gap.inserting import inserted
 from gap.pair import Pair
 from gap.problem import Problem
 from gap.ranges import nodes_of
-from gap.search import Candidate, Fit, best_of
+from gap.search import Candidate, Fit, best_of, refined
 
 SIZES = 5  # of the other effect
 GAIN = 0.2  # of what the stem alone leaves at the first look, which the other effect has to take away
@@ -26,7 +26,8 @@ def with_stem(problem: Problem, stem: Fit, others: Sequence[Candidate]) -> Pair 
     best, least = None, alone - GAIN * max(alone - early.floor.mean * early.rows, 0.0)
     for one in others:
         candidate = Candidate(problem, problem.quiet, one.effect, one.place)
-        for fit in _over_range(candidate):
+        for values in _sizes(candidate):
+            fit = replace(candidate.absent, candidate=candidate, values=values)
             found = first_look(replace(stem.candidate, base=inserted(problem.quiet, fit)))
             if found < least:
                 best, least = fit, found
@@ -40,9 +41,18 @@ def with_stem(problem: Problem, stem: Fit, others: Sequence[Candidate]) -> Pair 
     return None if beside is None else Pair(replace(beside, price=price(beside)), sticks)
 
 
-def _over_range(candidate: Candidate) -> list[Fit]:
-    """Return an effect at sizes over its range, not replayed."""
+def over_range(candidate: Candidate) -> Fit | None:
+    """Return the best size of an effect beside a stem on the whole record, refined; None if no run succeeded.
+
+    Until a stem has moved for the first time its place is unknown, which hides much in the first part of a record.
+    """
+    best = best_of([candidate.absent, *candidate.tried(_sizes(candidate))])
+    return None if best is None else replace(refined(best, 3), price=price(best))
+
+
+def _sizes(candidate: Candidate) -> list[dict[str, float]]:
+    """Return an effect's values at sizes over its range."""
     name = candidate.sizes[0]
     (spacing,) = (p.spacing for p in candidate.effect.parameters if p.name == name) if candidate.effect else ("log",)
     sizes = nodes_of(spacing, *candidate.bounds[name], candidate.nominal[name], SIZES)
-    return [replace(candidate.absent, candidate=candidate, values={**candidate.nominal, name: s}) for s in sizes]
+    return [{**candidate.nominal, name: size} for size in sizes]

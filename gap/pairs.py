@@ -7,7 +7,7 @@ from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import needed, scored_alone, share
 from gap.beside_noise import beside_noise
-from gap.beside_stem import with_stem
+from gap.beside_stem import over_range, with_stem
 from gap.candidates import candidates, price, ranked
 from gap.effect import Effect
 from gap.hidden import followed_on, glimpsed
@@ -26,6 +26,7 @@ JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to th
 WHOLE = 2  # of these on the whole record
 PROMISING = 4  # effects with slopes that are fitted beside a hidden mode
 WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
+CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for its sizes to be worth more
 SAME = 60.0  # nats between single effects that leave the same
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
@@ -47,7 +48,7 @@ def paired(
     if not any(_enough(problem, pair) for pair in found):
         found += joined(problem, fits)
     legal = list(catalogue)
-    for first in _firsts(problem, fits):
+    for first in [*_swapped(problem, found, fits[0]), *_firsts(problem, fits)]:
         if any(_enough(problem, pair) for pair in found):
             break
         seconds = [_second(problem, first, legal, progress)]
@@ -80,11 +81,21 @@ def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress:
     """
     rough, likely = _beside(problem, first, catalogue)
     best = next((fit for fit in ranked(likely, progress) if fit.present), None)
-    if best is None or best.F - problem.level > HALF * (first.F - problem.level):
+    for fit in (
+        over_range(one) for one in likely if best is None or _left(problem, best) > HALF * _left(problem, first)
+    ):
+        if fit is not None and fit.present and (best is None or fit.total < best.total):
+            best = fit
+    if best is None or _left(problem, best) > HALF * _left(problem, first):
         other = next((fit for fit in ranked(rough, progress) if fit.present), None)
         if other is not None and (best is None or other.total < best.total):
             best = other
     return best
+
+
+def _left(problem: Problem, fit: Fit) -> float:
+    """Return what a fit leaves beyond what there is without a gap [nats]."""
+    return fit.F - problem.level
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
@@ -99,6 +110,21 @@ def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
         if useful and all(abs(fit.F - one.F) > SAME for one in found):
             found.append(fit)
     return found[:FIRSTS]
+
+
+def _swapped(problem: Problem, found: Sequence[Pair], best: Fit) -> list[Fit]:
+    """Return the better one of the best pair of two, where it is clearly better than one effect, with its sizes there.
+
+    Alone its sizes make up for the other effect; beside a stand-in they are right, and the other may be found.
+    """
+    pair = min(found, key=lambda one: one.total, default=None)
+    if pair is None or pair.sticks or pair.second.candidate.noisy:
+        return []
+    if share(problem, pair.second) < max(WORTH, share(problem, best) + CLEARLY):
+        return []
+    alone = [replace(fit.candidate, base=problem.quiet).tried([fit.values]) for fit in (pair.first, pair.second)]
+    one = best_of([fit for fits in alone for fit in fits])
+    return [] if one is None else [replace(one, price=price(one))]
 
 
 def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Sequence[Effect]) -> Fit | None:
