@@ -101,7 +101,10 @@ def own_limit(problem: Problem, fit: Fit) -> float:
     """Return the score that runs of the model with the effect do not exceed when they are explained by it."""
     if fit.candidate.noisy:
         return problem.limit
-    model, quiet = (inserted(diagram, fit) for diagram in (problem.model, problem.quiet))
+    model, quiet = (
+        fit.effect.started(inserted(diagram, fit), fit.place, problem.record.first)
+        for diagram in (problem.model, problem.quiet)
+    )
     logs = without_gap(model, problem.record, OWN_RUNS, 1)
     if not logs:
         return problem.limit

@@ -12,7 +12,7 @@ from gap.candidates import candidates, price, ranked
 from gap.effect import Effect
 from gap.hidden import followed_on, glimpsed
 from gap.inserting import begun, inserted
-from gap.nesting import HARDLY, RELEVANT, TIE
+from gap.nesting import HARDLY_BESIDE, RELEVANT, TIE
 from gap.pair import Pair
 from gap.problem import Problem
 from gap.proposals import proposed, smooth
@@ -253,6 +253,6 @@ def with_narrower(problem: Problem, pair: Pair, catalogue: Sequence[Effect]) -> 
         found = followed_on(start)
         found = replace(found, price=price(found))
         near = TIE + RELEVANT * max(problem.score - problem.level, 0.0)
-        if near >= found.F - wide.F and share(problem, found) > 1.0 - HARDLY:
+        if near >= found.F - wide.F and share(problem, found) > 1.0 - HARDLY_BESIDE:
             return Pair(other, found)
     return pair

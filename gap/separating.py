@@ -69,7 +69,7 @@ def _played(problem: Problem) -> dict[str, Floats]:
 def _run(problem: Problem, fit: Fit, played: Mapping[str, Floats]) -> dict[str, Floats]:
     """Return the signals of a free, silent run of the model with the effect of a fit."""
     log = problem.record.log
-    model = inserted(problem.quiet, fit) if fit.present else (
+    model = fit.effect.started(inserted(problem.quiet, fit), fit.place, problem.record.first) if fit.present else (
         problem.quiet
     )  # fmt: skip
     inputs = Log(log.t, dict(played)) if played else None
