@@ -7,7 +7,6 @@ from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import needed, scored_alone, share
 from gap.beside_noise import beside_noise
-from gap.beside_stem import over_range, with_stem
 from gap.candidates import candidates, price, ranked
 from gap.effect import Effect
 from gap.hidden import followed_on, glimpsed
@@ -58,10 +57,6 @@ def paired(
             if second is not None:
                 pair = Pair(first, second)
                 found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
-        if first.effect.hidden and share(problem, first) >= WORTH and not any(_enough(problem, one) for one in found):
-            joint = with_stem(problem, first, _beside(problem, first, legal)[1])
-            if joint is not None and share(problem, joint.second) >= WORTH:
-                found.append(improved(problem, joint))
     best = min(found, key=lambda pair: pair.total, default=None)
     return None if best is None else with_narrower(problem, best, legal)
 
@@ -81,11 +76,6 @@ def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress:
     """
     rough, likely = _beside(problem, first, catalogue)
     best = next((fit for fit in ranked(likely, progress) if fit.present), None)
-    for fit in (
-        over_range(one) for one in likely if best is None or _left(problem, best) > HALF * _left(problem, first)
-    ):
-        if fit is not None and fit.present and (best is None or fit.total < best.total):
-            best = fit
     if best is None or _left(problem, best) > HALF * _left(problem, first):
         other = next((fit for fit in ranked(rough, progress) if fit.present), None)
         if other is not None and (best is None or other.total < best.total):
