@@ -9,7 +9,9 @@ sticks stays where it is, so a model without a gap to its log is left alone.
 The default share, 0.2, was chosen on sixteen replays of a flow loop with noise whose stem started at a wrong place.  It
 stood wrong in 33 % of the samples without branches and in 22 % with them (a share of 0.5, which keeps more wrong modes
 that explain a little, gave 25 %); in five of the sixteen branches made it worse, by 1 to 7 %.  What shows only after
-two samples or more is not undone.
+two samples or more is not undone.  ``patience`` saves time where no mode helps, and finds a lost stem later: of four
+starts at wrong places two are found after 322 instead of 185 samples with 2 or 4, one never sooner than a plain replay
+with 8.
 """
 
 from collections.abc import Mapping

@@ -54,11 +54,6 @@ def fitted_hidden(candidate: Candidate) -> Fit | None:
     return _followed(candidate, _point(fit), fit, max(wide, LAST), max(across, LAST), rounds=rounds)[1]
 
 
-def first_look(candidate: Candidate) -> float:
-    """Return the lowest score of a coarse grid on the first part of the record, with the modes as replays have them."""
-    return min((fit.F for fit in _at(_head(candidate, False), _grid(candidate)[::2])), default=np.inf)
-
-
 def glimpsed(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode, searched coarsely on the first part of the record."""
     point, _, _ = _searched(candidate)

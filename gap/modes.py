@@ -12,7 +12,7 @@ from gap.record import Record
 
 BEYOND = 20.0  # of its floor, from which on an innovation tells a wrong mode
 SHARE = 0.5  # of what it was, to which another mode must bring a row
-PATIENCE = 16  # rows that go by, at most, where no mode has helped at the rows before
+PATIENCE = 4  # rows that go by, at most, where no mode has helped before (branches)
 CHARGE = 6.0  # nats of a mode that is set right
 
 

@@ -13,7 +13,7 @@ from gap.search import Fit
 
 TIE = 6.0  # nats between explanations that the record does not tell apart
 RELEVANT = 0.01  # share of the gap that the wider must explain beyond the narrower
-HARDLY = 0.02  # share of the gap that the narrower may leave
+HARDLY, HARDLY_BESIDE = 0.02, 0.05  # share of the gap that the narrower may leave, alone and beside another effect
 
 
 def one_of_nested(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:

@@ -1,7 +1,7 @@
 """Fit the noise of a sensor: a replay has none, so it shows in the width of the innovations only.
 
-Any gap makes innovations wider.  More noise of a sensor leaves them white, with no mean, and as wide at one level of the
-signal as at another, while it moves as at rest, early as late:
+Any gap makes innovations wider.  More noise of a sensor leaves them white, without a mean, and as wide at one level of
+the signal as at another, while it moves as at rest, early as late:
 
     z = corr(e_k, e_(k-j)) sqrt(n)          z = mean(e) sqrt(n) / sd(e)
     z = corr(e_k^2, x_k) sqrt(n),           x the level of the signal, its rate, or time
@@ -56,7 +56,7 @@ def is_noise(fit: Fit) -> bool:
         e = np.clip(fit.e[:, k], -LARGEST, LARGEST)
         raw = problem.as_it_is[:, k] * problem.floor.L[k, k]
         level = record.log[s][problem.floor.skipped :] - raw  # of the model: the noise itself is not in it
-        time, rate = np.arange(len(e), dtype=float), np.abs(np.gradient(level))
+        time, rate = np.arange(len(e), dtype=float), np.abs(np.diff(level, prepend=level[:1]))  # up to this row only
         z = [shown(e[:-lag], e[lag:]) for lag in LAGS] + [shown(e**2, x) for x in (level, time)]
         z.append(float(np.nanmean(e)) / max(float(np.nanstd(e)), 1e-300) * float(np.sqrt(np.isfinite(e).sum())))
         if max(map(abs, z)) > UNLIKELY or abs(shown(e**2, rate)) > MOVING:

