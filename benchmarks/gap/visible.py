@@ -5,8 +5,14 @@
 d: logged signals of the loop with the effect less those of a loop that may be taken for it, both without noise; W: the
 autoregression that whitens the loop's own noise, fitted to long runs of ``physics``.  The loop that may be taken for it
 has any parameters within the tolerances, and no effect, or another one of any size.  What the noise tells: by how much
-the noise of the loop with the effect is likelier by its own autoregression than by that of the other.  Nothing here is
-shared with the diagnosis.
+the noise of the loop with the effect is likelier by its own autoregression than by that of the other.
+
+What bends shows only where noise and load drive the loop to it.  There d is that of both loops under the record's own
+random numbers, which nobody knows who sees the log: the nats are then the most that could be told.  Of a stem that
+nobody sees a log tells far less: its nats are those of ``unseen_stem``, the likelihood of the true stem against one that
+follows OP, or against the best deadband.
+
+Nothing here is shared with the diagnosis, nor does anything depend on what it answered.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,37 +21,44 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from benchmarks.gap.generator import Record, autoregression, packed
 from benchmarks.gap.physics import NAMES, NEUTRAL, run
-from benchmarks.gap.runs import VISIBLE
+from benchmarks.gap.runs import PLACES, VISIBLE, alike
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.severities import ACTS, FACTORS, OF_PV, OF_TIME, SITE, SIZE
+from benchmarks.gap.unseen_stem import REACH, nats
 
 Floats = NDArray[np.float64]
+Acts = Callable[[Mapping[str, float], Floats], Mapping[str, float]]
 TRACE = 6.5  # nats below which a test with one false alarm in 300 records misses an effect more often than not
 TIE = 6.0  # nats within which two effects leave the same log
 ORDER = 24  # rows that whitening looks back
 HOURS = 100  # of noise that it is fitted to
-STEPS, FINE = 5, 20  # of the integration a second; where a dead time is to be told from a lag
+STEPS, FINE = 5, 20  # of the integration a second; where something has memory, or a dead time is to be told from a lag
 FIRST = 60  # rows that no diagnosis judges
-# what shows otherwise than in a linear loop: by the digits, by noise, by a stem that sticks, by its scans, at limits
-OTHERWISE = (
-    "stiction", "deadband", "sensor_noise", "quantisation", "compression", "scan_time",
-    "valve_saturation", "valve_rate_limit", "controller_limits",
-)  # fmt: skip
+DIGITS = ("sensor_noise", "quantisation", "compression", "scan_time")  # what shows in digits, in noise or by scans
+STEMS = ("stiction", "deadband")
+BENDS = ("stiction", "deadband", "valve_saturation", "valve_rate_limit", "controller_limits")
 EITHER = ("valve_leak", "sensor_bias", "sensor_drift", "step_disturbance")  # of either sign
 WAVES = ("sine_disturbance", "slug")
 BEYOND = 1e12  # nats of what cannot be
 SIZES = (0.1, 0.3, 0.6, 1.0, 1.5, 3.0)  # of the typical size, at which another effect is tried first
+WIDTHS = (-1.0, -0.5, 0.0, 0.5, 1.0)  # of J, by which a deadband that looks like a stem may be wider than S
+PULSE, KICK = 400, 1e-3  # row and size of a load that shows what one row of it does
+PROBE = 0.02  # of a tolerance, or of a typical size, for slopes
+ROUNDS, SETTLED = 8, 0.02  # steps of Gauss and Newton; nats that one must gain
 
 
 def told(record: Record) -> float:
-    """Return the nats that a record tells of its one effect; infinite for one that shows otherwise."""
-    if len(record.effects) != 1 or set(record.effects) & set(OTHERWISE) or not SETTINGS[record.setting].scanned:
+    """Return the nats that a record tells of its one effect; infinite for one that digits, noise or scans show."""
+    if len(record.effects) != 1 or set(record.effects) & set(DIGITS) or not SETTINGS[record.setting].scanned:
         return float("inf")
-    return _least(record, lambda base, x: base, [np.zeros(0)])
+    most = _least(record, lambda base, x: base, [np.zeros(0)])
+    if most < TRACE or not set(record.effects) & set(STEMS):
+        return most
+    found = _of_stem(record, *_sizes(record))
+    return min(found, most) if found > -TRACE else most  # the truth is so unlikely only where its law is another one
 
 
 def told_apart(record: Record, other: str) -> float:
@@ -55,8 +68,12 @@ def told_apart(record: Record, other: str) -> float:
     otherwise.
     """
     loop, (name, values) = SETTINGS[record.setting], next(iter(record.effects.items()))
+    if (name, other) == ("stiction", "deadband") and loop.scanned:
+        S, J = _sizes(record)
+        return _of_stem(record, S, J) - max(_of_stem(record, S + by * J, 0.0) for by in WIDTHS)
     key = {**SIZE, **FACTORS, "step_disturbance": "amplitude"}.get(other, "")
-    if len(record.effects) != 1 or {name, other} & set(OTHERWISE) or not (key or {name, other} == set(WAVES)):
+    otherwise = {name, other} & {*DIGITS, *BENDS}
+    if len(record.effects) != 1 or otherwise or not (key or {name, other} == set(WAVES)):
         return float("inf")
     if other in WAVES:
 
@@ -78,20 +95,28 @@ def told_apart(record: Record, other: str) -> float:
     return _least(record, act, [np.array([share]) for share in shares])
 
 
+def alike_here(record: Record, names: Sequence[str]) -> tuple[str, ...]:
+    """Return those of some effects that the record, without MV, cannot tell from its own: its class in this record."""
+    (name,) = record.effects
+    known = alike(name, False, record.setting)
+    return tuple(one for one in names if one in known or told_apart(record, one) < TIE)
+
+
 def traced(record: Record, row: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the oracle says beside a row of ``scoring``: the nats that the record tells of its effect.
 
-    And whether it cannot tell apart the names of a set that is larger than the effect's class either; None where it
-    says nothing.
+    And, where the truth is in a set that is larger than its class, whether name and places of the set are no more than
+    what this record cannot tell apart; None elsewhere.
     """
     nats = told(record)
+    found: dict[str, Any] = {"told": nats if np.isfinite(nats) else None, "told_apart": None, "told_place": None}
     names = row["sets"][0] if len(record.effects) == 1 and row["sets"] else []
-    wide = "cause" in row and not row["cause"] and set(record.effects) & set(names)
-    return {
-        "told": nats if np.isfinite(nats) else None,
-        "told_apart": all(told_apart(record, name) < TIE for name in names if name not in record.effects)
-        if wide else None,
-    }  # fmt: skip
+    if "cause" in row and not (row["cause"] and row.get("place", True)) and set(record.effects) & set(names):
+        here = alike_here(record, names)
+        places = {PLACES[one] for one in (*here, *alike(next(iter(record.effects)), False, record.setting))}
+        found["told_apart"] = len(here) == len(names)
+        found["told_place"] = set(row.get("places", ())) <= places
+    return found
 
 
 def visible(row: Mapping[str, Any]) -> bool:
@@ -99,15 +124,14 @@ def visible(row: Mapping[str, Any]) -> bool:
     return bool(row["visible"] > VISIBLE and (row.get("told") is None or row["told"] > TRACE))
 
 
-def _least(
-    record: Record, act: Callable[[Mapping[str, float], Floats], Mapping[str, float]], starts: Sequence[Floats]
-) -> float:
+def _least(record: Record, act: Acts, starts: Sequence[Floats]) -> float:
     """Return the least nats over tolerances, and over the numbers of another effect; ``starts`` of these."""
     loop = SETTINGS[record.setting]
     nominal = {**NEUTRAL, **loop.numbers}
     A, W = whitening(record.setting, tuple(nominal.values()))
-    steps, within = FINE if "dead_time" in record.effects else STEPS, len(loop.within)
-    true = _made(record, record.numbers, steps)
+    within, bends = len(loop.within), bool(set(record.effects) & set(BENDS))
+    steps = FINE if bends or "dead_time" in record.effects else STEPS
+    true = _made(record, record.numbers, steps, bends)
 
     def numbers(x: Floats) -> dict[str, float]:
         base = dict(nominal)
@@ -117,21 +141,71 @@ def _least(
                 base["second"] *= 1.0 + share * x[k]
         return dict(act(base, x[within:]))
 
+    def left(x: Floats) -> Floats:
+        """Whitened differences, each row of unit variance."""
+        other = _made(record, numbers(x), steps, bends)
+        e = _white(true - other, A, W)
+        e[_limited(true, other)] = 0.0
+        return np.asarray(e.ravel())
+
     def nats(x: Floats) -> float:
-        if np.any(np.abs(x[:within]) > 1.0):
-            return BEYOND
-        other = _made(record, numbers(x), steps)
-        e = _white(true - other, A, W)[~_limited(true, other)]
-        return 0.5 * float(np.sum(e**2)) if np.isfinite(e).all() else BEYOND
+        e = left(x)
+        return 0.5 * float(e @ e) if np.isfinite(e).all() else BEYOND
 
     at = np.array([(record.base[key] / nominal[key] - 1.0) / share for key, share in loop.within.items()])
-    start = min((np.append(0.98 * at, more) for more in starts), key=nats)
-    simplex = np.array([start] * (len(start) + 1))
-    for k, value in enumerate(start):
-        simplex[k + 1, k] += 0.3 if value < 0.5 else -0.3
-    options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.05, "maxfev": 40 * len(start)}
-    found = minimize(nats, start, method="Nelder-Mead", options=options)
-    return float(found.fun) + _of_noise(record, numbers(found.x))
+    best = min((np.append(0.98 * at, more) for more in starts), key=nats)
+    ends = np.where(np.arange(len(best)) < within, 1.0, np.inf)
+    least = nats(best)
+    for _ in range(ROUNDS):
+        now, D = left(best), np.empty((len(left(best)), len(best)))
+        for k in range(len(best)):
+            h = PROBE if best[k] + PROBE <= ends[k] else -PROBE
+            probe = best.copy()
+            probe[k] += h
+            D[:, k] = (left(probe) - now) / h
+        if not np.isfinite(D).all():
+            break
+        step, gained = np.linalg.lstsq(D, -now, rcond=None)[0], 0.0
+        for _ in range(5):
+            new = np.clip(best + step, -ends, ends)
+            if (value := nats(new)) < least:
+                best, least, gained = new, value, least - value
+                break
+            step = 0.3 * step
+        if gained < SETTLED:
+            break
+    return least + (0.0 if bends else _of_noise(record, numbers(best)))
+
+
+def _sizes(record: Record) -> tuple[float, float]:
+    """Return S and J of a record's stem, in shares of its travel."""
+    its = next(iter(record.effects.values()))
+    return its.get("S", its.get("width", 0.0)) / 100.0, its.get("J", 0.0) / 100.0
+
+
+def _of_stem(record: Record, S: float, J: float) -> float:
+    """Return by how many nats a stem with these sizes is likelier than one that follows OP."""
+    loop, base = SETTINGS[record.setting], record.base
+    A, W = whitening(record.setting, tuple(float(v) for v in base.values()))
+    names = ("L", "SP", "PV", "OP") if "L" in record.signals else ("PV", "OP")
+    logged = np.stack([record.signals[name] for name in names], axis=1)
+    none, mean = np.zeros(len(record.set_point)), np.full(len(record.set_point), float(np.mean(loop.levels)))
+    det = run(packed(base), record.set_point, none, none, none, none, STEPS, float(record.set_point[0]))
+    d = logged - _kept(record.setting, det)
+    e = _whitened(d, A, W)
+    load = none.copy()
+    load[PULSE * loop.every : (PULSE + 1) * loop.every] = KICK
+    made = [_kept(record.setting, run(packed(base), mean, none, none, x, none, STEPS, mean[0])) for x in (none, load)]
+    h = _whitened(made[1] - made[0], A, W)[PULSE + 1 : PULSE + 1 + REACH] / KICK
+    # what OP will be at the next row as far as the rows before tell, and so between them; the noise of a scan is drawn
+    ahead = (d - e @ np.linalg.inv(W).T)[1:, -1]
+    OP = det[:, 2].copy()
+    OP[:-1] += np.repeat(ahead, loop.every)
+    OP[:: loop.every] = record.signals["OP"]
+    fast = base["K_p"] * (1.0 + base["scan"] / base["T_i"])
+    slow = fast * base["outer_K"] * (1.0 + 1.0 / base["outer_T"]) * base["outer_noise"]
+    random = float(np.hypot(fast * loop.noise, slow))
+    return nats(e, h, OP, random, S, J, loop.every, max(FIRST, ORDER))
 
 
 def _limited(one: Floats, other: Floats) -> NDArray[np.bool_]:
@@ -155,11 +229,23 @@ def _of_noise(record: Record, other: Mapping[str, float]) -> float:
     return len(record.signals["time"]) * max(loss[0] - loss[1], 0.0)
 
 
-def _made(record: Record, numbers: Mapping[str, float], steps: int) -> Floats:
-    """Return the logged signals of a loop with these numbers, without noise, not rounded, (rows, signals)."""
+def _made(record: Record, numbers: Mapping[str, float], steps: int, random: bool) -> Floats:
+    """Return the logged signals of a loop with these numbers, not rounded, (rows, signals).
+
+    With the ``random`` numbers of the record, or without noise.  A dead time between two steps lies between both.
+    """
     sp = record.set_point
-    none = np.zeros(len(sp))
-    return _kept(record.setting, run(packed(numbers), sp, none, none, none, none, steps, float(sp[0])))
+    noise, noise_2, load = record.random if random else np.zeros((3, len(sp)))
+    low = np.floor(numbers["theta"] * steps + 1e-9) / steps
+    share = max(numbers["theta"] - low, 0.0) * steps
+    found = np.zeros(0)
+    for theta, part in ((low, 1.0 - share), (low + 1.0 / steps, share)):
+        if part > 1e-6:
+            its = packed({**numbers, "theta": max(theta, 0.0)})
+            rows = run(its, sp, noise, noise_2, load, np.zeros(len(sp)), steps, float(sp[0]))
+            rows = part * _kept(record.setting, rows)
+            found = found + rows if len(found) else rows
+    return found
 
 
 def _kept(setting: str, out: Floats) -> Floats:
@@ -168,10 +254,14 @@ def _kept(setting: str, out: Floats) -> Floats:
 
 
 def _white(d: Floats, A: Floats, W: Floats) -> Floats:
+    return _whitened(d, A, W)[max(FIRST, ORDER) :]
+
+
+def _whitened(d: Floats, A: Floats, W: Floats) -> Floats:
     e = d.copy()
     for j, a in enumerate(A, start=1):
         e[j:] -= d[:-j] @ a.T
-    return np.asarray(e[max(FIRST, ORDER) :] @ W.T)
+    return np.asarray(e @ W.T)
 
 
 @lru_cache(maxsize=8)
