@@ -9,16 +9,23 @@ sensors' noise of each scan makes of it, which is more than a log tells.
 """
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+from benchmarks.gap.generator import Record, packed
+from benchmarks.gap.physics import NEUTRAL, run
+from benchmarks.gap.settings import SETTINGS
+from benchmarks.gap.whitened import FIRST, ORDER, STEPS, judged, kept, whitened, whitening
 
 Floats = NDArray[np.float64]
 STEMS = 400
 REACH = 40  # rows that a load of one row is felt
 REPEATS = 0.02  # share by which a breakaway differs from stem to stem
 ANEW = 0.002  # share of the stems that are put anywhere within the band, a row
+PULSE, KICK = 400, 1e-3  # row and size of a load that shows what one row of it does
 EVEN = 0.5  # share of the stems that must count
 
 
@@ -45,6 +52,78 @@ def nats(
     draws, turns = rng.normal(size=(len(OP), STEMS)), rng.random((len(e), 2))
     repeats = 1.0 + REPEATS * rng.normal(size=STEMS)
     return float(_passed(e, h, OP, random, S, J, every, first, draws, turns, repeats))
+
+
+def sizes(record: Record) -> tuple[float, float]:
+    """Return S and J of a record's stem, in shares of its travel."""
+    its = next(iter(record.effects.values()))
+    return its.get("S", its.get("width", 0.0)) / 100.0, its.get("J", 0.0) / 100.0
+
+
+def of_stem(record: Record, S: float, J: float) -> float:
+    """Return by how many nats a stem with ``S`` and ``J`` [share of travel] is likelier than one that follows OP."""
+    loop, base = SETTINGS[record.setting], record.base
+    A, W = whitening(record.setting, tuple(float(v) for v in base.values()))
+    none, mean = np.zeros(len(record.set_point)), np.full(len(record.set_point), float(np.mean(loop.levels)))
+    det = _answered(record, base)
+    d = _read(record) - kept(record.setting, det)
+    e = whitened(d, A, W)
+    load = none.copy()
+    load[PULSE * loop.every : (PULSE + 1) * loop.every] = KICK
+    made = [kept(record.setting, run(packed(base), mean, none, none, x, none, STEPS, mean[0])) for x in (none, load)]
+    h = whitened(made[1] - made[0], A, W)[PULSE + 1 : PULSE + 1 + REACH] / KICK
+    # what OP will be at the next row as far as the rows before tell, and so between them; the noise of a scan is drawn
+    ahead = (d - e @ np.linalg.inv(W).T)[1:, -1]
+    OP = det[:, 2].copy()
+    OP[:-1] += np.repeat(ahead, loop.every)
+    OP[:: loop.every] = record.signals["OP"]
+    fast = base["K_p"] * (1.0 + base["scan"] / base["T_i"])
+    slow = fast * base["outer_K"] * (1.0 + 1.0 / base["outer_T"]) * base["outer_noise"]
+    random = float(np.hypot(fast * loop.noise, slow))
+    return nats(e, h, OP, random, S, J, loop.every, max(FIRST, ORDER))
+
+
+def by_tolerances(record: Record) -> float:
+    """Return by how many nats other parameters within the tolerances suit a log better than the true ones.
+
+    One step of Fisher's scoring:  - min g x + 1/2 x' H x  within the tolerances,  g = e . D - rows d ln|W|,  H = D' D
+    """
+    loop, nominal, logged = SETTINGS[record.setting], {**NEUTRAL, **SETTINGS[record.setting].numbers}, _read(record)
+
+    def seen(base: Mapping[str, float]) -> tuple[Floats, float]:
+        A, W = whitening(record.setting, tuple(float(v) for v in base.values()))
+        return judged(logged - kept(record.setting, _answered(record, base)), A, W).ravel(), np.linalg.slogdet(W)[1]
+
+    e, width = seen(record.base)
+    found, low, high, h = [], [], [], 0.2
+    for key, share in loop.within.items():
+        at = (record.base[key] / nominal[key] - 1.0) / share
+        step = h if at < 0.0 else -h
+        moved = dict(record.base)
+        for name in (key, "second") if key == "tau" else (key,):
+            moved[name] *= (1.0 + share * (at + step)) / (1.0 + share * at)
+        probe, other = seen(moved)
+        found.append(((probe - e) / step, (other - width) / step))
+        low.append(-1.0 - at)
+        high.append(1.0 - at)
+    D, rows = np.stack([d for d, _ in found], axis=1), len(logged) - max(FIRST, ORDER)
+    g, H, x = e @ D - rows * np.array([w for _, w in found]), D.T @ D, np.zeros(len(found))
+    for _ in range(60):
+        for k in range(len(x)):
+            x[k] = np.clip(x[k] - (g[k] + H[k] @ x) / max(H[k, k], 1e-12), low[k], high[k])
+    return -float(g @ x + 0.5 * x @ H @ x)
+
+
+def _answered(record: Record, numbers: Mapping[str, float]) -> Floats:
+    """Return what a loop with these numbers makes of the set point, without noise and load, a value a second."""
+    sp, none = record.set_point, np.zeros(len(record.set_point))
+    return np.asarray(run(packed(numbers), sp, none, none, none, none, STEPS, float(sp[0])))
+
+
+def _read(record: Record) -> Floats:
+    """Return the logged signals, (rows, signals)."""
+    names = ("L", "SP", "PV", "OP") if "L" in record.signals else ("PV", "OP")
+    return np.stack([record.signals[name] for name in names], axis=1)
 
 
 @njit(cache=True)

@@ -9,34 +9,31 @@ the noise of the loop with the effect is likelier by its own autoregression than
 
 What bends shows only where noise and load drive the loop to it.  There d is that of both loops under the record's own
 random numbers, which nobody knows who sees the log: the nats are then the most that could be told.  Of a stem that
-nobody sees a log tells far less: its nats are those of ``unseen_stem``, the likelihood of the true stem against one that
-follows OP, or against the best deadband.
+nobody sees a log tells far less: its nats are those of ``unseen_stem``, the likelihood of the true stem against one
+that follows OP, or against the best deadband.
 
 Nothing here is shared with the diagnosis, nor does anything depend on what it answered.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.gap.generator import Record, autoregression, packed
+from benchmarks.gap.generator import Record, packed
 from benchmarks.gap.physics import NAMES, NEUTRAL, run
 from benchmarks.gap.runs import PLACES, VISIBLE, alike
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.severities import ACTS, FACTORS, OF_PV, OF_TIME, SITE, SIZE
-from benchmarks.gap.unseen_stem import REACH, nats
+from benchmarks.gap.unseen_stem import by_tolerances, of_stem, sizes
+from benchmarks.gap.whitened import FIRST, ORDER, STEPS, judged, kept, noise_of, whitening
 
 Floats = NDArray[np.float64]
 Acts = Callable[[Mapping[str, float], Floats], Mapping[str, float]]
 TRACE = 6.5  # nats below which a test with one false alarm in 300 records misses an effect more often than not
 TIE = 6.0  # nats within which two effects leave the same log
-ORDER = 24  # rows that whitening looks back
-HOURS = 100  # of noise that it is fitted to
-STEPS, FINE = 5, 20  # of the integration a second; where something has memory, or a dead time is to be told from a lag
-FIRST = 60  # rows that no diagnosis judges
+FINE = 20  # steps of the integration a second where something has memory, or a dead time is to be told from a lag
 DIGITS = ("sensor_noise", "quantisation", "compression", "scan_time")  # what shows in digits, in noise or by scans
 STEMS = ("stiction", "deadband")
 BENDS = ("stiction", "deadband", "valve_saturation", "valve_rate_limit", "controller_limits")
@@ -45,7 +42,7 @@ WAVES = ("sine_disturbance", "slug")
 BEYOND = 1e12  # nats of what cannot be
 SIZES = (0.1, 0.3, 0.6, 1.0, 1.5, 3.0)  # of the typical size, at which another effect is tried first
 WIDTHS = (-1.0, -0.5, 0.0, 0.5, 1.0)  # of J, by which a deadband that looks like a stem may be wider than S
-PULSE, KICK = 400, 1e-3  # row and size of a load that shows what one row of it does
+PLAIN = 200.0  # nats that no parameter within its tolerance explains
 PROBE = 0.02  # of a tolerance, or of a typical size, for slopes
 ROUNDS, SETTLED = 8, 0.02  # steps of Gauss and Newton; nats that one must gain
 
@@ -57,8 +54,10 @@ def told(record: Record) -> float:
     most = _least(record, lambda base, x: base, [np.zeros(0)])
     if most < TRACE or not set(record.effects) & set(STEMS):
         return most
-    found = _of_stem(record, *_sizes(record))
-    return min(found, most) if found > -TRACE else most  # the truth is so unlikely only where its law is another one
+    found = of_stem(record, *sizes(record))
+    if found < -TRACE:  # the truth is so unlikely only where its law is another one
+        return most
+    return min(found - by_tolerances(record), most) if found < PLAIN else min(found, most)
 
 
 def told_apart(record: Record, other: str) -> float:
@@ -69,8 +68,8 @@ def told_apart(record: Record, other: str) -> float:
     """
     loop, (name, values) = SETTINGS[record.setting], next(iter(record.effects.items()))
     if (name, other) == ("stiction", "deadband") and loop.scanned:
-        S, J = _sizes(record)
-        return _of_stem(record, S, J) - max(_of_stem(record, S + by * J, 0.0) for by in WIDTHS)
+        S, J = sizes(record)
+        return of_stem(record, S, J) - max(of_stem(record, S + by * J, 0.0) for by in WIDTHS)
     key = {**SIZE, **FACTORS, "step_disturbance": "amplitude"}.get(other, "")
     otherwise = {name, other} & {*DIGITS, *BENDS}
     if len(record.effects) != 1 or otherwise or not (key or {name, other} == set(WAVES)):
@@ -144,7 +143,7 @@ def _least(record: Record, act: Acts, starts: Sequence[Floats]) -> float:
     def left(x: Floats) -> Floats:
         """Whitened differences, each row of unit variance."""
         other = _made(record, numbers(x), steps, bends)
-        e = _white(true - other, A, W)
+        e = judged(true - other, A, W)
         e[_limited(true, other)] = 0.0
         return np.asarray(e.ravel())
 
@@ -177,37 +176,6 @@ def _least(record: Record, act: Acts, starts: Sequence[Floats]) -> float:
     return least + (0.0 if bends else _of_noise(record, numbers(best)))
 
 
-def _sizes(record: Record) -> tuple[float, float]:
-    """Return S and J of a record's stem, in shares of its travel."""
-    its = next(iter(record.effects.values()))
-    return its.get("S", its.get("width", 0.0)) / 100.0, its.get("J", 0.0) / 100.0
-
-
-def _of_stem(record: Record, S: float, J: float) -> float:
-    """Return by how many nats a stem with these sizes is likelier than one that follows OP."""
-    loop, base = SETTINGS[record.setting], record.base
-    A, W = whitening(record.setting, tuple(float(v) for v in base.values()))
-    names = ("L", "SP", "PV", "OP") if "L" in record.signals else ("PV", "OP")
-    logged = np.stack([record.signals[name] for name in names], axis=1)
-    none, mean = np.zeros(len(record.set_point)), np.full(len(record.set_point), float(np.mean(loop.levels)))
-    det = run(packed(base), record.set_point, none, none, none, none, STEPS, float(record.set_point[0]))
-    d = logged - _kept(record.setting, det)
-    e = _whitened(d, A, W)
-    load = none.copy()
-    load[PULSE * loop.every : (PULSE + 1) * loop.every] = KICK
-    made = [_kept(record.setting, run(packed(base), mean, none, none, x, none, STEPS, mean[0])) for x in (none, load)]
-    h = _whitened(made[1] - made[0], A, W)[PULSE + 1 : PULSE + 1 + REACH] / KICK
-    # what OP will be at the next row as far as the rows before tell, and so between them; the noise of a scan is drawn
-    ahead = (d - e @ np.linalg.inv(W).T)[1:, -1]
-    OP = det[:, 2].copy()
-    OP[:-1] += np.repeat(ahead, loop.every)
-    OP[:: loop.every] = record.signals["OP"]
-    fast = base["K_p"] * (1.0 + base["scan"] / base["T_i"])
-    slow = fast * base["outer_K"] * (1.0 + 1.0 / base["outer_T"]) * base["outer_noise"]
-    random = float(np.hypot(fast * loop.noise, slow))
-    return nats(e, h, OP, random, S, J, loop.every, max(FIRST, ORDER))
-
-
 def _limited(one: Floats, other: Floats) -> NDArray[np.bool_]:
     """Return the whitened rows of which a controller's output at a limit is part, where no loop is linear, (rows,)."""
     found = np.zeros(len(one), dtype=bool)
@@ -221,11 +189,11 @@ def _limited(one: Floats, other: Floats) -> NDArray[np.bool_]:
 def _of_noise(record: Record, other: Mapping[str, float]) -> float:
     """Return the nats by which the noise of a record's loop tells it from a loop with other numbers."""
     own = tuple(float(v) for v in record.numbers.values())
-    rows = _noise(record.setting, own)
+    rows = noise_of(record.setting, own)
     loss = []
     for numbers in (tuple(float(other[name]) for name in NAMES), own):
         A, W = whitening(record.setting, numbers)
-        loss.append(0.5 * float(np.mean(np.sum(_white(rows, A, W) ** 2, axis=1))) - float(np.linalg.slogdet(W)[1]))
+        loss.append(0.5 * float(np.mean(np.sum(judged(rows, A, W) ** 2, axis=1))) - float(np.linalg.slogdet(W)[1]))
     return len(record.signals["time"]) * max(loss[0] - loss[1], 0.0)
 
 
@@ -243,53 +211,6 @@ def _made(record: Record, numbers: Mapping[str, float], steps: int, random: bool
         if part > 1e-6:
             its = packed({**numbers, "theta": max(theta, 0.0)})
             rows = run(its, sp, noise, noise_2, load, np.zeros(len(sp)), steps, float(sp[0]))
-            rows = part * _kept(record.setting, rows)
+            rows = part * kept(record.setting, rows)
             found = found + rows if len(found) else rows
     return found
-
-
-def _kept(setting: str, out: Floats) -> Floats:
-    loop = SETTINGS[setting]
-    return np.asarray(out[:: loop.every][:, [5, 0, 1, 2] if "outer_K" in loop.numbers else [1, 2]])
-
-
-def _white(d: Floats, A: Floats, W: Floats) -> Floats:
-    return _whitened(d, A, W)[max(FIRST, ORDER) :]
-
-
-def _whitened(d: Floats, A: Floats, W: Floats) -> Floats:
-    e = d.copy()
-    for j, a in enumerate(A, start=1):
-        e[j:] -= d[:-j] @ a.T
-    return np.asarray(e @ W.T)
-
-
-@lru_cache(maxsize=8)
-def _noise(setting: str, numbers: tuple[float, ...]) -> Floats:
-    """Return what the noise of a loop makes of its logged signals, always of the same random numbers."""
-    loop = SETTINGS[setting]
-    rng = np.random.default_rng([3, list(SETTINGS).index(setting)])
-    n = 3600 * HOURS
-    sp = np.full(n, round(float(np.mean(loop.levels)), 2))
-    random = loop.noise * rng.normal(size=n), rng.normal(size=n), loop.load * autoregression(rng, n)
-    out = run(np.array(numbers), sp, *random, np.zeros(n), STEPS, float(sp[0]))
-    rows = _kept(setting, out)[3600 // loop.every :]
-    fine, coarse = loop.rounding
-    steps = [fine, coarse, fine, coarse] if rows.shape[1] == 4 else [fine, coarse]
-    rows = np.round(rows / steps) * steps
-    return np.asarray(rows - rows.mean(axis=0))
-
-
-@lru_cache(maxsize=8)
-def whitening(setting: str, numbers: tuple[float, ...]) -> tuple[Floats, Floats]:
-    """Return (A_j, W) that make the noise of a loop's logged signals white, of unit variance."""
-    rows = _noise(setting, numbers)
-    scale = rows.std(axis=0)
-    rows = rows / scale
-    m = rows.shape[1]
-    past = np.hstack([rows[ORDER - j : -j] for j in range(1, ORDER + 1)])
-    C = np.linalg.lstsq(past, rows[ORDER:], rcond=None)[0]
-    left = rows[ORDER:] - past @ C
-    W = np.linalg.inv(np.linalg.cholesky(left.T @ left / len(left)))
-    A = np.stack([scale[:, None] * C[m * j : m * (j + 1)].T / scale for j in range(ORDER)])
-    return A, W / scale
