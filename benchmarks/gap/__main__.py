@@ -52,7 +52,8 @@ NOTES = {
     "site_false_alarm": "alarms, site loop (required: at most 0.02)",
     "general_place": "place right: second order, level, cascade (required: at least 0.85)",
     "general_cause": "cause right: second order, level, cascade (required: at least 0.8)",
-    "general_cause_told": "the same with sets whose every name an oracle of physics cannot tell from the truth either",
+    "general_place_told": "the same with places that an oracle of physics cannot tell from the true one either",
+    "general_cause_told": "cause right, or a set whose names an oracle of physics cannot tell from the truth either",
     "invisible": "runs left out: the effect leaves no trace",
     "hidden": "of these, such whose trace tolerances or the load hide, by an oracle of physics",
     "plant_place": "place right, full plant (required: at least 0.9, on at least 60 records)",
@@ -148,6 +149,7 @@ def figures(found: Sequence[dict[str, Any]], plant: Sequence[dict[str, Any]] = (
     wide = [r for r in seen if r["setting"] in general]
     add("general_place", wide, "place")
     add("general_cause", wide, "cause")
+    add("general_place_told", [r | {"place": r["place"] or r.get("told_place")} for r in wide], "place")
     add("general_cause_told", [r | {"cause": r["cause"] or r.get("told_apart")} for r in wide], "cause")
     for name, (hits, of) in plant_figures(plant).items():
         counted(name, hits, of)

@@ -32,7 +32,8 @@ class Record:
     ``signals``: time [s], SP, PV, OP and MV, (rows,) each.  ``effects``: name -> parameters, of stiction as its
     MV-OP figure shows them.  ``outside``: the effect that no catalogue has, "" for none.  ``clean``: the same loop
     without the effects, same noise and load: what there is between the two is the gap.
-    ``numbers`` and ``base``: the numbers of ``physics`` with the effects and without.  ``set_point``: SP a second.
+    ``numbers`` and ``base``: the numbers of ``physics`` with the effects and without.  ``set_point``: SP a second;
+    ``random``: noise of the sensor [PV unit] without the effects, a second stream, the load: (3, seconds).
     """
 
     setting: str
@@ -45,6 +46,7 @@ class Record:
     numbers: Mapping[str, float] = field(default_factory=dict)
     base: Mapping[str, float] = field(default_factory=dict)
     set_point: Floats = field(default_factory=lambda: np.zeros(0))
+    random: Floats = field(default_factory=lambda: np.zeros((3, 0)))
 
     @property
     def gap(self) -> float:
@@ -138,6 +140,7 @@ def record(
         numbers,
         base,
         sp,
+        np.stack([loop.noise * n_1, n_2, load]),
     )
 
 

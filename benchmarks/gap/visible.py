@@ -5,47 +5,59 @@
 d: logged signals of the loop with the effect less those of a loop that may be taken for it, both without noise; W: the
 autoregression that whitens the loop's own noise, fitted to long runs of ``physics``.  The loop that may be taken for it
 has any parameters within the tolerances, and no effect, or another one of any size.  What the noise tells: by how much
-the noise of the loop with the effect is likelier by its own autoregression than by that of the other.  Nothing here is
-shared with the diagnosis.
+the noise of the loop with the effect is likelier by its own autoregression than by that of the other.
+
+What bends shows only where noise and load drive the loop to it.  There d is that of both loops under the record's own
+random numbers, which nobody knows who sees the log: the nats are then the most that could be told.  Of a stem that
+nobody sees a log tells far less: its nats are those of ``unseen_stem``, the likelihood of the true stem against one
+that follows OP, or against the best deadband.
+
+Nothing here is shared with the diagnosis, nor does anything depend on what it answered.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
-from benchmarks.gap.generator import Record, autoregression, packed
+from benchmarks.gap.generator import Record, packed
 from benchmarks.gap.physics import NAMES, NEUTRAL, run
-from benchmarks.gap.runs import VISIBLE
+from benchmarks.gap.runs import PLACES, VISIBLE, alike
 from benchmarks.gap.settings import SETTINGS
 from benchmarks.gap.severities import ACTS, FACTORS, OF_PV, OF_TIME, SITE, SIZE
+from benchmarks.gap.unseen_stem import by_tolerances, of_stem, sizes
+from benchmarks.gap.whitened import FIRST, ORDER, STEPS, judged, kept, noise_of, whitening
 
 Floats = NDArray[np.float64]
+Acts = Callable[[Mapping[str, float], Floats], Mapping[str, float]]
 TRACE = 6.5  # nats below which a test with one false alarm in 300 records misses an effect more often than not
 TIE = 6.0  # nats within which two effects leave the same log
-ORDER = 24  # rows that whitening looks back
-HOURS = 100  # of noise that it is fitted to
-STEPS, FINE = 5, 20  # of the integration a second; where a dead time is to be told from a lag
-FIRST = 60  # rows that no diagnosis judges
-# what shows otherwise than in a linear loop: by the digits, by noise, by a stem that sticks, by its scans, at limits
-OTHERWISE = (
-    "stiction", "deadband", "sensor_noise", "quantisation", "compression", "scan_time",
-    "valve_saturation", "valve_rate_limit", "controller_limits",
-)  # fmt: skip
+FINE = 20  # steps of the integration a second where something has memory, or a dead time is to be told from a lag
+DIGITS = ("sensor_noise", "quantisation", "compression", "scan_time")  # what shows in digits, in noise or by scans
+STEMS = ("stiction", "deadband")
+BENDS = ("stiction", "deadband", "valve_saturation", "valve_rate_limit", "controller_limits")
 EITHER = ("valve_leak", "sensor_bias", "sensor_drift", "step_disturbance")  # of either sign
 WAVES = ("sine_disturbance", "slug")
 BEYOND = 1e12  # nats of what cannot be
 SIZES = (0.1, 0.3, 0.6, 1.0, 1.5, 3.0)  # of the typical size, at which another effect is tried first
+WIDTHS = (-1.0, -0.5, 0.0, 0.5, 1.0)  # of J, by which a deadband that looks like a stem may be wider than S
+PLAIN = 200.0  # nats that no parameter within its tolerance explains
+PROBE = 0.02  # of a tolerance, or of a typical size, for slopes
+ROUNDS, SETTLED = 8, 0.02  # steps of Gauss and Newton; nats that one must gain
 
 
 def told(record: Record) -> float:
-    """Return the nats that a record tells of its one effect; infinite for one that shows otherwise."""
-    if len(record.effects) != 1 or set(record.effects) & set(OTHERWISE) or not SETTINGS[record.setting].scanned:
+    """Return the nats that a record tells of its one effect; infinite for one that digits, noise or scans show."""
+    if len(record.effects) != 1 or set(record.effects) & set(DIGITS) or not SETTINGS[record.setting].scanned:
         return float("inf")
-    return _least(record, lambda base, x: base, [np.zeros(0)])
+    most = _least(record, lambda base, x: base, [np.zeros(0)])
+    if most < TRACE or not set(record.effects) & set(STEMS):
+        return most
+    found = of_stem(record, *sizes(record))
+    if found < -TRACE:  # the truth is so unlikely only where its law is another one
+        return most
+    return min(found - by_tolerances(record), most) if found < PLAIN else min(found, most)
 
 
 def told_apart(record: Record, other: str) -> float:
@@ -55,8 +67,12 @@ def told_apart(record: Record, other: str) -> float:
     otherwise.
     """
     loop, (name, values) = SETTINGS[record.setting], next(iter(record.effects.items()))
+    if (name, other) == ("stiction", "deadband") and loop.scanned:
+        S, J = sizes(record)
+        return of_stem(record, S, J) - max(of_stem(record, S + by * J, 0.0) for by in WIDTHS)
     key = {**SIZE, **FACTORS, "step_disturbance": "amplitude"}.get(other, "")
-    if len(record.effects) != 1 or {name, other} & set(OTHERWISE) or not (key or {name, other} == set(WAVES)):
+    otherwise = {name, other} & {*DIGITS, *BENDS}
+    if len(record.effects) != 1 or otherwise or not (key or {name, other} == set(WAVES)):
         return float("inf")
     if other in WAVES:
 
@@ -78,20 +94,28 @@ def told_apart(record: Record, other: str) -> float:
     return _least(record, act, [np.array([share]) for share in shares])
 
 
+def alike_here(record: Record, names: Sequence[str]) -> tuple[str, ...]:
+    """Return those of some effects that the record, without MV, cannot tell from its own: its class in this record."""
+    (name,) = record.effects
+    known = alike(name, False, record.setting)
+    return tuple(one for one in names if one in known or told_apart(record, one) < TIE)
+
+
 def traced(record: Record, row: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the oracle says beside a row of ``scoring``: the nats that the record tells of its effect.
 
-    And whether it cannot tell apart the names of a set that is larger than the effect's class either; None where it
-    says nothing.
+    And, where the truth is in a set that is larger than its class, whether name and places of the set are no more than
+    what this record cannot tell apart; None elsewhere.
     """
     nats = told(record)
+    found: dict[str, Any] = {"told": nats if np.isfinite(nats) else None, "told_apart": None, "told_place": None}
     names = row["sets"][0] if len(record.effects) == 1 and row["sets"] else []
-    wide = "cause" in row and not row["cause"] and set(record.effects) & set(names)
-    return {
-        "told": nats if np.isfinite(nats) else None,
-        "told_apart": all(told_apart(record, name) < TIE for name in names if name not in record.effects)
-        if wide else None,
-    }  # fmt: skip
+    if "cause" in row and not (row["cause"] and row.get("place", True)) and set(record.effects) & set(names):
+        here = alike_here(record, names)
+        places = {PLACES[one] for one in (*here, *alike(next(iter(record.effects)), False, record.setting))}
+        found["told_apart"] = len(here) == len(names)
+        found["told_place"] = set(row.get("places", ())) <= places
+    return found
 
 
 def visible(row: Mapping[str, Any]) -> bool:
@@ -99,15 +123,14 @@ def visible(row: Mapping[str, Any]) -> bool:
     return bool(row["visible"] > VISIBLE and (row.get("told") is None or row["told"] > TRACE))
 
 
-def _least(
-    record: Record, act: Callable[[Mapping[str, float], Floats], Mapping[str, float]], starts: Sequence[Floats]
-) -> float:
+def _least(record: Record, act: Acts, starts: Sequence[Floats]) -> float:
     """Return the least nats over tolerances, and over the numbers of another effect; ``starts`` of these."""
     loop = SETTINGS[record.setting]
     nominal = {**NEUTRAL, **loop.numbers}
     A, W = whitening(record.setting, tuple(nominal.values()))
-    steps, within = FINE if "dead_time" in record.effects else STEPS, len(loop.within)
-    true = _made(record, record.numbers, steps)
+    within, bends = len(loop.within), bool(set(record.effects) & set(BENDS))
+    steps = FINE if bends or "dead_time" in record.effects else STEPS
+    true = _made(record, record.numbers, steps, bends)
 
     def numbers(x: Floats) -> dict[str, float]:
         base = dict(nominal)
@@ -117,21 +140,40 @@ def _least(
                 base["second"] *= 1.0 + share * x[k]
         return dict(act(base, x[within:]))
 
+    def left(x: Floats) -> Floats:
+        """Whitened differences, each row of unit variance."""
+        other = _made(record, numbers(x), steps, bends)
+        e = judged(true - other, A, W)
+        e[_limited(true, other)] = 0.0
+        return np.asarray(e.ravel())
+
     def nats(x: Floats) -> float:
-        if np.any(np.abs(x[:within]) > 1.0):
-            return BEYOND
-        other = _made(record, numbers(x), steps)
-        e = _white(true - other, A, W)[~_limited(true, other)]
-        return 0.5 * float(np.sum(e**2)) if np.isfinite(e).all() else BEYOND
+        e = left(x)
+        return 0.5 * float(e @ e) if np.isfinite(e).all() else BEYOND
 
     at = np.array([(record.base[key] / nominal[key] - 1.0) / share for key, share in loop.within.items()])
-    start = min((np.append(0.98 * at, more) for more in starts), key=nats)
-    simplex = np.array([start] * (len(start) + 1))
-    for k, value in enumerate(start):
-        simplex[k + 1, k] += 0.3 if value < 0.5 else -0.3
-    options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.05, "maxfev": 40 * len(start)}
-    found = minimize(nats, start, method="Nelder-Mead", options=options)
-    return float(found.fun) + _of_noise(record, numbers(found.x))
+    best = min((np.append(0.98 * at, more) for more in starts), key=nats)
+    ends = np.where(np.arange(len(best)) < within, 1.0, np.inf)
+    least = nats(best)
+    for _ in range(ROUNDS):
+        now, D = left(best), np.empty((len(left(best)), len(best)))
+        for k in range(len(best)):
+            h = PROBE if best[k] + PROBE <= ends[k] else -PROBE
+            probe = best.copy()
+            probe[k] += h
+            D[:, k] = (left(probe) - now) / h
+        if not np.isfinite(D).all():
+            break
+        step, gained = np.linalg.lstsq(D, -now, rcond=None)[0], 0.0
+        for _ in range(5):
+            new = np.clip(best + step, -ends, ends)
+            if (value := nats(new)) < least:
+                best, least, gained = new, value, least - value
+                break
+            step = 0.3 * step
+        if gained < SETTLED:
+            break
+    return least + (0.0 if bends else _of_noise(record, numbers(best)))
 
 
 def _limited(one: Floats, other: Floats) -> NDArray[np.bool_]:
@@ -147,59 +189,28 @@ def _limited(one: Floats, other: Floats) -> NDArray[np.bool_]:
 def _of_noise(record: Record, other: Mapping[str, float]) -> float:
     """Return the nats by which the noise of a record's loop tells it from a loop with other numbers."""
     own = tuple(float(v) for v in record.numbers.values())
-    rows = _noise(record.setting, own)
+    rows = noise_of(record.setting, own)
     loss = []
     for numbers in (tuple(float(other[name]) for name in NAMES), own):
         A, W = whitening(record.setting, numbers)
-        loss.append(0.5 * float(np.mean(np.sum(_white(rows, A, W) ** 2, axis=1))) - float(np.linalg.slogdet(W)[1]))
+        loss.append(0.5 * float(np.mean(np.sum(judged(rows, A, W) ** 2, axis=1))) - float(np.linalg.slogdet(W)[1]))
     return len(record.signals["time"]) * max(loss[0] - loss[1], 0.0)
 
 
-def _made(record: Record, numbers: Mapping[str, float], steps: int) -> Floats:
-    """Return the logged signals of a loop with these numbers, without noise, not rounded, (rows, signals)."""
+def _made(record: Record, numbers: Mapping[str, float], steps: int, random: bool) -> Floats:
+    """Return the logged signals of a loop with these numbers, not rounded, (rows, signals).
+
+    With the ``random`` numbers of the record, or without noise.  A dead time between two steps lies between both.
+    """
     sp = record.set_point
-    none = np.zeros(len(sp))
-    return _kept(record.setting, run(packed(numbers), sp, none, none, none, none, steps, float(sp[0])))
-
-
-def _kept(setting: str, out: Floats) -> Floats:
-    loop = SETTINGS[setting]
-    return np.asarray(out[:: loop.every][:, [5, 0, 1, 2] if "outer_K" in loop.numbers else [1, 2]])
-
-
-def _white(d: Floats, A: Floats, W: Floats) -> Floats:
-    e = d.copy()
-    for j, a in enumerate(A, start=1):
-        e[j:] -= d[:-j] @ a.T
-    return np.asarray(e[max(FIRST, ORDER) :] @ W.T)
-
-
-@lru_cache(maxsize=8)
-def _noise(setting: str, numbers: tuple[float, ...]) -> Floats:
-    """Return what the noise of a loop makes of its logged signals, always of the same random numbers."""
-    loop = SETTINGS[setting]
-    rng = np.random.default_rng([3, list(SETTINGS).index(setting)])
-    n = 3600 * HOURS
-    sp = np.full(n, round(float(np.mean(loop.levels)), 2))
-    random = loop.noise * rng.normal(size=n), rng.normal(size=n), loop.load * autoregression(rng, n)
-    out = run(np.array(numbers), sp, *random, np.zeros(n), STEPS, float(sp[0]))
-    rows = _kept(setting, out)[3600 // loop.every :]
-    fine, coarse = loop.rounding
-    steps = [fine, coarse, fine, coarse] if rows.shape[1] == 4 else [fine, coarse]
-    rows = np.round(rows / steps) * steps
-    return np.asarray(rows - rows.mean(axis=0))
-
-
-@lru_cache(maxsize=8)
-def whitening(setting: str, numbers: tuple[float, ...]) -> tuple[Floats, Floats]:
-    """Return (A_j, W) that make the noise of a loop's logged signals white, of unit variance."""
-    rows = _noise(setting, numbers)
-    scale = rows.std(axis=0)
-    rows = rows / scale
-    m = rows.shape[1]
-    past = np.hstack([rows[ORDER - j : -j] for j in range(1, ORDER + 1)])
-    C = np.linalg.lstsq(past, rows[ORDER:], rcond=None)[0]
-    left = rows[ORDER:] - past @ C
-    W = np.linalg.inv(np.linalg.cholesky(left.T @ left / len(left)))
-    A = np.stack([scale[:, None] * C[m * j : m * (j + 1)].T / scale for j in range(ORDER)])
-    return A, W / scale
+    noise, noise_2, load = record.random if random else np.zeros((3, len(sp)))
+    low = np.floor(numbers["theta"] * steps + 1e-9) / steps
+    share = max(numbers["theta"] - low, 0.0) * steps
+    found = np.zeros(0)
+    for theta, part in ((low, 1.0 - share), (low + 1.0 / steps, share)):
+        if part > 1e-6:
+            its = packed({**numbers, "theta": max(theta, 0.0)})
+            rows = run(its, sp, noise, noise_2, load, np.zeros(len(sp)), steps, float(sp[0]))
+            rows = part * kept(record.setting, rows)
+            found = found + rows if len(found) else rows
+    return found

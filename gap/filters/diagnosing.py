@@ -25,6 +25,7 @@ from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
 from gap.evidence import Evidence
+from gap.filters import laws
 from gap.filters.affine import NotAffine
 from gap.filters.checks import checks
 from gap.filters.constant import constancy
@@ -46,7 +47,7 @@ from gap.start import start_values
 
 NEEDED = 6.5  # nats that an effect must gain: noise alone gains as much in one of 300 records
 LIMIT = 4.7  # largest check of an explanation that is right
-LIMIT_STEMS = 9.0  # of a bank of stems, which is not exact
+LIMIT_STEMS = 9.0  # of a bank of stems, or of a stem that is slow, which are not exact
 EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
 TIE = 6.0  # nats between explanations that the record does not tell apart
@@ -217,7 +218,16 @@ def worst(one: Filtered) -> tuple[str, float]:
 
 def passes(one: Filtered) -> bool:
     """Return whether innovations are as they should be."""
-    return worst(one)[1] <= (LIMIT_STEMS if one.explanation.sticks else LIMIT)
+    return worst(one)[1] <= _limit(one)
+
+
+def _limit(one: Filtered) -> float:
+    """Return the largest check of an explanation that may be right.
+
+    Of a slow stem a filter knows mean and variance only, not what it has to do with the rest of the loop.
+    """
+    explanation = one.explanation
+    return LIMIT_STEMS if explanation.sticks or explanation.law == laws.SLOW else LIMIT
 
 
 @lru_cache(maxsize=16)
@@ -232,7 +242,7 @@ def adequate(plain: Found, one: Found) -> bool:
 
     And no generic rival is likelier.
     """
-    limit = LIMIT_STEMS if one.best.explanation.sticks else LIMIT
+    limit = _limit(one.best)
     if explained(plain, one) >= EXPLAINED and not isinstance(one.best.explanation.effect, SensorNoise):
         limit = max(limit, min(SMALL * worst(plain.best)[1], LIMIT_LARGEST))
     return worst(one.best)[1] <= limit and rival(one.best)[1] > 0.0

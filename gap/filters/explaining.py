@@ -14,7 +14,7 @@ from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_saturation import SensorSaturation
 from gap.filters.filtering import Explanation, Filtered
-from gap.filters.fitting import Found, best_of, grid, refined, tried
+from gap.filters.fitting import NODES, Found, best_of, grid, refined, tried
 from gap.filters.reading import Filtering
 from gap.filters.switches import with_switches
 from gap.loads import planned
@@ -29,6 +29,7 @@ LEAST = 5.0  # nats that a second limit must gain
 FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
 FIRSTS, FOLLOWED = 3, 8  # explanations that are fitted to the end with switches of their own, and without
 LAGGING, BEHIND = 60.0, 0.7  # nats, or share of the gap, by which a few sizes may lag behind a fit to be fitted too
+PARTS = (0.5, 0.25)  # of the way to the neighbours in a grid that are looked at where a likelihood is sharp
 NEAR = 60.0  # nats by which a fit may lag behind the best to be fitted again
 SWITCHED = 3  # times that switches are looked for again
 IRREGULAR = 0.2  # nats a row
@@ -57,9 +58,23 @@ def coarse(plain: Found, effect: Effect, place: str) -> Filtered | None:
     start, values = None, dict(free)
     for name in one.own:
         start = best_of([start, *(tried(one, {**values, name: size}) for size in grid(one, name))])
+        if start is not None and one.law:  # a law that bends has a sharp likelihood
+            start = _between(one, name, start)
         if start is not None:
             values = dict(start.values)
     return start
+
+
+def _between(one: Explanation, name: str, start: Filtered) -> Filtered:
+    """Return the best of sizes between the likeliest of a grid and its neighbours."""
+    low, high = one.bounds[name]
+    best = start
+    for part in PARTS:
+        by = (high / low) ** (part / (NODES - 1)) if 0.0 < low < high < math.inf else 1.0
+        sizes = [best.values[name] * way for way in (by, 1.0 / by)] if by > 1.0 else []
+        near = [tried(one, {**best.values, name: size}) for size in sizes if low <= size <= high]
+        best = best_of([best, *near]) or best
+    return best
 
 
 def ranked(

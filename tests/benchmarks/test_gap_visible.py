@@ -3,7 +3,8 @@
 import pytest
 
 from benchmarks.gap.generator import record
-from benchmarks.gap.visible import TIE, TRACE, told, told_apart, traced, visible
+from benchmarks.gap.unseen_stem import by_tolerances, of_stem
+from benchmarks.gap.visible import TIE, TRACE, alike_here, told, told_apart, traced, visible
 
 
 def test_a_span_within_the_tolerance_of_the_hold_up_leaves_no_trace():
@@ -40,3 +41,42 @@ def test_a_set_is_right_if_the_oracle_cannot_tell_its_names_apart_either():
     assert traced(made, {"cause": False, "sets": [["second_lag", "sensor_lag"]]})["told_apart"] is True
     assert traced(made, {"cause": False, "sets": [["controller_gain"]]})["told_apart"] is None  # the truth is missing
     assert traced(made, {"cause": True, "sets": [["sensor_lag"]]})["told_apart"] is None
+
+
+def test_a_limit_that_only_a_little_noise_reaches_leaves_no_trace():
+    # 5 % of travel below what the level reaches once; and one that it meets all the time
+    assert told(record("level", ["valve_saturation"], seed=7700, hours=1.0)) < TRACE
+    low = {"valve_saturation": {"low": 0.0, "high": 50.0}}
+    assert told(record("level", ["valve_saturation"], seed=7700, hours=1.0, given=low)) > 10.0 * TRACE
+
+
+def test_a_stem_that_nobody_sees_is_told_by_its_likelihood():
+    # a play of 0.1 % is nothing beside OP steps of 0.8 %; invariant: a small size of the wrong sign of evidence loses
+    small = record("level", ["deadband"], seed=7701, hours=1.0, given={"deadband": {"width": 0.1}})
+    assert told(small) < 1.0
+    wide = record("second_order", ["stiction"], seed=7701, hours=1.0)
+    assert told(wide) > 2.0 * TRACE
+    # a log without a stem speaks against one: Neyman and Pearson's ratio has the other sign
+    none = record("second_order", ["deadband"], seed=7701, hours=1.0, given={"deadband": {"width": 1e-9}})
+    assert of_stem(none, 0.03, 0.013) < 0.0 < of_stem(wide, 0.03, 0.013)
+
+
+def test_parameters_within_tolerance_gain_on_a_log_what_chi_squared_says():
+    # analytic: without an effect twice the nats are chi-squared of as many degrees as there are parameters (two here)
+    gained = [by_tolerances(record("second_order", ["deadband"], seed=s, hours=0.5,
+                                   given={"deadband": {"width": 1e-9}})) for s in (1, 2)]  # fmt: skip
+    assert min(gained) >= 0.0 and max(gained) < 7.0
+
+
+def test_a_dead_time_between_two_steps_of_the_integration_lies_between_both():
+    near = record("site", ["dead_time"], seed=7700, hours=0.3, given={"dead_time": {"theta": 0.73}})
+    assert told_apart(near, "dead_time") < 0.3  # analytic: it is what it is
+
+
+def test_a_class_is_of_the_record_not_of_the_answer():
+    made = record("cascade", ["dead_time"], seed=7700, hours=0.5)  # 0.7 s in a loop that is logged every 5 s
+    assert alike_here(made, ("dead_time", "positioner_lag", "controller_gain")) == ("dead_time", "positioner_lag")
+    row = {"cause": False, "place": False, "places": ["process", "valve"], "sets": [["dead_time", "positioner_lag"]]}
+    found = traced(made, row)
+    assert found["told_apart"] is True and found["told_place"] is True
+    assert traced(made, row | {"places": ["process", "controller"]})["told_place"] is False
