@@ -146,12 +146,7 @@ def _played(record: Record) -> Mapping[str, Block] | Log:
     log = record.log
     if record.filter is None:
         return Log(log.t, {s: log[s] for s in record.played})
-    found = {}
-    for s in record.played:
-        moved = np.concatenate([[True], np.diff(log[s]) != 0.0])
-        moved[-1] = True
-        found[s] = Recorded(s, log.t[moved], log[s][moved], hold="previous")
-    return found
+    return {s: Recorded(s, *record.as_played(s), hold="previous") for s in record.played}
 
 
 def skipped_rows(rows: int, settling: float = 0.0) -> int:

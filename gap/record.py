@@ -104,7 +104,7 @@ class Record:
     ``lattices`` those whose lattice is the sensor's own, not the log's rounding; ``used`` logged signals that the model
     drives and that are taken as they are, not judged; ``filter`` what makes residuals of it where no replay does;
     ``suspects`` the blocks at which a gap can be, none named: all; ``computed`` the rounding of signals that were
-    computed from logged ones [their unit].
+    computed from logged ones [their unit]; ``leads`` by how much [s] before the row that shows it an input switched.
     """
 
     log: Log
@@ -115,6 +115,19 @@ class Record:
     filter: "Residuals | None" = None
     suspects: tuple[str, ...] = ()
     computed: Mapping[str, float] = field(default_factory=dict)
+    leads: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
+
+    def as_played(self, signal: str) -> tuple[Floats, Floats]:
+        """Return times [s] at which an input takes on a new value, and these values; the last row ends them.
+
+        A switch lies its lead before the row that shows it.
+        """
+        t, v = self.log.t, self.log[signal]
+        moved = np.flatnonzero(np.concatenate([[True], np.diff(v) != 0.0]))
+        known = self.leads.get(signal, {})
+        early = np.array([known.get(int(k), 0.0) for k in moved])
+        end = t[-1] + self.log.dt
+        return np.append(t[moved] - early, end), np.append(v[moved], v[-1])
 
     @cached_property
     def steps(self) -> dict[str, float]:

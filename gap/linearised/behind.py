@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.recorded import Recorded
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
-from gap.linearised.between import line, moves
+from gap.linearised.between import BEFORE, line, moves
 from gap.record import Record, switches
 from logs import Log
 
@@ -62,19 +63,22 @@ def behind(diagram: Diagram, record: Record, signals: Sequence[str], given: Mapp
     moving = [s for s in signals if moves(diagram, s)]
     if not len(rows) or not moving:
         return NOTHING
-    t = (log.t[rows - 1, None] + np.diff(log.t)[rows - 1, None] * np.array(SHARES)).ravel()
+    t = np.union1d(log.t[rows - 1, None] + np.diff(log.t)[rows - 1, None] * np.array(SHARES), _around(record))
     times = np.union1d(log.t, t)
     many = max((len(v) for v in given.values()), default=1)
     run = ensemble(
         diagram, log.duration, t0=float(log.t[0]), times=times, params=dict(given), seeds=np.zeros(many, dtype=int),
-        inputs=Log(log.t, {s: log[s] for s in record.played}), signals=moving, progress=False,
+        inputs={s: Recorded(s, *record.as_played(s), hold="previous") for s in record.played}, signals=moving,
+        progress=False,
     )  # fmt: skip
     own, fine = np.searchsorted(times, log.t), np.searchsorted(times, t)
     more = {}
     for s in moving:
         more[s] = np.zeros((many, len(t)))
         for i in np.flatnonzero(run.ok):
-            table = line(diagram, record, Log(log.t, {s: run.values[s][i, own], **{p: log[p] for p in record.played}}), s)
+            table = line(
+                diagram, record, Log(log.t, {s: run.values[s][i, own], **{p: log[p] for p in record.played}}), s
+            )
             more[s][i] = run.values[s][i, fine] - np.interp(t, *table)
     return Behind(t, more)
 
@@ -84,6 +88,13 @@ def _rows(record: Record) -> NDArray[np.int64]:
     found = np.zeros(len(record.log), dtype=bool)
     for s in record.played:
         if switches(record.log, s):
-            for k in np.flatnonzero(np.diff(record.log[s]) != 0.0) + 1:
-                found[k + 1 : k + 1 + ROWS] = True
+            early = record.leads.get(s, {})
+            for k in (np.flatnonzero(np.diff(record.log[s]) != 0.0) + 1).tolist():
+                found[k + (k not in early) : k + 1 + ROWS] = True
     return np.flatnonzero(found)
+
+
+def _around(record: Record) -> Floats:
+    """Return the times [s] just before and at switches between rows."""
+    at = [record.log.t[k] - lead for early in record.leads.values() for k, lead in early.items() if k < len(record.log)]
+    return np.array([*(t - BEFORE * record.log.dt for t in at), *at])

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from blocks.recorded import Recorded
 from diagram.changes import part
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
@@ -26,7 +27,9 @@ def as_inputs(
     """Return logged signals as inputs of so many runs; ``more`` what each run adds between rows."""
     found: dict[str, Any] = {}
     for s in signals:
-        if not moves(diagram, s):
+        if s in record.played:
+            found[s] = Recorded(s, *record.as_played(s), hold="previous")
+        elif not moves(diagram, s):
             found[s] = held(log, s)
         else:
             table = line(diagram, record, log, s)

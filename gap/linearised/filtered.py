@@ -87,7 +87,7 @@ class Filter:
         known = [*self.parts.known, *self.parts.measured]
         if given and seen is diagram:
             return behind(seen, record, known, given)
-        key = "behind", id(record.log), _digest(seen, [block.name for block in seen.blocks])
+        key = "behind", id(record.log), _leads(record), _digest(seen, [block.name for block in seen.blocks])
         alone: Behind = self._kept(key, record.log, lambda: behind(seen, record, known, {}))
         return alone
 
@@ -161,17 +161,19 @@ class Filter:
 
         def made() -> Gains:
             u = self.driven(self.quiet, self.parts, record, log, {}, 1, self._behind(self.quiet, record, {}))[0]
+            between = {k for early in record.leads.values() for k in early}
             doubts: dict[int, Floats] = {}
             for s in self.parts.known:
                 if s in self.quiet.driven and self.quiet.blocks[self.quiet.driven[s][0]].role is Role.CONTROLLER:
                     follow = np.array([s in _read(self.quiet, one, self.parts) for one in self.parts.given])
                     for k in np.flatnonzero(jumps(self.quiet, record, log, s)[:-1]).tolist():
-                        for i in range(k + 1, min(k + 1 + BENT, len(log))):
+                        first = k if k in between else k + 1  # what a switch between two rows does shows at the next
+                        for i in range(first, min(k + 1 + BENT, len(log))):
                             far = UNSURE * np.abs(u[2, i]) + UNSURE_AT_FIRST * (i == k + 1) * np.abs(u[1, i] - u[0, k])
                             doubts[i] = doubts.get(i, 0.0) + far * follow
             return gains(self.process, len(log), doubts)
 
-        found: Gains = self._kept(("gains", id(log)), log, made)
+        found: Gains = self._kept(("gains", id(log), _leads(record)), log, made)
         return found
 
     def start(self, record: Record) -> dict[str, float]:
@@ -219,7 +221,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
     at = dict(zip(found.given, u.mean(axis=0).tolist(), strict=True))
     shown = np.array([np.nanmean(record.log[s]) for s in found.measured])
     local = near(part(quiet, found.rest, "rest"), found, at, shown)
-    R = np.diag([_known_to(record, s) ** 2 for s in found.measured])
+    R = np.diag([known_to(record, s) ** 2 for s in found.measured])
     process = linear(local, found.given, found.measured, loads, R, dt)
     judged = tuple(s for s in record.pinned if s in (*found.measured, *found.judged))
     return replace(
@@ -242,7 +244,11 @@ def _own(given: Mapping[str, Floats], names: Sequence[str]) -> dict[str, Floats]
     return {key: v for key, v in given.items() if key.rpartition(".")[0] in names}
 
 
-def _known_to(record: Record, signal: str) -> float:
+def _leads(record: Record) -> tuple[object, ...]:
+    return tuple((s, tuple(early.items())) for s, early in record.leads.items())
+
+
+def known_to(record: Record, signal: str) -> float:
     """Return the standard deviation of the rounding of a signal."""
     values = record.log[signal]
     return max(record.lattice(signal) / float(np.sqrt(12.0)), FINEST * float(np.nanmax(np.abs(values))), 1e-12)

@@ -24,9 +24,9 @@ Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less
 LOST = 1e3  # sizes at the start beyond which a process has run away
 AGAIN, FEW = 100, 10  # rows after which slopes are taken again; where they change, and where a process runs away
+SINGLE = 200  # rows, at most, that are followed one by one: a transient, not a model that is far from the log
 SAME = 0.5  # share by which the slopes of a state's rate may change meanwhile
 PLACED = 3  # steps to a state that shows a row
-ABSURD = 0.1  # share of a measurement that no row can be off by
 TIED = "observer:tied"
 
 
@@ -113,30 +113,30 @@ class Observer:
                     I, W, self.into, self.loaded, self.shown, here[part], begins[part], ends[part], y[part], K,
                     which[part], self.decay, J, P_1, P_2, z,
                 )  # fmt: skip
-            if lost(part):
+            if lost():
                 return False
             other = (slopes(min(part.stop, len(y) - 1))[0] - J) * size
             return bool((np.abs(other).sum(axis=1) <= SAME * np.abs(J * size).sum(axis=1)).all())
 
-        def lost(part: slice) -> bool:
-            """Return whether the process is far off its path behind some rows."""
-            shown = np.nan_to_num(np.abs(e[part.stop - 1]) / np.maximum(np.abs(y[part.stop - 1]), LEAST))
-            return not ((np.abs(z) < LOST * far).all() and (shown < ABSURD).all())
+        def lost() -> bool:
+            return not (np.abs(z) < LOST * far).all()
 
         def follow(part: slice, steps: Sequence[int]) -> None:
             """Write what some rows leave, in parts so short that the slopes hold in each."""
+            nonlocal single
             before = z.copy()
             if went(part):
                 return
-            if steps:
+            if steps and single < SINGLE:
+                single += part.stop - part.start if steps[0] == 1 else 0
                 z[:] = before
                 for shorter in parted(part.start, part.stop, steps[0]):
                     follow(shorter, steps[1:])
-            elif lost(part):
-                if not (np.abs(z) < LOST * far).all():
-                    e[part], z[:] = np.nan, start
+            elif lost():
+                e[part], z[:] = np.nan, start
                 placed(min(part.stop, len(y) - 1))
 
+        single = 0
         placed(0)
         for part in parted(0, len(y), AGAIN):
             follow(part, (FEW, 1))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from diagram.diagram import Diagram
 from gap.floor import Floor, floor_of, losses, residuals, settling_rows, without_gap
 from gap.linearised.filtered import Filter
+from gap.linearised.instants import with_switches
 from gap.linearised.parts import ancestors
 from gap.record import Record
 
@@ -36,6 +37,7 @@ def floor_of_record(
 ) -> tuple[Record, Floor, Usual]:
     """Return a record with what its filter expects, and its floor, from ``runs`` runs of the model from ``seed`` on."""
     filter = _filter(record)
+    record = with_switches(quiet, record, filter)
     found = filter.residuals(quiet, record, None, without_gap(model, record, runs, seed))
     behind = filter.gains(record).which > 0
     judged = [s in filter.parts.judged for s in record.pinned]

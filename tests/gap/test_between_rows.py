@@ -1,0 +1,87 @@
+"""Between two rows behind a switch: what a run of the model adds, when a set point switched, what runs without a gap do."""
+
+import numpy as np
+import pytest
+
+from benchmarks.gap.plant import MODELS, ROUNDING
+from blocks import FirstOrder, Staircase, Sum
+from cases.plant_models import LOGGED_PLANT, LOGGED_SECTION
+from diagram import simulate, wire
+from gap.effects import effect
+from gap.floor import without_gap
+from gap.linearised.behind import behind
+from gap.linearised.filtered import filter_of
+from gap.linearised.instants import with_switches
+from gap.linearised.observer import observer
+from gap.model import read, silenced
+
+SWITCHES = (300.0, 600.7, 901.3, 1200.0)  # [s]: two at rows, two between them
+
+
+def record_of(plant, duration=1500.0, at=SWITCHES, **settings):
+    """Return the record of a separator section whose pressure set point switches."""
+    rest = plant["SP_PCS11"].params["value"]
+    levels = rest * np.array([1.0, 1.015, 0.985, 1.01, 0.99])[: len(at) + 1]
+    moving = plant.replace("SP_PCS11", Staircase("SP_PCS11", levels, at=(0.0, *at)))
+    log = simulate(moving, duration, every=2.0, signals=list(LOGGED_SECTION), **settings).log
+    log = log.with_signals(**{s: np.round(log[s] / ROUNDING[s[0]]) * ROUNDING[s[0]] for s in log.names if s[0] != "S"})
+    model, record = read(plant, log)
+    return model, silenced(model), filter_of(model, silenced(model), record)
+
+
+def test_an_instant_between_rows_is_found_and_one_at_a_row_stays_there():
+    _, quiet, record = record_of(MODELS["separator_section"][0]())
+    found = with_switches(quiet, record, record.filter).leads.get("SP_PCS11", {})
+    rows = {int(np.ceil(at / 2.0 - 1e-9)): 2.0 * np.ceil(at / 2.0 - 1e-9) - at for at in SWITCHES}
+    assert set(found) == {row for row, lead in rows.items() if lead > 1e-6}
+    for row, lead in found.items():
+        assert lead == pytest.approx(rows[row], abs=0.15)  # [s], of an interval of 2 s
+
+
+def test_what_a_gain_does_between_rows_is_foretold_by_a_run_with_that_gain():
+    # without what the run adds, the changes of OP that the model's own gain leaves behind a switch are far larger
+    gain = effect("controller_gain")
+    plant = MODELS["separator_section"][0]()
+    _, quiet, record = record_of(gain.insert(plant, "PCS11", factor=1.4), at=(300.0, 600.0, 900.0, 1200.0))
+    _, nominal, _ = record_of(plant, at=(300.0, 600.0, 900.0, 1200.0))
+    k = record.pinned.index("OP_VPCS1")
+    left = [np.diff(record.filter.residuals(one, record, None, None)[0][:, k]) for one in (nominal, quiet)]
+    rows = np.array([150, 300, 450, 600])
+    assert np.abs(left[1][rows]).max() < 0.1 * np.abs(left[0][rows - 1]).max()
+
+
+def test_a_run_adds_nothing_at_rows_and_nothing_away_from_switches():
+    _, quiet, record = record_of(MODELS["separator_section"][0](), at=(300.0, 600.0))
+    found = behind(quiet, record, ["p_1", "OP_VPCS1"], {})
+    assert found.t.min() > 300.0 and ((found.t < 340.0) | (found.t > 600.0)).all()
+    size = np.abs(found.more["OP_VPCS1"][0])
+    assert size[found.t < 302.0].max() > 100.0 * size[found.t > 630.0].max()  # a step settles
+
+
+def test_runs_without_a_gap_are_as_inexact_as_a_program_that_steps_over_rows():
+    # against the same run at a far finer tolerance; one that stopped at every row would be far more exact than either
+    plant = MODELS["full_plant"][0]()
+    rest = plant["SP_PCS11"].params["value"]
+    moving = plant.replace(
+        "SP_PCS11", Staircase("SP_PCS11", rest * np.array([1.0, 1.015, 0.985]), at=(0.0, 200.0, 400.0))
+    )
+    model, record = read(plant, simulate(silenced(moving), 600.0, every=2.0, signals=list(LOGGED_PLANT)).log)
+    quiet = silenced(model)
+    record = filter_of(model, quiet, record)
+    runs = {
+        rtol: simulate(silenced(moving), 600.0, every=2.0, signals=["w"], rtol=rtol).log["w"] for rtol in (1e-5, 1e-9)
+    }
+    program = float(np.std(runs[1e-5] - runs[1e-9]))
+    ours = float(np.std(without_gap(quiet, record, 1, 5)[0]["w"] - runs[1e-9]))
+    assert 0.3 * program < ours < 3.0 * program
+
+
+def test_a_process_starts_where_the_log_shows_it_whatever_its_parameters():
+    piece = wire([FirstOrder(inputs="u", outputs="x", K=2.0, tau=5.0), Sum("y", {"x": 2.0}, name="twice")], ["u"])
+    made = observer(piece, ["u"], ["y"], {})
+    y = np.full((4, 1), 12.0)
+    u = np.zeros((4, 1))
+    table = np.stack([u + 3.0, u + 3.0, u])[None]
+    K, which = np.zeros((1, 1, 1)), np.zeros(4, dtype=np.int64)
+    e = made.residuals({}, table, y, K, which, {"process[PV]": 0.0}, {"process[PV]": np.array([0.5])}, 2.0)[0, :, 0]
+    np.testing.assert_allclose(e, 0.0, atol=1e-9)  # y = 2 x rests at 12 with u = 3; x started at 0
