@@ -29,7 +29,6 @@ CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for i
 SAME = 60.0  # nats between single effects that leave the same
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
-HALF = 0.5  # of what one effect leaves, which another beside it may leave to be found
 TURNS = 2  # times that each is fitted again given the other
 
 
@@ -72,20 +71,15 @@ def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress:
     """Return the best effect without a hidden mode beside another; None if none is there.
 
     Beside a stem, which lines do not hold for, the few effects with slopes that promise most come first, and the others
-    only if none of these takes half of what is left.
+    only if none of these is enough: an offset stands in for much of a step.
     """
     rough, likely = _beside(problem, first, catalogue)
     best = next((fit for fit in ranked(likely, progress) if fit.present), None)
-    if best is None or _left(problem, best) > HALF * _left(problem, first):
+    if best is None or share(problem, best) < STICKING:
         other = next((fit for fit in ranked(rough, progress) if fit.present), None)
         if other is not None and (best is None or other.total < best.total):
             best = other
     return best
-
-
-def _left(problem: Problem, fit: Fit) -> float:
-    """Return what a fit leaves beyond what there is without a gap [nats]."""
-    return fit.F - problem.level
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:

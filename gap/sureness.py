@@ -22,11 +22,11 @@ PRIOR = 6.0  # runs that the benchmark's share counts for beside runs of one's o
 CLOSE = 60.0  # nats between the named set and the next explanation, below which they are close
 NEARLY = 0.97  # share of the gap from which on hardly anything is left
 # kind of answer -> (right, of): 163 runs of the tuning seeds of ``benchmarks.gap``, ideal flow, on which the diagnosis
-# was made, each with its latest answer, so that these shares are a fit and flatter; few of them are pairs or effects
-# outside the catalogue
+# was made, each with its latest answer, so that these shares are a fit and flatter; "pair" of 36 others (seeds 7500 to
+# 7603, misses of which have been worked on), to which "unknown" has 8 effects outside the catalogue more
 BENCHMARK: Mapping[str, tuple[int, int]] = {
     "complete, clear": (104, 104), "complete, close": (9, 9), "adequate, above 0.97": (2, 2),
-    "adequate, below 0.97": (8, 8), "digits": (9, 10), "pair": (5, 6), "unknown": (17, 20),
+    "adequate, below 0.97": (8, 8), "digits": (9, 10), "pair": (28, 30), "unknown": (25, 28),
     # site loop, 124 tuning records with an effect (seeds 50, 52, 60; misses of the first two have been worked on, so
     # these shares flatter); "unknown" of 61 whose effect the catalogue lacks, at their share (``OUTSIDE``)
     "filter, digits": (10, 10), "filter, white": (76, 76), "filter, load": (10, 10), "filter, noise": (5, 5),
