@@ -10,6 +10,7 @@ from calibration.scoring import auc
 from calibration.signals import Examples, examples
 from detect.judge.features.channels import MOST
 from detect.judge.features.network import CHANNELS
+from detect.judge.features.patterns import LEAST
 
 RNG = np.random.default_rng(5)
 
@@ -17,14 +18,14 @@ RNG = np.random.default_rng(5)
 def made(n: int) -> Examples:
     """Noise of three kinds of loop; "excited" has slips in its first channel, of a size that is told."""
     group = RNG.choice(["drift", "excited", "healthy"], n)
-    length = RNG.integers(60, 300, n)
+    length = RNG.integers(60, 130, n)
     x = np.zeros((n, CHANNELS, MOST), dtype=np.float16)
     size = np.full((n, 2), np.nan, dtype=np.float32)
     for i in range(n):
         own = RNG.normal(size=(CHANNELS, length[i]))
         if group[i] == "excited":
-            size[i] = RNG.uniform(-2.0, 0.0)
-            own[0, :: RNG.integers(15, 25)] += 6.0 * np.exp(size[i, 0])
+            size[i] = RNG.uniform(-1.0, 0.0)
+            own[0, :: RNG.integers(15, 25)] += 8.0 * np.exp(size[i, 0])
         x[i, :, : length[i]] = own
     return Examples(x, length, group, size)
 
@@ -36,7 +37,7 @@ def test_it_finds_what_is_there_and_runs_the_same_without_torch(monkeypatch):
     own = fit.__globals__["_model"]
     monkeypatch.setattr("calibration.network._model", lambda kinds: models.append(own(kinds)) or models[-1])
     said = []
-    net = fit(made(2000), said.append, passes=4)
+    net = fit(made(1600), said.append, passes=4)
     assert len(said) == 4 and float(said[-1].split()[-1]) < float(said[0].split()[-1])
     fresh = made(300)
     told = np.array([net.scores(x[:, :n].astype(np.float32)) for x, n in zip(fresh.x, fresh.length, strict=True)])
@@ -45,8 +46,8 @@ def test_it_finds_what_is_there_and_runs_the_same_without_torch(monkeypatch):
     assert np.corrcoef(told[bad, -2], fresh.size[bad, 0])[0, 1] > 0.5
     model = models[0].eval()
     with torch.no_grad():  # all records in one batch, the short ones filled up with zeros
-        z, size = model(torch.from_numpy(fresh.x[:, :, :304].astype(np.float32)), torch.from_numpy(fresh.length))
-    assert told[:, :3] == pytest.approx(torch.log_softmax(z, 1).numpy(), abs=1e-3)
+        z, size = model(torch.from_numpy(fresh.x[:, :, :144].astype(np.float32)), torch.from_numpy(fresh.length))
+    assert told[:, :3] == pytest.approx(torch.log_softmax(z, 1).numpy().clip(LEAST), abs=1e-3)
     assert told[:, -2:] == pytest.approx(size[:, :2].numpy(), abs=1e-3)
 
 

@@ -42,4 +42,4 @@ def candidates(u: Values, y: Values) -> Values:
     steps /= np.sqrt(np.mean(steps**2, axis=1, keepdims=True)) + 1e-6
     new = np.stack([innovations(one, y) for one in x])
     least = float(np.sqrt(np.min(np.mean(new[:, max(LAGS) :] ** 2, axis=1))))
-    return np.clip(np.concatenate([steps, new / max(least, 1e-6)]), -MOST, MOST)
+    return np.asarray(np.clip(np.concatenate([steps, new / max(least, 1e-6)]), -MOST, MOST))
