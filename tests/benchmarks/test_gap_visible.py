@@ -3,7 +3,8 @@
 import pytest
 
 from benchmarks.gap.generator import record
-from benchmarks.gap.unseen_stem import by_tolerances, of_stem
+from benchmarks.gap.physics import KARNOPP
+from benchmarks.gap.unseen_stem import by_tolerances, of_stem, sizes
 from benchmarks.gap.visible import TIE, TRACE, alike_here, told, told_apart, traced, visible
 
 
@@ -51,14 +52,16 @@ def test_a_limit_that_only_a_little_noise_reaches_leaves_no_trace():
 
 
 def test_a_stem_that_nobody_sees_is_told_by_its_likelihood():
-    # a play of 0.1 % is nothing beside OP steps of 0.8 %; invariant: a small size of the wrong sign of evidence loses
+    # a play of 0.1 % is nothing beside OP steps of 0.8 % from scan to scan
     small = record("level", ["deadband"], seed=7701, hours=1.0, given={"deadband": {"width": 0.1}})
     assert told(small) < 1.0
-    wide = record("second_order", ["stiction"], seed=7701, hours=1.0)
+    own = {"stiction": {"S": 3.0, "J": 1.3, "law": KARNOPP}}
+    wide = record("second_order", ["stiction"], seed=7701, hours=1.0, given=own)
     assert told(wide) > 2.0 * TRACE
     # a log without a stem speaks against one: Neyman and Pearson's ratio has the other sign
     none = record("second_order", ["deadband"], seed=7701, hours=1.0, given={"deadband": {"width": 1e-9}})
-    assert of_stem(none, 0.03, 0.013) < 0.0 < of_stem(wide, 0.03, 0.013)
+    S, J = sizes(wide)
+    assert of_stem(none, S, J) < 0.0 < of_stem(wide, S, J)
 
 
 def test_parameters_within_tolerance_gain_on_a_log_what_chi_squared_says():

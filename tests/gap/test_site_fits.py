@@ -6,7 +6,8 @@ Records are of the house's own loop as a site logs it; every expected size is th
 import numpy as np
 import pytest
 
-from cases.models import site_flow
+from benchmarks.gap.generator import record
+from cases.models import level_cascade, site_flow
 from gap import calibrated, diagnose
 from gap.effects import effect
 from gap.filters.diagnosing import filtering_of
@@ -110,3 +111,13 @@ def test_probabilities_are_shares_of_runs(site_record):
     assert report.evidence.kind == "filter, white"
     assert report.causes[0].probability < 1.0
     assert any(note.startswith("Probabilities are shares of right names") for note in report.notes)
+
+
+def test_a_slow_stem_under_a_noisy_output_is_named_in_a_cascade():
+    # its likelihood is a peak between two sizes of the grid, and its filter knows it by mean and variance only
+    made = record("cascade", ["valve_rate_limit"], seed=7701, hours=2.0)
+    log = Log(made.signals["time"], {s: v for s, v in made.signals.items() if s not in ("time", "MV")})
+    report = diagnose(level_cascade(), log, catalogue=known("valve_rate_limit", "positioner_lag", "sensor_noise"))
+    assert named(report) == ["valve_rate_limit"]
+    true = made.effects["valve_rate_limit"]["rate"]
+    assert report.causes[0].parameters["rate"].value == pytest.approx(true, rel=0.03)
