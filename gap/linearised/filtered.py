@@ -49,8 +49,9 @@ class Filter:
     """The filter of a model for records of one kind: its ``parts``, its ``process`` near the record's middle.
 
     ``quiet`` the model; ``loads`` those that nobody measures, signal -> (standard deviation, correlation time [s]);
-    ``back`` state -> how far it moves for what is measured to move by one; ``dt`` [s] between rows; ``expected`` (rows, signals) what is left on average without a gap behind jumps of set
-    points, between whose rows the outputs of controllers are not quite known.
+    ``back`` state -> how far it moves for what is measured to move by one; ``dt`` [s] between rows; ``expected`` (rows,
+    signals) what is left on average without a gap behind jumps of set points, between whose rows the outputs of
+    controllers are not quite known.
     """
 
     parts: Parts

@@ -103,7 +103,7 @@ class Observer:
             return slopes_at(I, W, self.into, self.loaded, here[k], self.decay, z, size), size
 
         def went(part: slice) -> bool:
-            """Write what some rows leave; return whether the process stayed near its path, its slopes what they were."""
+            """Write what some rows leave; return whether the process kept near its path and its slopes."""
             J, size = slopes(part.start)
             if not np.isfinite(J).all():
                 return False
@@ -119,6 +119,7 @@ class Observer:
             return bool((np.abs(other).sum(axis=1) <= SAME * np.abs(J * size).sum(axis=1)).all())
 
         def lost() -> bool:
+            """Return whether the process has run away."""
             return not (np.abs(z) < LOST * far).all()
 
         def follow(part: slice, steps: Sequence[int]) -> None:
