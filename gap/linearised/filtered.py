@@ -113,7 +113,9 @@ class Filter:
 
         if own or more.runs > 1:
             return made()
-        return self._kept(("ruled", id(log), id(more), _digest(diagram, found.ruled)), log, made)
+        key = "ruled", id(log), id(more), _digest(diagram, found.ruled)
+        kept: dict[str, Floats] = self._kept(key, log, made)
+        return kept
 
     def _measured(
         self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], more: Behind

@@ -83,6 +83,7 @@ class Observer:
         begins, ends = here + 2.0 * off, np.concatenate([u[1, 1:], u[0, -1:]])  # what is fast feels the end alone
 
         none = np.zeros((len(z), len(z)))
+        single = 0
 
         def placed(k: int) -> None:
             """Move the state to where it shows a row, as little as that takes."""
@@ -137,7 +138,6 @@ class Observer:
                 e[part], z[:] = np.nan, start
                 placed(min(part.stop, len(y) - 1))
 
-        single = 0
         placed(0)
         for part in parted(0, len(y), AGAIN):
             follow(part, (FEW, 1))
