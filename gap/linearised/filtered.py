@@ -49,8 +49,9 @@ class Filter:
     """The filter of a model for records of one kind: its ``parts``, its ``process`` near the record's middle.
 
     ``quiet`` the model; ``loads`` those that nobody measures, signal -> (standard deviation, correlation time [s]);
-    ``back`` state -> how far it moves for what is measured to move by one; ``dt`` [s] between rows; ``expected`` (rows, signals) what is left on average without a gap behind jumps of set
-    points, between whose rows the outputs of controllers are not quite known.
+    ``back`` state -> how far it moves for what is measured to move by one; ``dt`` [s] between rows; ``expected`` (rows,
+    signals) what is left on average without a gap behind jumps of set points, between whose rows the outputs of
+    controllers are not quite known.
     """
 
     parts: Parts
@@ -112,7 +113,9 @@ class Filter:
 
         if own or more.runs > 1:
             return made()
-        return self._kept(("ruled", id(log), id(more), _digest(diagram, found.ruled)), log, made)
+        key = "ruled", id(log), id(more), _digest(diagram, found.ruled)
+        kept: dict[str, Floats] = self._kept(key, log, made)
+        return kept
 
     def _measured(
         self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], more: Behind

@@ -44,7 +44,7 @@ def with_switches(quiet: Diagram, record: Record, filter: Filter) -> Record:
         found[1:, judged] = np.diff(found[:, judged], axis=0)
         known = filter.gains(moved)  # rows that are known less well weigh less, which is not to be had for nothing
         wide = -np.log(np.abs(np.diagonal(known.root, axis1=1, axis2=2))).sum(axis=1)
-        return losses(found / scale).sum(axis=1) + wide[known.which]
+        return np.asarray(losses(found / scale).sum(axis=1) + wide[known.which])
 
     plain = filter.residuals(quiet, record, None, None)[0]
     plain[1:, judged] = np.diff(plain[:, judged], axis=0)

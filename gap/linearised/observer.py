@@ -83,6 +83,7 @@ class Observer:
         begins, ends = here + 2.0 * off, np.concatenate([u[1, 1:], u[0, -1:]])  # what is fast feels the end alone
 
         none = np.zeros((len(z), len(z)))
+        single = 0
 
         def placed(k: int) -> None:
             """Move the state to where it shows a row, as little as that takes."""
@@ -103,7 +104,7 @@ class Observer:
             return slopes_at(I, W, self.into, self.loaded, here[k], self.decay, z, size), size
 
         def went(part: slice) -> bool:
-            """Write what some rows leave; return whether the process stayed near its path, its slopes what they were."""
+            """Write what some rows leave; return whether the process kept near its path and its slopes."""
             J, size = slopes(part.start)
             if not np.isfinite(J).all():
                 return False
@@ -119,6 +120,7 @@ class Observer:
             return bool((np.abs(other).sum(axis=1) <= SAME * np.abs(J * size).sum(axis=1)).all())
 
         def lost() -> bool:
+            """Return whether the process has run away."""
             return not (np.abs(z) < LOST * far).all()
 
         def follow(part: slice, steps: Sequence[int]) -> None:
@@ -136,7 +138,6 @@ class Observer:
                 e[part], z[:] = np.nan, start
                 placed(min(part.stop, len(y) - 1))
 
-        single = 0
         placed(0)
         for part in parted(0, len(y), AGAIN):
             follow(part, (FEW, 1))
