@@ -123,6 +123,11 @@ def banked(  # type: ignore[no-untyped-def]
                         z[i, q] += K[j, q] * miss[i] * math.sqrt(s[j])
                     w[i] *= math.exp(-0.5 * miss[i] ** 2 - largest)
                     total += w[i]
+                if not total > 0.0:  # every stem that counted is excluded: none counts more than another
+                    total = 0.0
+                    for i in range(M):
+                        w[i] = math.exp(-0.5 * miss[i] ** 2 - largest) / M
+                        total += w[i]
                 for i in range(M):
                     w[i] /= total
                 loss[at] += 0.5 * math.log(s[j]) - largest - math.log(total)

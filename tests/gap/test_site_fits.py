@@ -13,6 +13,7 @@ from gap.effects import effect
 from gap.filters.diagnosing import filtering_of
 from gap.filters.explaining import settled
 from gap.filters.filtering import Explanation
+from gap.filters.hysteresis import looked_at
 from gap.filters.logged_stem import logged_stem
 from gap.model import read
 from logs import Log
@@ -121,3 +122,11 @@ def test_a_slow_stem_under_a_noisy_output_is_named_in_a_cascade():
     assert named(report) == ["valve_rate_limit"]
     true = made.effects["valve_rate_limit"]["rate"]
     assert report.causes[0].parameters["rate"].value == pytest.approx(true, rel=0.03)
+
+
+def test_a_bank_of_stems_outlives_rows_that_exclude_every_stem():
+    # a sensor that freezes for half a minute at a time: where it moves again, rows are hundreds of deviations off
+    made = record("site", severity="gross", seed=7800, outside="frozen_sensor")
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    looked = looked_at(settled(filtering_of(*read(site_flow(), log))), "valve")
+    assert np.isfinite([looked.none, *(one.nll for one in looked.flat)]).all()
