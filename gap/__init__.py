@@ -2,13 +2,23 @@
 
 diagnose   a diagram and a log -> a ``GapReport``      Effect     what an effect is; ``gap.effects`` has them all
 calibrated a diagram and a log -> how often names are right there, counted on runs with known effects
+
+The rooms, each of which uses those before it only; ``gap.diagnosis`` joins them:
+
+answers        what a diagnosis answers with             effects       the catalogue: one file an effect
+records        what a model and a log bring              fits          sizes of an effect, fitted to a record
+insertion      how an effect gets into a diagram         explanations  one effect, two, none: side by side
+floors         what a record without a gap would leave   telling       words, sizes, shrinkage, the next test
+linearised     residuals of diagrams too large to replay between rows
+filters        diagnosis by a Kalman filter, where loads are not measured
+calibrating    how often names are right, on runs with known effects
 """
 
-from gap.calibrate import calibrated
-from gap.calibration import Calibration
+from gap.answers.report import GapReport
+from gap.calibrating.calibrate import calibrated
+from gap.calibrating.calibration import Calibration
 from gap.diagnosis import diagnose
-from gap.effect import Effect, EffectError, Parameter
-from gap.record import GapError
-from gap.report import GapReport
+from gap.insertion.effect import Effect, EffectError, Parameter
+from gap.records.record import GapError
 
 __all__ = ["Calibration", "Effect", "EffectError", "GapError", "GapReport", "Parameter", "calibrated", "diagnose"]

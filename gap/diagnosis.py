@@ -15,34 +15,34 @@ from typing import Any
 
 from diagram.diagram import Diagram
 from diagram.progress import Progress
-from gap.adequacy import adequate, complete, needed, stands
-from gap.alternatives import alternatives
-from gap.beside_digits import beside_digits
-from gap.cache import keep, kept
-from gap.calibration import kept_calibration
-from gap.candidates import candidates, ranked
-from gap.effect import Effect
+from gap.answers.report import GapReport
+from gap.calibrating.calibration import kept_calibration
 from gap.effects import CATALOGUE
 from gap.effects.quantisation import Quantisation
+from gap.explanations.alternatives import alternatives
+from gap.explanations.beside_digits import beside_digits
+from gap.explanations.candidates import candidates, ranked
+from gap.explanations.nesting import one_of_nested
+from gap.explanations.pairs import paired
+from gap.explanations.unmeasured import unmeasured_load
 from gap.filters.diagnosing import filtering_of, outcome
 from gap.filters.logged_stem import logged_stem
 from gap.filters.telling import told as told_by_filters
-from gap.floor import Floor, measured
-from gap.instants import with_instants
+from gap.fits.adequacy import adequate, complete, needed, stands
+from gap.fits.instants import with_instants
+from gap.fits.search import Candidate, Fit, best_of, refined, settled
+from gap.fits.texture import fitted_compression, with_lattices
+from gap.floors.cache import keep, kept
+from gap.floors.floor import Floor, measured
+from gap.floors.problem import Problem, Settled
+from gap.insertion.effect import Effect
 from gap.linearised.chance import priced
 from gap.linearised.filtered import filter_of
 from gap.linearised.usual import floor_of_record, suspected
-from gap.model import read, silenced
-from gap.nesting import one_of_nested
-from gap.pairs import paired
-from gap.problem import Problem, Settled
-from gap.record import FEWEST, GapError, Record
-from gap.report import GapReport
-from gap.search import Candidate, Fit, best_of, refined, settled
-from gap.start import start_values
-from gap.texture import fitted_compression, with_lattices
-from gap.unmeasured import unmeasured_load
-from gap.words import adequate_pair, named, named_pair, no_gap, tied, unknown
+from gap.records.model import read, silenced
+from gap.records.record import FEWEST, GapError, Record
+from gap.records.start import start_values
+from gap.telling.words import adequate_pair, named, named_pair, no_gap, tied, unknown
 from logs import Log
 
 AGAIN = 150.0  # nats by which an explanation may lag behind the best to be fitted again

@@ -19,7 +19,7 @@ from scipy.optimize import least_squares
 
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
-from gap.effect import Effect
+from gap.insertion.effect import Effect
 from logs import Log
 
 Floats = NDArray[np.float64]

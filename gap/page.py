@@ -4,8 +4,8 @@ import inspect
 import math
 import sys
 
-from gap.effect import Effect, Parameter
 from gap.effects import CATALOGUE
+from gap.insertion.effect import Effect, Parameter
 
 HEAD = """# The effects
 

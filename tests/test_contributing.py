@@ -13,7 +13,7 @@ import pytest
 from blocks import BlockError, Sensor, Sine
 from blocks.dry_run import dry_run
 from diagram import drive, simulate, wire
-from gap.effect import EffectError
+from gap.insertion.effect import EffectError
 from logs import LoopRecord
 
 TEMPLATES = re.findall(r"```python\n(.*?)```", (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(), re.S)

@@ -203,7 +203,9 @@ def main() -> None:
     parser.add_argument("--family", choices=("tuning", "report"), default="report", help="which seeds and effects")
     parser.add_argument("--folder", type=Path, default=Path("benchmark-gap"), help="where diagnoses are kept")
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after so long; the next call goes on")
-    parser.add_argument("--learn", action="store_true", help="print kind of answer -> (right, of), for gap/sureness.py")
+    parser.add_argument(
+        "--learn", action="store_true", help="print kind of answer -> (right, of), for gap/answers/sureness.py"
+    )
     parser.add_argument("--only", default="", help="only runs whose key contains this")
     told = parser.parse_args()
     runs = [run for run in benchmark(told.family) if told.only in run.key]
@@ -214,7 +216,7 @@ def main() -> None:
     found = list(rows(runs, told.folder, until - time.monotonic()))
     plant = list(resumed(large, plant_row, told.folder / "plant.jsonl", until - time.monotonic()))
     if told.learn:
-        from gap.sureness import counted
+        from gap.answers.sureness import counted
 
         seen = [r | {"right": right(r)} for r in found if r["visible"] > VISIBLE or not (r["effects"] or r["outside"])]
         print(counted(seen))

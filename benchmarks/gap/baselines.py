@@ -16,7 +16,7 @@ from benchmarks.gap.settings import SETTINGS
 
 if TYPE_CHECKING:
     from diagram.diagram import Diagram
-    from gap.problem import Problem
+    from gap.floors.problem import Problem
     from logs import Log
 
 Floats = NDArray[np.float64]
@@ -49,8 +49,8 @@ def shrinkages(model: "Diagram", log: "Log") -> dict[str, float | None]:
 def calibrated_alone(model: "Diagram", log: "Log", problem: "Problem") -> Floats:
     """Return the innovations (rows, signals) of the model with parameters fitted on the first part of a record."""
     from gap.diagnosis import prepared
-    from gap.search import Candidate
-    from gap.sizes import SEEN
+    from gap.fits.search import Candidate
+    from gap.telling.sizes import SEEN
 
     loose = model.with_tolerances({key: share for key, share in LOOSE.items() if key in model.params})
     head = prepared(loose, log.samples(0, round(SEEN * len(log))), floor=problem.floor)
@@ -62,7 +62,7 @@ def calibrated_alone(model: "Diagram", log: "Log", problem: "Problem") -> Floats
 
 def without_what_is_predicted(problem: "Problem") -> Floats:
     """Return innovations less what random features of earlier rows predict of them, fitted on the first part."""
-    from gap.sizes import SEEN
+    from gap.telling.sizes import SEEN
 
     e = np.nan_to_num(problem.as_it_is)
     log, first = problem.record.log, problem.floor.skipped
@@ -81,7 +81,7 @@ def without_what_is_predicted(problem: "Problem") -> Floats:
 
 
 def _shrunk(problem: "Problem", after: Floats) -> float:
-    from gap.sizes import SEEN, shrinkage
+    from gap.telling.sizes import SEEN, shrinkage
 
     first = round(SEEN * len(problem.record.log)) - problem.floor.skipped
     return shrinkage(problem.as_it_is, after, problem.floor.mean / len(problem.record.pinned), first).fraction

@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
 def possible(model: "Diagram", log: "Log", effects: Mapping[str, Mapping[str, float]]) -> float | None:
     """Return the held-out shrinkage with the true effect, None for none, several, or one of log or noise only."""
-    from gap.candidates import candidates
     from gap.diagnosis import prepared
     from gap.effects import effect
-    from gap.sizes import SEEN, shrinkage
+    from gap.explanations.candidates import candidates
+    from gap.telling.sizes import SEEN, shrinkage
 
     if len(effects) != 1:
         return None
@@ -43,8 +43,8 @@ def relative(found: Mapping[str, Any]) -> float | None:
 
 def restated(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row with the probability that is stated by now for what its answer rests on."""
-    from gap.evidence import Evidence
-    from gap.sureness import Sureness
+    from gap.answers.evidence import Evidence
+    from gap.answers.sureness import Sureness
 
     if not row.get("evidence") or row["probability"] is None:
         return row

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.effect import Effect
 from gap.effects import CATALOGUE
+from gap.insertion.effect import Effect
 
 if TYPE_CHECKING:
     from diagram.diagram import Diagram

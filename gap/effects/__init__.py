@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 
 from blocks.ports import nearest
-from gap.effect import Effect, EffectError
 from gap.effects.boil_off_rate import BoilOffRate
 from gap.effects.compression import Compression
 from gap.effects.compressor_fouling import CompressorFouling
@@ -43,6 +42,7 @@ from gap.effects.valve_leak import ValveLeak
 from gap.effects.valve_rate_limit import ValveRateLimit
 from gap.effects.valve_saturation import ValveSaturation
 from gap.effects.vapour_pressure import VapourPressure
+from gap.insertion.effect import Effect, EffectError
 
 CATALOGUE: tuple[Effect, ...] = (
     Stiction(), Deadband(), ValveLeak(), ValveSaturation(), ValveRateLimit(), PositionerLag(), ValveCharacteristic(),

@@ -1,8 +1,8 @@
 """Boil-off: gas leaves the liquid of a separator ``factor`` times as fast for the same driving pressure (C_4)."""
 
 from blocks.role import Role
-from gap.effect import Parameter
-from gap.factor import Factor
+from gap.insertion.effect import Parameter
+from gap.insertion.factor import Factor
 
 
 class BoilOffRate(Factor):

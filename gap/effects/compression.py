@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Effect, EffectError, Parameter, not_below
+from gap.insertion.effect import Effect, EffectError, Parameter, not_below
 from logs import Log
 from logs.dirt import swinging_door
 

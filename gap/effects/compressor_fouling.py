@@ -1,8 +1,8 @@
 """Fouling: a compressor makes ``factor`` times the head of its map at the same corrected flow and speed (h_d)."""
 
 from blocks.role import Role
-from gap.effect import Parameter
-from gap.factor import Factor
+from gap.insertion.effect import Parameter
+from gap.insertion.factor import Factor
 
 
 class CompressorFouling(Factor):

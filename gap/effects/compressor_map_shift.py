@@ -1,8 +1,8 @@
 """Shift of the map: a compressor swallows ``factor`` times the flow at the same head and speed (m_d)."""
 
 from blocks.role import Role
-from gap.effect import Parameter
-from gap.factor import Factor
+from gap.insertion.effect import Parameter
+from gap.insertion.factor import Factor
 
 
 class CompressorMapShift(Factor):

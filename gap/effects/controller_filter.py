@@ -12,7 +12,7 @@ from blocks.first_order import FirstOrder
 from blocks.role import Role
 from blocks.sampled_filter import SampledFilter
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter, not_below
+from gap.insertion.effect import Effect, Parameter, not_below
 
 PARTS = ("SP", "PV")
 

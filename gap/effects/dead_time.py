@@ -11,9 +11,9 @@ from blocks.block import Block
 from blocks.dead_time import DeadTime as Delay
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, known_first, not_below
-from gap.inserted import Inserted
-from gap.paths import made_of
+from gap.insertion.effect import Parameter, known_first, not_below
+from gap.insertion.inserted import Inserted
+from gap.insertion.paths import made_of
 
 
 class DeadTime(Inserted):

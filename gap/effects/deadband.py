@@ -11,8 +11,8 @@ from blocks.block import Block
 from blocks.deadband import Deadband as Play
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, not_below
-from gap.inserted import Inserted, percent_in
+from gap.insertion.effect import Parameter, not_below
+from gap.insertion.inserted import Inserted, percent_in
 
 
 class Deadband(Inserted):

@@ -9,8 +9,8 @@ from blocks.block import Block
 from blocks.role import Role
 from diagram import wire
 from diagram.diagram import Diagram
-from gap.effect import Effect
-from gap.paths import reaches_process
+from gap.insertion.effect import Effect
+from gap.insertion.paths import reaches_process
 
 
 class Disturbance(Effect):

@@ -4,8 +4,8 @@ No log tells it from a gas that is not ideal.
 """
 
 from blocks.role import Role
-from gap.effect import Parameter
-from gap.factor import Factor
+from gap.insertion.effect import Parameter
+from gap.insertion.factor import Factor
 
 
 class GasTemperature(Factor):

@@ -18,7 +18,7 @@ from blocks.role import Role
 from blocks.separator import Separator
 from diagram import wire
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter
+from gap.insertion.effect import Effect, Parameter
 
 POINTS = 61
 

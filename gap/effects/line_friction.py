@@ -4,8 +4,8 @@ from blocks.block import Block
 from blocks.flow_resistance import FlowResistance
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter
-from gap.factor import Factor
+from gap.insertion.effect import Parameter
+from gap.insertion.factor import Factor
 
 
 class LineFriction(Factor):

@@ -1,7 +1,7 @@
 """Lag of the positioner: the stem follows with the time constant ``tau`` [s]."""
 
 from blocks.role import Role
-from gap.lag import Lag
+from gap.insertion.lag import Lag
 
 
 class PositionerLag(Lag):

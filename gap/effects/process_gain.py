@@ -12,8 +12,8 @@ from blocks.block import Block
 from blocks.flow_resistance import FlowResistance
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, above
-from gap.inserted import Inserted
+from gap.insertion.effect import Parameter, above
+from gap.insertion.inserted import Inserted
 
 
 class ProcessGain(Inserted):

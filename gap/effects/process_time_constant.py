@@ -10,7 +10,7 @@ from typing import Any
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter, above
+from gap.insertion.effect import Effect, Parameter, above
 
 
 class ProcessTimeConstant(Effect):

@@ -10,8 +10,8 @@ from blocks.block import Block
 from blocks.quantiser import Quantiser
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, not_below
-from gap.inserted import Inserted
+from gap.insertion.effect import Parameter, not_below
+from gap.insertion.inserted import Inserted
 
 
 class Quantisation(Inserted):

@@ -7,8 +7,8 @@ from blocks.block import Block
 from blocks.role import Role
 from blocks.separator import Separator
 from diagram.diagram import Diagram
-from gap.effect import Parameter
-from gap.factor import Factor
+from gap.insertion.effect import Parameter
+from gap.insertion.factor import Factor
 
 
 class RealGas(Factor):

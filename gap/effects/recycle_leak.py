@@ -8,8 +8,8 @@ from blocks.arithmetic import Gain
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter, not_below
-from gap.paths import made_of
+from gap.insertion.effect import Effect, Parameter, not_below
+from gap.insertion.paths import made_of
 
 
 class RecycleLeak(Effect):

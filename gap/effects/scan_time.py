@@ -14,7 +14,7 @@ from blocks.pi import PI
 from blocks.role import Role
 from blocks.sampled_pi import SampledPI
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter, not_below
+from gap.insertion.effect import Effect, Parameter, not_below
 
 
 class ScanTime(Effect):

@@ -1,7 +1,7 @@
 """A second lag of the process, of time constant ``tau`` [s], behind the one that the model has."""
 
 from blocks.role import Role
-from gap.lag import Lag
+from gap.insertion.lag import Lag
 
 
 class SecondLag(Lag):

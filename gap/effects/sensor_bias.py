@@ -7,8 +7,8 @@ from blocks.arithmetic import Gain
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, finite
-from gap.inserted import Inserted
+from gap.insertion.effect import Parameter, finite
+from gap.insertion.inserted import Inserted
 
 
 class SensorBias(Inserted):

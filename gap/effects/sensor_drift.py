@@ -7,8 +7,8 @@ from blocks.block import Block
 from blocks.role import Role
 from blocks.sensor import Sensor
 from diagram.diagram import Diagram
-from gap.effect import Parameter, finite
-from gap.inserted import Inserted
+from gap.insertion.effect import Parameter, finite
+from gap.insertion.inserted import Inserted
 
 
 class SensorDrift(Inserted):

@@ -1,7 +1,7 @@
 """Lag of the sensor, of time constant ``tau`` [s]: the logged PV is behind it, its noise is not filtered."""
 
 from blocks.role import Role
-from gap.lag import Lag
+from gap.insertion.lag import Lag
 
 
 class SensorLag(Lag):

@@ -9,8 +9,8 @@ from typing import Any
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter, not_below
-from gap.paths import noise_of
+from gap.insertion.effect import Effect, Parameter, not_below
+from gap.insertion.paths import noise_of
 
 
 class SensorNoise(Effect):

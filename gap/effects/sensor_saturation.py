@@ -8,8 +8,8 @@ from blocks.block import Block
 from blocks.role import Role
 from blocks.saturation import Saturation
 from diagram.diagram import Diagram
-from gap.effect import Parameter
-from gap.inserted import Inserted
+from gap.insertion.effect import Parameter
+from gap.insertion.inserted import Inserted
 
 
 class SensorSaturation(Inserted):

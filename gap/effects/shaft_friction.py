@@ -8,7 +8,7 @@ from blocks.block import Block
 from blocks.role import Role
 from blocks.shaft import Shaft
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter, not_below
+from gap.insertion.effect import Effect, Parameter, not_below
 
 
 class ShaftFriction(Effect):

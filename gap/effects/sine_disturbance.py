@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from blocks.block import Block, Floats
 from blocks.periodic import Sine
 from diagram.diagram import Diagram
-from gap.effect import Parameter, above, not_below
 from gap.effects.disturbance import Disturbance
+from gap.insertion.effect import Parameter, above, not_below
 
 
 class SineDisturbance(Disturbance):

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from blocks.block import Block, Floats
 from blocks.periodic import Slug as Wave
 from diagram.diagram import Diagram
-from gap.effect import Parameter, above, not_below
 from gap.effects.disturbance import Disturbance
+from gap.insertion.effect import Parameter, above, not_below
 
 RISE = 0.8  # share of the period
 

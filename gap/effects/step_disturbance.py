@@ -6,8 +6,8 @@ from typing import Any
 from blocks.block import Block
 from blocks.sources import Step
 from diagram.diagram import Diagram
-from gap.effect import Parameter, finite
 from gap.effects.disturbance import Disturbance
+from gap.insertion.effect import Parameter, finite
 
 
 class StepDisturbance(Disturbance):

@@ -15,8 +15,8 @@ from blocks.block import Block
 from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, not_below
-from gap.inserted import Inserted, percent_in
+from gap.insertion.effect import Parameter, not_below
+from gap.insertion.inserted import Inserted, percent_in
 
 
 class Stiction(Inserted):

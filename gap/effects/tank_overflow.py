@@ -12,8 +12,8 @@ from blocks.block import Block
 from blocks.role import Role
 from blocks.tank import Tank
 from diagram.diagram import Diagram
-from gap.effect import Effect, Parameter
-from gap.paths import users
+from gap.insertion.effect import Effect, Parameter
+from gap.insertion.paths import users
 
 
 class TankOverflow(Effect):

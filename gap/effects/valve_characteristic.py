@@ -12,8 +12,8 @@ from blocks.characteristic import Characteristic
 from blocks.role import Role
 from diagram import wire
 from diagram.diagram import Diagram
-from gap.effect import Parameter, above
-from gap.inserted import Inserted, percent_out
+from gap.insertion.effect import Parameter, above
+from gap.insertion.inserted import Inserted, percent_out
 
 
 class ValveCharacteristic(Inserted):

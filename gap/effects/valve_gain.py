@@ -7,8 +7,8 @@ from blocks.arithmetic import Gain
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, above
-from gap.inserted import Inserted
+from gap.insertion.effect import Parameter, above
+from gap.insertion.inserted import Inserted
 
 
 class ValveGain(Inserted):

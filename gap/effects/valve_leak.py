@@ -7,10 +7,10 @@ from blocks.arithmetic import Gain
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter, not_below
 from gap.effects.recycle_leak import RecycleLeak
-from gap.inserted import Inserted, percent_out
-from gap.paths import given, users
+from gap.insertion.effect import Parameter, not_below
+from gap.insertion.inserted import Inserted, percent_out
+from gap.insertion.paths import given, users
 
 
 class ValveLeak(Inserted):

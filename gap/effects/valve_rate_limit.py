@@ -8,8 +8,8 @@ from blocks.block import Block
 from blocks.rate_limiter import RateLimiter
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Parameter
-from gap.inserted import Inserted, percent_out
+from gap.insertion.effect import Parameter
+from gap.insertion.inserted import Inserted, percent_out
 
 
 class ValveRateLimit(Inserted):

@@ -9,8 +9,8 @@ from blocks.block import Block
 from blocks.role import Role
 from blocks.saturation import Saturation
 from diagram.diagram import Diagram
-from gap.effect import Parameter
-from gap.inserted import Inserted, percent_out
+from gap.insertion.effect import Parameter
+from gap.insertion.inserted import Inserted, percent_out
 
 
 class ValveSaturation(Inserted):

@@ -1,8 +1,8 @@
 """Vapour pressure of methane in a separator: ``factor`` times the model's (p_metV), as another feed would have it."""
 
 from blocks.role import Role
-from gap.effect import Parameter
-from gap.factor import Factor
+from gap.insertion.effect import Parameter
+from gap.insertion.factor import Factor
 
 
 class VapourPressure(Factor):

@@ -18,13 +18,12 @@ import numpy as np
 from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.progress import Progress
-from gap.effect import Effect
+from gap.answers.evidence import Evidence
 from gap.effects.compression import Compression
 from gap.effects.disturbance import Disturbance
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
-from gap.evidence import Evidence
 from gap.filters import laws
 from gap.filters.affine import NotAffine
 from gap.filters.checks import checks
@@ -39,11 +38,12 @@ from gap.filters.reading import Filtering
 from gap.filters.rivals import beside, either_way, likeliest
 from gap.filters.scanned import base_period
 from gap.filters.summed import with_outputs
-from gap.floor import settling_rows
-from gap.model import nuisances, silenced
-from gap.record import Record
-from gap.regular import without_unsettled
-from gap.start import start_values
+from gap.floors.floor import settling_rows
+from gap.insertion.effect import Effect
+from gap.records.model import nuisances, silenced
+from gap.records.record import Record
+from gap.records.regular import without_unsettled
+from gap.records.start import start_values
 
 NEEDED = 6.5  # nats that an effect must gain: noise alone gains as much in one of 300 records
 LIMIT = 4.7  # largest check of an explanation that is right

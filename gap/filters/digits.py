@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.effect import Effect
 from gap.effects.quantisation import Quantisation
 from gap.filters.filtering import Explanation
 from gap.filters.fitting import Found, refined, tried
 from gap.filters.reading import Filtering
-from gap.floor import without_gap
-from gap.record import rounding
-from gap.straightness import deviation_of, lined
+from gap.floors.floor import without_gap
+from gap.insertion.effect import Effect
+from gap.insertion.straightness import deviation_of, lined
+from gap.records.record import rounding
 from logs import Log
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,6 @@ import numpy as np
 
 from blocks.role import Role
 from diagram.progress import Progress, reporting
-from gap.effect import Effect
 from gap.effects.controller_limits import ControllerLimits
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
@@ -17,7 +16,8 @@ from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import NODES, Found, best_of, grid, refined, tried
 from gap.filters.reading import Filtering
 from gap.filters.switches import with_switches
-from gap.loads import planned
+from gap.fits.loads import planned
+from gap.insertion.effect import Effect
 
 STEPPED = (ScanTime, ControllerLimits)
 PART = 400  # rows in which slower scans are looked for, at least

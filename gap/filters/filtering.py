@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from blocks.block import Block
 from diagram.diagram import Diagram
-from gap.effect import Effect
 from gap.effects.deadband import Deadband
 from gap.effects.disturbance import Disturbance
 from gap.effects.quantisation import Quantisation
@@ -25,9 +24,10 @@ from gap.filters.affine import NotAffine
 from gap.filters.operating import operating
 from gap.filters.reading import Filtering
 from gap.filters.scanned import Scanned, scanned
-from gap.inserted import percent_out
-from gap.model import Nuisance
-from gap.paths import given, noise_of
+from gap.insertion.effect import Effect
+from gap.insertion.inserted import percent_out
+from gap.insertion.paths import given, noise_of
+from gap.records.model import Nuisance
 
 Floats = NDArray[np.float64]
 FINER = 8  # points of a scan at which a planned load is averaged

@@ -13,11 +13,11 @@ import numpy as np
 
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Effect
 from gap.filters.affine import NotAffine, affine
-from gap.inserted import Inserted
-from gap.paths import given
-from gap.record import Record, rounding
+from gap.insertion.effect import Effect
+from gap.insertion.inserted import Inserted
+from gap.insertion.paths import given
+from gap.records.record import Record, rounding
 
 SLACK = 1.2  # of the digits, beyond which a stem is elsewhere
 FEW = 0.002  # share of rows at which it may be, and at least

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.effect import Effect
 from gap.filters.affine import NotAffine
 from gap.filters.scanned import base_period
-from gap.model import Nuisance, known_within, nuisances
-from gap.paths import made_of
-from gap.record import RARE, Record, rounding
+from gap.insertion.effect import Effect
+from gap.insertion.paths import made_of
+from gap.records.model import Nuisance, known_within, nuisances
+from gap.records.record import RARE, Record, rounding
 
 Floats = NDArray[np.float64]
 UNSEEN = 1e9  # variance of a signal that is not there

@@ -23,7 +23,7 @@ from gap.filters.constant import FRESH
 from gap.filters.explaining import free_names
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import directions, refined, tried
-from gap.model import Nuisance
+from gap.records.model import Nuisance
 
 Floats = NDArray[np.float64]
 BANDS = (0.0, 1.0 / 600.0, 1.0 / 40.0, 1.0 / 6.0)  # correlation times, in records; 0 is white

@@ -23,7 +23,7 @@ from diagram.diagram import Diagram
 from gap.filters import kalman
 from gap.filters.affine import Affine, NotAffine, affine
 from gap.filters.operating import ONLOOKERS, beyond_limit, inside
-from gap.model import Nuisance
+from gap.records.model import Nuisance
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]

@@ -13,7 +13,7 @@ the same random numbers for all sizes the likelihood is smooth in them.
 
 Each stem of the bank breaks away a little early or late, as no friction repeats to the last digit: so one slip is not
 had wrong by all.  Where even the best stem misses a row by far, half of them are put anywhere within the band in which
-a stem can stick, which costs as much as a mode that a replay sets right (``gap.modes``).
+a stem can stick, which costs as much as a mode that a replay sets right (``gap.floors.modes``).
 
 A mixture's innovation is the normal deviate of its distribution function, sum w_i Phi(e_i): of unit variance if it is
 right, like those of a single filter.
@@ -26,7 +26,7 @@ import numpy as np
 from numba import njit
 
 from gap.filters.kalman import along, commanded, looked, spread
-from gap.modes import CHARGE
+from gap.floors.modes import CHARGE
 
 EVEN = 0.5  # share of the stems that must count
 LOST = 5.0  # standard deviations by which even the best stem misses a row where none has the right mode

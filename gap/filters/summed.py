@@ -12,7 +12,7 @@ import numpy as np
 from blocks.block import Block
 from diagram.diagram import Diagram
 from gap.filters.affine import NotAffine, affine
-from gap.record import Record, rounding
+from gap.records.record import Record, rounding
 from logs import Log
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import tried
-from gap.record import switches
+from gap.records.record import switches
 
 BEHIND = 5  # rows in which a switch shows
 MOST = 12  # scans within an interval that are tried

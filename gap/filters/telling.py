@@ -6,18 +6,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.creep import about_creep
+from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
+from gap.answers.sureness import OUTSIDE, Sureness
 from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
 from gap.filters.hysteresis import followed_on, left
 from gap.filters.reading import Filtering
-from gap.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
-from gap.sizes import BLOCKS, SEEN, SURE
-from gap.structure import by_wiring
-from gap.sureness import OUTSIDE, Sureness
-from gap.words import LISTED, NO_PLACE
+from gap.telling.creep import about_creep
+from gap.telling.sizes import BLOCKS, SEEN, SURE
+from gap.telling.structure import by_wiring
+from gap.telling.words import LISTED, NO_PLACE
 
 Floats = NDArray[np.float64]
 FELT = 3.6  # standard deviations of a size that a gap of 6.5 nats needs

@@ -15,7 +15,7 @@ from blocks.recorded import Recorded
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
 from gap.linearised.between import BEFORE, line, moves
-from gap.record import Record, switches
+from gap.records.record import Record, switches
 from logs import Log
 
 Floats = NDArray[np.float64]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from blocks.role import Role
 from diagram.diagram import Diagram
 from gap.linearised.parts import ancestors
-from gap.record import Record, switches
+from gap.records.record import Record, switches
 from logs import Log
 
 Floats = NDArray[np.float64]

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from gap.floor import scored, without_gap
-from gap.inserting import inserted
-from gap.problem import Problem
-from gap.search import Fit, narrowed
+from gap.fits.inserting import inserted
+from gap.fits.search import Fit, narrowed
+from gap.floors.floor import scored, without_gap
+from gap.floors.problem import Problem
 from logs import Log
 
 Floats = NDArray[np.float64]

@@ -14,7 +14,7 @@ from diagram.playback import held
 from gap.linearised.behind import Behind
 from gap.linearised.between import BEFORE, line, moves
 from gap.linearised.parts import Parts
-from gap.record import Record
+from gap.records.record import Record
 from logs import Log
 
 Floats = NDArray[np.float64]

@@ -31,8 +31,8 @@ from gap.linearised.gains import Gains, Linear, gains
 from gap.linearised.local import back, linear, near
 from gap.linearised.observer import Observer, observer
 from gap.linearised.parts import Parts, ancestors, parts
-from gap.model import nuisances
-from gap.record import Record
+from gap.records.model import nuisances
+from gap.records.record import Record
 from logs import Log
 
 Floats = NDArray[np.float64]
@@ -66,7 +66,7 @@ class Filter:
     def residuals(
         self, diagram: Diagram, record: Record, params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None
     ) -> Floats:
-        """Return (runs, rows, pinned signals) of a silent diagram: see ``gap.offsets.offsets``."""
+        """Return (runs, rows, pinned signals) of a silent diagram: see ``gap.records.offsets.offsets``."""
         given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
         many = max((len(v) for v in given.values()), default=1)
         found = parts(diagram, replace(record, pinned=(*self.parts.known, *self.parts.measured)), self.loads)

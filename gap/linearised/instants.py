@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagram.diagram import Diagram
-from gap.floor import losses
+from gap.floors.floor import losses
 from gap.linearised.filtered import Filter, known_to
-from gap.record import Record, switches
+from gap.records.record import Record, switches
 
 Floats = NDArray[np.float64]
 SHARES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 0.97)  # of an interval that are tried first

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from blocks.noise import Seeded
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.record import Record
+from gap.records.record import Record
 
 PASSING = (Role.CONTROLLER, Role.SOURCE, Role.ARITHMETIC, Role.FILTER)  # blocks that may be on the way to an OP
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagram.diagram import Diagram
-from gap.floor import Floor, floor_of, losses, residuals, settling_rows, without_gap
+from gap.floors.floor import Floor, floor_of, losses, residuals, settling_rows, without_gap
 from gap.linearised.filtered import Filter
 from gap.linearised.instants import with_switches
 from gap.linearised.parts import ancestors
-from gap.record import Record
+from gap.records.record import Record
 
 Floats = NDArray[np.float64]
 FOLDS = 4  # parts of the runs, each of which tells the score of a floor made of the others

@@ -4,12 +4,12 @@ import pytest
 
 from cases.models import ideal_flow
 from gap import diagnose
-from gap.alternatives import alternatives
-from gap.beside_digits import beside_digits
-from gap.candidates import candidates, ranked
 from gap.diagnosis import prepared
 from gap.effects import effect
-from gap.pairs import paired
+from gap.explanations.alternatives import alternatives
+from gap.explanations.beside_digits import beside_digits
+from gap.explanations.candidates import candidates, ranked
+from gap.explanations.pairs import paired
 
 DIGITS = [effect(name) for name in ("quantisation", "step_disturbance", "sensor_bias", "process_gain")]
 STEM = [effect(name) for name in ("deadband", "process_gain", "valve_gain", "sensor_span", "dead_time")]

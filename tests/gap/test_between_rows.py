@@ -8,12 +8,12 @@ from blocks import FirstOrder, Staircase, Sum
 from cases.plant_models import LOGGED_PLANT, LOGGED_SECTION
 from diagram import simulate, wire
 from gap.effects import effect
-from gap.floor import without_gap
+from gap.floors.floor import without_gap
 from gap.linearised.behind import behind
 from gap.linearised.filtered import filter_of
 from gap.linearised.instants import with_switches
 from gap.linearised.observer import observer
-from gap.model import read, silenced
+from gap.records.model import read, silenced
 
 SWITCHES = (300.0, 600.7, 901.3, 1200.0)  # [s]: two at rows, two between them
 

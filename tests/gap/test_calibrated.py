@@ -6,11 +6,11 @@ import pytest
 
 from cases.models import ideal_flow
 from gap import calibrated, diagnose
-from gap.cache import folder
-from gap.calibration import Calibration
+from gap.answers.evidence import Evidence
+from gap.answers.sureness import Sureness, counted
+from gap.calibrating.calibration import Calibration
 from gap.effects import effect
-from gap.evidence import Evidence
-from gap.sureness import Sureness, counted
+from gap.floors.cache import folder
 
 FEW = [effect(name) for name in ("process_gain", "valve_gain", "sensor_bias")]
 

@@ -6,10 +6,10 @@ from benchmarks.gap.generator import record
 from blocks import LuGreStem
 from cases.models import ideal_flow
 from gap import diagnose
-from gap.creep import about_creep, coarse, creeps, least_sizes
+from gap.answers.report import Size
 from gap.effects import effect
-from gap.model import read
-from gap.report import Size
+from gap.records.model import read
+from gap.telling.creep import about_creep, coarse, creeps, least_sizes
 from logs import Log
 
 SPRING = 30000.0  # N per travel

@@ -6,15 +6,15 @@ import pytest
 from benchmarks.gap.generator import record
 from cases.models import ideal_flow
 from diagram import ensemble
-from gap.adequacy import adequate, stands
-from gap.candidates import candidates, ranked, way
 from gap.diagnosis import prepared
 from gap.effects import effect
-from gap.noise import is_noise
-from gap.record import spacing
-from gap.scans import read_off
-from gap.straightness import lined, sloping
-from gap.texture import fitted_compression, in_loop
+from gap.explanations.candidates import candidates, ranked, way
+from gap.fits.adequacy import adequate, stands
+from gap.fits.noise import is_noise
+from gap.fits.scans import read_off
+from gap.fits.texture import fitted_compression, in_loop
+from gap.insertion.straightness import lined, sloping
+from gap.records.record import spacing
 from logs import Log
 
 

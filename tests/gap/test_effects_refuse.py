@@ -5,8 +5,8 @@ import math
 import pytest
 
 from cases.models import cascaded_tanks, ideal_flow
-from gap.effect import EffectError
 from gap.effects import effect
+from gap.insertion.effect import EffectError
 from logs import Log
 from tests.gap.effect_loops import SIZES, quiet
 

@@ -5,13 +5,13 @@ import pytest
 
 from cases.models import ideal_flow
 from gap import diagnose
-from gap.adequacy import needed
-from gap.candidates import candidates
 from gap.diagnosis import prepared
 from gap.effects import effect
-from gap.isolability import classes
-from gap.sensitivity import promised, seen
-from gap.swapping import swapped
+from gap.explanations.candidates import candidates
+from gap.explanations.isolability import classes
+from gap.fits.adequacy import needed
+from gap.fits.sensitivity import promised, seen
+from gap.telling.swapping import swapped
 
 NAMES = ("valve_gain", "process_gain", "sensor_span", "dead_time", "second_lag", "controller_gain", "sensor_bias")
 FEW = [effect(name) for name in NAMES]

@@ -9,12 +9,12 @@ from cases.plant_models import LOGGED_SECTION
 from diagram import simulate
 from gap import diagnose
 from gap.effects import effect
-from gap.floor import Floor
+from gap.floors.floor import Floor
+from gap.floors.problem import Problem, Settled
 from gap.linearised.between import jumps
 from gap.linearised.filtered import filter_of
 from gap.linearised.parts import parts
-from gap.model import read, silenced
-from gap.problem import Problem, Settled
+from gap.records.model import read, silenced
 
 
 @pytest.fixture(scope="module")

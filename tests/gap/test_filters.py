@@ -18,8 +18,8 @@ from gap.filters.operating import operating
 from gap.filters.reading import Filtering
 from gap.filters.scanned import scanned
 from gap.filters.stems import stuck
-from gap.model import nuisances, read, silenced
-from gap.straightness import lined
+from gap.insertion.straightness import lined
+from gap.records.model import nuisances, read, silenced
 from logs import Log
 
 NEAR = {"SP": 1.5, "PV": 1.5, "OP": 0.5, "MV": 0.5}

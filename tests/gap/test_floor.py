@@ -5,8 +5,8 @@ import pytest
 
 from cases.models import ideal_flow, site_flow
 from gap.diagnosis import prepared
-from gap.floor import UNIT, floor_of, losses, residuals, skipped_rows
-from gap.robust import step
+from gap.fits.robust import step
+from gap.floors.floor import UNIT, floor_of, losses, residuals, skipped_rows
 from logs import Log
 
 
@@ -86,8 +86,8 @@ def test_unsure_parameters_settle_within_their_tolerances():
 
 
 def test_a_model_that_rests_elsewhere_is_started_where_the_record_starts(recorded):
-    from gap.model import read, silenced
-    from gap.start import start_values
+    from gap.records.model import read, silenced
+    from gap.records.start import start_values
 
     opened, record = read(site_flow(), recorded(seed=3))  # the model's own start is PV = OP = 0, at a limit
     found = start_values(silenced(opened), record)
@@ -97,7 +97,7 @@ def test_a_model_that_rests_elsewhere_is_started_where_the_record_starts(recorde
 
 def test_a_controller_at_its_limit_is_replayed_exactly(recorded):
     from gap.effects import effect
-    from gap.search import Candidate
+    from gap.fits.search import Candidate
 
     problem = prepared(ideal_flow(), recorded("controller_limits", "controller", high=55.0))
     (fit,) = Candidate(problem, problem.quiet, effect("controller_limits"), "controller").tried([{"high": 55.0}])

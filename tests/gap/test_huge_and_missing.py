@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gap.floor import losses
-from gap.loads import trimmed
+from gap.fits.loads import trimmed
+from gap.floors.floor import losses
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")
 

@@ -5,11 +5,11 @@ import pytest
 
 from cases.models import ideal_flow
 from gap import diagnose
-from gap.candidates import candidates, ranked
 from gap.diagnosis import prepared
 from gap.effects import effect
-from gap.proposals import proposed
-from gap.together import together
+from gap.explanations.candidates import candidates, ranked
+from gap.explanations.proposals import proposed
+from gap.fits.together import together
 
 NAMES = ("dead_time", "second_lag", "process_gain", "controller_gain", "sensor_bias", "process_time_constant")
 FEW = [effect(name) for name in NAMES]

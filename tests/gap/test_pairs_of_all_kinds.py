@@ -4,10 +4,10 @@ import pytest
 
 from cases.models import ideal_flow
 from gap import diagnose
-from gap.beside_noise import beside_noise
-from gap.candidates import candidates, ranked
 from gap.diagnosis import prepared
 from gap.effects import effect
+from gap.explanations.beside_noise import beside_noise
+from gap.explanations.candidates import candidates, ranked
 
 # what is put in: two effects, each (name, place, sizes); and what else is in the catalogue
 CASES = {

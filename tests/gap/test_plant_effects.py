@@ -5,9 +5,9 @@ import pytest
 
 from blocks import FlowResistance, IdealValve
 from diagram import simulate, wire
-from gap.effect import EffectError
 from gap.effects import CATALOGUE, effect
 from gap.effects.horizontal_separator import cylinder
+from gap.insertion.effect import EffectError
 from plant import production_plant
 
 PLANT = production_plant()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cases.models import site_flow
-from gap.model import read
-from gap.record import GapError
-from gap.regular import with_inputs_held, with_rows_filled
+from gap.records.model import read
+from gap.records.record import GapError
+from gap.records.regular import with_inputs_held, with_rows_filled
 from logs import Log
 
 

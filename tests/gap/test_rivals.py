@@ -12,7 +12,7 @@ from gap.filters.diagnosing import LIMIT, filtering_of, rival, worst
 from gap.filters.explaining import coarse, followed, settled
 from gap.filters.filtering import Explanation
 from gap.filters.rivals import beside
-from gap.model import Nuisance, read
+from gap.records.model import Nuisance, read
 from tests.gap.outside_loops import KINDS, site_log
 
 FEW = ("step_disturbance", "sine_disturbance", "sensor_drift", "sensor_noise", "process_gain", "second_lag")

@@ -7,7 +7,7 @@ from cases.models import ideal_flow, level_cascade, level_loop, second_order_flo
 from gap import diagnose
 from gap.effects import effect
 from gap.filters.diagnosing import filtering_of
-from gap.model import read
+from gap.records.model import read
 from logs import Log
 
 LEVEL = {"loop": level_loop, "middle": 0.5, "reach": 0.1, "digit": 0.0005}

@@ -15,7 +15,7 @@ from gap.filters.explaining import settled
 from gap.filters.filtering import Explanation
 from gap.filters.hysteresis import looked_at
 from gap.filters.logged_stem import logged_stem
-from gap.model import read
+from gap.records.model import read
 from logs import Log
 
 

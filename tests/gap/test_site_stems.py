@@ -10,7 +10,7 @@ from gap.effects import effect
 from gap.filters.diagnosing import filtering_of, worst
 from gap.filters.filtering import Explanation
 from gap.filters.hysteresis import left
-from gap.model import read
+from gap.records.model import read
 from logs import Log
 
 STEPS = {"L": 0.0005, "SP": 0.001, "PV": 0.0005, "OP": 0.001}

@@ -5,14 +5,14 @@ import pytest
 
 from cases.models import ideal_flow
 from diagram import ensemble
-from gap.adequacy import adequate, complete
-from gap.candidates import candidates, ranked
 from gap.diagnosis import diagnose, prepared
 from gap.effects import effect
-from gap.floor import MECHANICAL
-from gap.modes import CHARGE
-from gap.nesting import one_of_nested
-from gap.offsets import offsets
+from gap.explanations.candidates import candidates, ranked
+from gap.explanations.nesting import one_of_nested
+from gap.fits.adequacy import adequate, complete
+from gap.floors.floor import MECHANICAL
+from gap.floors.modes import CHARGE
+from gap.records.offsets import offsets
 from logs import Log
 
 STEMS = [effect("stiction"), effect("deadband")]

@@ -4,7 +4,7 @@ import pytest
 
 from cases.models import ideal_flow, level_cascade
 from gap.effects import effect
-from gap.structure import by_wiring, felt, structure
+from gap.telling.structure import by_wiring, felt, structure
 
 CASCADE = {"SP_L", "L", "SP", "PV", "OP"}
 SHOWN = [

@@ -9,7 +9,7 @@ from gap import diagnose
 from gap.effects import effect
 from gap.filters.diagnosing import filtering_of
 from gap.filters.summed import with_outputs
-from gap.model import read, silenced
+from gap.records.model import read, silenced
 from logs import Log
 
 T = np.arange(0.0, 10801.0, 10.0)

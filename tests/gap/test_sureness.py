@@ -2,8 +2,8 @@
 
 import pytest
 
-from gap.evidence import Evidence
-from gap.sureness import BENCHMARK, MISTAKEN, OUTSIDE, PRIOR, RECALLED, Sureness
+from gap.answers.evidence import Evidence
+from gap.answers.sureness import BENCHMARK, MISTAKEN, OUTSIDE, PRIOR, RECALLED, Sureness
 
 KINDS = sorted(kind for kind in BENCHMARK if kind.startswith("filter, "))
 

@@ -6,10 +6,10 @@ import pytest
 from blocks import Noise
 from cases.models import ideal_flow
 from gap import diagnose
-from gap.adequacy import needed
 from gap.diagnosis import prepared
 from gap.effects import effect
-from gap.unmeasured import forgotten, octaves, unmeasured_load
+from gap.explanations.unmeasured import forgotten, octaves, unmeasured_load
+from gap.fits.adequacy import needed
 
 SD, TIME = 0.006, 120.0  # of the load that the model lacks: standard deviation, correlation time [s]
 FEW = [effect(name) for name in ("sensor_bias", "process_gain", "dead_time", "controller_gain", "sine_disturbance")]

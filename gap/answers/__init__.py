@@ -1,0 +1,1 @@
+"""What a diagnosis answers with: the report, its picture, what it rests on and how sure it is."""

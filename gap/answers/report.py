@@ -1,0 +1,173 @@
+"""What a diagnosis found: whether there is a gap, where it lies, which effect causes it, how far it shrinks."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.answers.evidence import Evidence
+from gap.answers.seen import Seen
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from diagram.diagram import Diagram
+
+Floats = NDArray[np.float64]
+UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class Where:
+    """The place of a gap: the block named first, its probability, the blocks that cannot be told apart from it, and the
+    share of the gap that each block of this set explains at best.
+    """
+
+    place: str
+    probability: float
+    confidence_set: tuple[str, ...]
+    shares: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Size:
+    """A parameter of an effect: its value with an interval of 90 %, in its unit."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Cause:
+    """An effect found at a place, or "unknown"; ``ambiguous_with`` the effects that would leave the same log."""
+
+    effect: str
+    place: str
+    probability: float
+    ambiguous_with: tuple[str, ...] = ()
+    parameters: Mapping[str, Size] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Rank:
+    """An effect at a place, and how probable it is among all."""
+
+    effect: str
+    place: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class Shrinkage:
+    """How far the gap shrinks on rows that the fit has not seen: mean loss per row and signal above nothing [nats].
+
+    ``before`` without the effects, ``after`` with them, ``floor`` without any gap; ``fraction`` of what lies above the
+    floor that has gone, with its interval of 90 %.
+    """
+
+    before: float
+    after: float
+    floor: float
+    fraction: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GapReport:
+    """The outcome of ``diagnose``: words first (``print(report)``), ``plot()``, ``to_dict()``.
+
+    ``gap`` whether there is one; ``where``, ``causes``, ``ranking``, ``shrinkage`` as named; ``words`` in sentences;
+    ``residuals`` signal -> innovations of the model as it is and with the causes, (2, rows); ``t`` (rows,) [s];
+    ``evidence`` what the answer rests on; ``seen`` the sizes from which on effects would have shown, where none did.
+    """
+
+    gap: bool
+    where: Where | None
+    causes: tuple[Cause, ...]
+    ranking: tuple[Rank, ...]
+    shrinkage: Shrinkage | None
+    words: tuple[str, ...]
+    notes: tuple[str, ...]
+    t: Floats
+    residuals: Mapping[str, Floats]
+    diagram: "Diagram"
+    evidence: Evidence | None = None
+    seen: tuple[Seen, ...] = ()
+
+    def __str__(self) -> str:
+        return "\n".join([*self.words, *(f"  - {note}" for note in self.notes)])
+
+    def __repr__(self) -> str:
+        return f"<GapReport: {self.words[0]}>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the report as plain values for JSON."""
+        return {
+            "gap": self.gap,
+            "where": self.where
+            and {
+                "place": self.where.place,
+                "probability": _digits(self.where.probability),
+                "confidence_set": list(self.where.confidence_set),
+                "shares": {name: _digits(share) for name, share in self.where.shares.items()},
+            },
+            "causes": [
+                {
+                    "effect": cause.effect,
+                    "place": cause.place,
+                    "probability": _digits(cause.probability),
+                    "ambiguous_with": list(cause.ambiguous_with),
+                    "parameters": {
+                        name: {
+                            "value": _digits(size.value),
+                            "low": _digits(size.low),
+                            "high": _digits(size.high),
+                            "unit": size.unit,
+                        }
+                        for name, size in cause.parameters.items()
+                    },
+                }
+                for cause in self.causes
+            ],
+            "ranking": [
+                {"effect": rank.effect, "place": rank.place, "probability": _digits(rank.probability)}
+                for rank in self.ranking
+            ],
+            "shrinkage": self.shrinkage and {key: _digits(v) for key, v in self.shrinkage.__dict__.items()},
+        }
+
+    def plot(self) -> "Figure":
+        """Draw the residuals of each logged signal, of the model as it is and with the causes."""
+        from gap.answers.figures import plot_residuals
+
+        return plot_residuals(self)
+
+    def plot_diagram(self) -> "Figure":
+        """Draw the model with the gap coloured in: the redder a block, the more of the gap an effect there explains."""
+        from diagram.figures.drawing import draw
+
+        return draw(self.diagram, self.where.shares if self.where else {})
+
+    def _repr_html_(self) -> str:
+        from logs.notebook import image, paragraph
+
+        return "".join(paragraph(word) for word in self.words) + image(self.plot_diagram()) + image(self.plot())
+
+
+def _digits(value: float) -> float | None:
+    """Return a number for JSON: six digits, nothing for what is not finite."""
+    return float(f"{value:.6g}") if np.isfinite(value) else None
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as in a sentence.
+
+    >>> listed(["a", "b", "c"])
+    'a, b or c'
+    """
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"

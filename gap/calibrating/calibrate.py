@@ -1,0 +1,92 @@
+"""Calibrate a diagnosis: diagnose runs of the user's own model with known effects, and count what comes out.
+
+A calibration that was stopped goes on where it was (``gap.calibrating.calibration``).
+"""
+
+import json
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from diagram.diagram import Diagram
+from diagram.progress import Progress, reporting
+from gap.answers.report import GapReport
+from gap.calibrating.calibration import Calibration, file_of, rows_of
+from gap.calibrating.injection import Injection, injections
+from gap.diagnosis import diagnose, prepared
+from gap.effects import CATALOGUE
+from gap.explanations.candidates import candidates
+from gap.fits.search import Candidate
+from gap.floors.floor import without_gap
+from gap.insertion.effect import Effect
+from gap.records.record import GapError
+from logs import Log
+
+
+def calibrated(
+    diagram: Diagram,
+    log: Log | Any,
+    *,
+    catalogue: Sequence[Effect] = CATALOGUE,
+    runs: int = 2,
+    seed: int = 0,
+    seconds: float = float("inf"),
+    progress: Progress = None,
+) -> Calibration:
+    """Return how often names are right at the operating point of a log; ``diagnose`` then states these probabilities.
+
+    Every effect is put into the model at every place where it may be, ``runs`` times with random sizes, with the set
+    points, rows, rounding and logged signals of ``log``; each run is diagnosed.  Runs are kept beside the floor of the
+    model: a second call goes on where the first was stopped.  ``seconds`` after which it stops; ``seed`` of sizes and
+    noise.
+
+    Raises ``GapError`` if log and model do not fit together, or the model cannot be run.
+    """
+    log = getattr(log, "log", log)
+    problem = prepared(diagram, log)
+    problem = problem.before or problem  # its runs have the set points of the log, switching at its rows
+    plain = without_gap(problem.model, problem.record, 1, 900_000 + seed)
+    if not plain:
+        raise GapError("the model cannot be simulated on the set points of the log; check its parameters")
+    base = prepared(diagram, plain[0], floor=problem.floor)
+    file = file_of(problem.model, problem.record)
+    done = rows_of(file)
+    legal = [
+        *candidates(base, base.quiet, catalogue),
+        *(Candidate(base, base.model, one, at) for one in catalogue if one.of_log for at in one.places(base.model)),
+    ]
+    plan = list(injections(base, legal, runs, seed))
+    until = time.monotonic() + seconds
+    with reporting(progress, len(plan), "runs with known effects") as tell:
+        for k, one in enumerate(plan):
+            if one.key not in done and time.monotonic() < until:
+                made = one.made(problem)
+                if made is not None:
+                    report = diagnose(diagram, made, catalogue=catalogue, limits=False, progress=False)
+                    done[one.key] = _row(one, report, base.model)
+                    file.parent.mkdir(parents=True, exist_ok=True)
+                    with file.open("a") as out:
+                        out.write(json.dumps(done[one.key]) + "\n")
+            tell(k + 1, len(plan))
+    return Calibration(tuple(done.values()))
+
+
+def _row(one: Injection, report: GapReport, model: Diagram) -> dict[str, Any]:
+    named = [{cause.effect, *cause.ambiguous_with} for cause in report.causes]
+    name = one.effect.name if one.effect else "none"
+    places = set(report.where.confidence_set) if report.where else {""}
+    unit = next((p.unit for p in one.effect.parameters if p.name == one.main), "") if one.effect else ""
+    return {
+        "key": one.key,
+        "effect": name,
+        "place": one.place,
+        "values": dict(one.values),
+        "size": one.values.get(one.main, 0.0),
+        "neutral": one.effect.nominal(model, one.place).get(one.main, 0.0) if one.effect else 0.0,
+        "parameter": f"{one.main} [{unit}]" if one.main else "",
+        "named": " and ".join(c.effect for c in report.causes) or "none",
+        "right": not report.gap if one.effect is None else len(named) == 1 and name in named[0],
+        "place_right": one.place in places,
+        "evidence": asdict(report.evidence) if report.evidence else None,
+    }

@@ -1,0 +1,107 @@
+"""Runs of a model with a known effect, at the operating point of a record: what a diagnosis is calibrated on.
+
+Every effect at every place where it may be, with sizes from twice to fifty times the least that would show, evenly in
+their logarithm; set points, rows, rounding and missing rows are those of the record, noise and loads the model's own,
+parameters with a tolerance anywhere within it.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gap.fits.adequacy import needed
+from gap.fits.limits import reached
+from gap.fits.search import Candidate
+from gap.fits.sensitivity import smallest
+from gap.floors.floor import without_gap
+from gap.floors.problem import Problem
+from gap.insertion.effect import Effect
+from logs import Log
+
+KNOWN_WITHIN = (1,)  # of the seed of a run: the random numbers of parameters that are known within a tolerance only
+LEAST, MOST = 2.0, 50.0  # sizes in multiples of the least that would show
+JUMP = (0.2, 0.8)  # second size of a hidden effect, in shares of the first
+REACHED = (0.5, 0.98)  # quantiles of the signal at which limits are put
+MIDDLE = (0.15, 0.85)  # of the record, in which a step lies
+PERIODS = (20.0, 1.0 / 8.0)  # shortest in rows, longest as a share of the record
+
+
+@dataclass(frozen=True)
+class Injection:
+    """One run: ``effect`` (None for none) at ``place`` with ``values``, ``seed`` of its noise; ``key`` its name.
+
+    ``main`` is the parameter that is its size.
+    """
+
+    key: str
+    effect: Effect | None
+    place: str
+    values: Mapping[str, float]
+    seed: int
+    main: str = ""
+
+    def made(self, problem: Problem) -> Log | None:
+        """Return the log of the run, None if it failed."""
+        model, record = problem.model, problem.record
+        rng = np.random.default_rng([self.seed, *KNOWN_WITHIN])
+        model = model.with_params({key: float(rng.uniform(*ends)) for key, ends in sorted(problem.free.items())})
+        if self.effect is not None and not self.effect.of_log:
+            model = self.effect.insert(model, self.place, **self.values)
+            if any(block.name.startswith(self.effect.block(self.place)) for block in model.blocks):
+                model = self.effect.started(model, self.place, record.first)
+        logs = without_gap(model, record, 1, self.seed)
+        if not logs:
+            return None
+        return self.effect.on_log(logs[0], self.place, **self.values) if self.effect else logs[0]
+
+
+def injections(problem: Problem, legal: Sequence[Candidate], runs: int, seed: int) -> Iterator[Injection]:
+    """Yield ``runs`` runs of every candidate and as many times five without an effect; ``problem`` has no gap."""
+    for k in range(runs):
+        for n, candidate in enumerate(legal):
+            effect = candidate.effect
+            if effect is not None:
+                rng = np.random.default_rng([seed, k, n])
+                key = f"{effect.name} at {candidate.place} {seed}.{k}"
+                values = _drawn(candidate, rng)
+                if values is not None:
+                    main = "high" if candidate.own == ("low", "high") else candidate.sizes[0]
+                    yield Injection(key, effect, candidate.place, values, 10_000 + 1000 * seed + 100 * k + n, main)
+        for n in range(5):
+            yield Injection(f"none {seed}.{k}.{n}", None, "", {}, 500_000 + 1000 * seed + 10 * k + n)
+
+
+def _drawn(candidate: Candidate, rng: np.random.Generator) -> dict[str, float] | None:
+    """Return random sizes of an effect; None where the record cannot feel it."""
+    problem, bounds, nominal = candidate.problem, candidate.bounds, candidate.nominal
+    effect = candidate.effect
+    if effect is None:
+        return None
+    if candidate.own == ("low", "high"):
+        seen = reached(candidate)
+        return {"low": nominal["low"], "high": float(np.quantile(seen, rng.uniform(*REACHED)))}
+    name = candidate.sizes[0]
+    low, high = bounds[name]
+    least = None if effect.of_log else smallest(candidate, needed(problem))
+    if least is None:
+        size = float(np.exp(rng.uniform(*np.log([low, high])))) if low > 0.0 else float(rng.uniform(low, high))
+    else:
+        sign = -1.0 if low < nominal[name] and rng.random() < 0.5 else 1.0
+        times = float(np.exp(rng.uniform(np.log(LEAST), np.log(MOST))))
+        start = nominal[name]
+        # where neutral is infinite: the less, the more there is of it
+        size = start + sign * times * (least.size - start) if np.isfinite(start) else least.size / times
+    values = {**nominal, name: float(np.clip(size, low, high))}
+    duration, dt = problem.record.log.duration, problem.record.log.dt
+    for p in effect.parameters[1:]:
+        if effect.hidden:
+            values[p.name] = values[name] * float(rng.uniform(*JUMP))
+        elif p.name == "time":
+            values[p.name] = float(problem.record.log.t[0]) + duration * float(rng.uniform(*MIDDLE))
+        elif p.name == "period":
+            values[p.name] = float(np.exp(rng.uniform(np.log(PERIODS[0] * dt), np.log(PERIODS[1] * duration))))
+        elif p.name == "phase":
+            values[p.name] = float(rng.uniform())
+    values = {name: values[name] for name in candidate.own}
+    return None if effect.rules(candidate.base, candidate.place, values) else values

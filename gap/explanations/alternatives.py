@@ -1,0 +1,85 @@
+"""What else one of two effects could be, given the other: fits that the record does not tell apart from it."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.explanations.candidates import candidates, price
+from gap.explanations.isolability import SAME
+from gap.explanations.nesting import RELEVANT
+from gap.explanations.pair import Pair
+from gap.explanations.proposals import smooth
+from gap.fits.inserting import inserted
+from gap.fits.ranges import fitted
+from gap.fits.search import Candidate, Fit, best_of, narrowed, refined, slopes
+from gap.floors.problem import Problem
+from gap.insertion.effect import Effect
+
+Floats = NDArray[np.float64]
+LIKE = 0.99  # cosine between the slopes of two effects at neutral, from which on the other is fitted too
+TIE = 6.0  # nats between explanations that the record does not tell apart
+
+
+def alternatives(problem: Problem, pair: Pair, catalogue: Iterable[Effect]) -> tuple[list[Fit], list[Fit]]:
+    """Return for each of two effects what it could be as well, itself first."""
+    legal = list(catalogue)
+    return _instead(problem, pair.first, pair.second, legal), _instead(problem, pair.second, pair.first, legal)
+
+
+def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]) -> list[Fit]:
+    same = [fit]
+    if fit.candidate.noisy:
+        return same
+    noisy = other.candidate.noisy  # more noise leaves a replay as it is, but makes it count for less
+    base = problem.quiet if noisy else inserted(problem.quiet, other)
+    here = replace(fit.candidate, base=base)
+    best = refined(here.tried([fit.values])[0]) if noisy else fit
+    own = _trace(here)
+    for candidate in candidates(problem, base, catalogue):
+        known = candidate.effect is fit.effect or candidate.effect is other.effect
+        if known or not smooth(candidate):
+            continue
+        if own is None or (trace := _trace(candidate)) is None or abs(_cosine(own, trace)) < LIKE:
+            continue
+        starts = [one for one in (fitted(candidate), *_as_large(candidate, fit, own, trace)) if one is not None]
+        found = best_of([one for one in starts if one.present])
+        if found is not None:
+            found = refined(found)
+            found = replace(found, price=price(found))
+            near = TIE
+            if other.effect.hidden and abs(_cosine(own, trace)) > SAME:  # one mode that starts otherwise tells nothing
+                near += RELEVANT * max(problem.score - problem.level, 0.0)
+            if _behind(found, best, other) <= near and found.price <= fit.price:
+                same.append(found)
+    return same
+
+
+def _behind(found: Fit, best: Fit, other: Fit) -> float:
+    """Return the nats by which a fit is worse than the best one, beside another effect."""
+    if not other.candidate.noisy:
+        return found.F - best.F
+    return narrowed(replace(other, e=found.e)).F - narrowed(replace(other, e=best.e)).F
+
+
+def _as_large(candidate: Candidate, fit: Fit, own: Floats, trace: Floats) -> list[Fit]:
+    """Return an effect at the sizes at which it does what another does, by their slopes or by the same number.
+
+    Beside a stem the score is so jagged that a search of its own ends elsewhere.
+    """
+    name, other = candidate.sizes[0], fit.candidate.sizes[0]
+    size, (low, high) = fit.values[other], candidate.bounds[name]
+    moved = (size - fit.candidate.nominal[other]) * float(own @ trace) / float(trace @ trace)
+    sizes = {candidate.nominal[name] + moved, size}
+    return candidate.tried([{name: s} for s in sizes if low <= s <= high])
+
+
+def _cosine(a: Floats, b: Floats) -> float:
+    return float(a @ b) / float(np.linalg.norm(a) * np.linalg.norm(b))
+
+
+def _trace(candidate: Candidate) -> Floats | None:
+    """Return the slope of the innovations in an effect's size at neutral; None if there is none."""
+    J, felt = slopes(candidate.absent, candidate.sizes[:1])
+    return np.nan_to_num(J[:, 0]) if felt else None

@@ -1,0 +1,54 @@
+"""A second effect beside one that the digits of a log prove, such as a sensor that gives multiples of a step.
+
+Through a sensor of few levels nothing has slopes.  So its levels count as noise: the model without it is judged by the
+floor that runs of the model with it have, and what lies above that floor is the second effect's.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from diagram.progress import Progress
+from gap.explanations.candidates import candidates, ranked
+from gap.explanations.pair import Pair
+from gap.fits.adequacy import adequate, complete, needed
+from gap.fits.inserting import inserted
+from gap.fits.search import Fit
+from gap.floors.floor import measured
+from gap.floors.problem import Problem
+from gap.insertion.effect import Effect
+
+RUNS = 12  # of the model with the first effect
+
+
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """``problem`` in which the levels of a sensor are noise, the ``pair``, and all ``fits`` of a second effect."""
+
+    problem: Problem
+    pair: Pair
+    fits: tuple[Fit, ...]
+
+
+def beside_digits(
+    problem: Problem, first: Fit, catalogue: Iterable[Effect], seed: int, progress: Progress = None
+) -> Beside | None:
+    """Return the pair of an effect that digits prove and one beside it; None where nothing is left or nothing fits."""
+    model = inserted(problem.model, first)
+    floor, logs = measured(model, problem.quiet, problem.record, RUNS, seed)
+    if len(logs) < RUNS // 2:
+        return None
+    noisy = replace(problem, model=model, floor=floor)
+    if noisy.score <= noisy.limit + needed(noisy):
+        return None
+    legal = [
+        one
+        for one in candidates(noisy, noisy.quiet, catalogue)
+        if one.effect and not one.effect.hidden and one.effect.name != first.effect.name
+    ]
+    fits = [fit for fit in ranked(legal, progress) if fit.present]
+    if not fits or noisy.score - fits[0].total <= needed(noisy):
+        return None
+    best = fits[0]
+    if not (complete(noisy, best) or adequate(noisy, best)):
+        return None
+    return Beside(noisy, Pair(first, best), tuple(fits))

@@ -1,0 +1,24 @@
+"""Two effects, each fitted in the presence of the other."""
+
+from dataclasses import dataclass
+
+from gap.explanations.candidates import PRICE
+from gap.fits.search import Fit
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Two effects, each fitted in the presence of the other; the score is that of the second."""
+
+    first: Fit
+    second: Fit
+
+    @property
+    def total(self) -> float:
+        """Score and price [nats]."""
+        return self.second.F + self.first.price + self.second.price + PRICE
+
+    @property
+    def sticks(self) -> bool:
+        """Whether one of the two has a hidden mode."""
+        return self.first.effect.hidden or self.second.effect.hidden

@@ -1,0 +1,242 @@
+"""Two effects at once, where one is not adequate: pairs that lines propose, then a second effect beside the best."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from diagram.diagram import Diagram
+from diagram.progress import Progress
+from gap.explanations.beside_noise import beside_noise
+from gap.explanations.candidates import candidates, price, ranked
+from gap.explanations.nesting import HARDLY_BESIDE, RELEVANT, TIE
+from gap.explanations.pair import Pair
+from gap.explanations.proposals import proposed, smooth
+from gap.fits.adequacy import needed, scored_alone, share
+from gap.fits.hidden import followed_on, glimpsed
+from gap.fits.inserting import begun, inserted
+from gap.fits.search import Candidate, Fit, best_of, refined
+from gap.fits.sensitivity import promised
+from gap.fits.together import Together, marked, together, values_of
+from gap.floors.problem import Problem
+from gap.insertion.effect import Effect
+
+FIRSTS = 2  # single effects to which a second is added
+ENOUGH = 0.3  # share of the gap that one of two effects explains alone
+JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to the end
+WHOLE = 2  # of these on the whole record
+PROMISING = 4  # effects with slopes that are fitted beside a hidden mode
+WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
+CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for its sizes to be worth more
+SAME = 60.0  # nats between single effects that leave the same
+HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
+STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
+TURNS = 2  # times that each is fitted again given the other
+
+
+def paired(
+    problem: Problem, fits: Sequence[Fit], catalogue: Iterable[Effect], progress: Progress = None
+) -> Pair | None:
+    """Return the best pair of effects; None if none could be replayed.
+
+    Pairs that lines propose are fitted at once; where none of them explains the record, an effect that has no slope is
+    searched for in the presence of the best single ones, or any beside one with a hidden mode.
+    """
+    if not fits or share(problem, fits[0]) < ENOUGH:
+        return None
+    found = beside_noise(problem, fits)
+    if not any(_enough(problem, pair) for pair in found):
+        found += joined(problem, fits)
+    legal = list(catalogue)
+    for first in [*_swapped(problem, found, fits[0]), *_firsts(problem, fits)]:
+        if any(_enough(problem, pair) for pair in found):
+            break
+        seconds = [_second(problem, first, legal, progress)]
+        if not first.effect.hidden:
+            seconds.append(_stem_beside(problem, first, seconds[0], legal))
+        for second in seconds:
+            if second is not None:
+                pair = Pair(first, second)
+                found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
+    best = min(found, key=lambda pair: pair.total, default=None)
+    return None if best is None else with_narrower(problem, best, legal)
+
+
+def _enough(problem: Problem, pair: Pair) -> bool:
+    """Return whether no better pair need be looked for."""
+    if pair.sticks and share(problem, pair.second) >= STICKING:
+        return True
+    return problem.limit + needed(problem) >= scored_alone(pair.second)
+
+
+def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Fit | None:
+    """Return the best effect without a hidden mode beside another; None if none is there.
+
+    Beside a stem, which lines do not hold for, the few effects with slopes that promise most come first, and the others
+    only if none of these is enough: an offset stands in for much of a step.
+    """
+    rough, likely = _beside(problem, first, catalogue)
+    best = next((fit for fit in ranked(likely, progress) if fit.present), None)
+    if best is None or share(problem, best) < STICKING:
+        other = next((fit for fit in ranked(rough, progress) if fit.present), None)
+        if other is not None and (best is None or other.total < best.total):
+            best = other
+    return best
+
+
+def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
+    """Return the single effects to which a second is added: the best ones, one of those that leave the same.
+
+    At most one of them sticks, because what is looked for beside it costs most.
+    """
+    found: list[Fit] = []
+    for fit in fits:
+        useful = fit.present and not fit.candidate.noisy and share(problem, fit) >= ENOUGH
+        useful = useful and not (fit.effect.hidden and any(one.effect.hidden for one in found))
+        if useful and all(abs(fit.F - one.F) > SAME for one in found):
+            found.append(fit)
+    return found[:FIRSTS]
+
+
+def _swapped(problem: Problem, found: Sequence[Pair], best: Fit) -> list[Fit]:
+    """Return the better one of the best pair of two, where it is clearly better than one effect, with its sizes there.
+
+    Alone its sizes make up for the other effect; beside a stand-in they are right, and the other may be found.
+    """
+    pair = min(found, key=lambda one: one.total, default=None)
+    if pair is None or pair.sticks or pair.second.candidate.noisy:
+        return []
+    if share(problem, pair.second) < max(WORTH, share(problem, best) + CLEARLY):
+        return []
+    alone = [replace(fit.candidate, base=problem.quiet).tried([fit.values]) for fit in (pair.first, pair.second)]
+    one = best_of([fit for fits in alone for fit in fits])
+    return [] if one is None else [replace(one, price=price(one))]
+
+
+def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Sequence[Effect]) -> Fit | None:
+    """Return an effect with a hidden mode beside another, the simplest that is worth it; None if none is.
+
+    It is looked for on the first part of the record, and followed where it does better than ``second``.
+    """
+    base = inserted(problem.quiet, first)
+    legal = [one for one in candidates(problem, base, catalogue) if one.effect and one.effect.hidden]
+    least = min(first.F, second.F if second else first.F)
+    left = max(first.F - problem.level, 0.0)
+    best: Fit | None = None
+    for candidate in sorted(legal, key=lambda one: len(one.own)):
+        fit = glimpsed(candidate)
+        if fit is not None and least - HOPE * left > fit.F:
+            fit = followed_on(fit)
+            fit = replace(fit, price=price(fit))
+            if best is None or fit.total < best.total:
+                best = fit
+            least = min(least, fit.F)
+    return best
+
+
+def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[list[Candidate], list[Candidate]]:
+    """Return the effects that are searched for in the presence of another: those that have no slope, for which no line
+    speaks, and beside a hidden mode the few of the others whose slopes promise most.
+    """
+    legal = [
+        one
+        for one in candidates(problem, inserted(problem.quiet, first), catalogue)
+        if not (one.effect is first.effect and one.place == first.place)
+        and not (one.effect and one.effect.hidden)
+        and not one.noisy  # which has been tried beside all of them
+    ]
+    rough = [one for one in legal if not smooth(one)]
+    if not first.effect.hidden:
+        return rough, []
+
+    def promise(one: Candidate) -> float:
+        return promised(replace(one, problem=problem.early))
+
+    return rough, sorted((one for one in legal if smooth(one)), key=promise, reverse=True)[:PROMISING]
+
+
+def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
+    """Return pairs that lines propose, the sizes of both effects fitted at once, the best pair first.
+
+    They are fitted on the first part of the record where that shows the gap, and the best of them on the whole.  No
+    line holds for a stem that sticks.
+    """
+    found: list[Fit] = []
+    legal = [one for one in proposed(problem, fits) if not any(c.effect and c.effect.hidden for c in one.both)]
+    for one in legal[:JOINED]:
+        candidate = together(*(replace(c, problem=problem.early) for c in one.both))
+        if candidate is not None:
+            best = best_of(candidate.tried(one.starts))
+            if best is not None:
+                found.append(refined(best, 3))
+                if problem.early.limit >= found[-1].F:
+                    break
+    found.sort(key=lambda fit: fit.F)
+    done = sorted((refined(fit) for fit in found[:FOLLOWED]), key=lambda fit: fit.F)
+    if problem.early is not problem:
+        whole = [replace(fit.candidate, problem=problem).tried([fit.values]) for fit in done[:WHOLE]]
+        done = [refined(fit, 3) for fits in whole for fit in fits]
+    return sorted((_apart(problem, fit) for fit in done), key=lambda pair: pair.total)
+
+
+def _apart(problem: Problem, fit: Fit) -> Pair:
+    """Return the two effects of a joint fit, each as a fit in the presence of the other."""
+    both = fit.effect
+    if not isinstance(both, Together):
+        raise TypeError(f"{both!r} is one effect, not two")
+    (_, one, first_place), (_, two, second_place) = both.parts
+    values = values_of(fit, "1."), values_of(fit, "2.")
+    bases = (
+        begun(problem, problem.quiet, two, second_place, values[1]),
+        begun(problem, problem.quiet, one, first_place, values[0]),
+    )
+    made = [
+        Fit(Candidate(problem, base, effect, place), own, fit.F, fit.e)
+        for base, effect, place, own in zip(bases, (one, two), (first_place, second_place), values, strict=True)
+    ]
+    first, second = (replace(part, price=price(part)) for part in made)
+    return Pair(first, second)
+
+
+def improved(problem: Problem, pair: Pair) -> Pair:
+    """Return a pair with the sizes of both fitted at once; with a hidden mode, each in the presence of the other."""
+    if not pair.sticks:
+        both = together(*(replace(fit.candidate, problem=problem) for fit in (pair.first, pair.second)))
+        start = both.tried([{**marked(pair.first.values, "1."), **marked(pair.second.values, "2.")}]) if both else []
+        found = _apart(problem, refined(start[0])) if start else pair
+        return found if found.total < pair.total else pair
+    for _ in range(TURNS):
+        before = pair.total
+        first = _again(problem, inserted(problem.quiet, pair.second), pair.first)
+        second = _again(problem, inserted(problem.quiet, first), pair.second)
+        new = Pair(first, second)
+        if new.total >= before - 1.0:
+            return new if new.total < before else pair
+        pair = new
+    return pair
+
+
+def _again(problem: Problem, base: Diagram, fit: Fit) -> Fit:
+    candidate = Candidate(problem, base, fit.effect, fit.place)
+    start = candidate.tried([fit.values])
+    if not start:
+        return fit
+    return replace(followed_on(start[0]) if fit.effect.hidden else refined(start[0], 3), price=fit.price)
+
+
+def with_narrower(problem: Problem, pair: Pair, catalogue: Sequence[Effect]) -> Pair:
+    """Return a pair with a deadband in place of a stem whose jump gains nothing of relevance (``nesting``)."""
+    for wide, other in ((pair.first, pair.second), (pair.second, pair.first)):
+        narrow = next((one for one in catalogue if wide.effect.nests and one.name == wide.effect.nests), None)
+        if narrow is None or other.candidate.noisy:
+            continue
+        candidate = Candidate(problem, inserted(problem.quiet, other), narrow, wide.place)
+        size, *jump = (wide.values[name] for name in wide.candidate.sizes)
+        widths = [size - share * sum(jump) for share in (0.0, 0.5, 1.0)]
+        start = best_of(candidate.tried([{candidate.sizes[0]: width} for width in widths]))
+        if start is None or share(problem, start) < WORTH:
+            continue
+        found = followed_on(start)
+        found = replace(found, price=price(found))
+        near = TIE + RELEVANT * max(problem.score - problem.level, 0.0)
+        if near >= found.F - wide.F and share(problem, found) > 1.0 - HARDLY_BESIDE:
+            return Pair(other, found)
+    return pair

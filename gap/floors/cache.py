@@ -1,0 +1,56 @@
+"""Floors that are known already: kept in a file for each model, set of logged signals, interval and rounding.
+
+A floor depends on the model with its nuisances and on how its log is written, hardly on the set points and the length;
+its score is kept for each row.  Files appear whole or not at all; one that cannot be read is made again.
+"""
+
+import contextlib
+import hashlib
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from diagram.diagram import Diagram
+from gap.floors.floor import Floor, settling_rows, skipped_rows
+from gap.records.record import Record
+from logs.files.write import replacing
+
+VERSION = 3  # of what a floor is
+
+
+def folder() -> Path:
+    """Return where floors are kept: the folder that STICKSLIP_CACHE names, by default ``~/.cache/stickslip``."""
+    named = os.environ.get("STICKSLIP_CACHE")
+    return (Path(named) if named else Path.home() / ".cache" / "stickslip") / "gap"
+
+
+def digest(model: Diagram, record: Record) -> str:
+    """Return what a floor depends on as one word: wiring, parameters, tolerances, signals, interval, rounding."""
+    told: list[object] = [VERSION, record.pinned, record.played, round(record.log.dt, 9)]
+    told.append({s: float(f"{step:.3g}") for s, step in record.steps.items()})
+    for block in model.blocks:
+        labels = list(block.input_labels), list(block.output_labels)
+        told.append((type(block).__name__, block.name, labels, np.asarray(block.p).round(12).tolist()))
+    return hashlib.sha256(repr(told).encode()).hexdigest()[:24]
+
+
+def kept(model: Diagram, record: Record) -> Floor | None:
+    """Return the floor of a model for such records if it is known."""
+    try:
+        with np.load(folder() / f"{digest(model, record)}.npz") as found:
+            floor = Floor(
+                found["changes"], found["A"], found["L"], int(found["skipped"]), found["scores"], int(found["rows"])
+            )
+    except (OSError, ValueError, KeyError, EOFError):
+        return None
+    return replace(floor, skipped=skipped_rows(len(record.log), settling_rows(model, record)))
+
+
+def keep(model: Diagram, record: Record, floor: Floor) -> None:
+    """Keep a floor; where nothing can be written it is measured again next time."""
+    with contextlib.suppress(OSError):
+        folder().mkdir(parents=True, exist_ok=True)
+        with replacing(folder() / f"{digest(model, record)}.npz") as part, open(part, "wb") as file:
+            np.savez(file, **vars(floor))

@@ -1,0 +1,245 @@
+"""What the residuals of a record are without a gap, found by simulating the model itself: scales, colours, scores.
+
+    r_k   residuals of row k: the offsets themselves where they keep their level, else their changes
+    e_k = L^-1 (r_k - sum_j A_j r_(k-j))            innovations: white, of unit variance, without a gap
+    F   = sum over rows and signals of (nu + 1)/2 ln(1 + (e/c)^2/nu)                    (Student's t, nu = 4)
+
+Runs of the model with its own nuisances, with the record's set points, rows and rounding, give A_j and L, and how large
+F is without a gap.  The logarithm counts how many residuals are at the floor: a slip that is missed costs little.
+
+Where loads are not measured the residuals are coloured, and the A_j make of them what a Kalman filter of the same model
+would give; where sensor noise and rounding are all there is, no A_j is needed and none is used.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.block import Block
+from blocks.recorded import Recorded
+from blocks.role import Role
+from diagram.diagram import Diagram
+from diagram.ensembles.running import ensemble
+from engine.run import Settings
+from gap.insertion.scales import time_scale
+from gap.records.offsets import offsets
+from gap.records.record import Record
+from logs import Log
+
+Floats = NDArray[np.float64]
+NU = 4.0
+UNIT = 0.8310  # of the loss: with it a normal innovation of standard deviation 1 has the loss least at its own size
+SKIPPED = 0.02  # share of the record at its beginning that is not scored: what the start leaves has died away
+FEWEST_SKIPPED = 20
+SETTLING = 10.0  # time scales until a start is forgotten
+ORDER = 24  # rows that a prediction of the residuals may look back
+WORTH = 0.5  # nats a row that predicting residuals must gain to be done
+GROWTH = 1.5  # a level whose variance grows by this between the thirds of a record has none
+SMALLEST = 1e-12
+ANY_PROGRAM = 1e-5  # of a state's size: error a step of a large diagram's run; a filter takes it to miss as much
+MECHANICAL = 1e-4  # share of its travel to which a stem's position is known
+
+
+@dataclass(frozen=True, eq=False)
+class Floor:
+    """Residuals without a gap.
+
+    ``changes`` (signals,) whether the change of an offset is the residual; ``A`` (order, signals, signals); ``L``
+    (signals, signals); ``skipped`` rows; ``scores`` (runs,) of F without a gap, sorted, each over ``rows`` rows.
+    """
+
+    changes: NDArray[np.bool_]
+    A: Floats
+    L: Floats
+    skipped: int
+    scores: Floats
+    rows: int
+
+    def innovations(self, found: Floats) -> Floats:
+        """Return e of offsets (..., rows, signals): (..., rows - skipped, signals); NaN where a row says nothing."""
+        return whitened(residuals(found, self.changes), self.A, self.L)[..., self.skipped :, :]
+
+    def score(self, found: Floats) -> Floats:
+        """Return F of offsets (..., rows, signals), (...,); infinite where a run failed."""
+        return scored(self.innovations(found))
+
+    @property
+    def mean(self) -> float:
+        """Mean of F without a gap, for each row that is scored [nats]."""
+        return float(self.scores.mean()) / self.rows
+
+    @property
+    def sd(self) -> float:
+        """Standard deviation of F without a gap over the square root of the rows [nats]."""
+        return float(self.scores.std(ddof=1) / np.sqrt(self.rows))
+
+    @property
+    def coloured(self) -> bool:
+        """Whether residuals are predicted from earlier ones: there are loads that nobody measures."""
+        return len(self.A) > 0
+
+
+def residuals(found: Floats, changes: NDArray[np.bool_]) -> Floats:
+    """Return offsets or their changes, signal by signal; the first change is NaN."""
+    moved = np.full_like(found, np.nan)
+    moved[..., 1:, :] = np.diff(found, axis=-2)
+    return np.where(changes, moved, found)
+
+
+def whitened(r: Floats, A: Floats, L: Floats) -> Floats:
+    """Return the innovations of residuals; unknown earlier residuals count as 0."""
+    known = np.nan_to_num(r)
+    e = r.copy()
+    for j, a in enumerate(A, start=1):
+        e[..., j:, :] -= known[..., :-j, :] @ a.T
+    return e @ np.linalg.inv(L).T if np.count_nonzero(L - np.diag(np.diag(L))) else e / np.diag(L)
+
+
+def losses(e: Floats) -> Floats:
+    """Return the loss of every innovation, 0 where it is unknown."""
+    with np.errstate(over="ignore"):  # a square beyond all numbers has the largest loss
+        return np.nan_to_num(0.5 * (NU + 1.0) * np.log1p((e / UNIT) ** 2 / NU), nan=0.0, posinf=1e9)
+
+
+def scored(e: Floats) -> Floats:
+    """Return F of innovations (..., rows, signals); infinite where hardly any is known."""
+    if not e.shape[-2]:  # the first part of a short record is all settling
+        return np.full(e.shape[:-2], np.inf)
+    share = np.isfinite(e).mean(axis=(-2, -1))
+    return np.where(share > 0.01, losses(e).sum(axis=(-2, -1)), np.inf)
+
+
+def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Log]:
+    """Return logs of the model with its nuisances, as the record's system would have written them.
+
+    ``seed``: the first of ``runs`` consecutive seeds.
+    """
+    log, driven = record.log, [*record.pinned, *record.used]
+    many = ensemble(
+        model,
+        log.duration,
+        t0=float(log.t[0]),
+        times=log.t,
+        inputs=_played(record) if record.played else None,
+        seeds=np.arange(seed, seed + runs),
+        signals=driven,
+        progress=False,
+        settings=Settings() if record.filter is None else Settings(rtol=ANY_PROGRAM),
+    )
+    played = {s: log[s] for s in record.played}
+    logs = []
+    for i in np.flatnonzero(many.ok):
+        values = record.rounded({s: many.values[s][i] for s in driven})
+        quality = {s: log.good(s) for s in driven}
+        logs.append(Log(log.t, {**played, **values}, quality=quality))
+    return logs
+
+
+def _played(record: Record) -> Mapping[str, Block] | Log:
+    """Return what drives the inputs of a run as the record's system was driven.
+
+    In a large diagram a set point is written where it switches only: a program steps over rows and draws a curve
+    between its steps, and one that had to stop at each row would be more exact than any that wrote the record.
+    """
+    log = record.log
+    if record.filter is None:
+        return Log(log.t, {s: log[s] for s in record.played})
+    return {s: Recorded(s, *record.as_played(s), hold="previous") for s in record.played}
+
+
+def skipped_rows(rows: int, settling: float = 0.0) -> int:
+    """Return how many rows at the beginning of a record are not scored: ``settling`` rows until its start is forgotten.
+
+    At least a fiftieth of the record, at most a tenth.
+    """
+    return min(max(FEWEST_SKIPPED, int(SKIPPED * rows), min(int(settling), rows // 10)), rows // 2)
+
+
+def settling_rows(model: Diagram, record: Record) -> float:
+    """Return after how many rows of a record the start is forgotten: ten times the time scale of the loop."""
+    times = [time_scale(model, block.name) for block in model.blocks if block.role is Role.PROCESS]
+    return SETTLING * float(np.median(times)) / record.log.dt if times else 0.0
+
+
+def floor_of(
+    found: Floats,
+    settling: float = 0.0,
+    integrating: Sequence[bool] = (),
+    steady: bool = False,
+    least: Sequence[float] = (),
+) -> Floor:
+    """Return the floor that offsets of runs without a gap have, (runs, rows, signals).
+
+    ``integrating``: signals whose changes are the residuals in any case; ``steady``: all others have a level;
+    ``least`` scale of each signal's residuals [its unit], where a model is sharper than its plant can be.
+    """
+    skipped = skipped_rows(found.shape[1], settling)
+    changes = np.array(integrating or [False] * found.shape[-1])
+    if not steady:
+        changes |= _drifting(found[:, skipped:])
+    r = residuals(found, changes)[:, skipped:]
+    A, L = _predictor(r, np.array(least or [SMALLEST] * found.shape[-1]))
+    scores = np.sort(scored(whitened(r, A, L)))
+    return Floor(changes, A, L, skipped, scores, r.shape[1])
+
+
+def _drifting(found: Floats) -> NDArray[np.bool_]:
+    """Tell which signals have no level without a gap: their offsets wander ever farther."""
+    third = max(found.shape[1] // 3, 1)
+    early = np.nanmean((found[:, :third] - np.nanmedian(found[:, :1], axis=0)) ** 2, axis=(0, 1))
+    late = np.nanmean((found[:, -third:] - np.nanmedian(found[:, :1], axis=0)) ** 2, axis=(0, 1))
+    return np.asarray(late > GROWTH * np.maximum(early, SMALLEST**2))
+
+
+def _predictor(r: Floats, least: Floats) -> tuple[Floats, Floats]:
+    """Return (A, L) of residuals without a gap, (runs, rows, signals), whose scales are at least so large."""
+    m = r.shape[-1]
+    flat = np.nan_to_num(r).reshape(-1, m)
+    own, least = np.sqrt(np.mean(flat**2, axis=0)), np.maximum(least, SMALLEST)
+    still, plain = own < least, np.maximum(own, least)  # what is still by itself needs no prediction
+    none = np.zeros((0, m, m)), np.diag(plain)
+    rows = r.shape[1]
+    if rows <= 3 * ORDER:
+        return none
+    scaled = np.nan_to_num(r) / plain
+    past = np.concatenate([scaled[:, ORDER - j : rows - j] for j in range(1, ORDER + 1)], axis=-1).reshape(
+        -1, m * ORDER
+    )
+    now = scaled[:, ORDER:].reshape(-1, m)
+    G = past.T @ past
+    C = np.linalg.solve(G + 1e-9 * np.trace(G) / len(G) * np.eye(len(G)), past.T @ now)
+    left = now - past @ C
+    S = left.T @ left / len(left)
+    S[still, still] = 1.0
+    gain = -0.5 * np.linalg.slogdet(S + 1e-12 * np.eye(m))[1]
+    if gain < WORTH:
+        return none
+    A = np.stack([(C[m * j : m * (j + 1)].T * plain[:, None]) / plain for j in range(ORDER)])
+    return A, np.linalg.cholesky((S + 1e-12 * np.eye(m)) * plain[:, None] * plain)
+
+
+def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[Floor, list[Log]]:
+    """Return the floor of a model for records like this one, and the logs of the runs that showed it."""
+    logs = without_gap(model, record, runs, seed)
+    found = offsets(quiet, record, logs=logs)
+    # The integral of a controller runs on freely, and a stem that sticks stays where its last slip has left it: their
+    # level says nothing, however well the model keeps it.
+    integrating = [model.blocks[model.driven[s][0]].role in (Role.CONTROLLER, Role.VALVE) for s in record.pinned]
+    least = [sharpest(model, record, s) for s in record.pinned]
+    return floor_of(found, settling_rows(model, record), integrating, least=least), logs
+
+
+def sharpest(model: Diagram, record: Record, signal: str) -> float:
+    """Return the least scale that residuals of a signal are judged by [its unit].
+
+    The log's rounding, of which a model that only hands a signal on shows nothing; and of a valve, whose stem no law
+    foretells to the last digit of a log, a ten-thousandth of the travel.
+    """
+    rounding = record.steps[signal] / float(np.sqrt(12.0))
+    if model.blocks[model.driven[signal][0]].role is not Role.VALVE:
+        return rounding
+    known = record.log[signal][record.log.good(signal)]
+    low, high = model.signal_spans.get(signal, (float(known.min()), float(known.max())))
+    return max(rounding, MECHANICAL * (high - low))

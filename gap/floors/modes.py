@@ -1,0 +1,47 @@
+"""Modes that no log shows: whether a stem sticks or slides.  A replay that has it wrong is wrong until the next slip.
+
+The next row tells, so the interval before it is run again in each mode (``diagram.branches``), and one that brings the
+row down to half is kept.  Each costs ``CHARGE`` nats, what a mode of three at one row of a record is worth.
+"""
+
+from blocks.block import Block
+from diagram.branches import Branches
+from diagram.diagram import Diagram
+from gap.floors.floor import Floor
+from gap.records.record import Record
+
+BEYOND = 20.0  # of its floor, from which on an innovation tells a wrong mode
+SHARE = 0.5  # of what it was, to which another mode must bring a row
+PATIENCE = 4  # rows that go by, at most, where no mode has helped before (branches)
+CHARGE = 6.0  # nats of a mode that is set right
+
+
+def sticking(block: Block) -> bool:
+    """Return whether a block may stick or slide.
+
+    >>> from blocks import Deadband, FirstOrder
+    >>> sticking(Deadband(0.1)), sticking(FirstOrder(1.0, 1.0))
+    (True, False)
+    """
+    return "stuck" in block.modes and not block.sampled
+
+
+def branches_of(diagram: Diagram, model: Diagram, record: Record, floor: Floor) -> Branches | None:
+    """Return when to try other modes of the stem that an effect has put into a diagram; None if there is none.
+
+    ``model``: the diagram without any effect.  Changes of a controller's output tell, and the level of a stem; not
+    what is noisy, and not residuals that are predicted from earlier ones.
+    """
+    known = {block.name for block in model.blocks}
+    stems = [block.name for block in diagram.blocks if block.name not in known and sticking(block)]
+    if not stems or floor.coloured or record.filter is not None:
+        return None
+    scale = dict(zip(record.pinned, floor.L.diagonal().tolist(), strict=True))
+    changes = {s: BEYOND * scale[s] for s, yes in zip(record.pinned, floor.changes, strict=True) if yes}
+    stem = {str(s) for s in diagram[stems[0]].output_labels}
+    offsets = {s: BEYOND * scale[s] for s in record.pinned if s in stem and s not in changes}
+    return (
+        Branches(stems[0], changes=changes, offsets=offsets, share=SHARE, patience=PATIENCE)
+        if changes or offsets
+        else None
+    )

@@ -1,0 +1,69 @@
+"""Effects that are one block in the path of a signal: most of them.
+
+at       what the place gives goes through the block, and whoever reads or logs it sees the effect
+after    the same for those who use it, while a log still shows what the place gave: flow behind the stem position
+before   what enters the place goes through the block, and nobody else sees it
+"""
+
+from collections.abc import Mapping
+from typing import ClassVar, Literal
+
+from blocks.block import Block
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.insertion.effect import Effect, known_first
+from gap.insertion.paths import given, measured, users
+from gap.insertion.scales import ends, span
+
+
+class Inserted(Effect):
+    """An effect that is one block, which ``made`` returns; ``where`` it lies, the ``state`` it starts settled in."""
+
+    where: ClassVar[Literal["at", "after", "before"]] = "at"
+    state: ClassVar[str] = ""
+
+    def made(self, diagram: Diagram, place: str) -> Block | Diagram:
+        """Return the block of the effect, with any values that it may have."""
+        raise NotImplementedError
+
+    def fits(self, diagram: Diagram, block: Block) -> bool:
+        """Return whether one signal goes in or out where the effect lies, and somebody uses it."""
+        if self.where == "before":
+            return measured(diagram, block) is not None
+        if len(block.output_labels) != 1 or (self.role is Role.VALVE and len(block.input_labels) != 1):
+            return False
+        return self.where == "at" or bool(users(diagram, given(diagram, block.name)))
+
+    def put(self, diagram: Diagram, place: str) -> Diagram:
+        """Return the diagram with the block of the effect."""
+        block = diagram[place]
+        new = self.made(diagram, place)
+        if self.where == "before":
+            return diagram.insert(str(measured(diagram, block)), new, readers=place)
+        if self.where == "at":
+            return diagram.insert(str(block.output_labels[0]), new)
+        signal = given(diagram, place)
+        return diagram.insert(signal, new, readers=users(diagram, signal))
+
+    def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:
+        """Return the diagram with the block settled at the first value of its signal, or of the nearest one known."""
+        if not self.state:
+            return diagram
+        own, at = diagram[self.block(place)], diagram[place]
+        read = [b for b in diagram.blocks if not {*own.output_labels}.isdisjoint(b.input_labels)]
+        near = [*own.output_labels, *own.input_labels, *at.output_labels, *at.input_labels]
+        near += [s for b in read for s in b.output_labels]
+        key = f"{own.name}.{self.state}"
+        now = float(own.x0[own.state_names.index(self.state)]) if self.state in own.state_names else 0.0
+        return diagram.starting_at({key: known_first(first, map(str, near), now)})
+
+
+def percent_in(diagram: Diagram, place: str) -> float:
+    """Return one percent of the span of what enters a valve, OP [its unit]."""
+    return span(diagram, str(diagram[place].input_labels[0])) / 100.0
+
+
+def percent_out(diagram: Diagram, place: str) -> float:
+    """Return one percent of what a valve gives, its travel: of its span, or of OP's if it states none [its unit]."""
+    stem = given(diagram, place)
+    return span(diagram, stem) / 100.0 if ends(diagram, stem) else percent_in(diagram, place)

@@ -1,0 +1,52 @@
+"""How straight a log is: a historian that compresses draws lines between the values that it kept."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.insertion.effect import Effect
+from logs import Log
+
+Floats = NDArray[np.float64]
+SIZES = 13  # deviations that are tried
+ROUNDS = 3
+
+
+def lined(values: Floats, step: float) -> float:
+    """Return the share of three neighbours that lie on a line, equal ones too, within the rounding ``step``.
+
+    >>> lined(np.array([0.0, 1.0, 2.0, 2.0, 2.0, 5.0]), 0.0)
+    0.5
+    """
+    bend = np.abs(np.diff(values, 2))
+    bend = bend[np.isfinite(bend)]
+    return float(np.mean(bend <= 1.01 * step + 1e-9)) if len(bend) else 0.0
+
+
+def sloping(values: Floats, step: float) -> float:
+    """Return the share of three neighbours that lie on a line and are not all equal, within the rounding ``step``.
+
+    >>> sloping(np.array([0.0, 1.0, 2.0, 2.0, 2.0, 5.0]), 0.0)
+    0.25
+    """
+    bend, rise = np.abs(np.diff(values, 2)), np.abs(np.diff(values))
+    near = 1.01 * step + 1e-9 * float(np.nanmax(np.abs(values), initial=0.0))
+    moved = (rise[1:] > 0.0) | (rise[:-1] > 0.0)
+    return float(((bend <= near) & moved).mean()) if len(bend) else 0.0
+
+
+def deviation_of(log: Log, effect: Effect, place: str, signal: str, step: float, values: Floats) -> float:
+    """Return the deviation of a compression that makes a signal of a log as straight as ``values`` [its unit].
+
+    ``step``: rounding of the signal [its unit].  Equal neighbours count, so that more deviation is never less straight.
+    """
+    wanted = lined(values, step)
+    low, high = effect.parameters[0].low, effect.parameters[0].high
+    for _ in range(ROUNDS):
+        sizes = np.geomspace(low, high, SIZES)
+        shares = []
+        for size in sizes:
+            made = effect.on_log(log, place, deviation=float(size))[signal]
+            shares.append(lined(np.round(made / step) * step if step else made, step))
+        k = int(np.clip(np.searchsorted(np.maximum.accumulate(shares), wanted), 1, len(sizes) - 1))
+        low, high = float(sizes[k - 1]), float(sizes[k])
+    return float(np.sqrt(low * high))

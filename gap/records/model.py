@@ -1,0 +1,127 @@
+"""A diagram as a diagnosis uses it: its nuisances told apart, its set points taken from the log.
+
+Nuisances are blocks that draw random numbers (``sd`` > 0): sensor noise, loads that nobody measures.  For a replay they
+are silenced, for runs without a gap they draw.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from blocks.noise import Noise, Seeded
+from blocks.role import Role
+from blocks.sources import Constant
+from diagram.diagram import Diagram
+from gap.records.record import FEWEST, GapError, Record
+from gap.records.regular import with_inputs_held, with_rows_filled
+from logs import Log
+
+LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One source of random numbers: its block, standard deviation ``sd`` and correlation time [s] (0: white)."""
+
+    block: str
+    sd: float
+    correlation_time: float
+
+    def __str__(self) -> str:
+        colour = f", correlation time {self.correlation_time:g} s" if self.correlation_time else ", white"
+        return f"{self.block} (standard deviation {self.sd:g}{colour})"
+
+
+def nuisances(diagram: Diagram) -> tuple[Nuisance, ...]:
+    """Return the sources of random numbers in a diagram.
+
+    >>> from blocks import Noise
+    >>> from diagram import wire
+    >>> print(*nuisances(wire([Noise("D", sd=0.1, dt=1.0, correlation_time=60.0)], outputs=["D"])))
+    D (standard deviation 0.1, correlation time 60 s)
+    """
+    found = []
+    for block in diagram.blocks:
+        values = dict(zip(block.param_names, block.p, strict=False))
+        if isinstance(block, Seeded) and values.get("sd", 0.0) > 0.0:
+            found.append(Nuisance(block.name, float(values["sd"]), float(values.get("correlation_time", 0.0))))
+    return tuple(found)
+
+
+def silenced(diagram: Diagram) -> Diagram:
+    """Return the diagram without the random numbers of its nuisances, and without blocks that only look on.
+
+    A noise that is a block of its own becomes its mean, which costs a replay nothing.
+    """
+    quiet = {}
+    for nuisance in nuisances(diagram):
+        block = diagram[nuisance.block]
+        if isinstance(block, Noise):
+            mean = Constant(str(block.output_labels[0]), block.params["mean"], name=block.name).with_role(block.role)
+            diagram = diagram.replace(block.name, mean)
+        else:
+            quiet[f"{nuisance.block}.sd"] = 0.0
+    watching = [block.name for block in diagram.blocks if block.role is Role.HISTORIAN]
+    if watching:
+        diagram = diagram.without(*watching)
+    return diagram.with_params(quiet) if quiet else diagram
+
+
+def known_within(diagram: Diagram) -> dict[str, tuple[float, float]]:
+    """Return the parameters of a diagram that are known within a tolerance only: block.parameter -> (low, high).
+
+    >>> from cases.models import ideal_flow
+    >>> known_within(ideal_flow().with_tolerances({"process.K": 0.5}))
+    {'process.K': (1.5, 4.5)}
+    """
+    found = {}
+    for key, share in diagram.tolerances.items():
+        value = float(diagram.params[key])
+        found[key] = (value - share * abs(value), value + share * abs(value))
+    return found
+
+
+def with_logged_sources(diagram: Diagram, log: Log) -> Diagram:
+    """Return the diagram with the sources that the log knows (set points) replaced by open inputs of their names."""
+    known = [
+        block.name
+        for block in diagram.blocks
+        if block.role is Role.SOURCE and not block.ports_in and set(block.output_labels) <= set(log.names)
+    ]
+    return diagram.without(*known) if known else diagram
+
+
+def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
+    """Return the diagram with its logged sources open, and the record of the signals that both have.
+
+    Missing values of open inputs are taken as held, missing rows as rows of nothing (``gap.records.regular``).
+
+    Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, or rows are too few.
+    """
+    if len(log) < FEWEST:
+        raise GapError(f"the log has {len(log)} rows, which is too few to tell a gap; give at least {FEWEST}")
+    if log.duration > LONGEST * log.dt * len(log):
+        raise GapError(
+            f"the log has {len(log)} rows over {log.duration:.3g} s, though a row every {log.dt:.3g} s is the rule; "
+            "mend its times, or cut it at the gaps"
+        )
+    opened = with_logged_sources(diagram, log)
+    missing = [s for s in opened.open_inputs if s not in log]
+    if missing:
+        raise GapError(
+            f"the model's input {missing[0]!r} is not in the log, which has {', '.join(log.names) or 'no signals'}; "
+            "log it, rename a column, or close the input in the model"
+        )
+    empty = [s for s in opened.open_inputs if not log.good(s).any()]
+    if empty:
+        raise GapError(f"the model's input {empty[0]!r} has no good value in the log; log it, or close it in the model")
+    scans = min((b.period for b in opened.blocks if b.sampled), default=0.0)
+    log = with_rows_filled(with_inputs_held(log, opened.open_inputs), opened.open_inputs, scans)
+    usable = [s for s in opened.signals if s in log and log.good(s).sum() >= FEWEST]
+    if not usable:
+        raise GapError(
+            f"the log has none of the signals that the model drives: it has {', '.join(log.names) or 'none'}, the "
+            f"model drives {', '.join(opened.signals[:20])}; rename the columns to these"
+        )
+    bad = [s for s in usable if np.isnan(log[s]).all()]
+    return opened, Record(log, tuple(opened.open_inputs), tuple(s for s in usable if s not in bad))

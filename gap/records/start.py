@@ -1,0 +1,75 @@
+"""Where a model starts in a record: the states and memories with which the first offsets vanish.
+
+    min over s of  sum over the first rows and all pinned signals of ((o(s) - 0) / spread of the signal)^2
+
+by Gauss and Newton, from the model's own start values; what the first rows do not feel stays as the model says.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.noise import seeded
+from diagram.diagram import Diagram
+from gap.records.offsets import offsets
+from gap.records.record import Record
+
+Floats = NDArray[np.float64]
+ROWS = 60  # of the record's beginning
+STEP = 1e-3  # perturbation of a start value, in its own size or 1e-3
+FELT = 1e-6  # smallest response, in spreads of the signal per unit of start value, that counts
+ROUNDS = 8
+SHARES = (2.0, 1.0, 0.5, 0.2, 0.05)  # of a step
+NO_STATE = {"mode", *seeded(0)}  # memories that are switches or random numbers
+
+
+def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
+    """Return the start values of a silent model that suit the first rows of a record, by name."""
+    log = record.log.samples(0, min(ROWS, len(record.log)))
+    head = Record(log, record.played, record.pinned)
+    spread = np.array([max(float(np.nanstd(record.log[s])), 1e-9) for s in record.pinned])
+    names = {
+        f"{block.name}.{name}": float(value)
+        for block in quiet.blocks
+        for name, value in [
+            *zip(block.state_names, block.x0, strict=True),
+            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n not in NO_STATE),
+        ]
+    }
+    if not names:
+        return {}
+    values, cost = dict(names), np.inf
+    for _ in range(ROUNDS):
+        found = _tried(quiet, head, [values, *({**values, key: v + _step(v)} for key, v in values.items())]) / spread
+        seen = np.isfinite(found).all(axis=0)
+        residual = found[0][seen]
+        cost = float(residual @ residual)
+        J = np.stack([(found[k + 1][seen] - residual) / _step(v) for k, v in enumerate(values.values())], axis=1)
+        felt = np.flatnonzero(np.linalg.norm(J, axis=0) > FELT)
+        if len(felt) == 0:
+            break
+        change = np.linalg.lstsq(J[:, felt], -residual, rcond=1e-6)[0]
+        keys = list(values)
+        # A limit hides a part of the slopes: too long a step is as likely as too short a one.
+        ahead = [
+            {**values, **{keys[k]: values[keys[k]] + share * float(c) for k, c in zip(felt, change, strict=True)}}
+            for share in SHARES
+        ]
+        costs = [float(np.sum(one[np.isfinite(one)] ** 2)) for one in _tried(quiet, head, ahead) / spread]
+        best = int(np.argmin(costs))
+        if not costs[best] < cost:
+            break
+        values = ahead[best]
+        if costs[best] > 0.999 * cost:
+            break
+    return values
+
+
+def _tried(quiet: Diagram, head: Record, many: Sequence[Mapping[str, float]]) -> Floats:
+    """Return the offsets from each set of start values, (sets, rows, signals)."""
+    return offsets(quiet, head, start={key: np.array([values[key] for values in many]) for key in many[0]})
+
+
+def _step(value: float) -> float:
+    return STEP * max(abs(value), 1.0)

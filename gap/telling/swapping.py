@@ -1,0 +1,69 @@
+"""The swap test: replace what the blamed segment gives by what the log says it gave, and see the gap vanish elsewhere.
+
+    share = 1 - (E(swapped)^2 - w^2) / (E(free)^2 - w^2)
+                            E root mean square of a free run less the log, for signals of other segments; w their noise
+
+In a loop every signal is wrong when one block is.  If only the blamed segment is, all others come right as soon as its
+outputs are those of the log.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagram.ensembles.running import ensemble
+from gap.floors.problem import Problem
+
+
+@dataclass(frozen=True)
+class Swap:
+    """``given`` signals taken from the log; ``signal`` that is looked at; its error ``before`` and ``after``,
+    and what ``noise`` makes of it without a gap [unit].
+    """
+
+    given: tuple[str, ...]
+    signal: str
+    before: float
+    after: float
+    noise: float
+
+    @property
+    def share(self) -> float:
+        """Share of the error beyond the noise that has gone, as squares; 0 where there is none."""
+        removable = self.before**2 - self.noise**2
+        return float(np.clip((self.before**2 - self.after**2) / removable, 0.0, 1.0)) if removable > 0.0 else 0.0
+
+    def __str__(self) -> str:
+        given = " and ".join(self.given)
+        return (
+            f"Swap test: with {given} from the log in place of the model's, the error of {self.signal} in a free run "
+            f"goes from {self.before:.2g} to {self.after:.2g} ({100.0 * self.share:.0f} % of what noise leaves)."
+        )
+
+
+def swapped(problem: Problem, place: str) -> Swap | None:
+    """Return what the swap of the segment of a block shows; None where no other segment drives a logged signal."""
+    pinned = problem.record.pinned
+    logged = [s for s in problem.record.log.names if s in problem.quiet.signals]
+    segment = next((one for one in problem.quiet.segments(logged) if place in one.blocks), None)
+    if segment is None:
+        return None
+    given = tuple(s for s in pinned if s in segment.drives)
+    others = tuple(s for s in pinned if s not in given)
+    if not given or not others:
+        return None
+    free, swap = (_errors(problem, held, others) for held in ((), given))
+    worst = max(others, key=lambda s: free[s] - swap[s])
+    k = pinned.index(worst)
+    noise = 0.0 if problem.floor.changes[k] else float(np.linalg.norm(problem.floor.L[k]))
+    return Swap(given, worst, free[worst], swap[worst], noise)
+
+
+def _errors(problem: Problem, given: tuple[str, ...], signals: tuple[str, ...]) -> dict[str, float]:
+    """Return signal -> root mean square of a run, with some signals as the log has them, less the log."""
+    log = problem.record.log
+    held = problem.quiet.pinned(log, [*problem.record.played, *given])
+    many = ensemble(
+        held, log.duration, t0=np.full(1, log.t[0]), times=log.t, signals=list(signals), progress=False
+    )  # fmt: skip
+    return {s: float(np.sqrt(np.nanmean((many.values[s][0] - log[s])[problem.floor.skipped :] ** 2))) for s in signals}
