@@ -1,7 +1,9 @@
 """Fit an effect with a hidden mode, such as a stem that sticks: its score has many troughs and one deep, narrow one.
 
 1. A grid over both sizes, the second as a share of the first, and patterns of points around the best few, on the first
-   part of the record, with the modes as the replay has them, which makes the deep trough wide.
+   part of the record, with the modes as the replay has them, which makes the deep trough wide.  Where the stem itself
+   is logged each row puts it right, and the best such replay may be one whose stem never moves by itself: there a
+   second search has wrong modes set right from the beginning.
 2. From its bottom patterns, ever smaller, with wrong modes set right, which tells where replays of the true sizes go
    wrong.  Modes set right repair wrong sizes as well, by many more of them, so here each costs more.
 3. Where the modes are right innovations have slopes: steps along these on the whole record, and patterns only where
@@ -16,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from gap.fits.search import Candidate, Fit, best_of, refined
+from gap.insertion.paths import given
 
 FIRST = 14  # sizes of the first parameter
 SHARES = (0.0, 0.12, 0.25, 0.4, 0.6, 0.85)  # the second as a share of the first
@@ -40,10 +43,13 @@ Point = tuple[float, float]  # the first size, and the second as a share of it
 
 def fitted_hidden(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode; None if no run succeeded."""
-    point, wide, across = _searched(candidate)
-    fit = best_of(_at(candidate, [point]))
+    logged = given(candidate.problem.model, candidate.place) in candidate.problem.record.pinned
+    ends = [_searched(candidate, modes) for modes in ((False, True) if logged else (False,))]
+    fits = _at(candidate, [point for point, _, _ in ends])
+    fit = best_of(fits)
     if fit is None:
         return None
+    _, wide, across = ends[fits.index(fit)] if len(fits) == len(ends) else ends[0]
     if _filtered(candidate):
         near, rounds = _share(fit) >= WORTH_BETWEEN, ROUNDS_BETWEEN
     else:
@@ -56,7 +62,7 @@ def fitted_hidden(candidate: Candidate) -> Fit | None:
 
 def glimpsed(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode, searched coarsely on the first part of the record."""
-    point, _, _ = _searched(candidate)
+    point, _, _ = _searched(candidate, False)
     return best_of(_at(candidate, [point]))
 
 
@@ -107,14 +113,17 @@ def _grid(candidate: Candidate) -> list[Point]:
     ]
 
 
-def _searched(candidate: Candidate) -> tuple[Point, float, float]:
-    """Return the point of the lowest score on the first part of the record, and the last widths of a pattern there."""
-    head = _head(candidate, False)
+def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
+    """Return the point of the lowest score on the first part of the record, and the last widths of a pattern there.
+
+    ``modes``: wrong ones are set right from the beginning.
+    """
+    head = _head(candidate, modes)
     low, high = head.bounds[head.sizes[0]]
     wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
-    fits = sorted(_at(head, _grid(head)), key=lambda fit: fit.F)
+    fits = sorted(_at(head, _grid(head)), key=_cost)
     ends = [_followed(head, _point(fit), fit, wide, 0.12, rounds=4) for fit in _apart(fits)]
-    ends.sort(key=lambda one: one[1].F)
+    ends.sort(key=lambda one: _cost(one[1]))
     point, fit, wide, across = ends[0]
     if fit.F >= head.absent.F - ENOUGH:
         return point, wide, across

@@ -10,6 +10,7 @@ from gap.effects import effect
 from gap.explanations.candidates import candidates, ranked
 from gap.explanations.nesting import one_of_nested
 from gap.fits.adequacy import adequate, complete
+from gap.fits.hidden import fitted_hidden
 from gap.floors.floor import MECHANICAL
 from gap.floors.modes import CHARGE
 from gap.records.offsets import offsets
@@ -89,3 +90,14 @@ def test_sizes_of_a_stem_are_found_where_set_right_modes_make_other_troughs():
     log = Log(t, {"SP": SP["SP"], "OP": run.values["OP"][0].round(6), "PV": run.values["PV"][0].round(6)})
     sizes = diagnose(ideal_flow(), log, catalogue=[effect("stiction")]).causes[0].parameters
     assert sizes["S"].value == pytest.approx(4.0, rel=0.01) and sizes["J"].value == pytest.approx(1.5, rel=0.02)
+
+
+@pytest.mark.parametrize(("S", "J"), [(3.0, 1.2), (5.0, 4.0)])
+def test_sizes_of_a_logged_stem_are_found(recorded, S, J):
+    # expected: S and J of the simulation; rows put a logged stem right, so that plain replays are best with twice S of
+    # the second one, and replays whose modes are set right find 1.6 times S of the first
+    problem = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV", "MV"], S=S, J=J))
+    (candidate,) = candidates(problem, problem.quiet, [effect("stiction")])
+    found = fitted_hidden(candidate)
+    assert found is not None
+    assert found.values["S"] == pytest.approx(S, rel=0.01) and found.values["J"] == pytest.approx(J, rel=0.02)
