@@ -2,6 +2,7 @@
 
 import pytest
 
+from benchmarks.gap.generator import record
 from cases.models import ideal_flow
 from gap import diagnose
 from gap.diagnosis import prepared
@@ -10,6 +11,7 @@ from gap.explanations.alternatives import alternatives
 from gap.explanations.beside_digits import beside_digits
 from gap.explanations.candidates import candidates, ranked
 from gap.explanations.pairs import paired
+from logs import Log
 
 DIGITS = [effect(name) for name in ("quantisation", "step_disturbance", "sensor_bias", "process_gain")]
 STEM = [effect(name) for name in ("deadband", "process_gain", "valve_gain", "sensor_span", "dead_time")]
@@ -30,6 +32,16 @@ def test_a_sensor_of_few_levels_alone_is_named_alone(with_effects):
     problem = prepared(ideal_flow(), log)
     (first,) = [f for f in ranked(candidates(problem, problem.quiet, DIGITS), False) if f.effect.name == "quantisation"]
     assert beside_digits(problem, first, DIGITS, 1, False) is None
+
+
+def test_a_sensor_of_very_few_levels_in_the_record_of_another_program_is_named_alone():
+    # expected: nothing beside; that program meets the levels at other instants, which a scan of 0.2 s fits by 550 nats
+    made = record("ideal", ("quantisation",), "gross", 7910)
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    problem = prepared(ideal_flow(), log)
+    scans = [effect("quantisation"), effect("scan_time")]
+    (first,) = [f for f in ranked(candidates(problem, problem.quiet, scans), False) if f.effect.name == "quantisation"]
+    assert beside_digits(problem, first, scans, 1, False) is None
 
 
 def test_beside_more_noise_the_class_of_the_other_is_listed(with_effects):
