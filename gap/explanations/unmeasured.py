@@ -46,6 +46,9 @@ class UnmeasuredLoad:
 
     ``F`` score with the price of its freedom, ``left`` the score of what it leaves, of which no more than ``limit`` is
     without a gap.
+
+    >>> print(UnmeasuredLoad("feed", "-", 0.0651, 112.0, 1.0, 1.0, 1.0))
+    a load at feed that nobody measures, of standard deviation 0.065, half of it slower than 110 s
     """
 
     place: str
@@ -65,7 +68,7 @@ class UnmeasuredLoad:
         unit = f" {self.unit}" if self.unit not in ("", "-") else ""
         return (
             f"a load at {self.place} that nobody measures, of standard deviation {self.sd:.2g}{unit}, "
-            f"half of it slower than {self.period:.2g} s"
+            f"half of it slower than {float(f'{self.period:.2g}'):g} s"
         )
 
 
