@@ -41,7 +41,7 @@ REFUSED = ("manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not
 SAMPLES = 100  # of a record; the simulated ones have 300 and more
 TRAVELS = 1.0  # % of OP's span, or of its unit: over less no stem need move
 # In a process known to integrate a deadband makes the loop cycle, which no simulation that is learnt from shows.  From
-# this probability on 2 % of such loops are called (training law, seed 63000; ``benchmarks.detect --only levels``).
+# this probability on 2 % of such loops are called (training law, 63000 to 63002; ``benchmarks.detect --only levels``).
 LEVEL = 0.99
 LEVELS_CYCLE = (
     "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV tells them apart"
