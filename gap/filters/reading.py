@@ -14,7 +14,7 @@ from gap.filters.scanned import base_period
 from gap.insertion.effect import Effect
 from gap.insertion.paths import made_of
 from gap.records.model import Nuisance, known_within, nuisances
-from gap.records.record import RARE, Record, rounding
+from gap.records.record import RARE, Record, rounding, switch_rows
 
 Floats = NDArray[np.float64]
 UNSEEN = 1e9  # variance of a signal that is not there
@@ -42,10 +42,10 @@ class Filtering:
         found = np.arange(len(self.Y)) >= self.skipped
         if self.apart:
             for s in self.record.played:
-                moved = np.flatnonzero(np.diff(self.record.log[s]) != 0.0) + 1
-                if len(moved) < RARE * len(self.Y):
+                rows = switch_rows(self.record.log, s)
+                if len(rows) < RARE * len(self.Y):
                     for k in range(NEAR):
-                        found[np.minimum(moved + k, len(found) - 1)] = False
+                        found[np.minimum(rows + k, len(found) - 1)] = False
         return found
 
     @cached_property

@@ -9,7 +9,7 @@ import numpy as np
 
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import tried
-from gap.records.record import switches
+from gap.records.record import switch_rows, switches
 
 BEHIND = 5  # rows in which a switch shows
 MOST = 12  # scans within an interval that are tried
@@ -34,7 +34,7 @@ def with_switches(now: Filtered) -> Filtered:
         loss.append(found.losses)
     cost = np.array(loss)
     for j in switching:
-        for row in np.flatnonzero(np.diff(log[f.record.played[j]]) != 0.0) + 1:
+        for row in switch_rows(log, f.record.played[j]):
             leads[j, row] = int(np.argmin(cost[:, row : row + BEHIND].sum(axis=1)))
     if np.array_equal(leads, f.leads):
         return now

@@ -14,7 +14,7 @@ from diagram.diagram import Diagram
 from diagram.inputs import close, source_name
 from gap.floors.floor import losses
 from gap.floors.problem import Problem
-from gap.records.record import switches
+from gap.records.record import switch_rows, switches
 
 Floats = NDArray[np.float64]
 BEHIND = 3  # rows in which a switch shows
@@ -42,7 +42,7 @@ def with_instants(problem: Problem, explained: Diagram | None = None) -> Problem
     leads = {}
     for s in switching:
         lead = np.zeros(len(log))
-        for k in np.flatnonzero(np.diff(log[s]) != 0.0) + 1:
+        for k in switch_rows(log, s):
             first = max(int(k) - problem.floor.skipped, 0)
             lead[k] = early[int(np.argmin(loss[:, first : first + BEHIND].sum(axis=1)))]
         leads[s] = lead

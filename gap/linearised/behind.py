@@ -15,7 +15,7 @@ from blocks.recorded import Recorded
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
 from gap.linearised.between import BEFORE, line, moves
-from gap.records.record import Record, switches
+from gap.records.record import Record, switch_rows, switches
 from logs import Log
 
 Floats = NDArray[np.float64]
@@ -89,7 +89,7 @@ def _rows(record: Record) -> NDArray[np.int64]:
     for s in record.played:
         if switches(record.log, s):
             early = record.leads.get(s, {})
-            for k in (np.flatnonzero(np.diff(record.log[s]) != 0.0) + 1).tolist():
+            for k in switch_rows(record.log, s).tolist():
                 found[k + (k not in early) : k + 1 + ROWS] = True
     return np.flatnonzero(found)
 

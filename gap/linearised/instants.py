@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from diagram.diagram import Diagram
 from gap.floors.floor import losses
 from gap.linearised.filtered import Filter, known_to
-from gap.records.record import Record, switches
+from gap.records.record import Record, switch_rows, switches
 
 Floats = NDArray[np.float64]
 SHARES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 0.97)  # of an interval that are tried first
@@ -27,7 +27,7 @@ def with_switches(quiet: Diagram, record: Record, filter: Filter) -> Record:
     """Return the record with the instants of its switches at which a silent model leaves least."""
     log = record.log
     rows = {
-        s: (np.flatnonzero(np.diff(log[s]) != 0.0) + 1).tolist() for s in record.played if switches(log, s)
+        s: switch_rows(log, s).tolist() for s in record.played if switches(log, s)
     }  # fmt: skip
     if not any(rows.values()):
         return record

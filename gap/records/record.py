@@ -84,7 +84,16 @@ def switches(log: Log, signal: str) -> bool:
     >>> switches(Log(np.arange(40.0), {"SP": np.repeat([1.0, 2.0], 20)}), "SP")
     True
     """
-    return 0.0 < float((np.diff(log[signal]) != 0.0).mean()) < RARE
+    return 0.0 < len(switch_rows(log, signal)) / max(len(log) - 1, 1) < RARE
+
+
+def switch_rows(log: Log, signal: str) -> NDArray[np.intp]:
+    """Return the rows at which a signal has another value than at the row before.
+
+    >>> switch_rows(Log(np.arange(4.0), {"SP": np.array([1.0, 1.0, 2.0, 2.0])}), "SP").tolist()
+    [2]
+    """
+    return np.flatnonzero(np.diff(log[signal]) != 0.0) + 1
 
 
 class Residuals(Protocol):
