@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.gap.baselines import free_run_place, shrinkages
+from benchmarks.gap.generator import FAMILIES
 from benchmarks.gap.models import model
 from benchmarks.gap.oracle import possible, relative, restated, right
 from benchmarks.gap.plant import runs as plant_runs
@@ -200,7 +201,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a dozen records, for continuous integration")
     parser.add_argument("--json", metavar="FILE", help="also write one flat JSON object ('-': standard output, alone)")
-    parser.add_argument("--family", choices=("tuning", "report"), default="report", help="which seeds and effects")
+    parser.add_argument("--family", choices=tuple(FAMILIES), default="report", help="which seeds and effects")
     parser.add_argument("--folder", type=Path, default=Path("benchmark-gap"), help="where diagnoses are kept")
     parser.add_argument("--minutes", type=float, default=1e9, help="stop after so long; the next call goes on")
     parser.add_argument(

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.gap.generator import FAMILIES
 from blocks import Staircase, StickSlip
 from cases.plant_models import LOGGED_PLANT, LOGGED_SECTION, full_plant, separator_section
 from diagram import simulate
@@ -20,7 +21,6 @@ from logs import Log
 MODELS = {"separator_section": (separator_section, LOGGED_SECTION), "full_plant": (full_plant, LOGGED_PLANT)}
 ROUNDING = {"p": 100.0, "V": 1e-3, "O": 1e-4, "w": 1e-2, "t": 1.0, "S": 0.0}  # by the first letter of the signal
 EVERY = 2.0  # [s]
-FAMILIES = {"tuning": 1, "report": 2}
 SWINGS = {"SP_PCS11": 0.02, "SP_LCS11": 0.02, "SP_PCS21": 0.02, "SP_LCS21": 0.02}  # of the set point, either way
 
 # typical sizes; gross ones are twice as far from neutral

@@ -32,6 +32,9 @@ def test_there_are_enough_of_each_kind():
 def test_nothing_of_the_report_is_used_for_tuning():
     tuning, report = benchmark("tuning"), benchmark("report")
     assert len({run.key for run in (*tuning, *report)}) == len(tuning) + len(report)
+    assert len(benchmark("report_2")) == len(report) and not {run.key for run in benchmark("report_2")} & {
+        run.key for run in report
+    }
     assert not {run.outside for run in tuning if run.outside} & {run.outside for run in report}
     pairs = [{run.effects for run in family if len(run.effects) == 2} for family in (tuning, report)]
     assert len(pairs[0]) == 20 and len(pairs[1]) == 110
