@@ -14,10 +14,12 @@ A filter of a large diagram has no modes to set right: there the first patterns 
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from gap.fits.search import Candidate, Fit, best_of, refined
+from gap.floors.problem import Problem
 from gap.insertion.paths import given
 
 FIRST = 14  # sizes of the first parameter
@@ -95,14 +97,18 @@ def promising(many: Sequence[Candidate]) -> list[Candidate]:
 
 def _head(candidate: Candidate, modes: bool) -> Candidate:
     """Return a candidate on the first part of the record, with wrong modes set right or as replays have them."""
-    problem = candidate.problem.early
+    return replace(candidate, problem=_first_part(candidate.problem, modes))
+
+
+@lru_cache(maxsize=8)
+def _first_part(whole: Problem, modes: bool) -> Problem:
+    """Return the problem of the first part of a record; the same one again for the next candidate."""
+    problem = whole.early
     if len(problem.record.log) < FEWEST:
-        problem = candidate.problem
-    if problem is candidate.problem:
+        problem = whole
+    if problem is whole:
         problem = replace(problem, record=problem.record.first_part(HEAD))
-    if problem.modes != modes:
-        problem = replace(problem, modes=modes)
-    return replace(candidate, problem=problem)
+    return problem if problem.modes == modes else replace(problem, modes=modes)
 
 
 def _grid(candidate: Candidate) -> list[Point]:
