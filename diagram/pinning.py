@@ -1,6 +1,7 @@
 """A diagram with pins behind the drivers of its logged signals: see ``pins`` for what that is good for."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from diagram.wiring import WiringError
 from logs import Log
 
 Floats = NDArray[np.float64]
+SHARED = 256  # pins and sources that copies of a diagram share, with their tables
 
 
 def pinned(diagram: D, log: Log, signals: Sequence[str] | None = None) -> D:
@@ -36,26 +38,34 @@ def pinned(diagram: D, log: Log, signals: Sequence[str] | None = None) -> D:
 
 def pin_blocks(diagram: Wired, log: Log, names: Sequence[str]) -> tuple[dict[str, Recorded], list[Pin]]:
     """Return the sources that play the logged open inputs, and the pins of the other signals."""
-    played = {
-        s: Recorded(s, *_samples(log, s), hold="previous", name=source_name(diagram, s))
-        for s in names
-        if s in diagram.open_inputs
-    }
+    played = {s: _source(log, s, source_name(diagram, s)) for s in names if s in diagram.open_inputs}
     pins = []
     for s in names:
         if s not in played:
             folder, _, _ = s.rpartition("/")
             driver = diagram.blocks[diagram.driven[s][0]].name.removeprefix(f"{folder}/")
-            pin = Pin(
-                *_samples(log, s),
-                name=f"{s} pin",
-                inputs=[f"{s}:{driver}"],
-                outputs=[s, f"{s}:offset"],
-                units=dict.fromkeys(("r", "s", "offset"), diagram.signal_units[s]),
-                spans={"s": diagram.signal_spans[s]} if s in diagram.signal_spans else None,
-            )
-            pins.append(pin)
+            span = diagram.signal_spans.get(s)
+            pins.append(_pin(log, s, driver, diagram.signal_units[s], None if span is None else tuple(span)))
     return played, pins
+
+
+@lru_cache(maxsize=SHARED)
+def _source(log: Log, signal: str, name: str) -> Recorded:
+    """Return the source that plays a logged open input; the same one again for the next diagram."""
+    return Recorded(signal, *_samples(log, signal), hold="previous", name=name)
+
+
+@lru_cache(maxsize=SHARED)
+def _pin(log: Log, s: str, driver: str, unit: str, span: tuple[float, float] | None) -> Pin:
+    """Return the pin behind the driver of a signal; the same one again for the next diagram."""
+    return Pin(
+        *_samples(log, s),
+        name=f"{s} pin",
+        inputs=[f"{s}:{driver}"],
+        outputs=[s, f"{s}:offset"],
+        units=dict.fromkeys(("r", "s", "offset"), unit),
+        spans=None if span is None else {"s": span},
+    )
 
 
 def logged(diagram: Wired, log: Log, signals: Sequence[str] | None) -> list[str]:

@@ -8,9 +8,11 @@ import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from threading import Lock
 from typing import Unpack
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +23,7 @@ from diagram.coarse import ToleranceWarning, too_coarse
 from diagram.diagram import Diagram
 from diagram.ensembles.per_run import apart, grids
 from diagram.ensembles.result import Ensemble, freeze
-from diagram.ensembles.variants import Floats, Places, Variants, variants_of
+from diagram.ensembles.variants import Floats, Places, Target, Variants, variants_of
 from diagram.flatten import DELAY_RECORDS, Plan
 from diagram.inputs import Inputs
 from diagram.kept import logging_only, wanted_signals
@@ -38,6 +40,7 @@ from engine.table import Component
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 
+LAYOUTS = 8  # kept of a diagram, for its next ensembles
 GLANCE = 0.1  # how often the progress is told [s]
 
 
@@ -127,8 +130,26 @@ class _Layout:
     parts: tuple[_Part, ...]
 
 
-def _lay_out(variants: Variants, i: int, wanted: Sequence[str], records: int) -> _Layout:
-    """Lay out the diagram for variant ``i`` and all others with the same dead times in force."""
+_Key = tuple[tuple[Target, ...], frozenset[int], tuple[str, ...], int, tuple[bool, ...]]
+_kept: "WeakKeyDictionary[Diagram, dict[_Key, _Layout]]" = WeakKeyDictionary()
+
+
+def _lay_out(variants: Variants, i: int, wanted: tuple[str, ...], records: int, shape: tuple[bool, ...]) -> _Layout:
+    """Return the layout for variant ``i`` and all others with the same dead times in force: ``shape``.
+
+    What differs between variants is written in for each run, so ensembles of one diagram in which the same values and
+    blocks differ share it.
+    """
+    layouts = _kept.setdefault(variants.diagram, {})
+    key = variants.targets, frozenset(variants.blocks), wanted, records, shape
+    if key not in layouts:
+        if len(layouts) >= LAYOUTS:
+            layouts.clear()
+        layouts[key] = _made(variants, i, wanted, records)
+    return layouts[key]
+
+
+def _made(variants: Variants, i: int, wanted: Sequence[str], records: int) -> _Layout:
     variants.diagram.plan()  # the copies below share it where it fits
     diagram = variants.diagram_of(i)
     laid = diagram.plan(records)
@@ -178,7 +199,9 @@ class _Runs:
         self.shape_of = self.shape_of.ravel()
         self.pasts = _pasts(variants)
         records = max([DELAY_RECORDS, *(2 * past.records for past in self.pasts if past is not None)])
-        self.layouts = [_lay_out(variants, self._first(s), wanted, records) for s in range(len(shapes))]
+        self.layouts = [
+            _lay_out(variants, self._first(s), wanted, records, tuple(shape)) for s, shape in enumerate(shapes.tolist())
+        ]
         self.lock = Lock()
         self.waiting = iter(range(n))
         self.done = 0
@@ -278,7 +301,7 @@ class _Runs:
         """Return a layout with longer delay lines than the one that was full, for this and all later variants."""
         with self.lock:
             if self.layouts[shape] is full:
-                self.layouts[shape] = _lay_out(self.variants, self._first(shape), self.wanted, full.laid.records * 4)
+                self.layouts[shape] = _made(self.variants, self._first(shape), self.wanted, full.laid.records * 4)
             return self.layouts[shape]
 
     def result(self) -> Ensemble:
@@ -300,7 +323,11 @@ class _Runs:
 
 
 def _work(runs: _Runs, n: int, workers: int, progress: Progress) -> None:
-    """Let the runs work while this thread tells the progress and listens for Ctrl-C."""
+    """Let the runs work while this thread tells the progress and listens for Ctrl-C; one run alone needs no other."""
+    if n == 1 and progress is False:
+        with suppress(KeyboardInterrupt):
+            runs.work()
+        return
     with reporting(progress, n, "variants") as tell, ThreadPoolExecutor(min(workers, n)) as pool:
         tasks = [pool.submit(runs.work) for _ in range(min(workers, n))]
         try:

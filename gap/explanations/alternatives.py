@@ -13,12 +13,13 @@ from gap.explanations.pair import Pair
 from gap.explanations.proposals import smooth
 from gap.fits.inserting import inserted
 from gap.fits.ranges import fitted
-from gap.fits.search import Candidate, Fit, best_of, narrowed, refined, slopes
+from gap.fits.search import Candidate, Fit, best_of, narrowed, near_neutral, refined
 from gap.floors.problem import Problem
 from gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
 LIKE = 0.99  # cosine between the slopes of two effects at neutral, from which on the other is fitted too
+LIKE_ALONE = 0.9  # the same without the other effect, where slopes are known already
 TIE = 6.0  # nats between explanations that the record does not tell apart
 
 
@@ -36,12 +37,15 @@ def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]
     base = problem.quiet if noisy else inserted(problem.quiet, other)
     here = replace(fit.candidate, base=base)
     best = refined(here.tried([fit.values])[0]) if noisy else fit
-    own = _trace(here)
+    own, alone = near_neutral(here), _alone(here)
     for candidate in candidates(problem, base, catalogue):
         known = candidate.effect is fit.effect or candidate.effect is other.effect
         if known or not smooth(candidate):
             continue
-        if own is None or (trace := _trace(candidate)) is None or abs(_cosine(own, trace)) < LIKE:
+        if own is None or not _alike(alone, _alone(candidate), LIKE_ALONE):
+            continue
+        trace = near_neutral(candidate)
+        if trace is None or not _alike(own, trace, LIKE):
             continue
         starts = [one for one in (fitted(candidate), *_as_large(candidate, fit, own, trace)) if one is not None]
         found = best_of([one for one in starts if one.present])
@@ -70,16 +74,24 @@ def _as_large(candidate: Candidate, fit: Fit, own: Floats, trace: Floats) -> lis
     """
     name, other = candidate.sizes[0], fit.candidate.sizes[0]
     size, (low, high) = fit.values[other], candidate.bounds[name]
-    moved = (size - fit.candidate.nominal[other]) * float(own @ trace) / float(trace @ trace)
+    moved = (size - fit.candidate.nominal[other]) * float(np.nansum(own * trace)) / float(np.nansum(trace**2))
     sizes = {candidate.nominal[name] + moved, size}
     return candidate.tried([{name: s} for s in sizes if low <= s <= high])
 
 
 def _cosine(a: Floats, b: Floats) -> float:
+    a, b = np.nan_to_num(a), np.nan_to_num(b)
     return float(a @ b) / float(np.linalg.norm(a) * np.linalg.norm(b))
 
 
-def _trace(candidate: Candidate) -> Floats | None:
-    """Return the slope of the innovations in an effect's size at neutral; None if there is none."""
-    J, felt = slopes(candidate.absent, candidate.sizes[:1])
-    return np.nan_to_num(J[:, 0]) if felt else None
+def _alone(candidate: Candidate) -> Floats | None:
+    """Return the slope of an effect's size at neutral without the other effect, which is known from proposing pairs."""
+    quiet = candidate.problem.quiet
+    if all(block.name != candidate.place for block in quiet.blocks):
+        return None
+    return near_neutral(replace(candidate, base=quiet))
+
+
+def _alike(own: Floats | None, other: Floats | None, least: float) -> bool:
+    """Return whether two slopes may be those of one effect; what has none alone may have some beside another."""
+    return own is None or other is None or abs(_cosine(own, other)) >= least

@@ -20,7 +20,7 @@ from gap.explanations.candidates import way
 from gap.fits.inserting import inserted
 from gap.fits.ranges import fitted
 from gap.fits.robust import step
-from gap.fits.search import Candidate, Fit, slopes
+from gap.fits.search import Candidate, Fit, near_neutral, slopes
 from gap.fits.together import marked
 from gap.floors.problem import Problem
 
@@ -129,11 +129,11 @@ def _shape(fit: Fit, rows: NDArray[np.int64]) -> _Shape | None:
         high.append(WIDE[1])
         starts.append(dict(fit.values))
     if smooth(candidate):
-        J, felt = slopes(absent, candidate.sizes[:1])
-        if felt:
-            name = felt[0]
+        slope = near_neutral(candidate)
+        if slope is not None:
+            name = candidate.sizes[0]
             bounds, nominal = candidate.bounds[name], candidate.nominal[name]
-            columns.append(J[:, 0].reshape(absent.e.shape)[rows].ravel())
+            columns.append(slope.reshape(absent.e.shape)[rows].ravel())
             low.append(bounds[0] - nominal)
             high.append(bounds[1] - nominal)
             starts.append({**absent.values, name: max(bounds[0], nominal + SMALL * (bounds[1] - nominal))})

@@ -2,8 +2,9 @@
 
 1. A grid over both sizes, the second as a share of the first, and patterns of points around the best few, on the first
    part of the record, with the modes as the replay has them, which makes the deep trough wide.  Where the stem itself
-   is logged each row puts it right, and the best such replay may be one whose stem never moves by itself: there a
-   second search has wrong modes set right from the beginning.
+   is logged its sizes are read off its figure (``figure``).  Where that is not good, each row puts it right, and the
+   best such replay may be one whose stem never moves by itself: there a second search has wrong modes set right from
+   the beginning.
 2. From its bottom patterns, ever smaller, with wrong modes set right, which tells where replays of the true sizes go
    wrong.  Modes set right repair wrong sizes as well, by many more of them, so here each costs more.
 3. Where the modes are right innovations have slopes: steps along these on the whole record, and patterns only where
@@ -14,16 +15,20 @@ A filter of a large diagram has no modes to set right: there the first patterns 
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
+from gap.fits.figure import read_off
 from gap.fits.search import Candidate, Fit, best_of, refined
+from gap.floors.problem import Problem
 from gap.insertion.paths import given
 
 FIRST = 14  # sizes of the first parameter
 SHARES = (0.0, 0.12, 0.25, 0.4, 0.6, 0.85)  # the second as a share of the first
 KEPT, APART = 4, 0.3  # troughs that are followed, and how far apart their first sizes are, as a logarithm
-BEGUN = 2  # from which modes are set right
+HINT = 0.1  # share of what the first part shows that a size of the grid explains before its neighbourhood is looked at
+BEGUN, SAME = 2, 0.03  # troughs from which modes are set right; nearer ones have run into each other
 SHOWS = 0.3  # share of what the first part shows that the search explains before wrong modes are set right
 DEARER = 4.0  # times their charge that modes set right cost besides, in the search
 SHRINK = 0.55  # of a pattern from round to round
@@ -36,15 +41,25 @@ LAST, LAST_ROUNDS = 0.005, 6  # least width of the first pattern there, and how 
 WORTH_BETWEEN, ROUNDS_BETWEEN = 0.2, 12  # the same share and number where a filter makes the residuals
 PLACES = 2  # at which hidden modes are looked for where a filter has told which promise most
 AROUND = 0.1, 0.1  # first widths of a pattern around values that are nearly right
+READ, GOOD = (0.03, 0.05), 0.85  # the same around values read off a log; share that is explained if it was a stem's
 WIDER = 0.9  # of a pattern that has moved
+
+# of points around the best, as shares of their widths; the second half where the first is no better
+PATTERNS = (
+    ((-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (0.7, 0.7), (-0.7, -0.7)),
+    ((-0.4, 0.0), (0.4, 0.0), (0.0, -0.4), (0.0, 0.4), (0.7, -0.7), (-0.7, 0.7)),
+)
+PATTERNS_FLAT = (((-1.0, 0.0), (1.0, 0.0), (-0.4, 0.0), (0.4, 0.0)),)
 
 Point = tuple[float, float]  # the first size, and the second as a share of it
 
 
 def fitted_hidden(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode; None if no run succeeded."""
-    logged = given(candidate.problem.model, candidate.place) in candidate.problem.record.pinned
-    ends = [_searched(candidate, modes) for modes in ((False, True) if logged else (False,))]
+    ends = _read(candidate)
+    if not ends:
+        logged = given(candidate.problem.model, candidate.place) in candidate.problem.record.pinned
+        ends = [_searched(candidate, modes) for modes in ((False, True) if logged else (False,))]
     fits = _at(candidate, [point for point, _, _ in ends])
     fit = best_of(fits)
     if fit is None:
@@ -58,6 +73,16 @@ def fitted_hidden(candidate: Candidate) -> Fit | None:
     if not near:  # far from anything that could be named, alone or beside another, or there
         return fit
     return _followed(candidate, _point(fit), fit, max(wide, LAST), max(across, LAST), rounds=rounds)[1]
+
+
+def _read(candidate: Candidate) -> list[tuple[Point, float, float]]:
+    """Return the point that the log of the stem itself shows, and widths of a pattern there; none if it is not good."""
+    point = None if _filtered(candidate) else read_off(candidate)
+    begun = [] if point is None else _at(_head(candidate, True), [point])
+    if point is None or not begun:
+        return []
+    point, fit, wide, across = _followed(begun[0].candidate, point, begun[0], *READ, finest=10.0 * FINEST)
+    return [(point, wide, across)] if _share(fit) >= GOOD else []
 
 
 def glimpsed(candidate: Candidate) -> Fit | None:
@@ -95,14 +120,18 @@ def promising(many: Sequence[Candidate]) -> list[Candidate]:
 
 def _head(candidate: Candidate, modes: bool) -> Candidate:
     """Return a candidate on the first part of the record, with wrong modes set right or as replays have them."""
-    problem = candidate.problem.early
+    return replace(candidate, problem=_first_part(candidate.problem, modes))
+
+
+@lru_cache(maxsize=8)
+def _first_part(whole: Problem, modes: bool) -> Problem:
+    """Return the problem of the first part of a record; the same one again for the next candidate."""
+    problem = whole.early
     if len(problem.record.log) < FEWEST:
-        problem = candidate.problem
-    if problem is candidate.problem:
+        problem = whole
+    if problem is whole:
         problem = replace(problem, record=problem.record.first_part(HEAD))
-    if problem.modes != modes:
-        problem = replace(problem, modes=modes)
-    return replace(candidate, problem=problem)
+    return problem if problem.modes == modes else replace(problem, modes=modes)
 
 
 def _grid(candidate: Candidate) -> list[Point]:
@@ -122,8 +151,12 @@ def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
     low, high = head.bounds[head.sizes[0]]
     wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
     fits = sorted(_at(head, _grid(head)), key=_cost)
-    ends = [_followed(head, _point(fit), fit, wide, 0.12, rounds=4) for fit in _apart(fits)]
-    ends.sort(key=lambda one: _cost(one[1]))
+    if _share(fits[0]) < HINT:
+        return _point(fits[0]), wide, 0.12
+    ends = [(_point(fit), fit, wide, 0.12) for fit in _apart(fits)]
+    for few in (len(ends), BEGUN):  # two rounds for each, two more for the best
+        ends[:few] = [_followed(head, *end, rounds=2) for end in ends[:few]]
+        ends.sort(key=lambda one: _cost(one[1]))
     point, fit, wide, across = ends[0]
     if fit.F >= head.absent.F - ENOUGH:
         return point, wide, across
@@ -131,9 +164,10 @@ def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
         point, _, wide, across = _followed(head, point, fit, wide, across, finest=10.0 * FINEST)
         return point, wide, across
     best: tuple[Point, Fit, float, float] | None = None
-    for point, fit, *_ in ends[:BEGUN]:
+    for fit in _apart([end[1] for end in ends[:BEGUN]], SAME):
         if _share(fit) < SHOWS or (best is not None and _share(best[1]) >= CLEAN):
             break
+        point = _point(fit)
         (begun,) = _at(_head(candidate, True), [point])
         found = _followed(begun.candidate, point, begun, *AROUND, finest=10.0 * FINEST)
         if best is None or _cost(found[1]) < _cost(best[1]):
@@ -142,11 +176,11 @@ def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
     return point, wide, across
 
 
-def _apart(fits: Sequence[Fit]) -> list[Fit]:
-    """Return the best of fits, which are in order, that lie in troughs of their own."""
+def _apart(fits: Sequence[Fit], least: float = APART) -> list[Fit]:
+    """Return the best of fits, which are in order, that lie in troughs of their own: first sizes ``least`` apart."""
     kept: list[Fit] = []
     for fit in fits:
-        if all(abs(np.log(_point(fit)[0] / _point(other)[0])) > APART for other in kept):
+        if all(abs(np.log(_point(fit)[0] / _point(other)[0])) > least for other in kept):
             kept.append(fit)
     return kept[:KEPT]
 
@@ -189,18 +223,21 @@ def _followed(
     for _ in range(rounds):
         if wide < finest:
             break
-        pattern = [(-1.0, 0.0), (1.0, 0.0), (-0.4, 0.0), (0.4, 0.0)]
-        if not flat:
-            pattern += [(0.0, b) for b in (-1.0, 1.0, 0.4, -0.4)] + [(a, b) for a in (-0.7, 0.7) for b in (-0.7, 0.7)]
-        points = [
-            (float(np.clip(point[0] * np.exp(wide * a), low, high)), float(np.clip(point[1] + across * b, 0.0, 1.0)))
-            for a, b in pattern
-        ]
-        fits = _at(candidate, points)
-        k = int(np.argmin([_cost(one) for one in fits]))
-        if _cost(fits[k]) < _cost(fit):
-            point, fit = points[k], fits[k]
-            wide, across = WIDER * wide, WIDER * across
-        else:
-            wide, across = SHRINK * wide, SHRINK * across
+        moved = False
+        for pattern in PATTERNS_FLAT if flat else PATTERNS:
+            points = [
+                (
+                    float(np.clip(point[0] * np.exp(wide * a), low, high)),
+                    float(np.clip(point[1] + across * b, 0.0, 1.0)),
+                )
+                for a, b in pattern
+            ]
+            fits = _at(candidate, points)
+            k = int(np.argmin([_cost(one) for one in fits]))
+            moved = _cost(fits[k]) < _cost(fit)
+            if moved:
+                point, fit = points[k], fits[k]
+                break
+        less = WIDER if moved else SHRINK
+        wide, across = less * wide, less * across
     return point, fit, wide, across

@@ -28,16 +28,16 @@ def step(e: Floats, J: Floats, low: Floats, high: Floats) -> tuple[Floats, float
     if len(e) == 0 or not (size > 0.0).all():
         return np.zeros(p), float(losses(e).sum())
     scaled = J / size
-    d = np.zeros(p)
+    d, left = np.zeros(p), e
     best, cost = d, float(losses(e).sum())
     s = max(1.0, float(np.median(np.abs(e))) * 3.0)
     for _ in range(ROUNDS):
-        left = e + scaled @ d
         w = 1.0 / (1.0 + (left / (UNIT * s)) ** 2 / NU)
         G = scaled.T @ (scaled * w[:, None])
         change = np.linalg.lstsq(G, -scaled.T @ (w * left), rcond=1e-10)[0]
         d = np.clip(d + change, low * size, high * size)
-        new = float(losses(e + scaled @ d).sum())
+        left = e + scaled @ d
+        new = float(losses(left).sum())
         if new < cost:
             best, cost = d.copy(), new
         if s == 1.0 and np.linalg.norm(change) < 1e-3:

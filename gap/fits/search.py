@@ -18,6 +18,7 @@ from gap.floors.floor import scored
 from gap.floors.modes import CHARGE
 from gap.floors.problem import Problem, Settled
 from gap.insertion.effect import Effect
+from gap.records.offsets import READY
 
 Floats = NDArray[np.float64]
 ROUNDS = 6  # steps along the slopes
@@ -42,7 +43,7 @@ class Candidate:
         """The diagram with the blocks of the effect."""
         if self.effect is None or self.noisy:
             return self.base
-        return self.effect.started(self.effect.put(self.base, self.place), self.place, self.problem.record.first)
+        return _put(self.base, self.effect, self.place, tuple(self.problem.record.first.items()))
 
     @cached_property
     def bounds(self) -> dict[str, tuple[float, float]]:
@@ -156,6 +157,12 @@ class Fit:
         return self.candidate.place
 
 
+@lru_cache(maxsize=READY)
+def _put(base: Diagram, effect: Effect, place: str, first: tuple[tuple[str, float], ...]) -> Diagram:
+    """Return a diagram with the blocks of an effect, settled where the log starts; the same one again next time."""
+    return effect.started(effect.put(base, place), place, dict(first))
+
+
 @lru_cache(maxsize=8)
 def _alone(problem: Problem, base: Diagram) -> Fit:
     """Return the fit of a diagram without any effect more, the same for all candidates."""
@@ -209,6 +216,19 @@ def slopes(fit: Fit, names: Sequence[str] | None = None) -> tuple[Floats, list[s
     J = np.stack([(moved[k].e - fit.e).ravel() / changes[k] for k in kept], axis=1)
     felt = [k for k in range(len(asked)) if float(np.nan_to_num(np.abs(J[:, k])).max(initial=0.0)) > 0.0]
     return J[:, felt], [asked[k] for k in felt]
+
+
+def near_neutral(candidate: Candidate) -> Floats | None:
+    """Return the slope of the innovations in an effect's size at neutral, (rows x signals,); None if there is none."""
+    effect = candidate.effect
+    return None if effect is None else _near(candidate.problem, candidate.base, effect, candidate.place)
+
+
+@lru_cache(maxsize=READY // 2)
+def _near(problem: Problem, base: Diagram, effect: Effect, place: str) -> Floats | None:
+    candidate = Candidate(problem, base, effect, place)
+    J, felt = slopes(candidate.absent, candidate.sizes[:1])
+    return J[:, 0] if felt else None
 
 
 def _each(candidate: Candidate, which: Sequence[int], many: Sequence[Mapping[str, float]]) -> dict[int, Fit]:

@@ -39,6 +39,7 @@ WORTH = 0.5  # nats a row that predicting residuals must gain to be done
 GROWTH = 1.5  # a level whose variance grows by this between the thirds of a record has none
 SMALLEST = 1e-12
 ANY_PROGRAM = 1e-5  # of a state's size: error a step of a large diagram's run; a filter takes it to miss as much
+LARGEST = 1e9  # loss
 MECHANICAL = 1e-4  # share of its travel to which a stem's position is known
 
 
@@ -100,7 +101,8 @@ def whitened(r: Floats, A: Floats, L: Floats) -> Floats:
 def losses(e: Floats) -> Floats:
     """Return the loss of every innovation, 0 where it is unknown."""
     with np.errstate(over="ignore"):  # a square beyond all numbers has the largest loss
-        return np.nan_to_num(0.5 * (NU + 1.0) * np.log1p((e / UNIT) ** 2 / NU), nan=0.0, posinf=1e9)
+        loss = 0.5 * (NU + 1.0) * np.log1p((e / UNIT) ** 2 / NU)
+    return np.asarray(np.minimum(np.where(np.isnan(loss), 0.0, loss), LARGEST))
 
 
 def scored(e: Floats) -> Floats:

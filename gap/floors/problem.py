@@ -12,7 +12,7 @@ from gap.answers.sureness import Sureness
 from gap.floors.floor import Floor, losses, scored
 from gap.floors.modes import branches_of
 from gap.records.model import known_within
-from gap.records.offsets import branched, known_starts, offsets
+from gap.records.offsets import READY, branched, known_starts, offsets
 from gap.records.record import FEWEST, Record
 from logs import Log
 
@@ -71,7 +71,7 @@ class Problem:
 
     def offsets(self, diagram: Diagram, params: Mapping[str, ArrayLike]) -> Floats:
         """Return what the pins add to a diagram that starts as the record does, (runs, rows, signals)."""
-        return offsets(_started(diagram, self), self.record, params)
+        return offsets(_started(diagram, tuple(self.start.items())), self.record, params)
 
     def replayed(
         self,
@@ -84,7 +84,7 @@ class Problem:
 
         ``logs``: one a run in place of the record's.
         """
-        ready = _started(diagram, self)
+        ready = _started(diagram, tuple(self.start.items()))
         branches = branches_of(diagram, self.quiet, self.record, self.floor) if self.modes else None
         found, kept = branched(ready, record or self.record, params, logs=logs, branches=branches)
         e = self.floor.innovations(found)
@@ -164,7 +164,7 @@ class Problem:
         return self.level + float(far * self.floor.sd * np.sqrt(self.known))
 
 
-@lru_cache(maxsize=16)
-def _started(diagram: Diagram, problem: Problem) -> Diagram:
-    """Return a diagram that starts as the record of a problem does; the same one again for its next replays."""
-    return diagram.starting_at(known_starts(diagram, problem.start))
+@lru_cache(maxsize=READY)
+def _started(diagram: Diagram, start: tuple[tuple[str, float], ...]) -> Diagram:
+    """Return a diagram with the start values that it has; the same one again for its next replays."""
+    return diagram.starting_at(known_starts(diagram, dict(start)))

@@ -14,6 +14,7 @@ from gap.records.record import Record
 from logs import Log
 
 Floats = NDArray[np.float64]
+READY = 128  # diagrams that stay pinned to a record: those of a whole catalogue, on its first part too
 
 
 def offsets(
@@ -65,7 +66,7 @@ def branched(
     return found, np.array([float(len(one)) for one in many.taken]) if many.taken else np.zeros(len(found))
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=READY)
 def held(diagram: Diagram, record: Record) -> Diagram:
     """Return the diagram pinned to a record; the same one again for the next replays of it."""
     return diagram.pinned(record.log, [*record.played, *record.pinned])

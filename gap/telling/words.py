@@ -264,16 +264,18 @@ def shape(problem: Problem) -> list[str]:
 def abnormal_segment(problem: Problem) -> tuple[str, ...]:
     """Return the blocks between logged signals where the gap lies, those at which an effect can be.
 
-    The level of a measurement is wrong only if what drives it is; the change of a controller's output also feels how
-    its measurement has moved since the last row.  So signals that keep their level come first.
+    The level of a measurement is wrong only if what drives it is, and so is a stem, which is held to the OP of each
+    row; the change of a controller's output also feels how its measurement has moved since the last row.  So signals
+    that keep their level, and stems, come first.
     """
     floor, e = problem.floor, problem.as_it_is
     usual = max(floor.mean / e.shape[1], float(np.finfo(float).tiny))
     shown = [e[np.isfinite(e[:, k]), k] for k in range(e.shape[1])]
     excess = np.array([float(losses(one).mean()) / usual - 1.0 if len(one) else -np.inf for one in shown])
-    levels = np.where(floor.changes, -np.inf, excess)
+    drivers = [problem.quiet.blocks[problem.quiet.driven[s][0]] for s in problem.record.pinned]
+    levels = np.where(floor.changes & [one.role is not Role.VALVE for one in drivers], -np.inf, excess)
     k = int(np.argmax(levels if levels.max() > ABNORMAL else excess))
-    driver = problem.quiet.blocks[problem.quiet.driven[problem.record.pinned[k]][0]].name
+    driver = drivers[k].name
     logged = [s for s in problem.record.log.names if s in problem.quiet.signals]
     blocks = next(one.blocks for one in problem.quiet.segments(logged) if driver in one.blocks)
     places = tuple(name for name in blocks if problem.quiet[name].role not in NO_PLACE and ":" not in name)

@@ -16,6 +16,7 @@ from diagram import simulate, wire
 from diagram.ensembles import ensemble
 from diagram.ensembles.variants import reseeded
 from engine.status import Status
+from logs import Log
 from plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
@@ -342,3 +343,26 @@ def test_a_variant_whose_model_ends_says_why_as_its_run_alone_does():
     assert result.hint(1) == alone.hint
     assert alone.hint.startswith("S1 is full: 119 of")  # analytic: 117.4 m3 of oil, 1.5 of methane
     assert result.hint(0) == ""
+
+
+def held_lag(SP, PV):
+    """A lag that is held to a log of three rows."""
+    lag = wire([FirstOrder(K=2.0, tau=5.0, inputs="SP")], inputs=["SP"])
+    return lag.pinned(Log([0.0, 1.0, 2.0], {"SP": SP, "PV": PV}))
+
+
+def test_ensembles_of_one_diagram_that_follow_each_other_are_as_they_would_be_alone():
+    """They share what the diagram is laid out as; values, starts and tables are each one's own."""
+    used, other = held_lag([0.0, 1.0, 0.5], [0.0, 0.3, 0.4]), held_lag([1.0, 1.0, 1.0], [0.0, 0.9, 0.8])
+    asked = [
+        {"params": {"process.K": [1.0, 3.0]}},
+        {"params": {"process.K": [2.5]}, "start": {"process.PV": [0.2]}},
+        {"params": {"process.K": [2.0]}, "blocks": {"PV pin": [other["PV pin"]]}},
+        {"params": {"process.K": [2.0]}},
+        {"params": {"process.K": [0.5]}, "start": {"process.PV": [0.1]}},
+    ]
+    for request in asked:
+        fresh = held_lag([0.0, 1.0, 0.5], [0.0, 0.3, 0.4])
+        found, alone = (ensemble(one, 3.0, every=0.5, progress=False, **request) for one in (used, fresh))
+        assert all((found.values[s] == alone.values[s]).all() for s in found.values)
+    assert not (found.values["PV"] == 0.0).all()

@@ -14,6 +14,7 @@ from gap.fits.hidden import fitted_hidden
 from gap.floors.floor import MECHANICAL
 from gap.floors.modes import CHARGE
 from gap.records.offsets import offsets
+from gap.telling.words import abnormal_segment
 from logs import Log
 
 STEMS = [effect("stiction"), effect("deadband")]
@@ -101,3 +102,11 @@ def test_sizes_of_a_logged_stem_are_found(recorded, S, J):
     found = fitted_hidden(candidate)
     assert found is not None
     assert found.values["S"] == pytest.approx(S, rel=0.01) and found.values["J"] == pytest.approx(J, rel=0.02)
+
+
+def test_a_gap_of_a_logged_stem_lies_at_the_valve_whatever_its_cause(recorded):
+    """What it does to the flow shows in PV, too, but a stem that is not where OP holds it proves the valve."""
+    problem = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV", "MV"], S=6.0, J=3.0))
+    assert abnormal_segment(problem) == ("valve",)
+    without = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV"], S=6.0, J=3.0))
+    assert {"valve", "process"} <= {*abnormal_segment(without)}
