@@ -54,23 +54,23 @@ class Observer:
         """Return what each row shows beyond its prediction, (runs, rows, outputs); NaN from where a run fails.
 
         ``params`` block.name -> one value a run; ``u`` (runs, 3, rows, inputs) inputs as ``driven`` gives them;
-        ``y`` (rows, outputs); ``K`` (kinds, states, outputs), ``which`` (rows,) of them; ``start`` state -> value;
-        ``back`` state -> how far it moves for each output to move by one, (outputs,); ``dt`` [s] between rows.
+        ``y`` (runs, rows, outputs); ``K`` (kinds, states, outputs), ``which`` (rows,) of them; ``start`` state ->
+        value; ``back`` state -> how far it moves for each output to move by one, (outputs,); ``dt`` [s] between rows.
         """
-        out = np.full((len(u), *y.shape), np.nan)
+        out = np.full(y.shape, np.nan)
         if self.diagram.plan().delays:  # what a dead time holds is not in the states
             return out
         given = {key: np.broadcast_to(np.asarray(v, dtype=float), len(u)) for key, v in params.items()}
         many = variants_of(self.diagram, given, None, None, np.zeros(len(u)))
         places, columns = many.places(self.diagram.plan(), self.component)
         first = np.array([start.get(name, value) for name, value in zip(self.states, self.start, strict=True)])
-        M = np.array([back.get(name, np.zeros(y.shape[1])) for name in self.states])
+        M = np.array([back.get(name, np.zeros(y.shape[2])) for name in self.states])
         I, W = prepare(self.component, Settings(), 0.0)
         now = Snapshot(self.component, I, W)
         self.diagram.plan().fill(now, self.diagram.blocks)
         for k in range(len(u)):
             now.put(places, many.table[k, columns])
-            out[k] = self._one(I, W, u[k][..., self.read], y, K, which, first.copy(), M, dt)
+            out[k] = self._one(I, W, u[k][..., self.read], y[k], K, which, first.copy(), M, dt)
         return out
 
     def _one(
