@@ -22,6 +22,7 @@ from diagram.branches import Branches
 from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble
 from diagram.ensembles.running import Summary, ensemble
+from diagram.inputs import Inputs
 from diagram.pinning import logged, pin_blocks, pinned
 from diagram.progress import Progress
 from diagram.settings import Changes, Settings, settings_of
@@ -86,6 +87,7 @@ def replays(
     keep: Sequence[str] | None = None,
     params: Mapping[str, ArrayLike] | None = None,
     start: Mapping[str, ArrayLike] | None = None,
+    inputs: Inputs | None = None,
     summary: Summary | None = None,
     keep_logs: bool = True,
     branches: Branches | None = None,
@@ -97,9 +99,9 @@ def replays(
     """Replay many times on all cores: parameters, start values and logs as arrays, one entry a run.
 
     ``logs``: one for all runs, which share its tables, or one a run with equal numbers of rows: other records, or
-    windows of one, ``log.between(t0, t1)``.  ``keep``: the signals to keep, by default the offsets (``PV:offset``,
-    (runs, rows)).  ``summary`` with ``keep_logs=False`` keeps numbers only; ``branches`` as in ``replay``; the rest as
-    in ``ensemble``.
+    windows of one, ``log.between(t0, t1)``.  ``inputs`` as in ``ensemble``, of what no log has.  ``keep``: the signals
+    to keep, by default the offsets (``PV:offset``, (runs, rows)).  ``summary`` with ``keep_logs=False`` keeps numbers
+    only; ``branches`` as in ``replay``; the rest as in ``ensemble``.
 
     Raises ``ValueError`` if logs differ in their number of rows, or in the signals that they have.
 
@@ -134,6 +136,7 @@ def replays(
         start=start,
         t0=float(each[0].t[0]) if isinstance(logs, Log) else [float(log.t[0]) for log in each],
         times=each[0].t if isinstance(logs, Log) else np.array([log.t for log in each]),
+        inputs=inputs,
         blocks=own,
         signals=[s for s in held.signals if s.endswith(":offset")] if keep is None else keep,
         summary=summary,

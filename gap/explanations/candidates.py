@@ -21,7 +21,7 @@ from gap.fits.loads import fitted_load, is_load
 from gap.fits.noise import fitted_noise, is_noise
 from gap.fits.ranges import fitted
 from gap.fits.scans import fitted_scan
-from gap.fits.search import Candidate, Fit, refined
+from gap.fits.search import Candidate, Fit, exact, refined
 from gap.fits.sensitivity import promised
 from gap.fits.texture import fitted_lattice
 from gap.floors.problem import Problem
@@ -54,12 +54,14 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
         return []
     found: list[Fit] = []
     kept: list[Candidate] | None = None
-    ordered = sorted(legal, key=lambda one: len(one.own) if one.effect and one.effect.hidden else 0)
+    problem = legal[0].problem
+    quick = [replace(one, problem=problem.quick) for one in legal]
+    ordered = sorted(quick, key=lambda one: len(one.own) if one.effect and one.effect.hidden else 0)
     with reporting(progress, len(legal), "effects") as tell:
         for done, candidate in enumerate(ordered):
             last = bool(candidate.effect and candidate.effect.hidden)
             if last and not followed(found):
-                found = _finished(found)
+                found = _finished(problem, found)
             told = bool(found) and (_at_floor(found[0]) or any(_by_digits(fit) for fit in found))
             if last and not told and kept is None:
                 hidden = [one for one in ordered if one.effect and one.effect.hidden]
@@ -69,7 +71,7 @@ def ranked(legal: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
                 if fit is not None and np.isfinite(fit.F):
                     found.append(replace(fit, price=price(fit)))
             tell(done + 1, len(legal))
-    return _finished(found)
+    return _finished(problem, found)
 
 
 def _at_floor(fit: Fit) -> bool:
@@ -98,23 +100,34 @@ def followed(found: Sequence[Fit]) -> bool:
     return any(fit.followed for fit in found)
 
 
-def _finished(found: Sequence[Fit]) -> list[Fit]:
+def _finished(problem: Problem, found: Sequence[Fit]) -> list[Fit]:
     """Return the fits in order, the best of them fitted to the end."""
-    ordered = sorted(found, key=lambda fit: fit.total)
-    if not ordered:
+    if not found:
         return []
-    problem = ordered[0].candidate.problem
-    margin = NEAR * max(problem.score - ordered[0].F, 0.0) + 100.0
+    most = FOLLOWED_FREE if problem.free else FOLLOWED
+    ordered = sorted(_own(problem, found, most), key=lambda fit: fit.total)
     done = []
     for k, fit in enumerate(ordered):
-        near = (
-            k < (FOLLOWED_FREE if problem.free else FOLLOWED) and fit.present and fit.total <= ordered[0].total + margin
-        )
-        exact = stands(problem, fit)  # what the digits give is not to be moved
-        if near and not fit.followed and not exact and (not fit.effect.hidden or problem.free):
+        near = k < most and fit.present and fit.total <= ordered[0].total + _margin(problem, ordered)
+        told = stands(problem, fit)  # what the digits give is not to be moved
+        if near and not fit.followed and not told and (not fit.effect.hidden or problem.free):
             fit = replace(refined(fit), followed=True)
         done.append(fit)
     return sorted(done, key=lambda fit: fit.total)
+
+
+def _own(problem: Problem, found: Sequence[Fit], most: int) -> list[Fit]:
+    """Return fits of which those that may be followed are replayed with runs of their own."""
+    ordered = sorted(found, key=lambda fit: fit.total)
+    last = ordered[0].total + _margin(problem, ordered)
+    return [
+        (k < 2 * most and fit.total <= last and exact(fit, problem)) or fit for k, fit in enumerate(ordered)
+    ]  # fmt: skip
+
+
+def _margin(problem: Problem, ordered: Sequence[Fit]) -> float:
+    """Return the nats by which a fit may lag behind the best of all, the first, to be followed."""
+    return NEAR * max(problem.score - ordered[0].F, 0.0) + 100.0
 
 
 def price(fit: Fit) -> float:

@@ -99,10 +99,27 @@ class Candidate:
             for values, one, charge in zip(full, e, charges, strict=True)
         ]
 
+    def settings(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return what a set of values makes of the parameters of the diagram with the effect."""
+        own = {name: values[name] for name in self.own}
+        there = self.effect.settings(self.base, self.place, **own) if self.effect and not self.noisy else {}
+        return {name: values[name] for name in self.problem.free} | there
+
     @cached_property
     def noisy(self) -> bool:
         """Whether the effect is another size of a sensor's noise."""
         return isinstance(self.effect, SensorNoise)
+
+    def near(self, values: Mapping[str, float], present: bool = True) -> "Candidate":
+        """Return the candidate in whose replays runs do between rows what one with these values does.
+
+        ``present``: whether the effect is there with these values; without it runs do what those of the model do.
+        """
+        problem = self.problem
+        if problem.record.filter is None or problem.record.filter.holds:
+            return self
+        held = problem.holding(self.changed, self.settings(values)) if present else problem.quick
+        return replace(self, problem=held)
 
     @cached_property
     def absent(self) -> "Fit":
@@ -205,9 +222,10 @@ def slopes(fit: Fit, names: Sequence[str] | None = None) -> tuple[Floats, list[s
         asked.append(name)
     # a lag of 0 s is no block: where the effect is not there, the model's own parameters move without it
     own = [k for k, name in enumerate(asked) if fit.present or name not in candidate.problem.free]
-    moved = _each(candidate, own, many)
+    near = candidate.near(fit.values, fit.present)
+    moved = _each(near, own, many)
     if len(own) < len(asked):
-        alone = Candidate(candidate.problem, candidate.base)
+        alone = Candidate(near.problem, candidate.base)
         moved |= _each(alone, [k for k in range(len(asked)) if k not in own], many)
     if not moved:
         return np.zeros((fit.e.size, 0)), []
@@ -240,6 +258,17 @@ def _each(candidate: Candidate, which: Sequence[int], many: Sequence[Mapping[str
     return {k: one[0] for k, values in own.items() if (one := candidate.tried([values]))}
 
 
+def exact(fit: Fit, problem: Problem) -> Fit | None:
+    """Return a fit replayed with runs of its own, as a fit of ``problem``; None if that replay fails."""
+    known = fit.candidate.problem
+    held = known.record.filter is not None and known.record.filter.holds
+    if not held or known is problem:
+        return fit
+    own = problem if known.start == problem.start else replace(problem, start=known.start)
+    found = best_of(replace(fit.candidate, problem=own).tried([fit.values]))
+    return None if found is None else replace(found, price=fit.price, followed=fit.followed)
+
+
 def refined(fit: Fit, rounds: int = ROUNDS, names: Sequence[str] | None = None) -> Fit:
     """Return a fit after steps along the slopes of its parameters (all, or those named), within their bounds."""
     candidate = fit.candidate
@@ -259,7 +288,8 @@ def refined(fit: Fit, rounds: int = ROUNDS, names: Sequence[str] | None = None) 
             {**fit.values, **dict(zip(felt, np.clip(at + share * d, low, high).tolist(), strict=True))}
             for share in (1.0, 0.3)
         ]
-        best = best_of(candidate.tried(ahead))
+        best = best_of(candidate.near(fit.values, fit.present).tried(ahead))
+        best = best and exact(best, candidate.problem)
         if best is None or best.F >= fit.F:
             return fit
         gained, fit = fit.F - best.F, replace(best, price=fit.price)

@@ -142,6 +142,23 @@ class Problem:
         enough = excess > SHOWN and excess > FAIR * share * (self.score - self.level)
         return head if enough else self
 
+    @cached_property
+    def quick(self) -> "Problem":
+        """The problem in which a filter takes what runs do between rows from the model for all explanations.
+
+        That makes a replay several times quicker, and so little less exact that only explanations that come near the
+        best have to be replayed with runs of their own.
+        """
+        return self.holding(self.quiet)
+
+    def holding(self, diagram: Diagram, params: Mapping[str, ArrayLike] | None = None) -> "Problem":
+        """Return the problem in which a filter takes what runs do between rows from one run of a diagram."""
+        record = self.record
+        if record.filter is None or record.filter.holds:
+            return self
+        held = record.filter.holding(_started(diagram, self), record, params)
+        return replace(self, record=replace(record, filter=held))
+
     @property
     def rows(self) -> int:
         """How many rows are scored."""

@@ -22,40 +22,46 @@ BETWEEN = tuple((np.arange(8) + 0.5) / 8.0)  # shares of an interval at which a 
 
 
 def as_inputs(
-    diagram: Diagram, record: Record, log: Log, signals: Sequence[str], more: Behind, many: int
+    diagram: Diagram, record: Record, logs: Sequence[Log], signals: Sequence[str], more: Behind, many: int
 ) -> dict[str, Any]:
-    """Return logged signals as inputs of so many runs; ``more`` what each run adds between rows."""
+    """Return logged signals as inputs of so many runs, each of its own log or all of one; ``more`` what each run adds
+    between rows.
+    """
     found: dict[str, Any] = {}
     for s in signals:
         if s in record.played:
             found[s] = Recorded(s, *record.as_played(s), hold="previous")
         elif not moves(diagram, s):
-            found[s] = held(log, s)
+            found[s] = held(logs[0], s) if len(logs) == 1 else [held(log, s) for log in logs]
         else:
-            table = line(diagram, record, log, s)
-            same = s not in more.more or len(more.more[s]) == 1
-            found[s] = more.added(s, table, 0) if same else [more.added(s, table, i) for i in range(many)]
+            tables = [line(diagram, record, log, s) for log in logs]
+            each = max(len(logs), len(more.more[s])) if s in more.more else len(logs)
+            lines = [more.added(s, tables[min(i, len(tables) - 1)], i) for i in range(min(each, many))]
+            found[s] = lines[0] if each == 1 else lines
     return found
 
 
 def driven(
-    diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int, more: Behind
-) -> Floats:
-    """Return what a log makes valves and planned sources give, (runs, 3, rows, inputs): at each row, just before it,
-    and by how much the mean over the interval before it differs from that of a straight line.
+    diagram: Diagram, found: Parts, record: Record, logs: Sequence[Log], own: Mapping[str, Floats], many: int,
+    more: Behind,
+) -> Floats:  # fmt: skip
+    """Return what logs make valves and planned sources give, (runs, 3, rows, inputs): at each row, just before it, and
+    by how much the mean over the interval before it differs from that of a straight line.
 
-    ``own`` parameters of these blocks, one value a run; ``more`` what each run adds to the log between rows.
+    ``logs`` one a run, or one for all; ``own`` parameters of these blocks, one value a run; ``more`` what each run adds
+    to a log between rows.
     """
+    t = logs[0].t
     piece = part(diagram, found.fed, "fed")
     inside = [s for s in found.given if s in piece.signals]
     each = 2 + len(BETWEEN)
-    gap = np.diff(log.t)[:, None]
-    times = np.append(log.t[:-1, None] + gap * np.array([0.0, *BETWEEN, 1.0 - BEFORE]), log.t[-1])
-    out = np.zeros((many, 3, len(log), len(found.given)))
+    gap = np.diff(t)[:, None]
+    times = np.append(t[:-1, None] + gap * np.array([0.0, *BETWEEN, 1.0 - BEFORE]), t[-1])
+    out = np.zeros((many, 3, len(t), len(found.given)))
     if inside:
         run = ensemble(
-            piece, log.duration, t0=float(log.t[0]), times=times, params=dict(own), seeds=np.zeros(many, dtype=int),
-            inputs=as_inputs(diagram, record, log, piece.open_inputs, more, many) or None, signals=inside,
+            piece, logs[0].duration, t0=float(t[0]), times=times, params=dict(own), seeds=np.zeros(many, dtype=int),
+            inputs=as_inputs(diagram, record, logs, piece.open_inputs, more, many) or None, signals=inside,
             progress=False,
         )  # fmt: skip
     for j, s in enumerate(found.given):
@@ -63,11 +69,11 @@ def driven(
             values = np.where(run.ok[:, None], run.values[s], np.nan)
             at, within = values[:, ::each], values[:, :-1].reshape(many, -1, each)
         else:
-            table = as_inputs(diagram, record, log, [s], more, many)[s]
-            at = np.broadcast_to(log[s], (many, len(log)))
-            within = np.broadcast_to(at[:, :-1, None], (many, len(log) - 1, each))
-            if isinstance(table, tuple | list):
-                lines = [table] if isinstance(table, tuple) else table
+            table = as_inputs(diagram, record, logs, [s], more, many)[s]
+            at = np.broadcast_to(np.stack([log[s] for log in logs]), (many, len(t)))
+            within = np.broadcast_to(at[:, :-1, None], (many, len(t) - 1, each))
+            lines = [table] if isinstance(table, tuple) else table
+            if isinstance(lines, list) and isinstance(lines[0], tuple):
                 seen = np.stack([np.interp(times[:-1], *one) for one in lines])
                 within = np.broadcast_to(seen.reshape(len(lines), -1, each), within.shape)
         out[:, 0, :, j] = at

@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 from blocks.role import Role
 from diagram.changes import part
 from diagram.diagram import Diagram
-from diagram.inputs import close
 from diagram.linear.slopes import Slopes
 from diagram.pins import replays
 from gap.linearised.behind import NOTHING, Behind, behind
@@ -51,7 +50,7 @@ class Filter:
     ``quiet`` the model; ``loads`` those that nobody measures, signal -> (standard deviation, correlation time [s]);
     ``back`` state -> how far it moves for what is measured to move by one; ``dt`` [s] between rows; ``expected`` (rows,
     signals) what is left on average without a gap behind jumps of set points, between whose rows the outputs of
-    controllers are not quite known.
+    controllers are not quite known; ``held`` what every diagram does there, None for its own run.
     """
 
     parts: Parts
@@ -61,6 +60,7 @@ class Filter:
     process: Linear
     back: Mapping[str, Floats]
     expected: Floats | None = None
+    held: Behind | None = None
     known: dict[object, Any] = field(default_factory=dict, repr=False)
 
     def residuals(
@@ -68,22 +68,29 @@ class Filter:
     ) -> Floats:
         """Return (runs, rows, pinned signals) of a silent diagram: see ``gap.records.offsets.offsets``."""
         given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
-        many = max((len(v) for v in given.values()), default=1)
+        each = [record.log] if logs is None else list(logs)
+        many = max([len(each), *map(len, given.values())])
         found = parts(diagram, replace(record, pinned=(*self.parts.known, *self.parts.measured)), self.loads)
-        more = self._behind(diagram, record, given)
-        out = []
-        for log in [record.log] if logs is None else logs:
-            columns = np.full((many, len(log), len(record.pinned)), np.nan)
-            for s, values in {
-                **self._ruled(diagram, found, record, log, given, more),
-                **self._measured(diagram, found, record, log, given, more),
-            }.items():
-                columns[..., record.pinned.index(s)] = values
-            out.append(columns if self.expected is None else columns - self.expected[: len(log)])
-        return np.concatenate(out)
+        asked = _Asked(diagram, found, record, each, given, self._behind(diagram, record, given))
+        out = np.full((many, len(each[0]), len(record.pinned)), np.nan)
+        for s, values in {**self._ruled(asked), **self._measured(asked)}.items():
+            out[..., record.pinned.index(s)] = values
+        return out if self.expected is None else out - self.expected[: out.shape[1]]
+
+    @property
+    def holds(self) -> bool:
+        """Whether every diagram does between rows what one run does."""
+        return self.held is not None
+
+    def holding(self, diagram: Diagram, record: Record, params: Mapping[str, ArrayLike] | None = None) -> "Filter":
+        """Return the filter for which every diagram does between rows what one run of this one does."""
+        given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
+        return replace(self, held=self._behind(diagram, record, given))
 
     def _behind(self, diagram: Diagram, record: Record, given: Mapping[str, Floats]) -> Behind:
         """Return what runs of a diagram do between rows; a stem that sticks does it at other times than the log's."""
+        if self.held is not None:
+            return self.held
         seen = self.quiet if any(block.can_stick for block in diagram.blocks) else diagram
         known = [*self.parts.known, *self.parts.measured]
         if given and seen is diagram:
@@ -92,62 +99,62 @@ class Filter:
         alone: Behind = self._kept(key, record.log, lambda: behind(seen, record, known, {}))
         return alone
 
-    def _ruled(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], more: Behind
-    ) -> dict[str, Floats]:
+    def _ruled(self, asked: "_Asked") -> dict[str, Floats]:
         """Return the offsets of controllers, (runs or 1, rows) each."""
+        found = asked.found
         if not found.judged:
             return {}
-        own = _own(given, found.ruled)
-        runs = max((len(v) for v in given.values()), default=1) if own or more.runs > 1 else 1
+        own = _own(asked.given, found.ruled)
+        runs = asked.runs(own)
 
         def made() -> dict[str, Floats]:
-            piece = part(diagram, found.ruled, "ruled")
-            inputs = as_inputs(diagram, record, log, piece.open_inputs, more, runs)
-            each = []
-            for i in range(runs):
-                closed = close(piece, {s: v[i] if isinstance(v, list) else v for s, v in inputs.items()})
-                run = replays(closed, [log], signals=list(found.judged), params={key: v[[i]] for key, v in own.items()})
-                each.append({s: np.where(run.ok[:, None], run.values[f"{s}:offset"], np.nan) for s in found.judged})
-            return {s: np.concatenate([one[s] for one in each]) for s in found.judged}
+            piece = part(asked.diagram, found.ruled, "ruled")
+            inputs = as_inputs(asked.diagram, asked.record, asked.logs, piece.open_inputs, asked.more, runs)
+            run = replays(
+                piece, asked.logs[0] if len(asked.logs) < runs else asked.logs, signals=list(found.judged),
+                params={key: np.broadcast_to(v, runs) for key, v in own.items()}, inputs=inputs or None,
+            )  # fmt: skip
+            return {s: np.where(run.ok[:, None], run.values[f"{s}:offset"], np.nan) for s in found.judged}
 
-        if own or more.runs > 1:
+        if own or asked.several:
             return made()
-        key = "ruled", id(log), id(more), _digest(diagram, found.ruled)
-        kept: dict[str, Floats] = self._kept(key, log, made)
+        key = "ruled", id(asked.logs[0]), id(asked.more), _digest(asked.diagram, found.ruled)
+        kept: dict[str, Floats] = self._kept(key, (asked.logs, asked.more), made)
         return kept
 
-    def _measured(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, given: Mapping[str, Floats], more: Behind
-    ) -> dict[str, Floats]:
+    def _measured(self, asked: "_Asked") -> dict[str, Floats]:
         """Return the innovations of measurements, (runs or 1, rows) each."""
-        fed, own = _own(given, found.fed), _own(given, found.rest)
-        y = np.stack([log[s] for s in found.measured], axis=1)
+        found, record = asked.found, asked.record
+        fed, own = _own(asked.given, found.fed), _own(asked.given, found.rest)
+        y = np.stack([np.stack([log[s] for s in found.measured], axis=1) for log in asked.logs])
 
         def made() -> Floats:
-            runs = max((*(len(v) for v in (*fed.values(), *own.values())), more.runs))
-            u = np.broadcast_to(
-                self.driven(diagram, found, record, log, fed, runs, more), (runs, 3, len(log), len(found.given))
-            )
-            process = self._observer(diagram, found)
+            runs = asked.runs({**fed, **own})
+            u = self.driven(asked, fed)
+            u = np.broadcast_to(u, (runs, *u.shape[1:]))
+            process = self._observer(asked.diagram, found)
             known = self.gains(record)
             K = known.of(process.states, self.process.states)
-            e = process.residuals(own, u, y, K, known.which, self.start(record), self.back, self.dt)
+            each = np.broadcast_to(y, (runs, *y.shape[1:]))
+            e = process.residuals(own, u, each, K, known.which, self.start(record), self.back, self.dt)
             return np.where(np.isnan(e) & np.isfinite(y), LOST, known.white(e))
 
-        key = "rest", id(log), id(more), _digest(diagram, (*found.fed, *found.rest))
-        e = made() if fed or own or more.runs > 1 else self._kept(key, log, made)
+        key = "rest", id(asked.logs[0]), id(asked.more), _digest(asked.diagram, (*found.fed, *found.rest))
+        e = made() if fed or own or asked.several else self._kept(key, (asked.logs, asked.more), made)
         return {s: e[..., j] for j, s in enumerate(found.measured)}
 
-    def driven(
-        self, diagram: Diagram, found: Parts, record: Record, log: Log, own: Mapping[str, Floats], many: int,
-        more: Behind,
-    ) -> Floats:  # fmt: skip
+    def driven(self, asked: "_Asked", own: Mapping[str, Floats]) -> Floats:
         """Return the inputs of the process, (runs or 1, 3, rows, inputs): see ``driving``."""
-        if own or more.runs > 1:
-            return driven(diagram, found, record, log, own, many, more)
-        key = "fed", id(log), id(more), found.given, _digest(diagram, found.fed)
-        alone: Floats = self._kept(key, log, lambda: driven(diagram, found, record, log, {}, 1, more))
+
+        def made() -> Floats:
+            return driven(
+                asked.diagram, asked.found, asked.record, asked.logs, own, asked.runs(own), asked.more
+            )  # fmt: skip
+
+        if own or asked.several:
+            return made()
+        key = "fed", id(asked.logs[0]), id(asked.more), asked.found.given, _digest(asked.diagram, asked.found.fed)
+        alone: Floats = self._kept(key, (asked.logs, asked.more), made)
         return alone
 
     def _observer(self, diagram: Diagram, found: Parts) -> Observer:
@@ -163,7 +170,7 @@ class Filter:
         log = record.log
 
         def made() -> Gains:
-            u = self.driven(self.quiet, self.parts, record, log, {}, 1, self._behind(self.quiet, record, {}))[0]
+            u = self.driven(self._plain(record), {})[0]
             between = {k for early in record.leads.values() for k in early}
             doubts: dict[int, Floats] = {}
             for s in self.parts.known:
@@ -184,21 +191,49 @@ class Filter:
         y = np.stack([record.log[s] for s in self.parts.measured], axis=1)
 
         def made() -> Slopes:
-            more = self._behind(self.quiet, record, {})
-            u = self.driven(self.quiet, self.parts, record, record.log, {}, 1, more)[0, 0, 0]
+            u = self.driven(self._plain(record), {})[0, 0, 0]
             at = dict(zip(self.parts.given, u.tolist(), strict=True))
             return near(part(self.quiet, self.parts.rest, "rest"), self.parts, at, y[np.isfinite(y).all(axis=1)][0])
 
         local: Slopes = self._kept(("start", id(record.log)), record.log, made)
         return dict(zip(local.states, local.x.tolist(), strict=True))
 
-    def _kept(self, key: object, log: Log | None, made: Any) -> Any:
-        """Return what is known by a key, or make it; the log that is part of a key lives as long as what it gave."""
+    def _plain(self, record: Record) -> "_Asked":
+        """Return what there is to ask of the model as it is."""
+        return _Asked(
+            self.quiet, self.parts, record, [record.log], {}, replace(self, held=None)._behind(self.quiet, record, {})
+        )
+
+    def _kept(self, key: object, named: object, made: Any) -> Any:
+        """Return what is known by a key, or make it; what the key ``named`` by its id lives as long as what it gave."""
         if key not in self.known:
             if len(self.known) > KEPT:
                 self.known.clear()
-            self.known[key] = log, made()
+            self.known[key] = named, made()
         return self.known[key][1]
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What residuals are asked of: a ``diagram`` with its parts ``found``, ``logs`` one a run or one for all, ``given``
+    parameters, one value a run, and what runs do between rows, ``more``.
+    """
+
+    diagram: Diagram
+    found: Parts
+    record: Record
+    logs: Sequence[Log]
+    given: Mapping[str, Floats]
+    more: Behind
+
+    @property
+    def several(self) -> bool:
+        """Whether runs differ by more than by parameters."""
+        return self.more.runs > 1 or len(self.logs) > 1
+
+    def runs(self, own: Mapping[str, Floats]) -> int:
+        """Return how many runs differ where only some of the parameters are felt."""
+        return max([self.more.runs, len(self.logs), *map(len, own.values())])
 
 
 def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
@@ -220,7 +255,7 @@ def filter_of(model: Diagram, quiet: Diagram, record: Record) -> Record | None:
     if not found.measured or not loads:
         return None
     dt = float(np.median(np.diff(record.log.t)))
-    u = driven(quiet, found, record, record.log, {}, 1, NOTHING)[0, 0]
+    u = driven(quiet, found, record, [record.log], {}, 1, NOTHING)[0, 0]
     at = dict(zip(found.given, u.mean(axis=0).tolist(), strict=True))
     shown = np.array([np.nanmean(record.log[s]) for s in found.measured])
     local = near(part(quiet, found.rest, "rest"), found, at, shown)

@@ -24,7 +24,8 @@ Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less
 LOST = 1e3  # sizes at the start beyond which a process has run away
 AGAIN, FEW = 100, 10  # rows after which slopes are taken again; where they change, and where a process runs away
-SINGLE = 200  # rows, at most, that are followed one by one: a transient, not a model that is far from the log
+SINGLE = 1 / 9  # of the rows, at most, are followed one by one: a transient, not a model that is far from the log
+GONE = 0.05  # share of the rows from which a process has run away, after which it is followed no further
 SAME = 0.5  # share by which the slopes of a state's rate may change meanwhile
 PLACED = 3  # steps to a state that shows a row
 TIED = "observer:tied"
@@ -54,23 +55,23 @@ class Observer:
         """Return what each row shows beyond its prediction, (runs, rows, outputs); NaN from where a run fails.
 
         ``params`` block.name -> one value a run; ``u`` (runs, 3, rows, inputs) inputs as ``driven`` gives them;
-        ``y`` (rows, outputs); ``K`` (kinds, states, outputs), ``which`` (rows,) of them; ``start`` state -> value;
-        ``back`` state -> how far it moves for each output to move by one, (outputs,); ``dt`` [s] between rows.
+        ``y`` (runs, rows, outputs); ``K`` (kinds, states, outputs), ``which`` (rows,) of them; ``start`` state ->
+        value; ``back`` state -> how far it moves for each output to move by one, (outputs,); ``dt`` [s] between rows.
         """
-        out = np.full((len(u), *y.shape), np.nan)
+        out = np.full(y.shape, np.nan)
         if self.diagram.plan().delays:  # what a dead time holds is not in the states
             return out
         given = {key: np.broadcast_to(np.asarray(v, dtype=float), len(u)) for key, v in params.items()}
         many = variants_of(self.diagram, given, None, None, np.zeros(len(u)))
         places, columns = many.places(self.diagram.plan(), self.component)
         first = np.array([start.get(name, value) for name, value in zip(self.states, self.start, strict=True)])
-        M = np.array([back.get(name, np.zeros(y.shape[1])) for name in self.states])
+        M = np.array([back.get(name, np.zeros(y.shape[2])) for name in self.states])
         I, W = prepare(self.component, Settings(), 0.0)
         now = Snapshot(self.component, I, W)
         self.diagram.plan().fill(now, self.diagram.blocks)
         for k in range(len(u)):
             now.put(places, many.table[k, columns])
-            out[k] = self._one(I, W, u[k][..., self.read], y, K, which, first.copy(), M, dt)
+            out[k] = self._one(I, W, u[k][..., self.read], y[k], K, which, first.copy(), M, dt)
         return out
 
     def _one(
@@ -83,7 +84,7 @@ class Observer:
         begins, ends = here + 2.0 * off, np.concatenate([u[1, 1:], u[0, -1:]])  # what is fast feels the end alone
 
         none = np.zeros((len(z), len(z)))
-        single = 0
+        single = gone = 0
 
         def placed(k: int) -> None:
             """Move the state to where it shows a row, as little as that takes."""
@@ -125,17 +126,18 @@ class Observer:
 
         def follow(part: slice, steps: Sequence[int]) -> None:
             """Write what some rows leave, in parts so short that the slopes hold in each."""
-            nonlocal single
+            nonlocal single, gone
             before = z.copy()
-            if went(part):
+            if gone > GONE * len(y) or went(part):
                 return
-            if steps and single < SINGLE:
+            if steps and single < SINGLE * len(y):
                 single += part.stop - part.start if steps[0] == 1 else 0
                 z[:] = before
                 for shorter in parted(part.start, part.stop, steps[0]):
                     follow(shorter, steps[1:])
             elif lost():
                 e[part], z[:] = np.nan, start
+                gone += part.stop - part.start
                 placed(min(part.stop, len(y) - 1))
 
         placed(0)

@@ -104,6 +104,13 @@ class Residuals(Protocol):
     ) -> Floats:
         """Return (runs, rows, pinned signals)."""
 
+    @property
+    def holds(self) -> bool:
+        """Whether what runs do between rows is taken from one run for all."""
+
+    def holding(self, diagram: Diagram, record: "Record", params: Mapping[str, ArrayLike] | None) -> "Residuals":
+        """Return what takes that from one run of a diagram."""
+
 
 @dataclass(frozen=True, eq=False)
 class Record:

@@ -83,5 +83,7 @@ def test_a_process_starts_where_the_log_shows_it_whatever_its_parameters():
     u = np.zeros((4, 1))
     table = np.stack([u + 3.0, u + 3.0, u])[None]
     K, which = np.zeros((1, 1, 1)), np.zeros(4, dtype=np.int64)
-    e = made.residuals({}, table, y, K, which, {"process[PV]": 0.0}, {"process[PV]": np.array([0.5])}, 2.0)[0, :, 0]
+    e = made.residuals({}, table, y[None], K, which, {"process[PV]": 0.0}, {"process[PV]": np.array([0.5])}, 2.0)[
+        0, :, 0
+    ]
     np.testing.assert_allclose(e, 0.0, atol=1e-9)  # y = 2 x rests at 12 with u = 3; x started at 0

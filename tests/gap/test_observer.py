@@ -14,7 +14,7 @@ def run(made, u, y, start, dt, **params):
     """Return what rows show beyond a prediction that nothing sets right; ``u`` (rows, inputs) along straight lines."""
     table = np.stack([u, u, np.zeros_like(u)])[None]
     K = np.zeros((1, len(made.states), y.shape[1]))
-    return made.residuals(params, table, y, K, np.zeros(len(y), dtype=np.int64), start, {}, dt)
+    return made.residuals(params, table, np.array([y] * len(table)), K, np.zeros(len(y), dtype=np.int64), start, {}, dt)
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 50.0])
@@ -48,7 +48,7 @@ def test_parameters_differ_from_run_to_run():
     made = observer(piece, ["u"], ["y"], {})
     table = np.broadcast_to(np.stack([u, u, 0.0 * u])[None], (2, 3, 11, 1))
     K = np.zeros((1, 1, 1))
-    e = made.residuals({"process.K": [2.0, 3.0]}, table, y, K, np.zeros(11, dtype=np.int64), {}, {}, 2.0)
+    e = made.residuals({"process.K": [2.0, 3.0]}, table, np.stack([y, y]), K, np.zeros(11, dtype=np.int64), {}, {}, 2.0)
     np.testing.assert_allclose(e[1], 1.5 * e[0], rtol=1e-9)
     np.testing.assert_allclose(
         -e[0, :, 0], 2.0 * (1.0 - np.exp(-np.arange(0.0, 22.0, 2.0) / 5.0)), rtol=1e-9
