@@ -40,27 +40,27 @@ def affine(block: Block, u: Floats) -> Affine:
     """
     if block.dead_time_param and block.dead_time > 0.0:
         block = block.with_params(**{block.dead_time_param: 0.0})
-    key = block.p.tobytes(), tuple(np.round(u, 9).tolist())
-    return _affine(_Named(block), key)
+    return _affine(Alike(block), tuple(np.round(u, 9).tolist()))
 
 
-class _Named:
-    """A block that is the same for the cache as one of its name, class and start values."""
+class Alike:
+    """A block that is the same for a cache as one of its name, class, parameters and start values."""
 
     def __init__(self, block: Block) -> None:
         self.block = block
-        self.key = type(block), block.name, block.x0.tobytes(), block.d0.tobytes()
+        self.key = type(block), block.name, block.p.tobytes(), block.x0.tobytes(), block.d0.tobytes()
+        self.hashed = hash(self.key)
 
     def __hash__(self) -> int:
-        return hash(self.key)
+        return self.hashed
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Named) and self.key == other.key
+        return isinstance(other, Alike) and self.key == other.key
 
 
 @lru_cache(maxsize=4096)
-def _affine(named: _Named, key: tuple[bytes, tuple[float, ...]]) -> Affine:
-    block, u = named.block, np.array(key[1])
+def _affine(alike: Alike, at: tuple[float, ...]) -> Affine:
+    block, u = alike.block, np.array(at)
     names = block.seen_states()
     x = np.array(block.seen_start(), dtype=float)
     kept = [i for i, name in enumerate(names) if name not in RANDOM]

@@ -21,6 +21,7 @@ from gap.effects.valve_rate_limit import ValveRateLimit
 from gap.effects.valve_saturation import ValveSaturation
 from gap.filters import kalman, laws
 from gap.filters.affine import NotAffine
+from gap.filters.lifted import NOWHERE, lifted
 from gap.filters.operating import operating
 from gap.filters.reading import Filtering
 from gap.filters.scanned import Scanned, scanned
@@ -161,7 +162,7 @@ class Explanation:
         one = self.matrices(full)
         a, b = self.numbers(full)
         U = np.column_stack([f.played, f.time, np.ones(f.scans), self.wave(full)])
-        exact = (self.law != laws.NONE or bool((one.period > 1).any())) if exact is None else exact
+        exact = (self.law in (laws.CURVED, laws.SLOW) or bool((one.period > 1).any())) if exact is None else exact
         return run(f, one, U, self.law, a, b, exact, self, full)
 
 
@@ -222,11 +223,12 @@ def run(
         A = np.empty((n, n))
         kalman.closed(one.F, one.free, told, n, 1.0, law > 0, A)
         kalman.steady(A, one.Q, one.shown, r, f.every, P, K, s)
+    jumps = NOWHERE if exact or law in (laws.CURVED, laws.SLOW) else lifted(one, U, f.every, law)
     e, S = np.empty(f.Y.shape), np.empty(f.Y.shape)
     given = np.empty((f.scans, len(one.v)))
     kalman.filtered(
         one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period, one.offset,
-        one.start, U, f.Y, r, skip, f.acts, f.every, law, a, b, exact, P, K, s, e, S, given,
+        one.start, U, f.Y, r, skip, f.acts, f.every, law, a, b, exact, P, K, s, jumps, e, S, given,
     )  # fmt: skip
     S[skip] = np.broadcast_to(kalman.CERTAIN * r, S.shape)[skip]
     return Filtered(explanation, values, e, S, given)

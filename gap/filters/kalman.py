@@ -18,7 +18,7 @@ import math
 import numpy as np
 from numba import njit
 
-from gap.filters.laws import blurred, through, within
+from gap.filters.laws import STOPS, blurred, through, within
 
 SMALLEST = 1e-16  # variance
 CERTAIN = 12.0 / (2.0 * math.pi)  # of r: variance of a normal law that is as dense as one over the rounding step
@@ -103,22 +103,28 @@ def closed(F, shown, told, n, slope, has_law, out):  # type: ignore[no-untyped-d
 
 @njit(cache=True)
 def spread(P, A, Q, room):  # type: ignore[no-untyped-def]
-    """Replace P by A P A' + Q; A P is put into ``room``."""
+    """Replace P by A P A' + Q; ``room`` for what lies between."""
     n = len(P)
+    for i in range(n):  # whole rows at once: sums of different columns do not wait for each other
+        for j in range(n):
+            room[i, j] = 0.0
+        for k in range(n):
+            if A[i, k] != 0.0:
+                for j in range(n):
+                    room[i, j] += A[i, k] * P[k, j]
+    for i in range(n):
+        for j in range(i):
+            room[i, j], room[j, i] = room[j, i], room[i, j]
     for i in range(n):
         for j in range(n):
-            total = 0.0
-            for k in range(n):
-                if A[i, k] != 0.0:
-                    total += A[i, k] * P[k, j]
-            room[i, j] = total
+            P[i, j] = Q[i, j]
+        for k in range(n):
+            if A[i, k] != 0.0:
+                for j in range(n):
+                    P[i, j] += A[i, k] * room[k, j]
     for i in range(n):
-        for j in range(i, n):
-            total = Q[i, j]
-            for k in range(n):
-                total += room[i, k] * A[j, k]
-            P[i, j] = total
-            P[j, i] = total
+        for j in range(i):
+            P[j, i] = P[i, j]
 
 
 @njit(cache=True)
@@ -127,11 +133,13 @@ def looked(P, h, r, K):  # type: ignore[no-untyped-def]
     n = len(P)
     s = r
     for i in range(n):
-        total = 0.0
-        for j in range(n):
-            total += P[i, j] * h[j]
-        K[i] = total
-        s += h[i] * total
+        K[i] = 0.0
+    for j in range(n):
+        if h[j] != 0.0:
+            for i in range(n):
+                K[i] += P[j, i] * h[j]
+    for i in range(n):
+        s += h[i] * K[i]
     s = max(s, SMALLEST)
     for i in range(n):
         for j in range(n):
@@ -177,31 +185,97 @@ def along(a, row):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
+def forecast(z, at, m, ahead, out):  # type: ignore[no-untyped-def]
+    """Write what limits are held against at each scan until the next row, then z there, where nothing is at a limit."""
+    for i in range(len(out)):
+        out[i] = at[m + i]
+    for q in range(len(z)):
+        for i in range(len(out)):
+            out[i] += ahead[q, i] * z[q]
+
+
+@njit(cache=True)
+def clear(out, bounds, sd):  # type: ignore[no-untyped-def]
+    """Return whether all that is forecast keeps clear of its limits."""
+    for k in range(len(sd)):
+        for c in range(len(bounds)):
+            value = out[k * len(bounds) + c]
+            far = min(value - bounds[c, 0], bounds[c, 1] - value)
+            if far < CLOSE * sd[k, c] or far <= 0.0:
+                return False
+    return True
+
+
+@njit(cache=True)
+def taken_in(z, y, K, s, r, acts, bounds, jumps, at, e, S, now):  # type: ignore[no-untyped-def]
+    """Take in a row with steady gains, ``now`` z behind it; False if something may be at a limit, or is missing."""
+    n, m = len(z), len(y)
+    for c in range(len(bounds)):
+        value = at[m + c]
+        for q in range(n):
+            value += jumps.ahead[q, c] * z[q]
+        if not bounds[c, 0] < value < bounds[c, 1]:
+            return False
+    now[:] = z
+    for j in range(m):
+        guess, c = at[j] + along(jumps.seen[j], now), acts[j]
+        if not np.isfinite(y[j]):
+            return False
+        if c >= 0:
+            near = 1.8 * math.sqrt(12.0 * r[j])
+            if not bounds[c, 0] + near < y[j] < bounds[c, 1] - near or not bounds[c, 0] < guess < bounds[c, 1]:
+                return False
+        for q in range(n):
+            now[q] += K[j, q] * (y[j] - guess)
+        e[j] = (y[j] - guess) / math.sqrt(s[j])
+        S[j] = s[j]
+    return True
+
+
+@njit(cache=True)
 def filtered(  # type: ignore[no-untyped-def]
     F, v, told, H, Q, limits, memory, of, beyond, last, period, offset, start, U, Y, r, skip, acts, every, law, a, b,
-    exact, steady_P, K, s, e, S, given,
+    exact, steady_P, K, s, jumps, e, S, given,
 ):  # fmt: skip
     """Write the innovations ``e`` (rows, signals) and their variances ``S``; NaN where a signal is not taken in.
 
     ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``acts``: which controller
     gives a signal, -1 for none; ``of``: to which controller each ``memory`` belongs; ``period``, ``offset``: scans of
     each controller; ``exact``: the covariance is carried along, else ``steady_P`` (every + 1, n, n), ``K`` and ``s``
-    are what ``steady`` gives; ``given`` (scans, controllers) is written too.
+    are what ``steady`` gives; ``jumps`` from row to row where nothing is at a limit (``lifted``); ``given`` (scans, controllers)
+    is written too.
     """
-    n, N, C, m = len(start), F.shape[1], len(v), len(H)
+    n, N, C, m, columns = len(start), F.shape[1], len(v), len(H), np.ascontiguousarray(F.T)
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
     P, room, A, k_now = np.diag(np.full(n, 1e-4)) * 1.0, np.empty((n, n)), np.empty((n, n)), np.empty(n)
     scans, free, wanted, carried = np.ones(C, dtype=np.bool_), np.ones(C), np.empty(C), True
-    sd, at_once = np.zeros((every, C)), np.zeros((C, n))
-    slopes(v, n, scans, free, last, at_once)
+    sd, at_once, bounds = np.zeros((every, C + 1)), np.zeros((C + 1, n)), np.empty((C + 1, 2))
+    slopes(v, n, scans, free, last, at_once[:C])
+    bounds[:C] = limits
+    bounds[C, 0], bounds[C, 1] = (a, b) if law == STOPS else (-np.inf, np.inf)
+    if law == STOPS:
+        seen_through(told, at_once[:C], n, at_once[C])
     if not exact:
         for k in range(every):
-            for c in range(C):
+            for c in range(C + 1):
                 sd[k, c] = deviation(at_once[c], steady_P[k])
+    out, unsure_by, k = np.empty(n + every * (C + 1)), np.empty((every, C + 1)), -1
     side, push = np.zeros(C, dtype=np.int64), np.zeros(C, dtype=np.int64)
     shown, h, apart = np.empty((C, n)), np.empty(n), np.zeros(len(memory))
     held, loose = z[last[C - 1]], 0.0
-    for k in range(len(U)):
+    while k + 1 < len(U):
+        k += 1
+        at = k // every
+        may_jump = k % every == 0 and at < len(jumps.at_row)
+        if may_jump and not carried:
+            if taken_in(z, Y[at], K, s, r, acts, bounds, jumps, jumps.at_row[at], e[at], S[at], new):
+                forecast(new, jumps.at_row[at], m, jumps.ahead, out)
+                if clear(out, bounds, sd):
+                    for j in range(every):
+                        given[k + j] = out[j * (C + 1) : j * (C + 1) + C]
+                    z[:] = out[every * (C + 1) :]
+                    k += every - 1
+                    continue
         for i in range(n + C + 1, N):
             row[i] = U[k, i - n - C - 1]
         if k % every == 0:
@@ -251,6 +325,19 @@ def filtered(  # type: ignore[no-untyped-def]
                 if abs(P[i, i] - steady_P[0, i, i]) > SETTLED * steady_P[0, i, i]:
                     carried = True
                     break
+        if may_jump and carried:
+            forecast(z, jumps.at_row[at], m, jumps.ahead, out)
+            for j in range(every):
+                for c in range(C + 1):
+                    h[:] = jumps.ahead[:, j * (C + 1) + c]
+                    unsure_by[j, c] = math.sqrt(deviation(h, P) ** 2 + jumps.loose[j, c])
+            if clear(out, bounds, unsure_by):
+                for j in range(every):
+                    given[k + j] = out[j * (C + 1) : j * (C + 1) + C]
+                z[:] = out[every * (C + 1) :]
+                spread(P, jumps.whole, jumps.grown, room)
+                k += every - 1
+                continue
         commanded(row, z, v, limits, period, offset, last, k, scans, free, wanted)
         for c in range(C):
             if not (scans[c] and np.isfinite(limits[c, 0]) and np.isfinite(limits[c, 1])):
@@ -276,6 +363,11 @@ def filtered(  # type: ignore[no-untyped-def]
                             row[n + d] = wanted[d]
         for c in range(C):
             given[k, c] = row[n + c]
+        if law == STOPS and not carried:
+            opening = along(told, row)
+            if min(opening - a, b - opening) < CLOSE * sd[k % every, C]:
+                carried = True
+                P[:] = steady_P[k % every]
         slope, more = 1.0, 0.0
         if carried:
             slopes(v, n, scans, free, last, shown)
@@ -286,10 +378,11 @@ def filtered(  # type: ignore[no-untyped-def]
                 unsure = deviation(h, P)
             row[n + C], slope, more, held, loose = blurred(law, a, b, along(told, row), unsure, held, loose)
         for i in range(n):
-            total = 0.0
-            for j in range(N):
-                total += F[i, j] * row[j]
-            new[i] = total
+            new[i] = 0.0
+        for j in range(N):
+            if row[j] != 0.0:
+                for i in range(n):
+                    new[i] += columns[j, i] * row[j]
         for q in range(len(memory)):
             c, i = of[q], memory[q]
             if q == 0 or of[q - 1] != c:

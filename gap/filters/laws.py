@@ -46,6 +46,12 @@ def blurred(law, a, b, told, sd, held, loose):  # type: ignore[no-untyped-def]
     if sd < 1e-12 and loose < 1e-24:
         mean, slope, end = through(law, a, b, told, held)
         return mean, slope, 0.0, end, 0.0
+    if law == CURVED and abs(a - 1.0) >= 1e-6:  # moments of a lognormal law
+        power, q = math.exp(math.log(a) * told), (math.log(a) * sd) ** 2
+        mean = (power * math.exp(0.5 * q) - 1.0) / (a - 1.0)
+        slope = power * math.exp(0.5 * q) * math.log(a) / (a - 1.0)
+        square = (power / (a - 1.0)) ** 2 * math.exp(q) * math.expm1(q)
+        return mean, slope, max(square - (slope * sd) ** 2, 0.0), told, 0.0
     if law != SLOW:
         loose = 0.0
     variance = sd * sd + loose

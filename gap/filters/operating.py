@@ -1,6 +1,7 @@
 """Where the blocks of a diagram are looked at: at usual values of all signals, controllers far beyond a limit too."""
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 from blocks.block import Block
 from blocks.role import Role
 from diagram.diagram import Diagram
-from gap.filters.affine import Affine, affine
+from gap.filters.affine import Affine, Alike, affine
 
 Floats = NDArray[np.float64]
 ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
@@ -48,6 +49,12 @@ def inside(block: Block, near: Mapping[str, float]) -> Block:
 
 def beyond_limit(block: Block, u: Floats, sign: float, push: float) -> Affine | None:
     """Return a controller far beyond its limit on one side, its error pushing upwards or downwards."""
+    return _beyond(Alike(block), tuple(u.tolist()), sign, push)
+
+
+@lru_cache(maxsize=256)
+def _beyond(alike: Alike, here: tuple[float, ...], sign: float, push: float) -> Affine | None:
+    block, u = alike.block, np.array(here)
     names = block.seen_states()
     if not block.sampled or not names:
         return None

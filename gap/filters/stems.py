@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from gap.filters.kalman import along, commanded, looked, spread
+from gap.filters.kalman import along, looked, spread
 from gap.floors.modes import CHARGE
 
 EVEN = 0.5  # share of the stems that must count
@@ -68,6 +68,34 @@ def settled_gains(A, Q, H, r, every, K, s):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
+def summed(row, R, u, out):  # type: ignore[no-untyped-def]
+    """Write ``row`` times what each stem has, ``R`` (states, stems), and times what all share, ``u``."""
+    for i in range(len(out)):
+        out[i] = 0.0
+    for p in range(len(R)):
+        if row[p] != 0.0:
+            by = row[p]
+            for i in range(len(out)):
+                out[i] += by * R[p, i]
+    for p in range(len(u)):
+        if row[len(R) + p] != 0.0:
+            by = row[len(R) + p] * u[p]
+            for i in range(len(out)):
+                out[i] += by
+
+
+@njit(cache=True)
+def told_by(v, limits, u, R, n, wanted):  # type: ignore[no-untyped-def]
+    """Write what each controller gives each stem into ``R``, and what it would give without limits, ``wanted``."""
+    for c in range(len(v)):
+        for d in range(c, len(v)):
+            R[n + d] = 0.0
+        summed(v[c], R, u, wanted[c])
+        for i in range(R.shape[1]):
+            R[n + c, i] = min(max(wanted[c, i], limits[c, 0]), limits[c, 1])
+
+
+@njit(cache=True)
 def banked(  # type: ignore[no-untyped-def]
     F, v, told, H, limits, memory, of, beyond, last, start, U, Y, acts, moves, every, K, s, jitter, S, J, draws, turns,
     repeats, e, loss, path,
@@ -78,22 +106,21 @@ def banked(  # type: ignore[no-untyped-def]
     signal, -1 for none; ``moves``: which moves the stem, ``jitter`` of its output between rows.
     """
     n, N, C, M, m = len(start), F.shape[1], len(v), draws.shape[1], len(H)
-    period, offset, scans = np.ones(C, dtype=np.int64), np.zeros(C, dtype=np.int64), np.ones(C, dtype=np.bool_)
-    free, wanted, at_mv = np.ones(C), np.empty(C), n + C
-    lo, hi = limits[moves, 0], limits[moves, 1]
-    z = np.empty((M, n))
-    x = np.empty(M)
-    row, new, w = np.zeros(N), np.empty(n), np.full(M, 1.0 / M)
-    miss, other_z, other_x = np.empty(M), np.empty((M, n)), np.empty(M)
+    lo, hi, at_mv = limits[moves, 0], limits[moves, 1], n + C
+    # rows over [z, OPs, MV], a column for each stem: what all stems share of a sum is added to all of them at once
+    R, new, wanted, guess = np.empty((at_mv + 1, M)), np.empty((n, M)), np.empty((C, M)), np.empty(M)
+    z, x, w = R[:n], R[at_mv], np.full(M, 1.0 / M)
+    miss, other, opening, row = np.empty(M), np.empty((at_mv + 1, M)), np.empty(M), np.zeros(N)
+    for q in range(n):
+        z[q] = start[q]
+    for c in range(C):
+        R[n + c] = start[last[c]]
+    R[at_mv] = 0.0
+    summed(told, R, U[0], opening)
     for i in range(M):
-        z[i] = start
-        row[:n] = start
-        row[n:at_mv] = start[last]
-        row[at_mv + 1 :] = U[0]
-        x[i] = along(told, row) + 0.45 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
+        x[i] = opening[i] + 0.45 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
     lost, seen = False, np.nan
     for k in range(len(U)):
-        row[at_mv + 1 :] = U[k]
         phase = k % every
         if phase == 0:
             at = k // every
@@ -110,17 +137,21 @@ def banked(  # type: ignore[no-untyped-def]
                     near = 0.002 * (limits[c, 1] - limits[c, 0])
                     if Y[at, j] >= limits[c, 1] - near or Y[at, j] <= limits[c, 0] + near:
                         continue
+                told_by(v, limits, U[k], R, n, wanted)
+                if c >= 0:
+                    guess[:] = wanted[c]
+                else:
+                    summed(H[j], R, U[k], guess)
                 below, total, largest = 0.0, 0.0, -np.inf
                 for i in range(M):
-                    commanded(row, z[i], v, limits, period, offset, last, k, scans, free, wanted)
-                    row[at_mv] = x[i]
-                    guess = wanted[c] if c >= 0 else along(H[j], row)
-                    miss[i] = (Y[at, j] - guess) / math.sqrt(s[j])
+                    miss[i] = (Y[at, j] - guess[i]) / math.sqrt(s[j])
                     below += w[i] * normal(miss[i])
                     largest = max(largest, -0.5 * miss[i] ** 2)
+                for q in range(n):
+                    gain = K[j, q]
+                    for i in range(M):
+                        z[q, i] += gain * miss[i] * math.sqrt(s[j])
                 for i in range(M):
-                    for q in range(n):
-                        z[i, q] += K[j, q] * miss[i] * math.sqrt(s[j])
                     w[i] *= math.exp(-0.5 * miss[i] ** 2 - largest)
                     total += w[i]
                 if not total > 0.0:  # every stem that counted is excluded: none counts more than another
@@ -134,10 +165,9 @@ def banked(  # type: ignore[no-untyped-def]
                 lost = lost or largest < -0.5 * LOST**2
                 e[at, j] = below
             path[at] = 0.0
-            for i in range(M):
-                path[at] += w[i] * x[i]
             even = 0.0
             for i in range(M):
+                path[at] += w[i] * x[i]
                 even += w[i] ** 2
             if lost:
                 loss[at] += CHARGE
@@ -148,46 +178,37 @@ def banked(  # type: ignore[no-untyped-def]
                     while passed < share and i < M - 1:
                         i += 1
                         passed += w[i]
-                    other_z[q] = z[i]
-                    other_x[q] = x[i]
-                z[:] = other_z
-                x[:] = other_x
+                    for p in range(at_mv + 1):
+                        other[p, q] = R[p, i]
+                R[:] = other
                 w[:] = 1.0 / M
+        told_by(v, limits, U[k], R, n, wanted)
+        op = R[n + moves]
+        known = phase == 0 and np.isfinite(seen)
         for i in range(M):
-            for q in range(n):
-                row[q] = z[i, q]
-            for c in range(C):  # as in ``commanded``, without a call for each stem: that takes longer than the rest
-                total = 0.0
-                for q in range(n + c):
-                    total += v[c, q] * row[q]
-                for q in range(at_mv + 1, N):
-                    total += v[c, q] * row[q]
-                wanted[c] = total
-                row[n + c] = min(max(total, limits[c, 0]), limits[c, 1])
-                free[c] = 1.0 if row[n + c] == total else 0.0
-            op = row[n + moves]
-            known = phase == 0 and np.isfinite(seen)
-            row[n + moves] = seen if known else min(max(op + jitter * draws[k, i], lo), hi)
-            opening = along(told, row)
-            if phase == 0 and lost and i % 2 == 1:
-                x[i] = opening + 0.5 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
-            x[i] = stuck(x[i], opening, S, J, repeats[i])
-            row[n + moves] = op
-            row[at_mv] = x[i]
-            for q in range(n):
-                total = 0.0
-                for p in range(N):
-                    total += F[q, p] * row[p]
-                new[q] = total
-            for q in range(len(memory)):
-                c, at_z = of[q], memory[q]
-                if q == 0 or of[q - 1] != c:
-                    side = 0 if wanted[c] > row[n + c] else 1
-                    push = 0 if (new[at_z] > z[i, at_z]) == (side == 0) else 1
-                if free[c] < 1.0:
-                    new[at_z] = along(beyond[side, push, q], row)
-            for q in range(n):
-                z[i, q] = new[q]
+            guess[i] = op[i]
+            op[i] = seen if known else min(max(guess[i] + jitter * draws[k, i], lo), hi)
+        summed(told, R, U[k], opening)
+        if phase == 0 and lost:
+            for i in range(1, M, 2):
+                x[i] = opening[i] + 0.5 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
+        for i in range(M):
+            x[i] = stuck(x[i], opening[i], S, J, repeats[i])
+            op[i] = guess[i]
+        for q in range(n):
+            summed(F[q], R, U[k], new[q])
+        for c in range(C):
+            for i in range(M):
+                if R[n + c, i] != wanted[c, i]:
+                    row[: at_mv + 1] = R[:, i]
+                    row[at_mv + 1 :] = U[k]
+                    side, push = 0 if wanted[c, i] > R[n + c, i] else 1, -1
+                    for q in range(len(memory)):
+                        if of[q] == c:
+                            if push < 0:
+                                push = 0 if (new[memory[q], i] > z[memory[q], i]) == (side == 0) else 1
+                            new[memory[q], i] = along(beyond[side, push, q], row)
+        z[:] = new
 
 
 def deviates(below: Any) -> Any:

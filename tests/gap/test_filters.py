@@ -8,12 +8,13 @@ from diagram import ensemble, simulate
 from diagram.inputs import close
 from diagram.playback import held
 from gap.effects import effect
-from gap.filters import kalman
+from gap.filters import filtering, kalman
 from gap.filters.affine import NotAffine, affine
 from gap.filters.checks import checks
 from gap.filters.digits import levels
 from gap.filters.filtering import Explanation
 from gap.filters.fitting import refined
+from gap.filters.lifted import NOWHERE, lifted
 from gap.filters.operating import operating
 from gap.filters.reading import Filtering
 from gap.filters.scanned import scanned
@@ -165,7 +166,7 @@ def test_the_likelihood_is_that_of_the_whole_covariance():
     kalman.filtered(
         one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period, one.offset,
         one.start, U, y.reshape(rows, 2), r, empty, acts, every, 0, 0.0, 0.0, True, none, np.zeros((2, n)), np.ones(2),
-        e, S, np.empty((scans, 1)),
+        NOWHERE, e, S, np.empty((scans, 1)),
     )  # fmt: skip
     assert 0.5 * np.sum(e**2 + np.log(S)) == pytest.approx(whole, abs=1e-6)
 
@@ -244,10 +245,50 @@ def test_rows_in_which_a_signal_is_missing_are_filtered_as_the_whole_covariance_
         kalman.filtered(
             one.F, one.v, told, one.H, one.Q, one.limits, one.memory, one.of, one.beyond, one.last, one.period,
             one.offset, one.start, U, Y, r, np.zeros((rows, 2), dtype=bool), np.array([-1, 0]), every, 0, 0.0, 0.0,
-            exact, P, K, s, e, S, np.empty((scans, 1)),
+            exact, P, K, s, NOWHERE, e, S, np.empty((scans, 1)),
         )  # fmt: skip
         found.append((e[100:], S[100:]))
     (e, S), (e_fast, S_fast) = found
     assert S[130, 0] > 1.5 * S[99, 0]  # behind 30 rows of nothing less is known
     assert np.nanmax(np.abs(np.log(S_fast / S))) < 0.03  # variances may differ by 2 % where they count as settled
     assert np.nanmax(np.abs(e_fast - e)) < 0.02 * np.nanmax(np.abs(e))
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("", {}), ("valve_saturation", {"low": 0.0, "high": 88.0}), ("dead_time", {"theta": 2.3})]
+)
+def test_a_row_passed_in_one_step_leaves_what_scan_by_scan_leaves(site_record, monkeypatch, name, values):
+    # oracle: the same filter, one scan after the other; limits are reached, and values are missing
+    log = site_record(middle=2.5)
+    PV = log["PV"].copy()
+    PV[400:430] = np.nan
+    model, record = read(site_flow(rest=2.5), Log(log.t, {"SP": log["SP"], "PV": PV, "OP": log["OP"]}))
+    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    one = Explanation(f, effect(name), "process" if name == "dead_time" else "valve") if name else Explanation(f)
+    steps = []
+
+    def counted(*given):
+        steps.append(lifted(*given))
+        return steps[-1]
+
+    monkeypatch.setattr(filtering, "lifted", counted)
+    fast = one.filtered(values)
+    monkeypatch.setattr(filtering, "lifted", lambda *given: NOWHERE)
+    slow = one.filtered(values)
+    assert len(steps[0].at_row) == len(f.Y) - 1
+    assert np.array_equal(np.isnan(fast.e), np.isnan(slow.e)) and np.isnan(slow.e[500:, 1]).any()
+    assert np.nanmax(np.abs(fast.e - slow.e)) < 1e-7
+    assert np.nanmax(np.abs(fast.S / slow.S - 1.0)) < 1e-9
+    assert np.abs(fast.OP - slow.OP).max() < 1e-9
+
+
+def test_a_stop_of_the_valve_far_away_needs_no_covariance_of_its_own(site_record):
+    # oracle: the covariance carried along from the beginning
+    log = site_record("valve_saturation", "valve", low=0.0, high=56.0)
+    model, record = read(site_flow(rest=1.5), log)
+    f = Filtering(model, silenced(model), record, np.zeros((1, len(log)), dtype=np.int64))
+    one = Explanation(f, effect("valve_saturation"), "valve")
+    values = {"low": 0.0, "high": 56.0, "process.K": 3.0, "process.tau": 10.0}
+    whole = one.filtered(values, exact=True)
+    assert one.filtered(values).nll == pytest.approx(whole.nll, abs=0.5)
+    assert Explanation(f).filtered(values).nll > whole.nll + 20.0
