@@ -1,8 +1,9 @@
 """A verdict by simulation at the record's own conditions: stage (b) of the combined verdict.
 
 The record's conditions are measured, loops of known cause are simulated under them, and probabilities, sizes and the
-detection limit are read off those whose features are nearest to the record's.  See ``conditions``, ``alike`` and
-``posterior``.  A long record is looked at in pieces, whose scores are averaged; loops are as long as a piece.
+detection limit are read off those that the network of convolutions sees nearest to the record.  See ``conditions``,
+``alike`` and ``posterior``.  A long record is looked at in pieces, of whose scores the median counts; loops are as long
+as a piece.
 """
 
 import math
@@ -20,22 +21,23 @@ from scipy.special import expit
 
 from calibration.alike import alike
 from calibration.conditions import Conditions, conditions
-from calibration.posterior import Reading, log_odds, read
+from calibration.posterior import SEEN, Reading, log_odds, read
 from calibration.records import Table, row, table
 from calibration.simulation import simulate
 from calibration.spec import LoopSpec
 from detect.chances import chance
 from detect.judge.answer import Amount
-from detect.judge.model import Model, calibrated, rounded
+from detect.judge.features.network import network_features
+from detect.judge.model import rounded
 from logs import LoopRecord
 
 Floats = NDArray[np.float64]
 
-LOOPS = 600  # about 19 ms of one core each: some 7 s on two; 2,000 were not shown to tell more (docs/methods.md)
+LOOPS = 2000  # about 5 ms of one core each: some 6 s on two
 PIECE, PIECES = 500, 4  # samples of a piece, and how many at most
 FEWEST = 60  # loops with features below which nothing is said
 OWN_PROCESS = 200  # loops that are worth a process of their own
-SHARE = 30  # loops that a process makes at a time
+SHARE = 50  # loops that a process makes at a time
 
 
 @dataclass(frozen=True)
@@ -89,19 +91,20 @@ class AtRecord:
         return found, f"A stick of more than {size} would have shown in this record with 90 % probability."
 
 
-def at_record(
-    record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: int | None = None, model: Model | None = None
-) -> AtRecord:
+def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: int | None = None) -> AtRecord:
     """Return what ``loops`` simulated loops under the record's conditions say of it; equal seeds give equal answers.
 
-    ``workers`` processes (default all cores); ``model`` by whose opinions record and loops are compared (default the
-    calibrated one, stage (a)).  Raises ``ValueError`` if the record shows too little (fewer
-    than 40 good samples, OP or PV that does not move), or too few of the simulated loops do.
+    ``workers`` processes (default all cores).  Raises ``ValueError`` if the record shows too little (fewer than 40 good
+    samples, OP or PV that does not move), or too few of the simulated loops do.
 
     See also: ``conditions`` for what is taken from the record.
     """
     begun = time.perf_counter()
-    looks = [(seen, shown) for piece in split(record) if (seen := _measured(piece)) and (shown := row(piece))]
+    looks = [
+        (seen, shown)
+        for piece in split(record)
+        if (seen := _measured(piece)) and (shown := row(piece, network_features))
+    ]
     if not looks:
         conditions(record)  # says what is wrong, where it is that
         raise ValueError("the record shows too little for any feature; give a longer one in which OP and PV move")
@@ -111,9 +114,7 @@ def at_record(
     enough = len(known) >= FEWEST and 10 <= int(known.sticky.sum()) <= len(known) - 10
     if not enough:
         raise ValueError(f"{len(known)} of {loops} simulated loops show enough; give more loops, or a longer record")
-    names = known.names.tolist()
-    x = np.array([[shown[0][name] for name in names] for _, shown in looks])
-    found = read(known, x, model or calibrated())
+    found = read(known, np.array([[shown[0][name] for name in SEEN] for _, shown in looks]))
     return _told(found, record, float(np.median([shown[1] for _, shown in looks])), seen, begun)
 
 
@@ -142,14 +143,14 @@ def typical(seen: Sequence[Conditions]) -> Conditions:
 
 
 def simulated(specs: Sequence[LoopSpec], workers: int | None = None) -> Table:
-    """Return features and truth of loops, in their order, made by several processes, of which this is one.
+    """Return the network's scores and truth of loops, in their order, made by several processes, of which this is one.
 
     It takes shares from the end, while the others, which must load everything first, take theirs from the beginning.
     """
     count = min(workers or os.cpu_count() or 1, max(1, len(specs) // OWN_PROCESS))
+    shares = [list(specs[k : k + SHARE]) for k in range(0, len(specs), SHARE)]  # so that few signals are kept at a time
     if count <= 1:
-        return made_of(specs)
-    shares = [list(specs[k : k + SHARE]) for k in range(0, len(specs), SHARE)]
+        return _joined([made_of(share) for share in shares])
     made: dict[int, Table] = {}
     with ProcessPoolExecutor(count - 1, mp_context=get_context("spawn")) as pool:
         asked = [pool.submit(made_of, share) for share in shares]
@@ -158,12 +159,18 @@ def simulated(specs: Sequence[LoopSpec], workers: int | None = None) -> Table:
                 break
             made[k] = made_of(shares[k])
         made |= {k: one.result() for k, one in enumerate(asked) if k not in made}
-    return Table.joined([made[k] for k in range(len(shares)) if len(made[k].names)])
+    return _joined([made[k] for k in range(len(shares))])
+
+
+def _joined(tables: Sequence[Table]) -> Table:
+    """Return the tables as one; those of which no loop shows anything know no names, and are left out beside others."""
+    named = [one for one in tables if len(one.names)]
+    return Table.joined(named or tables)
 
 
 def made_of(specs: Sequence[LoopSpec]) -> Table:
-    """Return features and truth of loops, in this process."""
-    return table(simulate(specs, workers=1))
+    """Return the network's scores and truth of loops, in this process."""
+    return table(simulate(specs, workers=1), network_features)
 
 
 def _measured(piece: LoopRecord) -> Conditions | None:

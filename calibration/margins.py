@@ -7,6 +7,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
 
 _OMEGA = np.geomspace(1e-4, 1e2, 600)  # rad/s, for a first lag of 10 s
 
@@ -50,14 +53,23 @@ def ultimate(loop: Loop, scan: float = 0.0) -> tuple[float, float]:
     else:
         control = 1.0 + integral + loop.T_d * s / (loop.T_d / 8.0 * s + 1.0)
     open_loop = control * plant / (loop.T_f * s + 1.0)
-    angle = np.unwrap(np.angle(open_loop))
+    angle = _unwrapped(np.angle(open_loop))
     angle -= 2.0 * math.pi * (angle[0] > 0.0)  # two integrators begin at -180 degrees, or just below
     turns = (angle - (loop.theta + 0.5 * scan) * _OMEGA + math.pi) / (2.0 * math.pi)
     rings = np.flatnonzero((np.floor(turns[1:]) < np.floor(turns[:-1])) & (turns[1:] < 0.0))
     if not len(rings):
         return math.inf, 2.0 * math.pi * (loop.theta + loop.tau1)
-    size = np.abs(open_loop)
-    i = int(rings[np.argmax(size[rings])])
+    i = int(rings[np.argmax(np.abs(open_loop[rings]))])
+    size = np.abs(open_loop[i : i + 2])
     part = float((turns[i] - math.floor(turns[i])) / (turns[i] - turns[i + 1]))
     omega = float(_OMEGA[i] * (_OMEGA[i + 1] / _OMEGA[i]) ** part)
-    return float(1.0 / (size[i] * (size[i + 1] / size[i]) ** part)), 2.0 * math.pi / omega
+    return float(1.0 / (size[0] * (size[1] / size[0]) ** part)), 2.0 * math.pi / omega
+
+
+def _unwrapped(angle: Floats) -> Floats:
+    """``np.unwrap``, which looks at every step, where few of them are jumps."""
+    step = np.diff(angle)
+    jumps = np.flatnonzero(np.abs(step) >= math.pi)
+    for k in jumps.tolist():
+        angle[k + 1 :] += (step[k] + math.pi) % (2.0 * math.pi) - math.pi - step[k]
+    return angle

@@ -1,16 +1,22 @@
-"""What simulated loops of known cause say about one record, by what the calibrated model says of both.
+"""What simulated loops of known cause say about one record, by what the network of convolutions says of both.
 
-    z          log odds of stiction, ln S and ln J over the travel of OP: the model's opinion
-    chance     1/(1 + exp(-(a + b z_odds))), a and b fitted to the simulated loops (Platt 1999)
-    sizes      the opinion on the record, corrected by the errors of the opinions on the sticky loops nearest in z
+    z          log odds of stiction, ln S and ln J over the travel of OP: scores of ``detect.judge.features.network``
+    d          distance from the record to a loop in z, each number over its spread among the loops
+    weight     exp(-(d / (0.6 D))^2 / 2),   D the distance of the ``NEIGHBOURS``-th loop
+    stiction   1/(1 + exp(-(a + b (z - z_record)))) at the record, a and b (3,) fitted to the loops by their weights
+    causes     what is left, shared as the weights of the loops without stiction are
+    sizes      quantiles of the true S and J of the sticky loops, by their weights
     limit      the size from which on a stick is found with the probability ``CHANCE``, where ``FALSE_ALARMS`` of the
                loops without stiction are called sticky
 
-The model has not seen these loops, so its errors on them are those it makes on the record.  A fit of all features to
-the few hundred loops of one record tells stiction worse than the model does (area 0.83 against 0.87).
+The network has not seen these loops, so its errors on them are those it makes on the record.  Three numbers, and not all
+scores: a fit of more to the loops of one record tells stiction in other physics worse (docs/methods.md).
+
+Source of the fit: C. Loader, Local regression and likelihood, Springer 1999, chapter 4.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,15 +26,17 @@ from scipy.special import expit
 
 from calibration.records import Table
 from calibration.scoring import auc
-from detect.judge.model import Model
+from calibration.spec import CAUSES
 
 Floats = NDArray[np.float64]
 
-NEIGHBOURS = 40.0  # loops that a size rests on, about
+SEEN = ("network_sticky", "network_S", "network_J")  # z
+NEIGHBOURS = 300.0  # loops that the answer rests on, about
 FALSE_ALARMS = 0.05  # share of loops without stiction that may be called sticky where the detection limit is read
 CHANCE = 0.9  # of a stick at the detection limit to be found
 QUANTILES = np.array([0.05, 0.5, 0.95])
 PENALTY = 0.05  # on a and b squared: keeps them finite where loops part completely
+STEEP = 1.5  # the same on the slopes near the record, whose loops are fewer
 
 
 def weighted_quantile(values: Floats, weights: Floats, at: Floats) -> Floats:
@@ -63,36 +71,34 @@ class Curve:
     @classmethod
     def fitted(cls, travel: Floats, found: NDArray[np.bool_]) -> "Curve":
         """Fit the curve to loops of known travel (n,) and whether each was found (n,)."""
-        return cls(*chances(np.log(travel), found))
+        a, b = chances(np.log(travel)[:, None], found, np.ones(len(travel)), np.full(2, PENALTY))
+        return cls(float(a), float(b))
 
     def travel(self, chance: float) -> float:
         """Return the travel [-] below which the chance is reached; NaN where it does not grow with the stick."""
         return float(np.exp((np.log(chance / (1.0 - chance)) - self.a) / self.b)) if self.b < -1e-3 else np.nan
 
 
-def chances(x: Floats, yes: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return a and b of the chance 1/(1 + exp(-(a + b x))) that best tells ``yes`` (n,) from ``x`` (n,)."""
-    y = yes.astype(float)
+def chances(x: Floats, yes: NDArray[np.bool_], weights: Floats, penalty: Floats) -> Floats:
+    """Return a and b (1 + d,) of the chance 1/(1 + exp(-(a + x b))) that best tells ``yes`` (n,) from ``x`` (n, d).
 
-    def loss(p: Floats) -> float:
-        chance = np.clip(expit(p[0] + p[1] * x), 1e-9, 1.0 - 1e-9)
-        return float(-(y * np.log(chance) + (1.0 - y) * np.log(1.0 - chance)).sum() + PENALTY * (p @ p))
+    ``weights`` of the loops (n,); ``penalty`` on the square of each of a and b (1 + d,).
+    """
+    columns = np.column_stack([np.ones(len(x)), x])
 
-    best = minimize(loss, np.zeros(2), method="L-BFGS-B").x
-    return float(best[0]), float(best[1])
+    def loss(p: Floats) -> tuple[float, Floats]:
+        z = columns @ p
+        wrong = np.logaddexp(0.0, np.where(yes, -z, z))
+        slope = columns.T @ (weights * (expit(z) - yes)) + 2.0 * penalty * p
+        return float(weights @ wrong + penalty @ p**2), slope
+
+    return np.asarray(minimize(loss, np.zeros(columns.shape[1]), jac=True, method="L-BFGS-B").x)
 
 
 def log_odds(p: Floats) -> Floats:
     """Return ln(p / (1 - p)) of probabilities, kept finite."""
     safe = np.clip(p, 1e-9, 1.0 - 1e-9)
     return np.asarray(np.log(safe / (1.0 - safe)))
-
-
-def opinions(model: Model, names: list[str], x: Floats) -> Floats:
-    """Return z (n, 3) of features (n, f)."""
-    own = x[:, [names.index(name) for name in model.names]]
-    sizes = [model.sizes(own, which)[:, 1] for which in ("S", "J")]
-    return np.column_stack([log_odds(model.probabilities(own)[0]), *sizes])
 
 
 @dataclass(frozen=True)
@@ -114,31 +120,37 @@ class Reading:
     area: float
 
 
-def read(known: Table, x: Floats, model: Model) -> Reading:
-    """Return what simulated loops say about a record of features ``x`` (pieces, f)."""
+def read(known: Table, here: Floats) -> Reading:
+    """Return what simulated loops say about a record of scores ``here`` (pieces, 3), by ``SEEN``."""
     names, sticky = known.names.tolist(), known.sticky
-    z, here = opinions(model, names, known.x), np.median(opinions(model, names, x), axis=0)
-    with np.errstate(invalid="ignore", divide="ignore"):  # loops without a stick have no size
-        true = np.log(np.column_stack([known.truth[which].astype(float) / known.unit for which in ("S", "J")]))
-    a, b = chances(z[:, 0], sticky)
-    p = float(expit(a + b * here[0]))
-    weights = nearest(z[sticky], here)
+    z, at = known.x[:, [names.index(name) for name in SEEN]], np.median(here, axis=0)
+    weights = nearest(z, at)
+    ahead = (z - at) / np.maximum(z.std(axis=0), 1e-9)
+    p = float(expit(chances(ahead, sticky, weights, np.array([PENALTY, STEEP, STEEP, STEEP]))[0]))
+    own = weights[sticky]
     S, J = (
-        np.exp(here[k + 1] + weighted_quantile(true[sticky, k] - z[sticky, k + 1], weights, QUANTILES)) for k in (0, 1)
+        np.exp(weighted_quantile(np.log(known.truth[which][sticky].astype(float) / known.unit[sticky]), own, QUANTILES))
+        for which in ("S", "J")
     )
     J = np.minimum(J, S)
     threshold = float(np.quantile(z[~sticky, 0], 1.0 - FALSE_ALARMS))
-    others = model.probabilities(x[:, [names.index(name) for name in model.names]])[1].mean(axis=0)
-    shares = (1.0 - p) * others / others.sum()
+    travel = known.unit[sticky] / known.truth["S"][sticky].astype(float)
     return Reading(
-        causes={"stiction": p, **dict(zip(model.causes, shares.tolist(), strict=True))},
+        causes={"stiction": p, **_shared(1.0 - p, known.truth["cause"][~sticky], weights[~sticky])},
         S=(float(S[1]), float(S[0]), float(S[2])),
         J=(float(J[1]), float(J[0]), float(J[2])),
-        limit=_limit(np.exp(-true[sticky, 0]), z[sticky, 0] > threshold),
+        limit=_limit(travel, z[sticky, 0] > threshold),
         loops=len(known),
         false_alarms=float((z[~sticky, 0] > threshold).mean()),
         area=auc(z[:, 0], sticky),
     )
+
+
+def _shared(left: float, causes: NDArray[np.generic], weights: Floats) -> Mapping[str, float]:
+    """Return the probability of each cause but stiction, by the weights of loops of these causes; none is excluded."""
+    others = [cause for cause in CAUSES if cause != "stiction"]
+    sums = np.array([weights[causes == cause].sum() for cause in others]) + 0.5 / len(others)
+    return dict(zip(others, (left * sums / sums.sum()).tolist(), strict=True))
 
 
 def _limit(travel: Floats, found: NDArray[np.bool_]) -> float:

@@ -5,13 +5,13 @@ every machine but for rounding.  Features are kept apart from signals (``chunks`
 """
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, fields
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +21,7 @@ from calibration.crossings import extent
 from calibration.drawing import draw
 from calibration.simulation import simulate
 from calibration.spec import Kinds, Setting, Truth
-from detect.judge.features import features_of, view_of
+from detect.judge.features import View, features_of, view_of
 from detect.judge.features.network import FILE as NETWORK
 from detect.judge.features.patterns import FILE as PATTERNS
 from detect.prepare.prepared import Prepared
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 __all__ = ["PART", "Table", "kept_table", "row", "table"]
 
 Values = npt.NDArray[np.float64]
+Family: TypeAlias = Callable[[View], dict[str, float]]
 PART = 500  # loops
 KEPT = Kept(
     "features", "stickslip.calibration.features/1", "number", ValueError,
@@ -83,21 +84,24 @@ class Table:
         )
 
 
-def row(record: LoopRecord) -> tuple[dict[str, float], float] | None:
-    """The features of a record and the travel of OP in its unit; None where it shows too little."""
+def row(record: LoopRecord, looked_for: Family = features_of) -> tuple[dict[str, float], float] | None:
+    """The features of a record and the travel of OP in its unit; None where it shows too little.
+
+    ``looked_for`` makes them of a view: by default all, or one family of ``detect.judge.features``.
+    """
     view = view_of(Prepared(record))
-    return None if view is None else (features_of(view), view.travel * view.op_scale)
+    return None if view is None else (looked_for(view), view.travel * view.op_scale)
 
 
-def table(told: Sequence[tuple[LoopRecord, Truth]]) -> Table:
-    """The table of simulated records.
+def table(told: Sequence[tuple[LoopRecord, Truth]], looked_for: Family = features_of) -> Table:
+    """The table of simulated records; ``looked_for`` as in ``row``.
 
     >>> from calibration import draw, simulate
     >>> made = table(simulate(draw(2, seed=3)))
     >>> len(made), bool(made.sticky[0])
     (2, True)
     """
-    found = [row(record) for record, _ in told]
+    found = [row(record, looked_for) for record, _ in told]
     names = next((list(one[0]) for one in found if one is not None), [])
     x = np.full((len(told), len(names)), np.nan)
     unit = np.full(len(told), np.nan)

@@ -213,8 +213,10 @@ class Prepared:
     def whole(self) -> Grid:
         """The longest piece without a long gap, moves of the set point included; of a long one the last part."""
         t = self.record.t
-        period = self.period if math.isfinite(self.period) else 0.0
-        parts = [part for part in split(self.record, bridgeable(self.record, period)) if len(part) > 1]
+        every = split(self.record, bridgeable(self.record, 0.0))
+        if len(every) > 1 and math.isfinite(self.period):  # with one piece no period needs to be found
+            every = split(self.record, bridgeable(self.record, self.period))
+        parts = [part for part in every if len(part) > 1]
         if not parts:
             return _EMPTY
         longest = max(parts, key=lambda part: float(t[part[-1]] - t[part[0]]))

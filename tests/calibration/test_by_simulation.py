@@ -11,7 +11,9 @@ from calibration.alike import alike
 from calibration.by_simulation import PIECE, split
 from calibration.conditions import conditions
 from calibration.drawing import one
-from calibration.posterior import Curve, chances, nearest, weighted_quantile
+from calibration.posterior import SEEN, Curve, chances, nearest, read, weighted_quantile
+from calibration.records import Table
+from calibration.spec import CAUSES
 from logs import LoopRecord
 
 BARE = {
@@ -96,8 +98,15 @@ def test_chances_are_found_from_known_odds() -> None:
     # analytic: two normal classes one standard deviation apart have log odds x - 1/2
     r = np.random.default_rng(3)
     yes = np.arange(8000) % 2 == 1
-    a, b = chances(r.normal(size=8000) + yes, yes)
+    x = (r.normal(size=8000) + yes)[:, None]
+    a, b = chances(x, yes, np.ones(8000), np.zeros(2))
     assert b == pytest.approx(1.0, abs=0.1) and a == pytest.approx(-0.5, abs=0.1)
+    # analytic: a loop of double weight counts as two loops
+    weights = 1.0 + (np.arange(8000) < 3000)
+    twice = np.r_[np.arange(8000), np.arange(3000)]
+    np.testing.assert_allclose(
+        chances(x, yes, weights, np.zeros(2)), chances(x[twice], yes[twice], np.ones(11_000), np.zeros(2)), atol=1e-4
+    )
 
 
 def test_the_curve_finds_its_own_numbers_and_says_when_there_is_no_limit() -> None:
@@ -117,6 +126,32 @@ def test_neighbours_and_quantiles_carry_their_weights() -> None:
     assert np.argmax(weights) == 20 and weights[90] < 1e-6 * weights[20]
     at = weighted_quantile(points[:, 0], weights, np.array([0.05, 0.5, 0.95]))
     assert at[0] < 0.2 < at[2] and at[1] == pytest.approx(0.2, abs=0.02)
+
+
+def test_the_posterior_of_known_normal_classes_is_told_with_its_sizes() -> None:
+    # analytic: where z_odds is the true log odds, the posterior at z = 0.8 is 1/(1 + exp(-0.8)); S is read off the sticky
+    # loops about the record, J is never more than S, and a cause that no loop about the record has is improbable
+    r = np.random.default_rng(8)
+    n = 6000
+    sticky = np.arange(n) % 2 == 0
+    odds = 2.0 * (r.normal(size=n) + np.where(sticky, 1.0, -1.0))
+    size = r.normal(-1.0, 0.5, n)
+    scores = np.column_stack([odds, size, size - 0.5])
+    others = np.where(odds > 0.0, "deadband", "healthy")
+    truth = {
+        "cause": np.where(sticky, "stiction", others),
+        "S": np.where(sticky, np.exp(size + r.normal(0.0, 0.2, n)), np.nan),
+        "J": np.where(sticky, np.exp(size - 0.5), np.nan),
+    }
+    known = Table(np.array(SEEN), scores, np.ones(n), truth)
+    said = read(known, np.array([[0.8, -1.0, -1.5]]))
+    assert said.causes["stiction"] == pytest.approx(1.0 / (1.0 + math.exp(-0.8)), abs=0.05)
+    assert sum(said.causes.values()) == pytest.approx(1.0) and set(said.causes) == set(CAUSES)
+    assert said.causes["deadband"] > 2.0 * said.causes["healthy"] and said.causes["drift"] > 0.0
+    assert said.S[0] == pytest.approx(math.exp(-1.0), rel=0.1) and said.S[1] < said.S[0] < said.S[2]
+    assert all(j <= s for j, s in zip(said.J, said.S, strict=True))
+    far = read(known, np.array([[0.8, -1.0, -1.5], [-4.0, -1.0, -1.5], [-4.4, -1.0, -1.5]]))  # the median piece counts
+    assert far.causes["stiction"] < 0.1 and far.causes["healthy"] > 5.0 * far.causes["deadband"]
 
 
 def test_several_processes_make_the_loops_that_one_makes_in_the_same_order(monkeypatch) -> None:

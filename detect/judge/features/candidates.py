@@ -35,7 +35,7 @@ def candidates(u: Values, y: Values) -> Values:
     >>> told.shape, bool(np.all(told[0] * np.diff(u, prepend=u[0]) >= 0.0))     # a stem moves as OP does, or not at all
     ((12, 200), True)
     """
-    span = float(np.percentile(u, 99) - np.percentile(u, 1)) or 1.0
+    span = float(np.subtract(*np.percentile(u, (99, 1)))) or 1.0
     S = SHARES * span
     x = stick_lanes(u[None], S, JUMP * S, np.zeros(len(S)))[:, 0].T
     steps = np.diff(x, axis=1, prepend=x[:, :1])

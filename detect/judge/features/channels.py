@@ -38,7 +38,7 @@ def channels(v: View) -> tuple[Singles, Singles, Values]:
     u, y, e = (_read(x[:LOOKED_AT], v.turn) for x in (v.u, v.y, v.e))
     r = innovations(u, y)
     r = np.clip(r / max(float(r.std()), 1e-6), -CLIP, CLIP)
-    span = float(np.percentile(u, 99) - np.percentile(u, 1)) or 1.0
+    span = float(np.subtract(*np.percentile(u, (99, 1)))) or 1.0
     w = _travelled(u, BACK * span) / span
     du, dy = (_over(np.diff(x, prepend=x[0])) for x in (u, y))
     way = np.where(w >= 0.0, 1.0, -1.0)

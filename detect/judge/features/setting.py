@@ -25,8 +25,8 @@ def setting_features(v: View) -> dict[str, float]:
     """The features of this family by name [-]; logarithms to base 10 where a ratio spans decades."""
     n = len(v)
     tenth = max(n // 10, 1)
-    range_y = float(np.percentile(v.raw_y, 99) - np.percentile(v.raw_y, 1)) + 1e-12
-    range_u = float(np.percentile(v.raw_u, 99) - np.percentile(v.raw_u, 1)) + 1e-12
+    range_y = float(np.subtract(*np.percentile(v.raw_y, (99, 1)))) + 1e-12
+    range_u = float(np.subtract(*np.percentile(v.raw_u, (99, 1)))) + 1e-12
     steps_y, steps_u = np.diff(v.raw_y), np.diff(v.raw_u)
     t = np.linspace(-1.0, 1.0, n)
     slope = float(t @ v.u) / float(t @ t)

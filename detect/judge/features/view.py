@@ -109,7 +109,7 @@ def view_of(loop: Prepared) -> View | None:
     y = sign * (pv - np.median(pv)) / y_scale
     error = sign * e / y_scale
     set_point = None if sp is None or np.ptp(sp) == 0.0 else sign * (sp - np.mean(sp)) / y_scale
-    span = float(np.percentile(u, 99) - np.percentile(u, 1)) or float(np.ptp(u))
+    span = float(np.subtract(*np.percentile(u, (99, 1)))) or float(np.ptp(u))
     turn = samples_per_turn(u, span)
     n = len(u)
     k = max(1, int(min(turn / COARSE, max(turn / FINE, n / POINTS))))
@@ -129,5 +129,5 @@ def _scale(x: Values) -> float:
     least = 1e-9 * float(np.max(np.abs(x)))
     if np.ptp(x) <= least:
         return 0.0
-    half = 0.5 * float(np.percentile(x, 95) - np.percentile(x, 5))
+    half = 0.5 * float(np.subtract(*np.percentile(x, (95, 5))))
     return half if half > least else float(np.std(x))
