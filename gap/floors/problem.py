@@ -156,7 +156,7 @@ class Problem:
         record = self.record
         if record.filter is None or record.filter.holds:
             return self
-        held = record.filter.holding(_started(diagram, self), record, params)
+        held = record.filter.holding(_started(diagram, tuple(self.start.items())), record, params)
         return replace(self, record=replace(record, filter=held))
 
     @property
