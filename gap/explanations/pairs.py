@@ -11,8 +11,9 @@ from gap.explanations.nesting import HARDLY_BESIDE, RELEVANT, TIE
 from gap.explanations.pair import Pair
 from gap.explanations.proposals import proposed, smooth
 from gap.fits.adequacy import needed, scored_alone, share
-from gap.fits.hidden import followed_on, glimpsed
+from gap.fits.hidden import first_part_of, followed_on, glimpsed
 from gap.fits.inserting import begun, inserted
+from gap.fits.ranges import gained
 from gap.fits.search import Candidate, Fit, best_of, refined
 from gap.fits.sensitivity import promised
 from gap.fits.together import Together, marked, together, values_of
@@ -23,7 +24,7 @@ FIRSTS = 2  # single effects to which a second is added
 ENOUGH = 0.3  # share of the gap that one of two effects explains alone
 JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to the end
 WHOLE = 2  # of these on the whole record
-PROMISING = 4  # effects with slopes that are fitted beside a hidden mode
+PROMISING = 4  # smooth effects that are fitted beside a hidden mode
 WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
 CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for its sizes to be worth more
 SAME = 60.0  # nats between single effects that leave the same
@@ -134,7 +135,7 @@ def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Se
 
 def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[list[Candidate], list[Candidate]]:
     """Return the effects that are searched for in the presence of another: those that have no slope, for which no line
-    speaks, and beside a hidden mode the few of the others whose slopes promise most.
+    speaks, and beside a hidden mode the few of the others that promise most by slopes or by a few sizes.
     """
     legal = [
         one
@@ -147,8 +148,12 @@ def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[
     if not first.effect.hidden:
         return rough, []
 
+    plain = first_part_of(problem, modes=False)
+
     def promise(one: Candidate) -> float:
-        return promised(replace(one, problem=problem.early))
+        """Of a slope, and, where small sizes make matters worse beside a stem, of sizes over the range."""
+        slope = promised(replace(one, problem=problem.early))
+        return slope if problem.record.filter is not None else max(slope, gained(replace(one, problem=plain)))
 
     return rough, sorted((one for one in legal if smooth(one)), key=promise, reverse=True)[:PROMISING]
 

@@ -29,28 +29,28 @@ SCALE, FINEST = 0.05, 0.003  # of a miss that counts, in the first grid and the 
 MOVED = 1e-6  # of its travel: so far a stem has moved that is not at rest
 
 
-def read_off(candidate: Candidate) -> tuple[float, float] | None:
-    """Return the first size of a stem and the second as a share of it, as the log of its position shows them.
+def read_off(candidate: Candidate) -> list[tuple[float, float]]:
+    """Return first sizes of a stem and the second as a share of it, as the log of its position shows them.
 
-    None where that is not logged, or has never lain off what is wanted.
+    With a jump and without: what creeps has none, and may look like any.  None where that is not logged, or has never
+    lain off what is wanted.
     """
     problem, effect = candidate.problem, candidate.effect
     signal = given(problem.model, candidate.place)
     if effect is None or signal not in problem.record.pinned:
-        return None
+        return []
     seen = problem.record.log[signal]
     wanted = seen - problem.offsets(candidate.base, {})[0, :, problem.record.pinned.index(signal)]
-    flat = len(candidate.sizes) < 2
-    found = bands(wanted, seen, [1.0] if flat else np.linspace(0.0, 1.0, SHARES))
-    if found is None:
-        return None
-    S, J = found
-    one = effect.settings(candidate.base, candidate.place, **dict.fromkeys(candidate.own, 1.0))
+    ways: list[Sequence[float] | Floats] = (
+        [[1.0]] if len(candidate.sizes) < 2 else [np.linspace(0.0, 1.0, SHARES), [1.0]]
+    )
+    one = next(iter(effect.settings(candidate.base, candidate.place, **dict.fromkeys(candidate.own, 1.0)).values()))
     low, high = candidate.bounds[candidate.sizes[0]]
-    return float(np.clip(S / next(iter(one.values())), low, high)), 0.0 if flat else float(np.clip(J / S, 0.0, 1.0))
+    found = [bands(wanted, seen, shares) for shares in ways]
+    return [(float(np.clip(S / one, low, high)), J / S) for S, J in (each for each in found if each is not None)]
 
 
-def bands(wanted: Floats, seen: Floats, shares: Sequence[float] | Floats) -> tuple[float, float] | None:
+def bands(wanted: Floats, seen: Floats, shares: Sequence[float]) -> tuple[float, float] | None:
     """Return S and J of a stem [its unit] from where it was ``wanted`` and ``seen``, (rows,); NaN says nothing.
 
     ``shares``: f_c / f_s, in order; 1 alone for a deadband.  None for a stem that is where it is wanted.
@@ -60,7 +60,7 @@ def bands(wanted: Floats, seen: Floats, shares: Sequence[float] | Floats) -> tup
     >>> t = np.arange(600.0)
     >>> OP = 0.5 + 0.1 * np.sin(t / 40.0) + 0.003 * np.random.default_rng(1).standard_normal(600)
     >>> MV = drive(QuasiStaticStem(S=0.07, J=0.03), 599.0, every=1.0, OP=(t, OP)).log["MV"]
-    >>> S, J = bands(OP[1:], MV[1:], np.linspace(0.0, 1.0, 11))
+    >>> S, J = bands(OP[1:], MV[1:], np.linspace(0.0, 1.0, 11).tolist())
     >>> round(S, 2), round(J, 2)
     (0.07, 0.03)
     """
@@ -87,7 +87,7 @@ def _rows(wanted: Floats, seen: Floats, late: bool) -> tuple[Floats, ...]:
     return w[known], x[known], after[known], way[known]
 
 
-def _closed_in(rows: tuple[Floats, ...], usual: float, shares: Sequence[float] | Floats) -> tuple[float, float, float]:
+def _closed_in(rows: tuple[Floats, ...], usual: float, shares: Sequence[float]) -> tuple[float, float, float]:
     """Return the least loss, f_s and f_c / f_s."""
     w, x, after, way = rows
     far, side = np.abs(w - x), np.sign(w - x)

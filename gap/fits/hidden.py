@@ -77,11 +77,11 @@ def fitted_hidden(candidate: Candidate) -> Fit | None:
 
 def _read(candidate: Candidate) -> list[tuple[Point, float, float]]:
     """Return the point that the log of the stem itself shows, and widths of a pattern there; none if it is not good."""
-    point = None if _filtered(candidate) else read_off(candidate)
-    begun = [] if point is None else _at(_head(candidate, True), [point])
-    if point is None or not begun:
+    points = [] if _filtered(candidate) else read_off(candidate)
+    begun = min(_at(_head(candidate, True), points), key=_cost, default=None)
+    if begun is None:
         return []
-    point, fit, wide, across = _followed(begun[0].candidate, point, begun[0], *READ, finest=10.0 * FINEST)
+    point, fit, wide, across = _followed(begun.candidate, _point(begun), begun, *READ, finest=10.0 * FINEST)
     return [(point, wide, across)] if _share(fit) >= GOOD else []
 
 
@@ -120,11 +120,11 @@ def promising(many: Sequence[Candidate]) -> list[Candidate]:
 
 def _head(candidate: Candidate, modes: bool) -> Candidate:
     """Return a candidate on the first part of the record, with wrong modes set right or as replays have them."""
-    return replace(candidate, problem=_first_part(candidate.problem, modes))
+    return replace(candidate, problem=first_part_of(candidate.problem, modes))
 
 
 @lru_cache(maxsize=8)
-def _first_part(whole: Problem, modes: bool) -> Problem:
+def first_part_of(whole: Problem, modes: bool) -> Problem:
     """Return the problem of the first part of a record; the same one again for the next candidate."""
     problem = whole.early
     if len(problem.record.log) < FEWEST:
@@ -151,7 +151,7 @@ def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
     low, high = head.bounds[head.sizes[0]]
     wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
     fits = sorted(_at(head, _grid(head)), key=_cost)
-    if _share(fits[0]) < HINT:
+    if _share(fits[0]) < HINT and not _filtered(candidate):
         return _point(fits[0]), wide, 0.12
     ends = [(_point(fit), fit, wide, 0.12) for fit in _apart(fits)]
     for few in (len(ends), BEGUN):  # two rounds for each, two more for the best

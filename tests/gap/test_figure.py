@@ -7,7 +7,7 @@ from blocks import QuasiStaticStem, StickSlip
 from diagram import drive
 from gap.fits.figure import SHARES, bands
 
-ANY = np.linspace(0.0, 1.0, SHARES)
+ANY = np.linspace(0.0, 1.0, SHARES).tolist()
 SPRING = 52500.0  # [N per travel]
 
 

@@ -28,6 +28,11 @@ CASES = {
         (("deadband", "valve", {"width": 2.0}), ("step_disturbance", "feed", {"amplitude": 0.015, "time": 1300.0})),
         ("stiction", "sensor_bias", "process_gain"),
     ),
+    # a small dead time beside the play makes matters worse, so that slopes speak for the others
+    "a play and a dead time": (
+        (("deadband", "valve", {"width": 2.2}), ("dead_time", "process", {"theta": 1.7})),
+        ("sensor_bias", "process_gain", "process_time_constant", "controller_gain", "sensor_lag", "positioner_lag"),
+    ),
 }  # fmt: skip
 
 
