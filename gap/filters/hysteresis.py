@@ -25,6 +25,8 @@ SHARES = (0.3, 0.55, 0.8)  # of J in S that are tried
 NEAR = ((1.0, 0.15), (1.12, 0.15), (1.12, 0.35), (1.3, 0.35))  # S over the width of the best deadband, J over S
 REPEATS = 0.05  # standard deviation of the breakaway from stem to stem of a bank, as a share
 SIZES = 9  # widths that are tried
+SHARES_MOVING = 6  # of the scans at which a stem moves, whose gains are worked out
+LATELY = 1.0  # rows over which that share is taken
 NOTHING = 0.02  # [%], a width at which nothing sticks
 SMALLEST, LARGEST = 0.25, 15.0  # [%], of S
 FINEST = 0.008  # relative size of the last pattern
@@ -65,15 +67,16 @@ def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtere
     if m.told is None:
         raise ValueError("a bank needs a cut at the valve")
     U = np.column_stack([f.played, f.time, np.ones(f.scans), np.zeros(f.scans)])
-    A, K, s = np.empty((n, n)), np.zeros((kinds, n)), np.ones(kinds)
-    kalman.closed(m.F, m.free, m.told, n, 0.0, False, A)
-    stems.settled_gains(A, m.Q, m.shown, f.r, f.every, K, s)
+    A, K, s = np.empty((n, n)), np.zeros((SHARES_MOVING, kinds, n)), np.ones((SHARES_MOVING, kinds))
+    for k in range(SHARES_MOVING):  # a stem that follows OP closes the loop
+        kalman.closed(m.F, m.free, m.told, n, k / (SHARES_MOVING - 1), True, A)
+        stems.settled_gains(A, m.Q, m.shown, f.r, f.every, K[k], s[k])
     moves = int(np.argmax(np.abs(m.told[n : n + len(m.v)])))
     jitter = stems.unsure(m.Q, m.free[moves][:n])
     e, loss, path = np.empty(f.Y.shape), np.empty(len(f.Y)), np.empty(len(f.Y))
     stems.banked(
         m.F, m.v, m.told, m.H, m.limits, m.memory, m.of, m.beyond, m.last, m.start, U, f.Y, f.acts, moves, f.every, K,
-        s, jitter, S, J, bank.draws, bank.turns, bank.repeats, e, loss, path,
+        s, 1.0 / (LATELY * f.every), jitter, S, J, bank.draws, bank.turns, bank.repeats, e, loss, path,
     )  # fmt: skip
     e = stems.deviates(e)
     return Filtered(one, full, e, np.where(np.isnan(e), np.nan, 1.0), path, loss)

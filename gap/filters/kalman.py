@@ -242,8 +242,8 @@ def filtered(  # type: ignore[no-untyped-def]
     ``U`` (scans, inputs); ``Y`` (rows, signals); ``skip`` signals of a row to leave out; ``acts``: which controller
     gives a signal, -1 for none; ``of``: to which controller each ``memory`` belongs; ``period``, ``offset``: scans of
     each controller; ``exact``: the covariance is carried along, else ``steady_P`` (every + 1, n, n), ``K`` and ``s``
-    are what ``steady`` gives; ``jumps`` from row to row where nothing is at a limit (``lifted``); ``given`` (scans, controllers)
-    is written too.
+    are what ``steady`` gives; ``jumps`` from row to row where nothing is at a limit (``lifted``);
+    ``given`` (scans, controllers) is written too.
     """
     n, N, C, m, columns = len(start), F.shape[1], len(v), len(H), np.ascontiguousarray(F.T)
     z, new, row = start.copy(), np.empty(n), np.zeros(N)
@@ -267,15 +267,15 @@ def filtered(  # type: ignore[no-untyped-def]
         k += 1
         at = k // every
         may_jump = k % every == 0 and at < len(jumps.at_row)
-        if may_jump and not carried:
-            if taken_in(z, Y[at], K, s, r, acts, bounds, jumps, jumps.at_row[at], e[at], S[at], new):
-                forecast(new, jumps.at_row[at], m, jumps.ahead, out)
-                if clear(out, bounds, sd):
-                    for j in range(every):
-                        given[k + j] = out[j * (C + 1) : j * (C + 1) + C]
-                    z[:] = out[every * (C + 1) :]
-                    k += every - 1
-                    continue
+        steadily = may_jump and not carried
+        if steadily and taken_in(z, Y[at], K, s, r, acts, bounds, jumps, jumps.at_row[at], e[at], S[at], new):
+            forecast(new, jumps.at_row[at], m, jumps.ahead, out)
+            if clear(out, bounds, sd):
+                for j in range(every):
+                    given[k + j] = out[j * (C + 1) : j * (C + 1) + C]
+                z[:] = out[every * (C + 1) :]
+                k += every - 1
+                continue
         for i in range(n + C + 1, N):
             row[i] = U[k, i - n - C - 1]
         if k % every == 0:

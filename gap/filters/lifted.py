@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 class Jumps(NamedTuple):
-    """What follows from z at a row: ``ahead`` (n, every x checked + n), x at each scan until the next row, then z there;
+    """What follows from z at a row: ``ahead`` (n, every x checked + n), x at each scan until the next row, then z then;
     ``seen`` (signals, n) the logged signals; ``at_row`` (rows, signals + every x checked + n) what inputs add, no rows
     where there are no such steps; ``whole`` A^E; ``grown`` (n, n) and ``loose`` (every, checked), what the noise since
     the row adds to the variance of z and of x.

@@ -1,9 +1,9 @@
 """A bank of stems: the likelihood of a log whose valve sticks, where no log shows the stem.
 
-Each stem of the bank has its own path and, given that path, its own Kalman mean; all share one gain, for which the
-opening is known.  At a row
+Each stem of the bank has its own path and, given that path, its own Kalman mean; its gain goes by the share of the
+last scans at which it moved: while it stands the opening is known, while it follows OP the loop is closed.  At a row
 
-    w_i <- w_i N(e_i; 0, 1),      likelihood of the row = sum w_i N(e_i; 0, 1)
+    w_i <- w_i N(miss_i; 0, s_i),      likelihood of the row = sum w_i N(miss_i; 0, s_i)
 
 and stems are drawn again where the weights are uneven.  Between rows nobody knows what the valve was told: each stem
 sees its own mean of OP with the random part that each scan's noise gives it; at a row all see the logged OP.  With
@@ -97,11 +97,13 @@ def told_by(v, limits, u, R, n, wanted):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def banked(  # type: ignore[no-untyped-def]
-    F, v, told, H, limits, memory, of, beyond, last, start, U, Y, acts, moves, every, K, s, jitter, S, J, draws, turns,
+    F, v, told, H, limits, memory, of, beyond, last, start, U, Y, acts, moves, every, K, s, lately, jitter, S, J, draws, turns,
     repeats, e, loss, path,
 ):  # fmt: skip
-    """Write innovations ``e`` (rows, signals) and the loss of each row [nats].
+    """Write shares below each innovation, ``e`` (rows, signals), and the loss of each row [nats].
 
+    ``K`` (shares, signals, n) and ``s`` (shares, signals) for stems that move at none to all of the scans, ``lately``
+    the weight of one scan in that share.
     ``draws`` (scans, stems), ``turns`` (rows,), ``repeats`` (stems,) random numbers; ``acts``: which controller gives a
     signal, -1 for none; ``moves``: which moves the stem, ``jitter`` of its output between rows.
     """
@@ -111,6 +113,7 @@ def banked(  # type: ignore[no-untyped-def]
     R, new, wanted, guess = np.empty((at_mv + 1, M)), np.empty((n, M)), np.empty((C, M)), np.empty(M)
     z, x, w = R[:n], R[at_mv], np.full(M, 1.0 / M)
     miss, other, opening, row = np.empty(M), np.empty((at_mv + 1, M)), np.empty(M), np.zeros(N)
+    moving, moves_of, kind, count = np.zeros(M), np.empty(M), np.zeros(M, dtype=np.int64), len(s)
     for q in range(n):
         z[q] = start[q]
     for c in range(C):
@@ -126,6 +129,8 @@ def banked(  # type: ignore[no-untyped-def]
             at = k // every
             loss[at] = 0.0
             lost, seen = False, np.nan
+            for i in range(M):
+                kind[i] = min(int(moving[i] * (count - 1) + 0.5), count - 1)
             for j in range(m):
                 e[at, j] = np.nan
                 if not np.isfinite(Y[at, j]):
@@ -144,24 +149,26 @@ def banked(  # type: ignore[no-untyped-def]
                     summed(H[j], R, U[k], guess)
                 below, total, largest = 0.0, 0.0, -np.inf
                 for i in range(M):
-                    miss[i] = (Y[at, j] - guess[i]) / math.sqrt(s[j])
-                    below += w[i] * normal(miss[i])
-                    largest = max(largest, -0.5 * miss[i] ** 2)
+                    size = s[kind[i], j]
+                    gap = Y[at, j] - guess[i]
+                    miss[i] = -0.5 * gap * gap / size - 0.5 * math.log(size / s[0, j])
+                    below += w[i] * normal(gap / math.sqrt(size))
+                    largest = max(largest, miss[i])
+                    guess[i] = gap
                 for q in range(n):
-                    gain = K[j, q]
                     for i in range(M):
-                        z[q, i] += gain * miss[i] * math.sqrt(s[j])
+                        z[q, i] += K[kind[i], j, q] * guess[i]
                 for i in range(M):
-                    w[i] *= math.exp(-0.5 * miss[i] ** 2 - largest)
+                    w[i] *= math.exp(miss[i] - largest)
                     total += w[i]
                 if not total > 0.0:  # every stem that counted is excluded: none counts more than another
                     total = 0.0
                     for i in range(M):
-                        w[i] = math.exp(-0.5 * miss[i] ** 2 - largest) / M
+                        w[i] = math.exp(miss[i] - largest) / M
                         total += w[i]
                 for i in range(M):
                     w[i] /= total
-                loss[at] += 0.5 * math.log(s[j]) - largest - math.log(total)
+                loss[at] += 0.5 * math.log(s[0, j]) - largest - math.log(total)
                 lost = lost or largest < -0.5 * LOST**2
                 e[at, j] = below
             path[at] = 0.0
@@ -180,7 +187,9 @@ def banked(  # type: ignore[no-untyped-def]
                         passed += w[i]
                     for p in range(at_mv + 1):
                         other[p, q] = R[p, i]
+                    moves_of[q] = moving[i]
                 R[:] = other
+                moving[:] = moves_of
                 w[:] = 1.0 / M
         told_by(v, limits, U[k], R, n, wanted)
         op = R[n + moves]
@@ -193,7 +202,9 @@ def banked(  # type: ignore[no-untyped-def]
             for i in range(1, M, 2):
                 x[i] = opening[i] + 0.5 * (S + J) * (2.0 * (i + 0.5) / M - 1.0)
         for i in range(M):
-            x[i] = stuck(x[i], opening[i], S, J, repeats[i])
+            stood = x[i]
+            x[i] = stuck(stood, opening[i], S, J, repeats[i])
+            moving[i] += ((1.0 if x[i] != stood else 0.0) - moving[i]) * lately
             op[i] = guess[i]
         for q in range(n):
             summed(F[q], R, U[k], new[q])
