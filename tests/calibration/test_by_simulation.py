@@ -11,7 +11,7 @@ from calibration.alike import alike
 from calibration.by_simulation import PIECE, split
 from calibration.conditions import conditions
 from calibration.drawing import one
-from calibration.posterior import SEEN, Curve, chances, nearest, read, weighted_quantile
+from calibration.posterior import SEEN, chances, detection_limit, nearest, read, weighted_quantile
 from calibration.records import Table
 from calibration.spec import CAUSES
 from logs import LoopRecord
@@ -109,15 +109,16 @@ def test_chances_are_found_from_known_odds() -> None:
     )
 
 
-def test_the_curve_finds_its_own_numbers_and_says_when_there_is_no_limit() -> None:
+def test_the_limit_is_where_nine_of_ten_are_found_though_never_all_are() -> None:
+    # analytic: the chance rises from 0 to 0.95 and is 0.9 at a size of 0.6; a stick beyond the travel is never found
     r = np.random.default_rng(5)
-    travel = np.exp(r.uniform(-0.5, 2.0, 4000))
-    chance = 1.0 / (1.0 + np.exp(-(3.0 - 2.0 * np.log(travel))))
-    curve = Curve.fitted(travel, r.random(4000) < chance)
-    assert curve.a == pytest.approx(3.0, abs=0.3) and curve.b == pytest.approx(-2.0, abs=0.25)
-    exact = math.exp((3.0 - math.log(9.0)) / 2.0)  # analytic: odds of 9 to 1
-    assert curve.travel(0.9) == pytest.approx(exact, rel=0.1)
-    assert math.isnan(Curve(0.0, 1.0).travel(0.9))
+    size = np.exp(r.uniform(math.log(0.1), math.log(2.0), 20_000))
+    chance = np.where(size > 1.0, 0.0, np.minimum(0.9 * size / 0.6, 0.95))
+    found = r.random(20_000) < chance
+    assert detection_limit(size, found) == pytest.approx(0.6, rel=0.05)
+    assert math.isnan(detection_limit(size, r.random(20_000) < 0.9 * chance))  # at most 0.855
+    assert math.isnan(detection_limit(size[size > 0.9][:20], found[size > 0.9][:20]))  # too few
+    assert math.isnan(detection_limit(np.full(50, 2.0), np.ones(50, dtype=bool)))  # none within the travel
 
 
 def test_neighbours_and_quantiles_carry_their_weights() -> None:
@@ -129,8 +130,8 @@ def test_neighbours_and_quantiles_carry_their_weights() -> None:
 
 
 def test_the_posterior_of_known_normal_classes_is_told_with_its_sizes() -> None:
-    # analytic: where z_odds is the true log odds, the posterior at z = 0.8 is 1/(1 + exp(-0.8)); S is read off the sticky
-    # loops about the record, J is never more than S, and a cause that no loop about the record has is improbable
+    # analytic: where z_odds is the true log odds, the posterior at z = 0.8 is 1/(1 + exp(-0.8)); S is read off the
+    # sticky loops about the record, J is never more than S, and a cause that no loop about the record has is improbable
     r = np.random.default_rng(8)
     n = 6000
     sticky = np.arange(n) % 2 == 0
