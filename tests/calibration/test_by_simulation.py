@@ -155,6 +155,20 @@ def test_the_posterior_of_known_normal_classes_is_told_with_its_sizes() -> None:
     assert far.causes["stiction"] < 0.1 and far.causes["healthy"] > 5.0 * far.causes["deadband"]
 
 
+def test_of_the_loops_only_the_network_is_asked_and_shares_that_show_nothing_are_left_out(monkeypatch) -> None:
+    specs = alike(conditions(record("cycling", (31, 1))), 6, seed=4)
+    made = by_simulation.made_of(specs)
+    assert set(SEEN) < set(made.names.tolist()) and all(name.startswith("network_") for name in made.names.tolist())
+    plain = by_simulation.made_of
+    monkeypatch.setattr(by_simulation, "SHARE", 3)
+    nothing = replace(made.rows(np.arange(6) < 3), names=np.array([]), x=np.zeros((3, 0)), unit=np.full(3, np.nan))
+    monkeypatch.setattr(by_simulation, "made_of", lambda share: nothing if share[0] == specs[0] else plain(share))
+    left = by_simulation.simulated(specs, workers=1)
+    np.testing.assert_array_equal(left.x, made.x[3:])
+    monkeypatch.setattr(by_simulation, "made_of", lambda share: nothing)
+    assert not by_simulation.simulated(specs, workers=1).seen.any()
+
+
 def test_several_processes_make_the_loops_that_one_makes_in_the_same_order(monkeypatch) -> None:
     monkeypatch.setattr(by_simulation, "OWN_PROCESS", 5)
     monkeypatch.setattr(by_simulation, "SHARE", 3)
