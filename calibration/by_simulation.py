@@ -8,6 +8,7 @@ as a piece.
 
 import math
 import os
+import signal
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -146,20 +147,30 @@ def simulated(specs: Sequence[LoopSpec], workers: int | None = None) -> Table:
     """Return the network's scores and truth of loops, in their order, made by several processes, of which this is one.
 
     It takes shares from the end, while the others, which must load everything first, take theirs from the beginning.
+    Where it is stopped, by Ctrl-C or an error, what waits is not begun.
     """
     count = min(workers or os.cpu_count() or 1, max(1, len(specs) // OWN_PROCESS))
     shares = [list(specs[k : k + SHARE]) for k in range(0, len(specs), SHARE)]  # so that few signals are kept at a time
     if count <= 1:
         return _joined([made_of(share) for share in shares])
     made: dict[int, Table] = {}
-    with ProcessPoolExecutor(count - 1, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(count - 1, mp_context=get_context("spawn"), initializer=_ignoring) as pool:
         asked = [pool.submit(made_of, share) for share in shares]
-        for k in range(len(shares) - 1, -1, -1):
-            if not asked[k].cancel():  # begun, as all before it
-                break
-            made[k] = made_of(shares[k])
-        made |= {k: one.result() for k, one in enumerate(asked) if k not in made}
+        try:
+            for k in range(len(shares) - 1, -1, -1):
+                if not asked[k].cancel():  # begun, as all before it
+                    break
+                made[k] = made_of(shares[k])
+            made |= {k: one.result() for k, one in enumerate(asked) if k not in made}
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
     return _joined([made[k] for k in range(len(shares))])
+
+
+def _ignoring() -> None:
+    """Leave Ctrl-C, which a terminal sends to all processes, to the one that asks the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _joined(tables: Sequence[Table]) -> Table:

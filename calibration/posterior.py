@@ -9,8 +9,8 @@
     limit      the size from which on a stick is found with the probability ``CHANCE``, where ``FALSE_ALARMS`` of the
                loops without stiction are called sticky
 
-The network has not seen these loops, so its errors on them are those it makes on the record.  Three numbers, and not all
-scores: a fit of more to the loops of one record tells stiction in other physics worse (docs/methods.md).
+The network has not seen these loops, so its errors on them are those it makes on the record.  Three numbers, and not
+all scores: a fit of more to the loops of one record tells stiction in other physics worse (docs/methods.md).
 
 Source of the fit: C. Loader, Local regression and likelihood, Springer 1999, chapter 4.
 """
@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import isotonic_regression, minimize
 from scipy.special import expit
 
 from calibration.records import Table
@@ -34,6 +34,7 @@ SEEN = ("network_sticky", "network_S", "network_J")  # z
 NEIGHBOURS = 300.0  # loops that the answer rests on, about
 FALSE_ALARMS = 0.05  # share of loops without stiction that may be called sticky where the detection limit is read
 CHANCE = 0.9  # of a stick at the detection limit to be found
+LARGER = 30  # sticky loops beyond the limit, at least
 QUANTILES = np.array([0.05, 0.5, 0.95])
 PENALTY = 0.05  # on a and b squared: keeps them finite where loops part completely
 STEEP = 1.5  # the same on the slopes near the record, whose loops are fewer
@@ -56,27 +57,6 @@ def nearest(points: Floats, at: Floats, count: float = NEIGHBOURS) -> Floats:
     distance = np.sqrt((((points - at) / spread) ** 2).sum(axis=1))
     width = max(float(np.sort(distance)[min(len(distance) - 1, int(count))]), 1e-9)
     return np.asarray(np.exp(-0.5 * (distance / (0.6 * width)) ** 2))
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """The chance that a stick is found, over the range of OP in units of S [-]: large sticks have little travel.
-
-    chance = 1/(1 + exp(-(a + b log travel))), fitted by maximum likelihood.
-    """
-
-    a: float
-    b: float
-
-    @classmethod
-    def fitted(cls, travel: Floats, found: NDArray[np.bool_]) -> "Curve":
-        """Fit the curve to loops of known travel (n,) and whether each was found (n,)."""
-        a, b = chances(np.log(travel)[:, None], found, np.ones(len(travel)), np.full(2, PENALTY))
-        return cls(float(a), float(b))
-
-    def travel(self, chance: float) -> float:
-        """Return the travel [-] below which the chance is reached; NaN where it does not grow with the stick."""
-        return float(np.exp((np.log(chance / (1.0 - chance)) - self.a) / self.b)) if self.b < -1e-3 else np.nan
 
 
 def chances(x: Floats, yes: NDArray[np.bool_], weights: Floats, penalty: Floats) -> Floats:
@@ -134,12 +114,12 @@ def read(known: Table, here: Floats) -> Reading:
     )
     J = np.minimum(J, S)
     threshold = float(np.quantile(z[~sticky, 0], 1.0 - FALSE_ALARMS))
-    travel = known.unit[sticky] / known.truth["S"][sticky].astype(float)
+    size = known.truth["S"][sticky].astype(float) / known.unit[sticky]
     return Reading(
         causes={"stiction": p, **_shared(1.0 - p, known.truth["cause"][~sticky], weights[~sticky])},
         S=(float(S[1]), float(S[0]), float(S[2])),
         J=(float(J[1]), float(J[0]), float(J[2])),
-        limit=_limit(travel, z[sticky, 0] > threshold),
+        limit=detection_limit(size, z[sticky, 0] > threshold),
         loops=len(known),
         false_alarms=float((z[~sticky, 0] > threshold).mean()),
         area=auc(z[:, 0], sticky),
@@ -153,7 +133,18 @@ def _shared(left: float, causes: NDArray[np.generic], weights: Floats) -> Mappin
     return dict(zip(others, (left * sums / sums.sum()).tolist(), strict=True))
 
 
-def _limit(travel: Floats, found: NDArray[np.bool_]) -> float:
-    """Return the detection limit [travels of OP]; NaN where it lies above the travel itself."""
-    most = Curve.fitted(travel, found).travel(CHANCE)
-    return 1.0 / most if most >= 1.0 else math.nan
+def detection_limit(size: Floats, found: NDArray[np.bool_]) -> float:
+    """Return the size from which on sticks are found with the probability ``CHANCE``; NaN where there is none up to 1.
+
+    size : (n,) S of the loops over the travel of OP [-]; larger ones than 1 stand still and count for nothing
+    found : (n,) whether each was found
+
+    The share found is fitted as one that never falls with the size (isotonic regression), because it need not come
+    near to 1: noise hides some sticks of any size.  At least ``LARGER`` of the loops must lie beyond the limit.
+    """
+    order = np.argsort(size)[: int(np.sum(size <= 1.0))]
+    if len(order) < LARGER:
+        return math.nan
+    share = isotonic_regression(found[order].astype(float)).x
+    first = int(np.searchsorted(share, CHANCE))
+    return float(size[order[first]]) if len(order) - first >= LARGER else math.nan

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 from benchmarks.report import Figures
 from benchmarks.resumed import code_of, resumed
 from calibration import LoopSpec, at_record, draw, simulate
+from calibration.by_simulation import together
+from calibration.posterior import log_odds
 from calibration.records import row as features_row
 from calibration.scoring import auc, calibration_error
 from detect.judge.answer import answer
@@ -28,7 +30,7 @@ from logs import LoopRecord
 
 SEED = 73_001  # used for nothing else
 RECORDS, QUICK = 60, 2
-LOOPS, QUICK_LOOPS = 600, 100
+LOOPS, QUICK_LOOPS = 2000, 100
 FOLDER = Path("calibration_parts")
 
 NOTES = {
@@ -40,6 +42,10 @@ NOTES = {
     "unsure_records": "records that the calibrated answer leaves open",
     "unsure_simulate_auc": "simulate_auc of those",
     "unsure_model_auc": "model_auc of those",
+    "unsure_together_auc": "the same by both together",
+    "unsure_simulate_log_loss": "mean log loss over those, by simulation",
+    "unsure_model_log_loss": "the same by the calibrated model alone",
+    "unsure_together_log_loss": "the same by both together",
     "unsure_simulate_right": "share of those on the right side of one half, by simulation",
     "unsure_model_right": "the same by the calibrated model alone",
     "simulate_calibration_error": "expected calibration error, ten bins",
@@ -148,6 +154,7 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
     sticky = np.array([pair.sticky for pair in found])
     own = np.array([0.5 if pair.own is None else pair.own.probability for pair in found])
     model = np.array([0.5 if pair.model is None else pair.model[0] for pair in found])
+    both = np.array([together(a, b) for a, b in zip(model.tolist(), own.tolist(), strict=True)])
     sized = [pair for pair in found if pair.sticky and pair.own is not None and pair.model is not None]
     unsure = np.array([pair.unsure for pair in found])
     limits = [pair.own.limit for pair in found if pair.own is not None]
@@ -162,6 +169,10 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
         "unsure_records": int(unsure.sum()),
         "unsure_simulate_auc": _auc(own[unsure], sticky[unsure]),
         "unsure_model_auc": _auc(model[unsure], sticky[unsure]),
+        "unsure_together_auc": _auc(both[unsure], sticky[unsure]),
+        "unsure_simulate_log_loss": _log_loss(own[unsure], sticky[unsure]),
+        "unsure_model_log_loss": _log_loss(model[unsure], sticky[unsure]),
+        "unsure_together_log_loss": _log_loss(both[unsure], sticky[unsure]),
         "unsure_simulate_right": _share(((own > 0.5) == sticky)[unsure].tolist()),
         "unsure_model_right": _share(((model > 0.5) == sticky)[unsure].tolist()),
         "simulate_calibration_error": calibration_error(own, sticky),
@@ -179,6 +190,11 @@ def summed_up(found: Sequence[Pair], loops: int) -> Figures:
 def _auc(p: NDArray[np.float64], sticky: NDArray[np.bool_]) -> float | None:
     """The area, or None where one side is missing."""
     return auc(p, sticky) if 0 < int(sticky.sum()) < len(sticky) else None
+
+
+def _log_loss(p: NDArray[np.float64], sticky: NDArray[np.bool_]) -> float | None:
+    """The mean of -ln of the probability of what is true, or None where there is none."""
+    return float(np.mean(np.logaddexp(0.0, np.where(sticky, -1.0, 1.0) * log_odds(p)))) if len(p) else None
 
 
 def _error(told: Sequence[tuple[float, float]]) -> float | None:

@@ -41,7 +41,7 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 )
 @click.option(
     "--simulate/--no-simulate", default=None,
-    help="Compare with 600 loops simulated like this record, about 10 s; by default where the verdict is unsure.",
+    help="Compare with 2,000 loops simulated like this record, about 10 s; by default where the verdict is unsure.",
 )  # fmt: skip
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option

@@ -1,6 +1,9 @@
 """The figures of both stages: counted apart where the calibrated answer leaves a record open."""
 
 import json
+import math
+
+import pytest
 
 from benchmarks.detect import posterior
 from benchmarks.detect.posterior import NOTES, Own, Pair, pairs, summed_up
@@ -17,6 +20,11 @@ def test_the_unsure_are_counted_apart():
     assert found["unsure_records"] == 2 and found["unsure_model_auc"] == 0.0 and found["unsure_model_right"] == 0.0
     assert found["model_auc"] == 0.75  # analytic: three of the four pairs of a sticky and another loop stand in order
     assert set(found) == set(NOTES)
+    # analytic: both unsure records have the wrong side at 0.4; simulation says nothing, which counts as 0.5
+    assert found["unsure_model_log_loss"] == pytest.approx(-math.log(0.4))
+    assert found["unsure_simulate_log_loss"] == pytest.approx(math.log(2.0))
+    odds = math.sqrt(0.4 / 0.6)  # half the log odds
+    assert found["unsure_together_log_loss"] == pytest.approx(-math.log(odds / (1.0 + odds)))
 
 
 def test_one_side_alone_has_no_area():

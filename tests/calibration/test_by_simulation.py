@@ -1,6 +1,7 @@
 """Stage (b): what is measured of a record, what is simulated for it, and what is read off the simulated loops."""
 
 import math
+from concurrent.futures import Future
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from calibration.alike import alike
 from calibration.by_simulation import PIECE, split
 from calibration.conditions import conditions
 from calibration.drawing import one
-from calibration.posterior import SEEN, Curve, chances, nearest, read, weighted_quantile
+from calibration.posterior import SEEN, chances, detection_limit, nearest, read, weighted_quantile
 from calibration.records import Table
 from calibration.spec import CAUSES
 from logs import LoopRecord
@@ -109,15 +110,16 @@ def test_chances_are_found_from_known_odds() -> None:
     )
 
 
-def test_the_curve_finds_its_own_numbers_and_says_when_there_is_no_limit() -> None:
+def test_the_limit_is_where_nine_of_ten_are_found_though_never_all_are() -> None:
+    # analytic: the chance rises from 0 to 0.95 and is 0.9 at a size of 0.6; a stick beyond the travel is never found
     r = np.random.default_rng(5)
-    travel = np.exp(r.uniform(-0.5, 2.0, 4000))
-    chance = 1.0 / (1.0 + np.exp(-(3.0 - 2.0 * np.log(travel))))
-    curve = Curve.fitted(travel, r.random(4000) < chance)
-    assert curve.a == pytest.approx(3.0, abs=0.3) and curve.b == pytest.approx(-2.0, abs=0.25)
-    exact = math.exp((3.0 - math.log(9.0)) / 2.0)  # analytic: odds of 9 to 1
-    assert curve.travel(0.9) == pytest.approx(exact, rel=0.1)
-    assert math.isnan(Curve(0.0, 1.0).travel(0.9))
+    size = np.exp(r.uniform(math.log(0.1), math.log(2.0), 20_000))
+    chance = np.where(size > 1.0, 0.0, np.minimum(0.9 * size / 0.6, 0.95))
+    found = r.random(20_000) < chance
+    assert detection_limit(size, found) == pytest.approx(0.6, rel=0.05)
+    assert math.isnan(detection_limit(size, r.random(20_000) < 0.9 * chance))  # at most 0.855
+    assert math.isnan(detection_limit(size[size > 0.9][:20], found[size > 0.9][:20]))  # too few
+    assert math.isnan(detection_limit(np.full(50, 2.0), np.ones(50, dtype=bool)))  # none within the travel
 
 
 def test_neighbours_and_quantiles_carry_their_weights() -> None:
@@ -129,8 +131,8 @@ def test_neighbours_and_quantiles_carry_their_weights() -> None:
 
 
 def test_the_posterior_of_known_normal_classes_is_told_with_its_sizes() -> None:
-    # analytic: where z_odds is the true log odds, the posterior at z = 0.8 is 1/(1 + exp(-0.8)); S is read off the sticky
-    # loops about the record, J is never more than S, and a cause that no loop about the record has is improbable
+    # analytic: where z_odds is the true log odds, the posterior at z = 0.8 is 1/(1 + exp(-0.8)); S is read off the
+    # sticky loops about the record, J is never more than S, and a cause that no loop about the record has is improbable
     r = np.random.default_rng(8)
     n = 6000
     sticky = np.arange(n) % 2 == 0
@@ -152,6 +154,53 @@ def test_the_posterior_of_known_normal_classes_is_told_with_its_sizes() -> None:
     assert all(j <= s for j, s in zip(said.J, said.S, strict=True))
     far = read(known, np.array([[0.8, -1.0, -1.5], [-4.0, -1.0, -1.5], [-4.4, -1.0, -1.5]]))  # the median piece counts
     assert far.causes["stiction"] < 0.1 and far.causes["healthy"] > 5.0 * far.causes["deadband"]
+
+
+def test_of_the_loops_only_the_network_is_asked_and_shares_that_show_nothing_are_left_out(monkeypatch) -> None:
+    specs = alike(conditions(record("cycling", (31, 1))), 6, seed=4)
+    made = by_simulation.made_of(specs)
+    assert set(SEEN) < set(made.names.tolist()) and all(name.startswith("network_") for name in made.names.tolist())
+    plain = by_simulation.made_of
+    monkeypatch.setattr(by_simulation, "SHARE", 3)
+    nothing = replace(made.rows(np.arange(6) < 3), names=np.array([]), x=np.zeros((3, 0)), unit=np.full(3, np.nan))
+    monkeypatch.setattr(by_simulation, "made_of", lambda share: nothing if share[0] == specs[0] else plain(share))
+    left = by_simulation.simulated(specs, workers=1)
+    np.testing.assert_array_equal(left.x, made.x[3:])
+    monkeypatch.setattr(by_simulation, "made_of", lambda share: nothing)
+    assert not by_simulation.simulated(specs, workers=1).seen.any()
+
+
+def test_where_it_is_stopped_no_waiting_share_is_begun(monkeypatch) -> None:
+    begun, asked = [], []
+
+    class Waiting:
+        def __init__(self, *_: object, initializer: object, **__: object) -> None:
+            assert initializer is not None  # or Ctrl-C of a terminal stops the other processes by themselves
+
+        def __enter__(self) -> "Waiting":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            begun.extend(one for one in asked if one.set_running_or_notify_cancel())  # as a pool does that closes
+
+        def submit(self, *_: object) -> "Future[object]":
+            asked.append(Future())
+            return asked[-1]
+
+        def shutdown(self, cancel_futures: bool) -> None:
+            if cancel_futures:
+                _ = [one.cancel() for one in asked]
+
+    def stopped(share: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(by_simulation, "OWN_PROCESS", 5)
+    monkeypatch.setattr(by_simulation, "SHARE", 3)
+    monkeypatch.setattr(by_simulation, "ProcessPoolExecutor", Waiting)
+    monkeypatch.setattr(by_simulation, "made_of", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        by_simulation.simulated(alike(conditions(record("cycling", (31, 1))), 12, seed=4), workers=2)
+    assert len(asked) == 4 and not begun
 
 
 def test_several_processes_make_the_loops_that_one_makes_in_the_same_order(monkeypatch) -> None:

@@ -9,6 +9,7 @@ from detect.methods.area_ratio import closed_form, detect
 from detect.oscillation import acf_crossings as oscillation
 from detect.prepare import cycles
 from detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split
+from detect.prepare.prepared import Prepared
 
 T = np.arange(3000.0)
 HOLES = np.arange(75, 3000, 150)
@@ -123,6 +124,16 @@ def test_a_whole_record_has_no_gap(wave, loop):
     assert gaps_in(record) == ()
     assert not [note for note in cycles.cut(record).notes if "gap" in note]
     assert oscillation.find(record).oscillating
+
+
+def test_a_period_is_sought_for_the_grid_only_where_there_is_a_gap(wave, loop):
+    whole = Prepared(limit_cycle(wave, loop))
+    assert len(whole.whole) == len(T) and "pieces" not in vars(whole)
+    e = wave("exponential", T, 100.0, tau=16.0)
+    e[[500, 501, 502, 1800, 1801, 1802]] = np.nan
+    holed = Prepared(loop(T, e))  # four steps are a twenty-fifth of a period: bridged, though not without a period
+    assert len(split(holed.record, bridgeable(holed.record, 0.0))) == 3
+    assert len(holed.whole) == len(T) and "pieces" in vars(holed)
 
 
 def test_uneven_sampling_is_no_gap(wave, loop):
