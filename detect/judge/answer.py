@@ -1,7 +1,8 @@
 """One calibrated answer for a loop: what can be asked of the record, what is probable, how large, and what to do.
 
     1. a record that shows nothing is refused by name, without a probability
-    2. where MV is logged and moves, the stem answers (``methods.stem_play``): PV is not asked
+    2. where MV is logged and moves, the stem answers (``methods.stem_play``): PV is not asked; where it stands while OP
+       travels and turns back, the valve sticks unless PV shows that the tag is dead (``still_stem``)
     3. where PV bends each time OP has come back by the same travel, its valve is seen to slip (``own_slips``)
     4. the features go to the model, which was calibrated on simulated loops only
     5. "stiction" from the probability ``accuse`` on, from ``LEVEL`` on in a process known to integrate, with S and J
@@ -25,9 +26,9 @@ from detect.judge.features import features_of, view_of
 from detect.judge.features.view import View
 from detect.judge.model import Model, Opinion, calibrated, rounded
 from detect.judge.own_slips import own_slips
+from detect.judge.still_stem import Still, still_stem
 from detect.plantwide.slips import Slips
 from detect.prepare.prepared import STEPS_MAX, Prepared
-from detect.prepare.stick import turns
 from detect.verdict import Verdict
 from detect.words import Word
 
@@ -39,7 +40,6 @@ UNLIKE = 0.03  # share of features beyond all simulated ones from which on the m
 # Facts of the data behind which nothing can be judged, where they forbid it.
 REFUSED = ("manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
 SAMPLES = 100  # of a record; the simulated ones have 300 and more
-TRAVELS = 1.0  # % of OP's span, or of its unit: over less no stem need move
 # In a process known to integrate a deadband makes the loop cycle, which no simulation that is learnt from shows.  From
 # this probability on 2 % of such loops are called (training law, 63000 to 63002; ``benchmarks.detect --only levels``).
 LEVEL = 0.99
@@ -102,7 +102,8 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
     refused = next((f for f in loop.present if f.code in REFUSED and f.forbids), None)
     if refused is not None:
         return _refusal(refused.text)
-    if loop.record.mv is not None:
+    still = None if loop.record.mv is None else still_stem(loop)
+    if loop.record.mv is not None and still is None:
         from detect.methods import stem_play
 
         told = stem_play.detect(loop)
@@ -110,15 +111,18 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
             return _from_stem(told, loop)
     slips = own_slips(loop.with_stale)
     if slips is not None:
-        return _from_slips(slips, loop)
+        told_by_slips = _from_slips(slips, loop)
+        dead = " The logged stem stands still all the while: its tag is dead."
+        return replace(told_by_slips, reason=told_by_slips.reason + dead) if still else told_by_slips
+    if still is not None and still.means == "sticks":
+        return _from_still(still)
     view, left = view_of(loop), len(loop.with_stale.whole)
     if view is None or left < SAMPLES:
         return _refusal(f"Too little is left to look at: {left} samples without a gap; {SAMPLES} that move are needed.")
     model = model or calibrated()
     found = features_of(view)
     said = _judged(loop, view, found, model.judge(found), model)
-    still = _stem_stands(loop) if said.word == "inconclusive" else ""
-    return replace(said, reason=f"{still} {said.reason}") if still else said
+    return said if still is None or still.turned == 0 else replace(said, reason=f"{_stands(still)} {said.reason}")
 
 
 def _refusal(text: str) -> Answer:
@@ -259,21 +263,16 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
     return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)
 
 
-def _stem_stands(loop: Prepared) -> str:
-    """What to say where a logged stem never moves though OP travels and turns back; "" where not so."""
-    grid = loop.whole
-    if grid.mv is None or not np.all(np.isfinite(grid.mv)):
-        return ""
-    scale, unit = _unit(loop)
-    travel = float(np.ptp(grid.op)) * scale
-    turned = len(turns(grid.op, 0.5 * float(np.ptp(grid.op))))
-    if np.ptp(grid.mv) > 1e-6 * max(float(np.max(np.abs(grid.mv))), 1e-300) or travel < TRAVELS or not turned:
-        return ""
-    return (
-        f"The logged stem never moves while OP travels {_travelled(travel, unit)} and turns back {turned} times: it "
-        f"sticks or has a deadband, S + J above {rounded(travel):g} {unit}, or its transmitter is dead; which of them "
-        "shows only when OP moves further."
-    )
+def _stands(still: Still) -> str:
+    """What is seen of a stem that stands, and what that means."""
+    moves = f"OP travels {_travelled(still.travel, still.unit)} and turns back {still.turned} times"
+    return f"The logged stem never moves while {moves}: {still.why}"
+
+
+def _from_still(still: Still) -> Answer:
+    """The answer where the stem is seen to stand; no probability, and of S the least that it can be."""
+    least = Amount(still.travel, 0.5 * still.travel, still.travel, still.unit.replace("its span", "OP"))
+    return Answer("stiction", None, {}, None, None, None, _stands(still), next_step({"stiction": 1.0}, least, True))
 
 
 def _from_slips(slips: Slips, loop: Prepared) -> Answer:

@@ -12,9 +12,9 @@ offset and the gain of positioner and transmitter, come from least squares where
 1.  MV may be up to three samples late: a delay is taken where it halves the scatter of S.
 
 A stick is called where the interval of J lies above ``slip`` and above six sigma of the noise, and where MV does stray
-from OP: by S + J over a stick.  Where it lies below, or where OP turned often and far and
-MV never strayed from it, the valve does not stick; a deadband that is left is told: it wears the control, but is no
-stick.
+from OP: by S + J over a stick.  No friction makes J larger than S; where J is read ``friction`` times as large, OP is
+logged coarser or later than MV, and nothing is called.  Where J lies below, or where OP turned often and far and MV
+never strayed from it, the valve does not stick; a deadband that is left is told: it wears the control, but is no stick.
 
 OP may stand at a limit: the stem comes to rest where OP does, and leaves it as from anywhere else.  Stands of the stem
 at an end of its own span (``end``) are left out, because its seat or stop may hold it there; where the span is not
@@ -78,12 +78,14 @@ class Params:
     end : distance from an end of the span within which the seat or stop may hold the stem [share of the span]
     scatter : largest interquartile range of S over its median [-]
     reversals, turns : fewest of the stem to accuse, of OP to clear; samples : fewest
+    friction : largest J over S; of friction it is 1, since S = (F_s + F_c) / k and J = (F_s - F_c) / k
     agreeing, agreement : fewer reversals do where S differs between them by no more than this share of it [-]
     """
 
     slip: float = 0.2
     end: float = 0.005
     scatter: float = 0.5
+    friction: float = 1.5
     reversals: int = 4
     agreeing: int = 3
     agreement: float = 0.1
@@ -280,8 +282,10 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise:
     )
     if f.scatter > p.scatter:
         return "inconclusive", f"OP does not say when the stem moves (S scatters by {f.scatter:.0%}): {fit}."
-    if sticks:
+    if sticks and f.J[1] <= p.friction * f.S[2]:
         return "stiction", f"The stem stands and jumps: {fit}."
+    if sticks:
+        return "inconclusive", f"A jump wider than S is no friction's: OP and MV are not of the same instants: {fit}."
     if J[2] > 0.25 * travel or apart <= 0.5 * seen or J[1] > p.slip:
         return "inconclusive", (
             f"A jump of up to {max(J[2], least):.3g} % would not have shown (noise {noise:.2g} %, MV strays from OP by "

@@ -10,10 +10,10 @@
 A valve that sticks lets OP travel by S and then slips, so that the flow through it, and what hangs on that flow, jump.
 A valve with a deadband but no jump makes a kink. Where something outside makes y jump and the valve answers, integral
 action takes the whole jump back before the next, and ``stood`` is 1. Called are slips where S is known to ``KNOWN``
-from ``REVERSALS`` reversals or more, nearly all jumps go the way that OP moves (or the other way), OP never came back
-by more than S without one, and y stood. A stem that slides one way and stands the other scatters both readings of S:
-then S is that of the stems of some S and J whose slips and the jumps of y meet. Of several loops, jumps at the same
-instants belong to that whose stem, by S and J = S / 5, tells a tag best.
+from ``REVERSALS`` reversals or more, or from ``AGREEING`` that agree, nearly all jumps go the way that OP moves (or the
+other way), OP never came back by more than S without one, and y stood. A stem that slides one way and stands the other
+scatters both readings of S: then S is that of the stems of some S and J whose slips and the jumps of y meet. Of several
+loops, jumps at the same instants belong to that whose stem, by S and J = S / 5, tells a tag best.
 
 Blind where OP travels by more than J in some three samples, and to jumps below ``SHARE`` of what else moves the tag.
 The idea and the limits are ours.
@@ -37,6 +37,7 @@ SIDE = 4  # samples of the slope on either side
 SIGMAS, SHARE, STEEP = 8.0, 0.005, 2.5
 MAIN = 0.3
 REVERSALS = 4
+AGREEING, AGREE = 3, 0.02  # fewer reversals do where S ranges over no more than this share of it
 KNOWN = 0.03  # half of the 90 % interval of S, over S
 WAY = 0.75  # share of the jumps that go the same way as OP, or against it
 BEYOND, BACK = 1.2, 0.1  # of S, that OP may come back without a jump, and in which share of the cases more
@@ -45,7 +46,7 @@ IN_TIME = 0.9  # share of the slips of a stem, and of the jumps, that come withi
 STOOD = 0.8  # of a jump; other signals that drift while the valve stands may move y, too
 S_MIN = 1.0  # % of OP span
 TAKEN = 0.5  # of the jumps of a tag, that come within a sample of another loop's, from which on they are its
-NEARLY = (0.85, 0.9, 0.95)  # of S
+NEARLY = (0.85, 0.9, 0.95, 0.98)  # of S
 SKIP = 0.2  # of the log, until the stem's place no longer depends on where it stood at first
 
 
@@ -117,7 +118,7 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
     True
     """
     at, size = jumps
-    if len(at) <= REVERSALS:
+    if len(at) <= AGREEING:
         return None
     agree = np.sign(op[at] - op[at - SIDE]) * np.sign(size)
     sign = 1.0 if agree.sum() >= 0.0 else -1.0
@@ -135,7 +136,10 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
             stood.append(float(new * sign * (y[b] - y[a + 1 + furthest])))
         else:
             beyond.append(float(np.max(np.maximum.accumulate(ahead) - ahead)))
-    if len(slid) < REVERSALS or float(np.median(stood)) > STOOD * float(np.median(np.abs(size))):
+    same = min(float(np.ptp(each) / np.median(each)) if each else 1.0 for each in (slid, still))
+    if len(slid) < (AGREEING if same <= AGREE else REVERSALS) or float(np.median(stood)) > STOOD * float(
+        np.median(np.abs(size))
+    ):
         return None
     middle, half = min((_middle(np.array(each)) for each in (slid, still)), key=lambda one: one[1] / one[0])
     missed = np.mean(np.array(beyond) > BEYOND * middle) if beyond else 0.0

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from calibration.defects import compressed
 from calibration.drawing import draw
 from calibration.simulation import simulate
 from detect.judge.answer import answer
@@ -95,6 +96,42 @@ def test_a_square_wave_that_a_sound_valve_answers_is_no_slip(tau, period, K_p):
         sum_ += pv[k] * K_p / (60.0 if not tau else 1.5 * tau)
         u[k] = 50.0 + K_p * pv[k] + sum_
     assert own_slips(loop(pv, u, tau)) is None
+
+
+def straight(reversals: int) -> tuple[np.ndarray, np.ndarray]:
+    """OP in straight lines between turns, and a level that a stem of S = 4 % fills and empties at two paces."""
+    turns = 50 + 4.2 * np.where(np.arange(reversals + 2) % 2, 0.5, -0.5)
+    u = np.interp(T, np.linspace(0.0, T[-1], len(turns)), turns)
+    return u, np.cumsum(50.0 - stick(u, 4.0, 1.0))
+
+
+def test_three_reversals_that_agree_are_enough_and_a_level_is_straight_between_them():
+    """S = 4 % (analytic); between two slips the flow stands, so that PV lies on straight lines as a historian draws."""
+    u, level = straight(3)
+    slow = loop(level + 1e-3 * np.sin(T / 40), u, 0.0)
+    assert any(fact.code == "compressed" for fact in loop(level, u, 0.0).present)
+    for one in (slow, loop(level, u, 0.0)):
+        found = own_slips(one)
+        assert found is not None and found.reversals == 3 and pytest.approx(4.0, rel=0.02) == found.S
+    u, level = straight(2)
+    assert own_slips(loop(level, u, 0.0)) is None
+
+
+def test_a_pv_that_a_historian_drew_is_refused():
+    u, level = straight(9)
+    drawn = compressed(T, level + 0.3 * np.random.default_rng(1).normal(size=len(T)), 0.02)
+    assert own_slips(loop(level, u, 0.0)) is not None and own_slips(loop(drawn, u, 0.0)) is None
+
+
+def test_moves_of_SP_that_a_sound_valve_answers_are_no_slips():
+    """A first-order process, PI control, SP between two values: OP and the pace of PV step together."""
+    sp = np.where(T % 500.0 < 250.0, 40.0, 60.0)
+    pv, u, sum_ = np.zeros(3000), np.full(3000, 50.0), 0.0
+    for k in range(1, 3000):
+        pv[k] = pv[k - 1] + 0.1 * (2.0 * (u[k - 1] - 30.0) - pv[k - 1])
+        sum_ += 0.02 * (sp[k] - pv[k])
+        u[k] = 50.0 + 0.2 * (sp[k] - pv[k]) + sum_
+    assert own_slips(loop(pv, u, 20.0)) is None
 
 
 def test_simulated_loops_of_other_causes_are_not_called():
