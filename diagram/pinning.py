@@ -44,8 +44,7 @@ def pin_blocks(diagram: Wired, log: Log, names: Sequence[str]) -> tuple[dict[str
         if s not in played:
             folder, _, _ = s.rpartition("/")
             driver = diagram.blocks[diagram.driven[s][0]].name.removeprefix(f"{folder}/")
-            span = diagram.signal_spans.get(s)
-            pins.append(_pin(log, s, driver, diagram.signal_units[s], None if span is None else tuple(span)))
+            pins.append(_pin(log, s, driver, diagram.signal_units[s], diagram.signal_spans.get(s)))
     return played, pins
 
 

@@ -9,7 +9,9 @@ from gap.diagnosis import prepared
 from gap.effects import effect
 from gap.explanations.candidates import candidates, ranked
 from gap.explanations.proposals import proposed
+from gap.fits.search import near_neutral
 from gap.fits.together import together
+from gap.records.offsets import held
 
 NAMES = ("dead_time", "second_lag", "process_gain", "controller_gain", "sensor_bias", "process_time_constant")
 FEW = [effect(name) for name in NAMES]
@@ -38,6 +40,18 @@ def test_the_right_pair_is_proposed_first(log):
     first = proposed(problem, fits)[0]
     assert {first.first.effect.name, first.second.effect.name} == {"dead_time", "second_lag"}
     assert np.isfinite(first.F) and first.starts
+
+
+def test_an_effect_at_a_place_is_put_in_and_pinned_once_for_all_fits(log):
+    """Making a diagram costs as much as several replays of it."""
+    problem = prepared(ideal_flow(), log)
+    for one in candidates(problem, problem.quiet, FEW):
+        near_neutral(one)
+    made = held.cache_info().misses
+    again = candidates(problem, problem.quiet, FEW)
+    for one in again:
+        assert one.tried([{one.sizes[0]: one.nominal[one.sizes[0]] + 0.01}])
+    assert held.cache_info().misses == made
 
 
 def test_two_effects_that_set_the_same_parameter_are_no_candidate(log):
