@@ -36,7 +36,10 @@ NOWHERE = Jumps(*(np.zeros((0, 0)) for _ in range(6)))
 
 
 def lifted(one: Scanned, U: Floats, every: int, law: int) -> Jumps:
-    """Return the steps from row to row; ``U`` inputs at each scan (scans, kinds); ``law`` of the valve, none or stops."""
+    """Return the steps from row to row; ``U`` inputs at each scan (scans, kinds), ``law`` of the valve: none or stops.
+
+    A law that bends everywhere has none.
+    """
     n, C, kinds = one.n, len(one.v), U.shape[1]
     given = np.zeros((C + 1, n + kinds))  # over [z, u]
     given[:C, :n] = one.free

@@ -97,8 +97,8 @@ def told_by(v, limits, u, R, n, wanted):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def banked(  # type: ignore[no-untyped-def]
-    F, v, told, H, limits, memory, of, beyond, last, start, U, Y, acts, moves, every, K, s, lately, jitter, S, J, draws, turns,
-    repeats, e, loss, path,
+    F, v, told, H, limits, memory, of, beyond, last, start, U, Y, acts, moves, every, K, s, lately, jitter, S, J, draws,
+    turns, repeats, e, loss, path,
 ):  # fmt: skip
     """Write shares below each innovation, ``e`` (rows, signals), and the loss of each row [nats].
 

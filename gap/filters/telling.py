@@ -46,7 +46,7 @@ def _no_gap(o: Outcome, sureness: Sureness) -> GapReport:
 
 def _limits(o: Outcome) -> list[str]:
     """Return in words how large effects may be without being seen here."""
-    said = [f"deadband at {one.place} of up to {one.hidden:.2g} % OP" for one in o.looked if one.hidden > 0.0]
+    said = [f"deadband at {one.place} of up to {one.hidden:.2g} % OP" for one in o.looked]
     for one in o.found:
         effect = one.best.explanation.effect
         if effect is None or not one.names:

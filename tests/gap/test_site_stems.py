@@ -9,7 +9,7 @@ from gap import diagnose
 from gap.effects import effect
 from gap.filters.diagnosing import filtering_of, worst
 from gap.filters.filtering import Explanation
-from gap.filters.hysteresis import left
+from gap.filters.hysteresis import MANY, NOTHING, Bank, banked, left
 from gap.records.model import read
 from logs import Log
 
@@ -74,3 +74,13 @@ def test_a_bank_of_the_true_sizes_keeps_track_of_jumps(site_record):
     assert np.nanmean(found.judged**2, axis=0) == pytest.approx(1.0, abs=0.1)  # analytic: innovations of unit variance
     name, size = worst(found)
     assert size < 9.0, name
+
+
+def test_stems_that_do_not_stick_are_as_likely_as_a_single_filter(site_record):
+    # oracle: the filter without a stem; with the gains of a stem that stands the bank is 90 nats behind here
+    filtering = filtering_of(*read(site_flow(), site_record()))
+    bank = Bank.of(filtering.scans, len(filtering.Y), MANY)
+    values = {"process.K": 3.0, "process.tau": 10.0}
+    moving = banked(Explanation(filtering, effect("deadband"), "valve"), {**values, "width": NOTHING}, bank)
+    assert moving.nll == pytest.approx(Explanation(filtering).filtered(values).nll, abs=10.0)
+    assert np.nanmean(moving.judged**2, axis=0) == pytest.approx(1.0, abs=0.1)  # analytic: unit variance
