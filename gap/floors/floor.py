@@ -139,6 +139,16 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
     return logs
 
 
+def undisturbed(quiet: Diagram, record: Record) -> Log:
+    """Return the log of a silent model that is driven as the record's system was, not rounded."""
+    log, driven = record.log, [*record.pinned, *record.used]
+    run = ensemble(
+        quiet, log.duration, t0=np.full(1, log.t[0]), times=log.t, inputs=_played(record) if record.played else None,
+        signals=driven, progress=False,
+    )  # fmt: skip
+    return Log(log.t, {**{s: log[s] for s in record.played}, **{s: run.values[s][0] for s in driven}})
+
+
 def _played(record: Record) -> Mapping[str, Block] | Log:
     """Return what drives the inputs of a run as the record's system was driven.
 

@@ -18,6 +18,7 @@ from gap.records.record import Record
 from logs import Log
 
 Floats = NDArray[np.float64]
+SAME = 1e-7  # of an interval: times so near to one another are one
 BETWEEN = tuple((np.arange(8) + 0.5) / 8.0)  # shares of an interval at which a signal is looked at for its mean
 
 
@@ -54,9 +55,8 @@ def driven(
     t = logs[0].t
     piece = part(diagram, found.fed, "fed")
     inside = [s for s in found.given if s in piece.signals]
-    each = 2 + len(BETWEEN)
-    gap = np.diff(t)[:, None]
-    times = np.append(t[:-1, None] + gap * np.array([0.0, *BETWEEN, 1.0 - BEFORE]), t[-1])
+    times = _times(t, more)
+    rows = np.searchsorted(times, t)
     out = np.zeros((many, 3, len(t), len(found.given)))
     if inside:
         run = ensemble(
@@ -67,16 +67,41 @@ def driven(
     for j, s in enumerate(found.given):
         if s in inside:
             values = np.where(run.ok[:, None], run.values[s], np.nan)
-            at, within = values[:, ::each], values[:, :-1].reshape(many, -1, each)
         else:
             table = as_inputs(diagram, record, logs, [s], more, many)[s]
-            at = np.broadcast_to(np.stack([log[s] for log in logs]), (many, len(t)))
-            within = np.broadcast_to(at[:, :-1, None], (many, len(t) - 1, each))
             lines = [table] if isinstance(table, tuple) else table
             if isinstance(lines, list) and isinstance(lines[0], tuple):
-                seen = np.stack([np.interp(times[:-1], *one) for one in lines])
-                within = np.broadcast_to(seen.reshape(len(lines), -1, each), within.shape)
+                values = np.stack([np.interp(times, *one) for one in lines])
+                values[:, rows] = np.stack([log[s] for log in logs])
+            else:
+                held_values = np.stack([log[s] for log in logs])
+                values = held_values[:, np.searchsorted(rows, np.arange(len(times)), side="right") - 1]
+        at, before = values[:, rows], values[:, rows[1:] - 1]
         out[:, 0, :, j] = at
-        out[:, 1, 0, j], out[:, 1, 1:, j] = at[:, 0], within[..., -1]
-        out[:, 2, 1:, j] = within[..., 1:-1].mean(axis=-1) - 0.5 * (within[..., 0] + within[..., -1])
+        out[:, 1, 0, j], out[:, 1, 1:, j] = at[:, 0], before
+        out[:, 2, 1:, j] = _means(times, values, rows) - 0.5 * (at[:, :-1] + before)
     return out
+
+
+def _times(t: Floats, more: Behind) -> Floats:
+    """Return the rows' times [s] with those between them at which a signal is looked at: some in each interval, one
+    just before each row, and all at which runs add something, such as just before and at a switch.
+    """
+    gap = np.diff(t)[:, None]
+    own = np.append(t[:-1, None] + gap * np.array([0.0, *BETWEEN, 1.0 - BEFORE]), t[-1])
+    extra = more.t[(more.t > own[0]) & (more.t < own[-1])]
+    place = np.searchsorted(own, extra)
+    apart = np.minimum(extra - own[place - 1], own[place] - extra)
+    return np.sort(np.concatenate([own, extra[apart > SAME * float(gap.min())]]))
+
+
+def _means(times: Floats, values: Floats, rows: NDArray[np.int64]) -> Floats:
+    """Return the mean of lines through values over the interval before each row but the first, (runs, rows - 1).
+
+    >>> times = np.array([0.0, 0.5, 0.5 + 1e-9, 1.0, 2.0])  # a jump in the middle of the first interval
+    >>> _means(times, np.array([[0.0, 0.0, 1.0, 1.0, 3.0]]), np.array([0, 3, 4])).round(6).tolist()
+    [[0.5, 2.0]]
+    """
+    area = np.cumsum(0.5 * (values[:, 1:] + values[:, :-1]) * np.diff(times), axis=1)
+    area = np.concatenate([np.zeros((len(values), 1)), area], axis=1)[:, rows]
+    return np.asarray(np.diff(area, axis=1) / np.diff(times[rows]))

@@ -7,9 +7,13 @@ from benchmarks.gap.plant import MODELS, ROUNDING
 from blocks import FirstOrder, Staircase, Sum
 from cases.plant_models import LOGGED_PLANT, LOGGED_SECTION
 from diagram import simulate, wire
+from gap.diagnosis import prepared
 from gap.effects import effect
+from gap.explanations.candidates import ranked
+from gap.fits.search import Candidate
 from gap.floors.floor import without_gap
-from gap.linearised.behind import behind
+from gap.linearised.behind import NOTHING, Behind, behind
+from gap.linearised.driving import driven
 from gap.linearised.filtered import filter_of
 from gap.linearised.instants import with_switches
 from gap.linearised.observer import observer
@@ -87,3 +91,73 @@ def test_a_process_starts_where_the_log_shows_it_whatever_its_parameters():
         0, :, 0
     ]
     np.testing.assert_allclose(e, 0.0, atol=1e-9)  # y = 2 x rests at 12 with u = 3; x started at 0
+
+
+def moving_section(seed):
+    """Return a record of the section without a gap whose two set points switch at any time."""
+    rng = np.random.default_rng([91, seed])
+    plant = MODELS["separator_section"][0]()
+    for name in ("SP_PCS11", "SP_LCS11"):
+        rest = plant[name].params["value"]
+        times = np.concatenate([[0.0], np.cumsum(rng.uniform(150.0, 400.0, 12))])
+        levels = rest * (1.0 + 0.02 * rng.uniform(-1.0, 1.0, len(times)))
+        levels[0] = rest
+        plant = plant.replace(name, Staircase(name, levels, at=times))
+    plant = plant.replace("F_in", plant["F_in"].reseeded([91, seed]))
+    log = simulate(plant, 2400.0, every=2.0, signals=list(LOGGED_SECTION), rtol=1e-5, atol=1e-8).log
+    return log.with_signals(**{s: np.round(log[s] / ROUNDING[s[0]]) * ROUNDING[s[0]] for s in log.names if s[0] != "S"})
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_set_points_that_switch_between_rows_are_no_gap(seed):
+    # with means over an interval from eight points of it, and pressures that told no instant, these were 7 sd and more
+    problem = prepared(MODELS["separator_section"][0](), moving_section(seed))
+    assert problem.score <= problem.limit
+
+
+def test_the_mean_of_an_input_that_jumps_between_rows_is_that_of_its_jump():
+    _, quiet, record = record_of(MODELS["separator_section"][0](), at=(300.0,))
+    found = record.filter.parts
+    for lead in (0.13, 0.77, 1.71):  # [s] before the row at 300 s
+        t = np.array([300.0 - lead - 1e-6, 300.0 - lead, 300.0])
+        jump = Behind(t, {"OP_VPCS1": np.array([[0.0, 0.1, 0.1]])})
+        plain = driven(quiet, found, record, [record.log], {}, 1, NOTHING)[0]
+        there = driven(quiet, found, record, [record.log], {}, 1, jump)[0]
+        j = found.given.index("MV_VPCS1")
+        mean = (there - plain)[2, 150, j] + 0.5 * ((there - plain)[0, 149, j] + (there - plain)[1, 150, j])
+        assert mean == pytest.approx(0.1 * lead / 2.0, rel=0.01)  # analytic: the valve is ideal, its MV is its OP
+
+
+def test_an_explanation_is_named_by_runs_of_its_own_and_screened_without():
+    gain = effect("controller_gain")
+    plant = MODELS["separator_section"][0]()
+    log = simulate(
+        gain.insert(plant.replace("SP_PCS11", moved(plant)), "PCS11", factor=1.4), 900.0, every=2.0,
+        signals=list(LOGGED_SECTION),
+    ).log  # fmt: skip
+    problem = prepared(plant, log)
+    legal = [Candidate(problem, problem.quiet, one, "PCS11") for one in (gain, effect("controller_integral_time"))]
+    best = ranked(legal)[0]
+    assert best.effect is gain and best.values["factor"] == pytest.approx(1.4, rel=0.01)
+    assert best.candidate.problem is problem
+    (own,) = best.candidate.tried([best.values])
+    (held,) = Candidate(problem.quick, problem.quiet, gain, "PCS11").tried([best.values])
+    assert best.F == own.F and held.F > own.F + 10.0  # what the gain itself does between rows is in its own runs only
+    assert problem.quick.score == problem.score
+
+
+def test_one_value_after_another_leaves_what_all_at_once_leave():
+    _, quiet, record = record_of(MODELS["separator_section"][0](), at=(300.0, 600.0))
+    gain = effect("controller_gain")
+    changed, sizes = gain.put(quiet, "PCS11"), (0.8, 1.1, 1.25, 1.4)
+    given = gain.settings(quiet, "PCS11", factor=np.array(sizes))
+    together = record.filter.residuals(changed, record, given, None)
+    for k in range(len(sizes)):
+        alone = record.filter.residuals(changed, record, {key: np.asarray(v)[[k]] for key, v in given.items()}, None)
+        np.testing.assert_array_equal(alone[0], together[k])
+
+
+def moved(plant):
+    """Return the pressure's set point of a plant as a staircase."""
+    rest = plant["SP_PCS11"].params["value"]
+    return Staircase("SP_PCS11", rest * np.array([1.0, 1.015, 0.985]), at=(0.0, 300.0, 600.0))
