@@ -99,9 +99,10 @@ def response(
 ) -> Floats | None:
     """Return the innovations' response to a load of 1 in one interval at a feed, (rows from then on, signals).
 
-    The load is held from row to row, or joined by straight lines (``hold``).  None where nothing answers.
+    The load is held from row to row, or joined by straight lines (``hold``).  None where nothing answers.  Far from its
+    rest a run of a large diagram does other things behind a switch of a set point: so it takes these from the model.
     """
-    t = problem.record.log.t
+    problem, t = problem.quick, problem.record.log.t
     at = problem.floor.skipped + (len(t) - problem.floor.skipped) // 4
     signal = str(base[place].output_labels[0])
     low, high = base.signal_spans.get(signal, (0.0, 1.0))

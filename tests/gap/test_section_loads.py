@@ -1,0 +1,23 @@
+"""Loads at the feed of a separator section, which nobody measures, beside a feed that swings by itself."""
+
+import pytest
+
+from benchmarks.gap.plant import MODELS, PlantRun
+from gap.diagnosis import prepared
+from gap.effects import effect
+from gap.fits.loads import fitted_load
+from gap.fits.search import Candidate
+
+
+@pytest.mark.parametrize(
+    ("name", "size"), [("step_disturbance", ("time", 1500.0)), ("sine_disturbance", ("period", 300.0))]
+)
+def test_a_load_at_the_feed_of_a_section_is_proposed_at_its_time_or_period(name, size):
+    # the response to a pulse was that of runs far from their rest, in which no load could be recognised
+    run = PlantRun("separator_section", name, "F_in", 70)
+    problem = prepared(MODELS[run.model][0](), run.made())
+    assert problem.score > problem.limit
+    found = fitted_load(Candidate(problem, problem.quiet, effect(name), "F_in"))
+    parameter, true = size  # of the benchmark's SIZES
+    assert found.values[parameter] == pytest.approx(true, rel=0.03)
+    assert found.F < problem.limit < problem.score
