@@ -5,7 +5,7 @@
     weight     exp(-(d / (0.6 D))^2 / 2),   D the distance of the ``NEIGHBOURS``-th loop
     stiction   1/(1 + exp(-(a + b (z - z_record)))) at the record, a and b (3,) fitted to the loops by their weights
     causes     what is left, shared as the weights of the loops without stiction are
-    sizes      quantiles of the true S and J of the sticky loops, by their weights
+    sizes      what the network says of the record, corrected by its errors on the sticky loops, by their weights
     limit      the size from which on a stick is found with the probability ``CHANCE``, where ``FALSE_ALARMS`` of the
                loops without stiction are called sticky
 
@@ -108,18 +108,16 @@ def read(known: Table, here: Floats) -> Reading:
     ahead = (z - at) / np.maximum(z.std(axis=0), 1e-9)
     p = float(expit(chances(ahead, sticky, weights, np.array([PENALTY, STEEP, STEEP, STEEP]))[0]))
     own = weights[sticky]
-    S, J = (
-        np.exp(weighted_quantile(np.log(known.truth[which][sticky].astype(float) / known.unit[sticky]), own, QUANTILES))
-        for which in ("S", "J")
-    )
+    true = np.log(np.column_stack([known.truth[which][sticky].astype(float) for which in ("S", "J")]))
+    true -= np.log(known.unit[sticky])[:, None]
+    S, J = (np.exp(at[k] + weighted_quantile(true[:, k - 1] - z[sticky, k], own, QUANTILES)) for k in (1, 2))
     J = np.minimum(J, S)
     threshold = float(np.quantile(z[~sticky, 0], 1.0 - FALSE_ALARMS))
-    size = known.truth["S"][sticky].astype(float) / known.unit[sticky]
     return Reading(
         causes={"stiction": p, **_shared(1.0 - p, known.truth["cause"][~sticky], weights[~sticky])},
         S=(float(S[1]), float(S[0]), float(S[2])),
         J=(float(J[1]), float(J[0]), float(J[2])),
-        limit=detection_limit(size, z[sticky, 0] > threshold),
+        limit=detection_limit(np.exp(true[:, 0]), z[sticky, 0] > threshold),
         loops=len(known),
         false_alarms=float((z[~sticky, 0] > threshold).mean()),
         area=auc(z[:, 0], sticky),
