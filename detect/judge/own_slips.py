@@ -12,7 +12,7 @@ an even beat. Hence one rule more: a valve that stands for most of OP's travel l
 back, and these must make up ``MOST`` of the range of y.
 
 Needs PV with little noise: a jump of y shows above ``plantwide.slips.SIGMAS`` of what y does from sample to sample; PV
-neither drawn by a historian nor rounded; and OP that moves by less than ``STEP`` of S in a sample, at the jumps, too.
+neither drawn by a historian nor rounded; and OP that moves by less than ``STEP`` of S in a sample.
 It accuses and never clears.  The idea and the limits are ours.
 """
 
@@ -33,7 +33,8 @@ MOST = 0.33
 STANDS = 0.5  # S over OP's travel from which a valve stands for most of it
 SMOOTH = 90.0  # % of the samples, whose rate changes least: the others may be slips
 SAMPLES = 100  # fewest
-STEP = 0.1  # of S, that OP may move in nine samples of ten, and at a jump: a move of SP kicks OP and PV together
+STEP = 0.1  # of S, that OP may move in nine samples of ten
+SP_STEP = 0.1  # of the range of SP
 # Facts of the data behind which PV is a chain of steps, and one of straight lines.
 BENT, DRAWN = ("quantised", "stale_data"), "compressed"
 IN_RUNS = 0.9  # of the bends of PV that have another beside them: a process bends in curves, a historian at points
@@ -62,7 +63,7 @@ def own_slips(loop: Prepared) -> Slips | None:
     for y in (rate,) if store is rate else (rate, store):
         jumps = jumps_of(y)
         found = slips_of(op, y, jumps, loop.record.pv_name)
-        if found is None or max(step, _kick(op, jumps)) > STEP * found.S or _answers(op, store, jumps, found.S):
+        if found is None or step > STEP * found.S or _by_sp(grid.sp, jumps) or _answers(op, store, jumps, found.S):
             continue
         if STANDS * np.ptp(op) >= found.S or np.median(np.abs(jumps.size)) >= MOST * np.ptp(y):
             return found._replace(low=found.low - step, high=found.high + step)
@@ -79,11 +80,13 @@ def _bent(loop: Prepared) -> bool:
     return not found.isdisjoint(BENT) or np.count_nonzero(bend[1:] & bend[:-1]) < IN_RUNS * np.count_nonzero(bend)
 
 
-def _kick(op: Values, jumps: Jumps) -> float:
-    """Return the largest step that op (n,) makes within a sample of a jump, the median over the ``jumps``."""
-    steps = np.abs(np.diff(op))
-    near = jumps.at[:, None] + np.arange(-2, 2)
-    return float(np.median(np.max(steps[np.clip(near, 0, len(steps) - 1)], axis=1)))
+def _by_sp(sp: Values | None, jumps: Jumps) -> bool:
+    """Return whether SP (n,) steps within two samples of most ``jumps``: it kicks OP and the pace of PV together."""
+    if sp is None or not np.ptp(sp) > 0.0:
+        return False
+    steps = np.abs(np.diff(sp)) > SP_STEP * np.ptp(sp)
+    near = np.clip(jumps.at[:, None] + np.arange(-2, 2), 0, len(steps) - 1)
+    return bool(np.mean(steps[near].any(axis=1)) > 0.5)
 
 
 def _answers(op: Values, y: Values, jumps: Jumps, S: float) -> bool:

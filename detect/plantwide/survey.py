@@ -38,6 +38,7 @@ SCHEMA = "stickslip.survey/1"
 Values = npt.NDArray[np.float64]
 POINTS = 3000  # of the grid: more shows no group and no band that fewer hide
 TRAVEL_MIN = 1.0  # % of OP span: a loop whose OP moves less feeds no oscillation worth a look
+STANDS = 2.0  # % of OP span, that no sound stem stands through (``judge.still_stem``)
 PLAIN = math.log(2.0)  # gain from which a band is plain: at most half of what was left is left
 
 
@@ -76,6 +77,8 @@ class Suspect:
                 f"{moves}, and {self.slips.tag} jumps when OP has come back by {self.slips.S:.2g} %, "
                 f"{self.slips.reversals} times: its valve slips"
             )
+        elif self.seen_in is not None and self.travel <= self.S:
+            said = f"{moves}, and {self.seen_in} stands still all the while"
         elif self.gain >= PLAIN and self.seen_in is not None:
             said = f"{moves}, and {self.seen_in} answers only after {self.S:.2g} %"
         elif self.follows is not None:
@@ -235,7 +238,11 @@ def _suspects(
             still.add(record.name)
             continue
         own = record.mv_name if record.mv_name in signals else None
-        if own is not None and not _steady(signals[own]):  # the stem itself is logged: no other tag need be asked
+        if own is not None and _steady(signals[own]):  # what goes with OP goes with PV, and says nothing of this stem
+            gain = PLAIN if travel >= STANDS else 0.0
+            found.append(Suspect(record.name, travel, gain, travel, own, None, verdicts.get(record.name)))
+            continue
+        if own is not None:  # the stem itself is logged: no other tag need be asked
             tags = {own: signals[own]}
         else:
             tags = {n: x for n, x in signals.items() if n not in asked | stems | {record.pv_name}}

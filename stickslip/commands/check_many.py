@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from logs import Log, LoopRecord
 
 SCHEMA = "stickslip.check-many/1"
-COLUMNS = ("loop", "verdict", "probability", "period [s]", "OP travel [%]", "what the other tags show")
+COLUMNS = ("loop", "verdict", "seen in", "probability", "period [s]", "OP travel [%]", "what the other tags show")
 FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
 OF_ONE = ("pv", "op", "sp", "mv", "mode", "op_span", "loop")  # options that name one loop or its columns
 
@@ -147,11 +147,25 @@ def _rows(
             if suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
             period = "-" if answer.period is None else f"{float(f'{answer.period:.3g}'):g}"
-            row = [name, WORDS[word].spoken, chance(answer.probability), period, travel, why.rstrip(".")]
+            seen = _seen_in(answer, word)
+            row = [name, WORDS[word].spoken, seen, chance(answer.probability), period, travel, why.rstrip(".")]
             place = FIRST.index(word) if one is None else int(word != "stiction")
             sure = 1.0 if answer.probability is None and word == "stiction" else answer.probability or 0.0
             order.append(((place, -gain, -sure), len(order), row))
     return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]
+
+
+def _seen_in(answer: "Diagnosis", word: "Word") -> str:
+    """Return what the verdict on a loop rests on."""
+    if word != answer.verdict:
+        return "other tags"
+    if word == "not_applicable":
+        return "-"
+    if answer.probability is not None:
+        return "PV and OP"
+    mv = answer.record.mv
+    dead = mv is None or (answer.amount is not None and float(mv.max() - mv.min()) == 0.0)
+    return "PV" if dead else "stem"
 
 
 def _page(

@@ -32,9 +32,9 @@ def process(inflow: np.ndarray, tau: float) -> np.ndarray:
     return y
 
 
-def loop(pv: np.ndarray, op: np.ndarray, tau: float) -> Prepared:
+def loop(pv: np.ndarray, op: np.ndarray, tau: float, sp: np.ndarray | None = None) -> Prepared:
     kind = "self_regulating" if tau else "integrating"
-    return Prepared(LoopRecord.from_arrays(T, pv=pv, op=op, op_span=(0.0, 100.0), process=kind))
+    return Prepared(LoopRecord.from_arrays(T, pv=pv, op=op, sp=sp, op_span=(0.0, 100.0), process=kind))
 
 
 @pytest.mark.parametrize("tau", [8.0, 60.0])
@@ -131,7 +131,7 @@ def test_moves_of_SP_that_a_sound_valve_answers_are_no_slips():
         pv[k] = pv[k - 1] + 0.1 * (2.0 * (u[k - 1] - 30.0) - pv[k - 1])
         sum_ += 0.02 * (sp[k] - pv[k])
         u[k] = 50.0 + 0.2 * (sp[k] - pv[k]) + sum_
-    assert own_slips(loop(pv, u, 20.0)) is None
+    assert own_slips(loop(pv, u, 20.0, sp)) is None
 
 
 def test_simulated_loops_of_other_causes_are_not_called():

@@ -54,6 +54,17 @@ def test_a_logged_stem_settles_it():
     assert all(other.gain == 0.0 and other.follows for other in others)
 
 
+def test_of_a_logged_stem_that_stands_still_no_other_tag_says_that_it_answers(pair):
+    op = pair.loops["FC2"].op
+    told = Log(
+        pair.t, {**{name: pair[name] for name in pair.names}, "stem": 0.0 * pair.t + 50.0}, spans=pair.spans,
+        loops={**pair.loops, "FC2": replace(pair.loops["FC2"], mv="stem")},
+    )  # fmt: skip
+    (suspect,) = (one for one in survey(told).suspects if one.loop == "FC2")
+    assert suspect.follows is None and "stem stands still all the while" in suspect.reason
+    assert suspect.S == suspect.travel == pytest.approx(np.ptp(pair[op]), rel=0.01)
+
+
 def test_no_stiction_at_rest_is_no_group():
     found = survey(plant_log(["VPCS1"], F_s="none", kick=(1.0, 1.0)))
     assert found.suspects == () and "PCS11" in found.still
