@@ -19,10 +19,10 @@ import numpy as np
 from numba import njit
 
 from gap.filters.laws import STOPS, blurred, through, within
+from gap.filters.passing import CLOSE, along, clear, forecast, taken_in
 
 SMALLEST = 1e-16  # variance
 CERTAIN = 12.0 / (2.0 * math.pi)  # of r: variance of a normal law that is as dense as one over the rounding step
-CLOSE = 4.0  # standard deviations from a limit within which it may be reached
 SETTLED = 0.02  # share by which variances may still differ from steady ones
 
 
@@ -173,63 +173,6 @@ def steady(A, Q, H, r, every, P, K, s):  # type: ignore[no-untyped-def]
     for k in range(1, len(all_of_them)):
         all_of_them[k] = all_of_them[k - 1]
         spread(all_of_them[k], A, Q, room)
-
-
-@njit(cache=True)
-def along(a, row):  # type: ignore[no-untyped-def]
-    """Return a . row; most of a is 0."""
-    total = 0.0
-    for i in range(len(a)):
-        total += a[i] * row[i]
-    return total
-
-
-@njit(cache=True)
-def forecast(z, at, m, ahead, out):  # type: ignore[no-untyped-def]
-    """Write what limits are held against at each scan until the next row, then z there, where nothing is at a limit."""
-    for i in range(len(out)):
-        out[i] = at[m + i]
-    for q in range(len(z)):
-        for i in range(len(out)):
-            out[i] += ahead[q, i] * z[q]
-
-
-@njit(cache=True)
-def clear(out, bounds, sd):  # type: ignore[no-untyped-def]
-    """Return whether all that is forecast keeps clear of its limits."""
-    for k in range(len(sd)):
-        for c in range(len(bounds)):
-            value = out[k * len(bounds) + c]
-            far = min(value - bounds[c, 0], bounds[c, 1] - value)
-            if far < CLOSE * sd[k, c] or far <= 0.0:
-                return False
-    return True
-
-
-@njit(cache=True)
-def taken_in(z, y, K, s, r, acts, bounds, jumps, at, e, S, now):  # type: ignore[no-untyped-def]
-    """Take in a row with steady gains, ``now`` z behind it; False if something may be at a limit, or is missing."""
-    n, m = len(z), len(y)
-    for c in range(len(bounds)):
-        value = at[m + c]
-        for q in range(n):
-            value += jumps.ahead[q, c] * z[q]
-        if not bounds[c, 0] < value < bounds[c, 1]:
-            return False
-    now[:] = z
-    for j in range(m):
-        guess, c = at[j] + along(jumps.seen[j], now), acts[j]
-        if not np.isfinite(y[j]):
-            return False
-        if c >= 0:
-            near = 1.8 * math.sqrt(12.0 * r[j])
-            if not bounds[c, 0] + near < y[j] < bounds[c, 1] - near or not bounds[c, 0] < guess < bounds[c, 1]:
-                return False
-        for q in range(n):
-            now[q] += K[j, q] * (y[j] - guess)
-        e[j] = (y[j] - guess) / math.sqrt(s[j])
-        S[j] = s[j]
-    return True
 
 
 @njit(cache=True)

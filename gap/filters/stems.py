@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from gap.filters.kalman import along, looked, spread
+from gap.filters.kalman import looked, spread
+from gap.filters.passing import along
 from gap.floors.modes import CHARGE
 
 EVEN = 0.5  # share of the stems that must count
