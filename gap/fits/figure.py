@@ -41,9 +41,8 @@ def read_off(candidate: Candidate) -> list[tuple[float, float]]:
         return []
     seen = problem.record.log[signal]
     wanted = seen - problem.offsets(candidate.base, {})[0, :, problem.record.pinned.index(signal)]
-    ways: list[Sequence[float] | Floats] = (
-        [[1.0]] if len(candidate.sizes) < 2 else [np.linspace(0.0, 1.0, SHARES), [1.0]]
-    )
+    free: list[float] = np.linspace(0.0, 1.0, SHARES).tolist()
+    ways = [[1.0]] if len(candidate.sizes) < 2 else [free, [1.0]]
     one = next(iter(effect.settings(candidate.base, candidate.place, **dict.fromkeys(candidate.own, 1.0)).values()))
     low, high = candidate.bounds[candidate.sizes[0]]
     found = [bands(wanted, seen, shares) for shares in ways]
