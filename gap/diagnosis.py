@@ -28,7 +28,7 @@ from gap.explanations.unmeasured import unmeasured_load
 from gap.filters.diagnosing import filtering_of, outcome
 from gap.filters.logged_stem import logged_stem
 from gap.filters.telling import told as told_by_filters
-from gap.fits.adequacy import adequate, complete, explains, needed, stands
+from gap.fits.adequacy import adequate, complete, needed, stands
 from gap.fits.instants import with_instants
 from gap.fits.search import Candidate, Fit, best_of, refined, settled
 from gap.fits.texture import fitted_compression, with_lattices
@@ -183,7 +183,7 @@ def told(
     # what leaves something has to be likelier than a load that nobody measures
     beyond = math.inf if rival is None else rival.F - needed(problem)
     good = adequate(problem, best) and (best.total < beyond or stands(problem, best))
-    if good and ((best.effect.hidden and explains(problem, best)) or stands(problem, best)):
+    if good and (best.effect.hidden or stands(problem, best)):
         return named(problem, tied(fits), fits, "adequate", rival)
     pair = paired(problem, fits, catalogue, progress)
     better = pair is not None and pair.total < min(best.total - needed(problem), beyond)

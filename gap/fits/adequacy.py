@@ -13,17 +13,15 @@ from numpy.typing import NDArray
 from gap.fits.inserting import inserted
 from gap.fits.noise import is_noise
 from gap.fits.search import Fit
-from gap.floors.floor import losses, scored, without_gap
+from gap.floors.floor import scored, without_gap
 from gap.floors.modes import CHARGE
 from gap.floors.problem import SIGMAS, Problem
-from gap.insertion.paths import given
 
 GAINED = 12.0  # nats that an effect must gain, at least
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding
 EXPLAINED, EXPLAINED_HIDDEN = 0.94, 0.85  # share of a gap that an adequate effect explains
 EXPLAINED_BETWEEN = 0.5  # the same of a stem that sticks where no replay closes its loop between two rows
 LEAST = 0.7  # share of a gap that an effect explains whose own runs leave as much
-FOLLOWS = 1.25  # times its usual loss: a fit of a logged stem; of sizes 20 % off it is 1.4
 EXPLAINED_LIMIT, STANDING = 0.7, 0.003  # the same for a limit at which a share of the rows stands
 OWN_RUNS = 4  # runs of the model with the effect
 
@@ -63,7 +61,10 @@ def adequate(problem: Problem, fit: Fit) -> bool:
     """
     if fit.candidate.noisy and not is_noise(fit):
         return False
-    if explains(problem, fit) or follows(problem, fit):
+    enough = EXPLAINED_HIDDEN if fit.effect.hidden else EXPLAINED
+    if fit.effect.hidden and problem.record.filter is not None:  # a slip between two rows bends what drives the stem
+        enough = EXPLAINED_BETWEEN
+    if share(problem, fit) >= enough:
         return True
     away = ~standing(problem, fit)
     if away.all():
@@ -71,27 +72,6 @@ def adequate(problem: Problem, fit: Fit) -> bool:
     e = fit.e[away]
     usual = problem.floor.mean * len(e) + SIGMAS * problem.floor.sd * float(np.sqrt(len(e)))
     return share(problem, fit) >= EXPLAINED_LIMIT or float(scored(e)) <= usual + needed(problem)
-
-
-def explains(problem: Problem, fit: Fit) -> bool:
-    """Return whether a fit explains so much of the gap as only its own law does."""
-    enough = EXPLAINED_HIDDEN if fit.effect.hidden else EXPLAINED
-    if fit.effect.hidden and problem.record.filter is not None:  # a slip between two rows bends what drives the stem
-        enough = EXPLAINED_BETWEEN
-    return share(problem, fit) >= enough
-
-
-def follows(problem: Problem, fit: Fit) -> bool:
-    """Return whether a stem that is logged moves as a fit says, to what is known of it, and most of the gap is gone.
-
-    How a stem of another law moves between two rows shows in OP, which is sharper than any law of friction.
-    """
-    signal = given(problem.model, fit.place) if fit.effect.hidden else ""
-    if signal not in problem.record.pinned or share(problem, fit) < LEAST:
-        return False
-    k = problem.record.pinned.index(signal)
-    usual = problem.level / len(problem.record.pinned)
-    return float(losses(fit.e[:, k]).sum()) <= FOLLOWS * usual + needed(problem)
 
 
 def stands(problem: Problem, fit: Fit) -> bool:

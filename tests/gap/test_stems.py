@@ -9,7 +9,7 @@ from gap.diagnosis import diagnose, prepared
 from gap.effects import effect
 from gap.explanations.candidates import candidates, ranked
 from gap.explanations.nesting import one_of_nested
-from gap.fits.adequacy import adequate, complete, follows
+from gap.fits.adequacy import adequate, complete
 from gap.fits.hidden import fitted_hidden
 from gap.floors.floor import MECHANICAL
 from gap.floors.modes import CHARGE
@@ -110,13 +110,3 @@ def test_a_gap_of_a_logged_stem_lies_at_the_valve_whatever_its_cause(recorded):
     assert abnormal_segment(problem) == ("valve",)
     without = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV"], S=6.0, J=3.0))
     assert {"valve", "process"} <= {*abnormal_segment(without)}
-
-
-def test_a_logged_stem_follows_a_fit_of_its_own_sizes_only(recorded):
-    sizes = {"S": 6.0, "J": 3.0}
-    problem = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV", "MV"], **sizes))
-    assert follows(problem, fit(problem, "stiction", **sizes))
-    assert not follows(problem, fit(problem, "stiction", S=12.0, J=1.0))
-    assert not follows(problem, fit(problem, "positioner_lag", tau=2.0))  # no stem that sticks
-    without = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV"], **sizes))
-    assert not follows(without, fit(without, "stiction", **sizes))
