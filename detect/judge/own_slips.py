@@ -77,7 +77,8 @@ def _bent(loop: Prepared) -> bool:
         return not found.isdisjoint(BENT)
     pv = loop.whole.pv
     bend = np.abs(np.diff(pv, 2)) > 1e-6 * np.ptp(pv)
-    return not found.isdisjoint(BENT) or np.count_nonzero(bend[1:] & bend[:-1]) < IN_RUNS * np.count_nonzero(bend)
+    together = int(np.count_nonzero(bend[1:] & bend[:-1]))
+    return not found.isdisjoint(BENT) or together < IN_RUNS * int(np.count_nonzero(bend))
 
 
 def _by_sp(sp: Values | None, jumps: Jumps) -> bool:
