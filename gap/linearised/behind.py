@@ -19,6 +19,7 @@ from gap.records.record import Record, switch_rows, switches
 from logs import Log
 
 Floats = NDArray[np.float64]
+SAME = 1e-9  # [s] between times that are one
 ROWS = 15  # behind a switch for which signals are looked at
 SHARES = (0.015, 0.03, 0.06, 0.125, 0.1875, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875)  # of an interval: where
 
@@ -40,12 +41,12 @@ class Behind:
         if signal not in self.more:
             return table
         t, v = table
-        more = self.more[signal]
-        there = np.interp(self.t, t, v) + more[min(run, len(more) - 1)]
-        place = np.searchsorted(t, self.t)
-        new = ~np.isclose(t[np.minimum(place, len(t) - 1)], self.t, rtol=0.0, atol=1e-9)
-        both, values = np.concatenate([t, self.t[new]]), np.concatenate([v, there[new]])
-        values[place[~new]] = there[~new]
+        more = self.more[signal][min(run, len(self.more[signal]) - 1)]
+        place = np.clip(np.searchsorted(t, self.t), 1, len(t) - 1)
+        new = np.minimum(np.abs(t[place] - self.t), np.abs(t[place - 1] - self.t)) > SAME
+        both = np.concatenate([t, self.t[new]])
+        there = v + np.interp(t, self.t, more, left=0.0, right=0.0)
+        values = np.concatenate([there, np.interp(self.t[new], t, v) + more[new]])
         order = np.argsort(both, kind="stable")
         return both[order], values[order]
 
@@ -63,7 +64,9 @@ def behind(diagram: Diagram, record: Record, signals: Sequence[str], given: Mapp
     moving = [s for s in signals if moves(diagram, s)]
     if not len(rows) or not moving:
         return NOTHING
-    t = np.union1d(log.t[rows - 1, None] + np.diff(log.t)[rows - 1, None] * np.array(SHARES), _around(record))
+    shares = np.array([*SHARES, 1.0 - BEFORE])  # a switch has shown before the row that shows it
+    t = np.union1d(log.t[rows - 1, None] + np.diff(log.t)[rows - 1, None] * shares, _around(record))
+    t = np.union1d(t, log.t[np.union1d(rows - 1, rows)])  # at which nothing is added
     times = np.union1d(log.t, t)
     many = max((len(v) for v in given.values()), default=1)
     run = ensemble(
