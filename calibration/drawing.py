@@ -39,6 +39,8 @@ NOT_CYCLING = 0.2  # share of the sticky loops that disturbance or set point mus
 INTEGRATING = 0.25  # share of integrating processes
 CYCLE = (0.9, 1.9)  # range of OP over S in a loop that cycles by stiction, as seen in simulation
 TRAVEL = (0.8, 6.0)  # the same where something else moves OP
+WANDERS = 0.75  # share of the waves whose periods differ in length, as those that other loops make do
+WANDER = (0.005, 0.15)  # of a period: by how much they differ
 GIVE = (0.003, 0.06)  # of S: the force that moves a creeping valve over the stiffness of its friction
 UNEVENNESS = (0.01, 0.3)  # standard deviation of the logarithm of its jumps
 
@@ -52,6 +54,7 @@ _CONTROLLERS = {
     "other_physics": (("pid_series", 1.0),),
     "creeping": (("pi", 0.35), ("pi_filtered", 0.25), ("pid_weighted", 0.4)),
 }
+_WAVES = ("sine", "square", "saw", "triangle")
 _PROCESSES = (("one_lag", 0.35), ("two_lags", 0.4), ("integrating", INTEGRATING))
 _DRIVERS = ("sine", "square", "saw", "triangle", "stochastic", "moves", "moves_SP", "stochastic_SP")
 
@@ -112,6 +115,8 @@ def one(group: str, stream: Sequence[int], setting: Setting = "training") -> Loo
         values |= {"give": _log(r, *GIVE), "unevenness": _log(r, *UNEVENNESS)}
     values |= _driver(r, group, setting, values)
     values |= _data(r, group)
+    if values["driver"] in _WAVES and r.random() < WANDERS:
+        values["driver_wander"] = _log(r, *WANDER)
     return LoopSpec(**values)
 
 

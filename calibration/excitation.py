@@ -1,13 +1,14 @@
 """What moves a loop from outside, computed at scan times: a wave, coloured noise, moves and a ramp in one block.
 
-    y_k = slope t_k + A wave(t_k / period + phase) + sd n_k + w_k + m_k
+    y_k = slope t_k + A wave(t_k / period + phase + a_k) + sd n_k + w_k + m_k
+    a_k = a_(k-1) + wander sqrt(dt/period) n'_k          periods that differ in length, by wander of their mean
     n_k   first-order autoregression of unit variance and correlation time T_c
     w_k = w_(k-1) + walk sqrt(dt) n'_k                   random walk
     m_k   a level drawn from -move ... move, drawn anew with the chance dt/hold at every scan
 
     shape   0 sine, 1 square, 2 saw (rises in 80 % of its period), 3 triangle
 
-out  y  [its unit]     A  amplitude [unit of y]     period, T_c, hold, dt  [s]     phase  [periods]
+out  y  [its unit]     A  amplitude [unit of y]     period, T_c, hold, dt  [s]     phase, wander  [periods]
 slope [unit of y / s]   sd, move [unit of y]   walk [unit of y / sqrt(s)]
 
 One block in place of many lets runs with different disturbances share one diagram.  Random numbers: see noise.
@@ -27,7 +28,8 @@ SHAPES = ("sine", "square", "saw", "triangle")
 RISE = (0.5, 0.5, 0.8, 0.5)  # share of the period in which the straight lines rise
 
 # p = shape, amplitude, period, phase, slope, sd, correlation_time, walk, move, hold, dt;
-# d = six seeds and the deviate of noise, walk, level, the six seeds again and a deviate for walk and moves
+# d = six seeds and the deviate of noise, walk, level, the six seeds again and a deviate for walk, moves and wander,
+# and by how much the wave is ahead
 
 
 def _straight(x: float, rise: float) -> float:
@@ -48,7 +50,9 @@ def _wave(shape: float, x: float) -> float:
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     value = p[4] * t
     if p[1] != 0.0:
-        value += p[1] * _wave(p[0], t / p[2] + p[3])
+        if p[11] > 0.0:
+            d[16] += p[11] * math.sqrt(p[10] / p[2]) * coloured(d, 9, p[10], 0.0)
+        value += p[1] * _wave(p[0], t / p[2] + p[3] + d[16])
     if p[5] > 0.0:
         value += p[5] * coloured(d, 0, p[10], p[6])
     if p[7] > 0.0:
@@ -62,7 +66,8 @@ class Excitation(Seeded):
     """What moves a loop from outside; all parts are zero unless given, and a new value comes every ``dt`` [s].
 
     ``shape`` one of 0 sine, 1 square, 2 saw, 3 triangle; ``amplitude``, ``sd``, ``move`` [unit of the signal];
-    ``period``, ``correlation_time``, ``hold`` [s]; ``phase`` [periods]; ``slope`` [unit/s]; ``walk`` [unit/sqrt(s)].
+    ``period``, ``correlation_time``, ``hold`` [s]; ``phase``, ``wander`` [periods];
+    ``slope`` [unit/s]; ``walk`` [unit/sqrt(s)].
     Raises ``BlockError`` for times that are not positive or sizes that are negative.
 
     >>> from diagram import drive
@@ -90,16 +95,24 @@ class Excitation(Seeded):
         walk: float = 0.0,
         move: float = 0.0,
         hold: float = 1.0,
+        wander: float = 0.0,
         seed: int | None = None,
         name: str = "",
     ) -> None:
         params = {"shape": shape, "amplitude": amplitude, "period": period, "phase": phase, "slope": slope, "sd": sd}
-        params |= {"correlation_time": correlation_time, "walk": walk, "move": move, "hold": hold, "dt": dt}
+        params |= {
+            "correlation_time": correlation_time,
+            "walk": walk,
+            "move": move,
+            "hold": hold,
+            "dt": dt,
+            "wander": wander,
+        }
         super().__init__(
             name=name or signal,
             params=params,
             seed=seed,
-            memory={"walked": 0.0, "level": 0.0, **_second(seed)},
+            memory={"walked": 0.0, "level": 0.0, **_second(seed), "ahead": 0.0},
             outputs=signal,
         )
 
@@ -112,7 +125,7 @@ class Excitation(Seeded):
         """Raise ``BlockError`` unless all numbers are finite, times positive and sizes not negative."""
         finite(params, name, "amplitude", "phase", "slope")
         positive(params, name, "period", "hold", "dt")
-        not_negative(params, name, "shape", "sd", "correlation_time", "walk", "move")
+        not_negative(params, name, "shape", "sd", "correlation_time", "walk", "move", "wander")
 
     def smooth(self) -> Block:
         """Return what python-control sees in a continuous diagram: zero."""

@@ -41,6 +41,7 @@ class LoopSpec:
     driver, driver_on : str    what excites it: "none", "sine", "square", "saw", "triangle", "stochastic", "moves",
                                "drift"; on "load" or "SP"
     driver_time : float        period, correlation time or mean hold of the driver [s]
+    driver_wander : float      standard deviation of the length of a period of a wave [periods]; 0: all are equal
     swing : float              range of OP that the driver is scaled to [% of OP]; 0: it follows from S
     op0 : float                OP at rest [%]
     clip : float               where OP meets a limit, share of its half range; 0: nowhere
@@ -111,6 +112,7 @@ class LoopSpec:
     unit_op: float
     give: float = 0.0
     unevenness: float = 0.0
+    driver_wander: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Loops in sampled time against the engine, which shares no code with them."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ def drawn(group: str, structure: tuple[str, str, str], count: int, **more: objec
         spec = one(group, (9, k))
         k += 1
         if (spec.process, spec.controller) == structure[1:]:
-            found.append(replace(spec, valve=structure[0], **more))  # type: ignore[arg-type]
+            found.append(replace(spec, valve=structure[0], driver_wander=0.0, **more))  # type: ignore[arg-type]
     return found
 
 
@@ -82,6 +83,19 @@ def test_noise_and_walk_have_their_sizes() -> None:
     walk = run(structure, 2000, [own | {"sensor.sd": 0.0, "load.walk": 0.1}] * 200, range(200), np.array([1999.0]))
     # analytic: a walk of 0.1 a scan is 0.1 sqrt(2000) = 4.5 wide after 2,000 scans; the lag takes little of it
     assert walk["PV_m"].std() / gain == pytest.approx(4.5, rel=0.2)
+
+
+def test_periods_of_a_wave_differ_by_as_much_as_is_asked() -> None:
+    structure = ("chen", "one_lag", "pi")
+    own = column(drawn("external_sine", structure, 1)[0]) | {"load.amplitude": 0.0, "controller.K_p": 1e-9}
+    own |= {"SP.shape": 1.0, "SP.amplitude": 1.0, "SP.period": 40.0, "SP.wander": 0.05}
+    for simulated, scans, off in ((run, 80_000, 0.08), (partial(by_engine, workers=1), 12_000, 0.15)):
+        sp = simulated(structure, scans, [own], [3], np.arange(scans - 1) + 0.5)["SP"][0]
+        periods = np.diff(np.flatnonzero((sp[1:] > 0.0) & (sp[:-1] < 0.0)))
+        # analytic: a phase that walks by 5 % a period, and edges that are seen at whole scans of 2.5 % of a period
+        spread = np.hypot(0.05, 0.025 / np.sqrt(6.0))
+        assert periods.std() / periods.mean() == pytest.approx(spread, rel=off)
+        assert periods.mean() == pytest.approx(40.0, rel=0.05)
 
 
 def creeping(load: dict[str, float], scans: int = SCANS, **valve: float) -> dict[str, np.ndarray]:
