@@ -14,7 +14,8 @@ A tag that is dead looks the same, and these tell it:
     MV lies outside of where OP goes, by more than half of its range: a stem at rest between its two f_S does not
 
 Where SP stands still and MV lies there, only a test of the valve tells a dead tag from a stick, and the answer says so.
-Stems at an end of their span are not judged, because their seat or stop may hold them.
+A stick wider than ``WIDEST`` is not believed
+without such a test.  Stems at an end of their span are not judged, because their seat or stop may hold them.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ __all__ = ["Still", "still_stem"]
 
 Values = npt.NDArray[np.float64]
 SOUND, TRAVEL = 1.0, 2.0  # % of OP's span, or of its unit: moves that need not and that must move a sound valve
+WIDEST = 30.0  # % of OP: S + J beyond it is rarer than a tag that is dead (plants show S up to 15 %, J up to S)
 TURNS = 2  # of OP, by more than half of its range
 NOISE = 8.0  # standard deviations of MV's noise that a stem which stands may range over
 MOVES = 0.05  # of OP's range, that it may range over
@@ -85,7 +87,7 @@ def still_stem(loop: Prepared) -> Still | None:
     means, why = _meaning(loop, grid, float(np.mean(mv)), percent)
     if means == "sticks":
         band = f"S + J above {float(f'{travel:.2g}'):g} {unit.replace('its span', 'OP').replace('its', 'the')}"
-        enough = percent is not None and travel >= TRAVEL and turned >= TURNS
+        enough = percent is not None and TRAVEL <= travel <= WIDEST and turned >= TURNS
         means, why = ("sticks", f"it sticks, {band}, {why}") if enough else ("open", f"{band}, if {OPEN}")
     return Still(travel, unit, turned, means, why)
 

@@ -189,10 +189,13 @@ def test_a_stem_that_never_moves_is_told_with_the_least_size():
     t = np.arange(1200.0)
     op = 50.0 + 2.0 * np.sin(t / 30)
     pv = 5.0 + np.sin(t / 200)
-    log = LoopRecord.from_arrays(t, pv=pv, op=op, mv=np.full(1200, 48.0), op_span=(0, 100))
-    found = answer(Prepared(log))
-    assert found.word == "inconclusive"
-    assert "S + J above 4 % of OP" in found.reason and "transmitter is dead" in found.reason
+    stem = np.full(1200, 48.0)
+    found = answer(Prepared(LoopRecord.from_arrays(t, pv=pv, op=op, mv=stem, op_span=(0, 100))))
+    assert found.word == "stiction"
+    assert "S + J above 4 % of OP" in found.reason and "A dead transmitter of the stem would look" in found.reason
+    far = 50.0 + 10.0 * (op - 50.0)
+    wide = answer(Prepared(LoopRecord.from_arrays(t, pv=pv, op=far, mv=stem, op_span=(0, 100))))
+    assert wide.word == "inconclusive" and "its transmitter may be dead" in wide.reason
     moved = np.where(t > 600, 48.5, 48.0)
     assert (
         "never moves"
