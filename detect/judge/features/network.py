@@ -89,8 +89,8 @@ class Network:
         f = np.maximum(self._linear("fc", self.pooled(x)[:, None]), 0.0)
         z, size = self._linear("out", f)[:, 0], self._linear("size", f)[:2, 0]
         sticky = np.isin(self.kinds, STICKY)
-        odds = _total(z[sticky]) - _total(z[~sticky])
-        return np.asarray(np.clip(np.r_[z - _total(z), odds, size], LEAST, -LEAST), dtype=np.float32)
+        total, stuck, loose = (np.logaddexp.reduce(x) for x in (z, z[sticky], z[~sticky]))
+        return np.asarray(np.clip(np.r_[z - total, stuck - loose, size], LEAST, -LEAST), dtype=np.float32)
 
     def _linear(self, name: str, x: Singles) -> Singles:
         return np.asarray(self.weights[f"{name}/w"] @ x + self.weights[f"{name}/b"][:, None])
@@ -114,12 +114,6 @@ def _taps(x: Singles, taps: int, stride: int, spread: int) -> Singles:
     wide = np.pad(x, ((0, 0), (beyond, beyond)))
     seen = np.lib.stride_tricks.sliding_window_view(wide, (taps - 1) * spread + 1, axis=1)[:, ::stride, ::spread]
     return np.ascontiguousarray(seen.transpose(0, 2, 1)).reshape(len(x) * taps, -1)
-
-
-def _total(z: Singles) -> Any:
-    """ln of the sum of exp(z)."""
-    top = z.max()
-    return top + np.log(np.exp(z - top).sum())
 
 
 @cache

@@ -93,8 +93,10 @@ class Readout:
         """The scores (..., g + 1) of pooled numbers (..., p)."""
         z = np.maximum(self.standard(pooled) @ self.inner + self.b, 0.0) @ self.out + self.c
         sticky = np.isin(self.kinds, STICKY)
-        odds = _total(z[..., sticky]) - _total(z[..., ~sticky])
-        told = np.concatenate([z - _total(z), odds], axis=-1)
+        total, stuck, loose = (
+            np.logaddexp.reduce(x, axis=-1, keepdims=True) for x in (z, z[..., sticky], z[..., ~sticky])
+        )
+        told = np.concatenate([z - total, stuck - loose], axis=-1)
         return np.asarray(np.clip(told, LEAST, -LEAST), dtype=np.float32)
 
     def write(self, file: Path) -> None:
@@ -118,12 +120,6 @@ class Readout:
                 kept[name].astype(np.float32) for name in ("mean", "deviation", "inner", "b", "out", "c")
             )
             return cls(odd, even, mean, deviation, inner, b, out, c, tuple(kept["kinds"].tolist()))
-
-
-def _total(z: Singles) -> Singles:
-    """ln of the sum of exp(z) over the last axis, which is kept."""
-    top = z.max(axis=-1, keepdims=True)
-    return np.asarray(top + np.log(np.exp(z - top).sum(axis=-1, keepdims=True)))
 
 
 @cache
