@@ -71,7 +71,7 @@ class Filter:
         each = [record.log] if logs is None else list(logs)
         many = max([len(each), *map(len, given.values())])
         found = parts(diagram, replace(record, pinned=(*self.parts.known, *self.parts.measured)), self.loads)
-        asked = _Asked(diagram, found, record, each, given, self._behind(diagram, record, given))
+        asked = _Asked(diagram, found, record, each, given, self.between_rows(diagram, record, given))
         out = np.full((many, len(each[0]), len(record.pinned)), np.nan)
         for s, values in {**self._ruled(asked), **self._measured(asked)}.items():
             out[..., record.pinned.index(s)] = values
@@ -85,9 +85,9 @@ class Filter:
     def holding(self, diagram: Diagram, record: Record, params: Mapping[str, ArrayLike] | None = None) -> "Filter":
         """Return the filter for which every diagram does between rows what one run of this one does."""
         given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
-        return replace(self, held=self._behind(diagram, record, given))
+        return replace(self, held=self.between_rows(diagram, record, given))
 
-    def _behind(self, diagram: Diagram, record: Record, given: Mapping[str, Floats]) -> Behind:
+    def between_rows(self, diagram: Diagram, record: Record, given: Mapping[str, Floats]) -> Behind:
         """Return what runs of a diagram do between rows; a stem that sticks does it at other times than the log's."""
         if self.held is not None:
             return self.held
@@ -201,7 +201,12 @@ class Filter:
     def _plain(self, record: Record) -> "_Asked":
         """Return what there is to ask of the model as it is."""
         return _Asked(
-            self.quiet, self.parts, record, [record.log], {}, replace(self, held=None)._behind(self.quiet, record, {})
+            self.quiet,
+            self.parts,
+            record,
+            [record.log],
+            {},
+            replace(self, held=None).between_rows(self.quiet, record, {}),
         )
 
     def _kept(self, key: object, named: object, made: Any) -> Any:
