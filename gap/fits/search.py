@@ -262,7 +262,7 @@ def exact(fit: Fit, problem: Problem) -> Fit | None:
     """Return a fit replayed with runs of its own, as a fit of ``problem``; None if that replay fails."""
     known = fit.candidate.problem
     held = known.record.filter is not None and known.record.filter.holds
-    if not held or known is problem:
+    if not held or known is problem or not fit.present:  # without the effect the model's own runs are its runs
         return fit
     own = problem if known.start == problem.start else replace(problem, start=known.start)
     found = best_of(replace(fit.candidate, problem=own).tried([fit.values]))

@@ -10,7 +10,7 @@ from diagram import simulate, wire
 from gap.diagnosis import prepared
 from gap.effects import effect
 from gap.explanations.candidates import ranked
-from gap.fits.search import Candidate
+from gap.fits.search import Candidate, exact
 from gap.floors.floor import without_gap
 from gap.linearised.behind import NOTHING, Behind, behind
 from gap.linearised.driving import driven
@@ -146,6 +146,8 @@ def test_an_explanation_is_named_by_runs_of_its_own_and_screened_without():
     (held,) = Candidate(problem.quick, problem.quiet, gain, "PCS11").tried([best.values])
     assert best.F == own.F and held.F > own.F + 10.0  # what the gain itself does between rows is in its own runs only
     assert problem.quick.score == problem.score
+    screened = Candidate(problem.quick, problem.quiet, effect("positioner_lag"), "VPCS1").absent
+    assert exact(screened, problem) is screened  # a lag of 0 s is no block that a run could have
 
 
 def test_one_value_after_another_leaves_what_all_at_once_leave():
