@@ -30,9 +30,8 @@ PATTERNS = (
 )  # fmt: skip
 NETWORK = (
     Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
-    Source("training", 50_000, "moved", 6000), Source("creeping", 50_000, "moved", 6000),
-    Source("training", 50_030, "moved", 12_000), Source("creeping", 50_030, "moved", 12_000),
-    Source("training", 50_500, "usual", 6000), Source("creeping", 50_500, "usual", 5500),
+    Source("training", 50_000, "moved", 85_000), Source("creeping", 50_000, "moved", 74_000),
+    Source("training", 60_000, "usual", 73_000), Source("creeping", 60_000, "usual", 61_500),
 )  # fmt: skip
 TREES = (
     Source("training", 20_000, "usual", 20_000), Source("creeping", 30_000, "usual", 10_000),
@@ -40,7 +39,7 @@ TREES = (
 )  # fmt: skip
 HOLDING = (Source("training", 20_040, "usual", 2000), Source("creeping", 30_060, "usual", 2000))
 KERNELS = 10_000  # seed of the loops that the limits of the kernels are taken from
-CHOOSING, TESTING = (7000, 7100), 9300  # of the other physics: to choose on (no fit); to report on, and nothing else
+CHOOSING, TESTING = (7000, 7100), 9500  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
