@@ -98,6 +98,8 @@ def _filtered(candidate: Candidate) -> bool:
 def _share(fit: Fit) -> float:
     """Return the share of what there is without the effect that a fit explains."""
     absent = fit.candidate.absent.F
+    if not fit.e.size:  # a log of which no row is scored
+        return 0.0
     level = fit.candidate.problem.floor.mean * float(np.isfinite(fit.e).mean()) * len(fit.e)
     return (absent - fit.F) / max(absent - level, 1e-9)
 
