@@ -1,4 +1,4 @@
-"""`stickslip check` on every real file: it runs, gives a reason, and is the wrong way round where that is known only."""
+"""`stickslip check` on every real file: it runs, gives a reason, and is wrong only where that is known."""
 
 import csv
 import json
