@@ -10,6 +10,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from calibration.excitation import SHAPES
 from calibration.margins import Loop, ultimate
 from calibration.spec import Cause, Kinds, LoopSpec, Setting
 
@@ -54,9 +55,8 @@ _CONTROLLERS = {
     "other_physics": (("pid_series", 1.0),),
     "creeping": (("pi", 0.35), ("pi_filtered", 0.25), ("pid_weighted", 0.4)),
 }
-_WAVES = ("sine", "square", "saw", "triangle")
 _PROCESSES = (("one_lag", 0.35), ("two_lags", 0.4), ("integrating", INTEGRATING))
-_DRIVERS = ("sine", "square", "saw", "triangle", "stochastic", "moves", "moves_SP", "stochastic_SP")
+_DRIVERS = (*SHAPES, "stochastic", "moves", "moves_SP", "stochastic_SP")
 
 
 def draw(n: int, seed: int, setting: Setting = "training", *, first: int = 0, kinds: Kinds = "usual") -> list[LoopSpec]:
@@ -115,7 +115,7 @@ def one(group: str, stream: Sequence[int], setting: Setting = "training") -> Loo
         values |= {"give": _log(r, *GIVE), "unevenness": _log(r, *UNEVENNESS)}
     values |= _driver(r, group, setting, values)
     values |= _data(r, group)
-    if values["driver"] in _WAVES and r.random() < WANDERS:
+    if values["driver"] in SHAPES and r.random() < WANDERS:
         values["driver_wander"] = _log(r, *WANDER)
     return LoopSpec(**values)
 

@@ -73,12 +73,14 @@ def own_slips(loop: Prepared) -> Slips | None:
 def _bent(loop: Prepared) -> bool:
     """Return whether PV is rounded, held or drawn by a historian; between two slips a level is straight by itself."""
     found = {fact.code for fact in loop.present}
+    if not found.isdisjoint(BENT):
+        return True
     if DRAWN not in found:
-        return not found.isdisjoint(BENT)
+        return False
     pv = loop.whole.pv
     bend = np.abs(np.diff(pv, 2)) > 1e-6 * np.ptp(pv)
     together = int(np.count_nonzero(bend[1:] & bend[:-1]))
-    return not found.isdisjoint(BENT) or together < IN_RUNS * int(np.count_nonzero(bend))
+    return together < IN_RUNS * int(np.count_nonzero(bend))
 
 
 def _by_sp(sp: Values | None, jumps: Jumps) -> bool:

@@ -14,8 +14,8 @@ A tag that is dead looks the same, and these tell it:
     MV lies outside of where OP goes, by more than half of its range: a stem at rest between its two f_S does not
 
 Where SP stands still and MV lies there, only a test of the valve tells a dead tag from a stick, and the answer says so.
-A stick wider than ``WIDEST`` is not believed
-without such a test.  Stems at an end of their span are not judged, because their seat or stop may hold them.
+A stick wider than ``WIDEST`` is not believed without such a test.  Stems at an end of their span are not judged,
+because their seat or stop may hold them.
 """
 
 from __future__ import annotations

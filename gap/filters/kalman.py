@@ -102,26 +102,26 @@ def closed(F, shown, told, n, slope, has_law, out):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True)
+def add_product(A, B, out):  # type: ignore[no-untyped-def]
+    """Add A B to ``out``, whole rows at once: sums of different columns do not wait for each other."""
+    for i in range(len(A)):
+        for k in range(len(B)):
+            if A[i, k] != 0.0:
+                for j in range(B.shape[1]):
+                    out[i, j] += A[i, k] * B[k, j]
+
+
+@njit(cache=True)
 def spread(P, A, Q, room):  # type: ignore[no-untyped-def]
     """Replace P by A P A' + Q; ``room`` for what lies between."""
     n = len(P)
-    for i in range(n):  # whole rows at once: sums of different columns do not wait for each other
-        for j in range(n):
-            room[i, j] = 0.0
-        for k in range(n):
-            if A[i, k] != 0.0:
-                for j in range(n):
-                    room[i, j] += A[i, k] * P[k, j]
+    room[:] = 0.0
+    add_product(A, P, room)
     for i in range(n):
         for j in range(i):
             room[i, j], room[j, i] = room[j, i], room[i, j]
-    for i in range(n):
-        for j in range(n):
-            P[i, j] = Q[i, j]
-        for k in range(n):
-            if A[i, k] != 0.0:
-                for j in range(n):
-                    P[i, j] += A[i, k] * room[k, j]
+    P[:] = Q
+    add_product(A, room, P)
     for i in range(n):
         for j in range(i):
             P[j, i] = P[i, j]

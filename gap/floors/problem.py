@@ -69,9 +69,13 @@ class Problem:
         """
         return self.replayed(diagram, params, record, logs)[0]
 
+    def begun(self, diagram: Diagram) -> Diagram:
+        """Return a diagram that starts as the record does."""
+        return _started(diagram, tuple(self.start.items()))
+
     def offsets(self, diagram: Diagram, params: Mapping[str, ArrayLike]) -> Floats:
         """Return what the pins add to a diagram that starts as the record does, (runs, rows, signals)."""
-        return offsets(_started(diagram, tuple(self.start.items())), self.record, params)
+        return offsets(self.begun(diagram), self.record, params)
 
     def replayed(
         self,
@@ -84,7 +88,7 @@ class Problem:
 
         ``logs``: one a run in place of the record's.
         """
-        ready = _started(diagram, tuple(self.start.items()))
+        ready = self.begun(diagram)
         branches = branches_of(diagram, self.quiet, self.record, self.floor) if self.modes else None
         found, kept = branched(ready, record or self.record, params, logs=logs, branches=branches)
         e = self.floor.innovations(found)
@@ -156,7 +160,7 @@ class Problem:
         record = self.record
         if record.filter is None or record.filter.holds:
             return self
-        held = record.filter.holding(_started(diagram, tuple(self.start.items())), record, params)
+        held = record.filter.holding(self.begun(diagram), record, params)
         return replace(self, record=replace(record, filter=held))
 
     @property
