@@ -8,12 +8,9 @@ as a piece.
 
 import math
 import os
-import signal
 import time
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
-from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
@@ -31,6 +28,7 @@ from detect.judge.answer import Amount
 from detect.judge.features.network import network_features
 from detect.judge.model import rounded
 from logs import LoopRecord
+from logs.processes import processes
 
 Floats = NDArray[np.float64]
 
@@ -154,23 +152,14 @@ def simulated(specs: Sequence[LoopSpec], workers: int | None = None) -> Table:
     if count <= 1:
         return _joined([made_of(share) for share in shares])
     made: dict[int, Table] = {}
-    with ProcessPoolExecutor(count - 1, mp_context=get_context("spawn"), initializer=_ignoring) as pool:
+    with processes(count - 1) as pool:
         asked = [pool.submit(made_of, share) for share in shares]
-        try:
-            for k in range(len(shares) - 1, -1, -1):
-                if not asked[k].cancel():  # begun, as all before it
-                    break
-                made[k] = made_of(shares[k])
-            made |= {k: one.result() for k, one in enumerate(asked) if k not in made}
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+        for k in range(len(shares) - 1, -1, -1):
+            if not asked[k].cancel():  # begun, as all before it
+                break
+            made[k] = made_of(shares[k])
+        made |= {k: one.result() for k, one in enumerate(asked) if k not in made}
     return _joined([made[k] for k in range(len(shares))])
-
-
-def _ignoring() -> None:
-    """Leave Ctrl-C, which a terminal sends to all processes, to the one that asks the others."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _joined(tables: Sequence[Table]) -> Table:

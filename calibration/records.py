@@ -5,11 +5,11 @@ every machine but for rounding.  Features are kept apart from signals (``chunks`
 """
 
 import hashlib
+import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass, fields
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -27,6 +27,7 @@ from detect.judge.features.patterns import FILE as PATTERNS
 from detect.prepare.prepared import Prepared
 from logs import LoopRecord
 from logs.files.resumable import Kept, differences, joined, opened
+from logs.processes import processes
 
 if TYPE_CHECKING:
     import polars as pl
@@ -133,7 +134,7 @@ def kept_table(
         place.note()
         there = place.firsts()
         missing = [k for k in range(count) if k * PART not in there]
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        with processes(workers or os.cpu_count() or 1) as pool:
             waited = {pool.submit(_made, folder, setting, seed + k, kinds): k for k in missing}
             for done in track(as_completed(waited), f"{setting} loops from seed {seed}", len(missing)):
                 place.add(_frame(done.result(), waited[done] * PART))

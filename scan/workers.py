@@ -6,18 +6,15 @@ are then done again, loop by loop, each in a process of its own, and what falls 
 
 from __future__ import annotations
 
-import signal
-import threading
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import replace
-from multiprocessing import forkserver, get_context
 
 from logs import ReadError
 from logs.cluster import LOST, ClusterError
 from logs.cluster import on_cluster as results
+from logs.processes import processes
 from scan.judge import JOB_ROWS, Row, judged
 from scan.sources import Job
 
@@ -25,7 +22,6 @@ __all__ = ["on_cluster", "on_cores"]
 
 Numbered = tuple[int, Job]
 AHEAD = 2  # jobs that wait for each process, so that a list of thousands is not sent at once
-START = "forkserver"  # a forked copy of a process with threads may hang
 
 
 def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[list[Row]]:
@@ -40,7 +36,7 @@ def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[l
     left = list(jobs)
     while left:
         fallen: list[Numbered] = []
-        with _processes(count) as pool:
+        with processes(count) as pool:
             under_way: dict[Future[list[Row]], Numbered] = {}
             while (left or under_way) and not fallen:
                 while left and len(under_way) < AHEAD * count:
@@ -59,36 +55,11 @@ def on_cores(jobs: Sequence[Numbered], workers: int | None = None) -> Iterator[l
             yield _one_by_one(number, job)
 
 
-@contextmanager
-def _processes(count: int) -> Iterator[ProcessPoolExecutor]:
-    """Processes that Ctrl-C does not reach: a terminal sends it to all, and only the command itself is to end by it.
-
-    They have what the server that forks them was started with, so it is ignored from their first instruction on.  What
-    waits for them when the command ends by an error is not begun.
-    """
-    if threading.current_thread() is threading.main_thread():
-        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-        try:
-            forkserver.ensure_running()
-        finally:
-            signal.signal(signal.SIGINT, before)
-    with ProcessPoolExecutor(count, mp_context=get_context(START), initializer=_ignoring) as pool:
-        try:
-            yield pool
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-
-
-def _ignoring() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
 def _one_by_one(number: int, job: Job) -> list[Row]:
     """The rows of a job of which some loop brings its process down."""
     rows: list[Row] = []
     for part in _singles(job):
-        with _processes(1) as pool:
+        with processes(1) as pool:
             try:
                 found = pool.submit(judged, part, number).result()
             except BrokenProcessPool:

@@ -2,9 +2,13 @@
 
 import gc
 import io
+import os
 import sys
 
 from stickslip.standard import hidden
+
+# Read when numpy is first imported.  Our matrices are small: a second thread takes as much time again to do nothing.
+LINEAR_ALGEBRA = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 def main() -> None:
@@ -18,6 +22,8 @@ def main() -> None:
 
 
 def _run() -> None:
+    for name in LINEAR_ALGEBRA:
+        os.environ.setdefault(name, "1")
     gc.set_threshold(100_000, 50, 50)  # imports leave a million objects and no garbage: a tenth of the start-up
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

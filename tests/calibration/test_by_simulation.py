@@ -2,6 +2,7 @@
 
 import math
 from concurrent.futures import Future
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -170,37 +171,31 @@ def test_of_the_loops_only_the_network_is_asked_and_shares_that_show_nothing_are
     assert not by_simulation.simulated(specs, workers=1).seen.any()
 
 
-def test_where_it_is_stopped_no_waiting_share_is_begun(monkeypatch) -> None:
-    begun, asked = [], []
+def test_where_it_is_stopped_the_processes_are_told(monkeypatch) -> None:
+    left = []
 
     class Waiting:
-        def __init__(self, *_: object, initializer: object, **__: object) -> None:
-            assert initializer is not None  # or Ctrl-C of a terminal stops the other processes by themselves
-
-        def __enter__(self) -> "Waiting":
-            return self
-
-        def __exit__(self, *_: object) -> None:
-            begun.extend(one for one in asked if one.set_running_or_notify_cancel())  # as a pool does that closes
-
         def submit(self, *_: object) -> "Future[object]":
-            asked.append(Future())
-            return asked[-1]
+            return Future()
 
-        def shutdown(self, cancel_futures: bool) -> None:
-            if cancel_futures:
-                _ = [one.cancel() for one in asked]
+    @contextmanager
+    def waiting(count: int):
+        try:
+            yield Waiting()
+        except BaseException as fault:
+            left.append((count, fault))
+            raise
 
     def stopped(share: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(by_simulation, "OWN_PROCESS", 5)
     monkeypatch.setattr(by_simulation, "SHARE", 3)
-    monkeypatch.setattr(by_simulation, "ProcessPoolExecutor", Waiting)
+    monkeypatch.setattr(by_simulation, "processes", waiting)
     monkeypatch.setattr(by_simulation, "made_of", stopped)
     with pytest.raises(KeyboardInterrupt):
         by_simulation.simulated(alike(conditions(record("cycling", (31, 1))), 12, seed=4), workers=2)
-    assert len(asked) == 4 and not begun
+    assert [(count, type(fault)) for count, fault in left] == [(1, KeyboardInterrupt)]
 
 
 def test_several_processes_make_the_loops_that_one_makes_in_the_same_order(monkeypatch) -> None:

@@ -1,0 +1,61 @@
+"""Processes that share the cores of this machine: each computes on one core, and Ctrl-C reaches none of them."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_all_start_methods, get_context
+
+__all__ = ["processes"]
+
+
+@contextmanager
+def processes(count: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that Ctrl-C does not reach: a terminal sends it to all, and only the command itself is to end by it.
+
+    Parameters: ``count`` of processes [-].
+
+    As many processes as cores, each with as many threads of linear algebra as cores, wait for each other most of the
+    time: on two cores the same work took 22 s in place of 6 s.  So each computes with one thread, and so does this
+    process meanwhile.  What waits when an error or Ctrl-C ends the block is not begun.
+    """
+    from threadpoolctl import threadpool_limits
+
+    with (
+        threadpool_limits(1),
+        ProcessPoolExecutor(count, mp_context=get_context(_start()), initializer=_alone) as pool,
+    ):
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def _start() -> str:
+    """Start the server that forks processes, where there is one, and return the name of the way to start them.
+
+    A forked copy of a process with threads may hang, which a copy of the server does not.  Its copies have what it was
+    started with, so they ignore Ctrl-C from their first instruction on.
+    """
+    if "forkserver" not in get_all_start_methods():
+        return "spawn"
+    if threading.current_thread() is threading.main_thread():
+        from multiprocessing import forkserver
+
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        try:
+            forkserver.ensure_running()
+        finally:
+            signal.signal(signal.SIGINT, before)
+    return "forkserver"
+
+
+def _alone() -> None:
+    from threadpoolctl import threadpool_limits
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threadpool_limits(1)

@@ -1,0 +1,65 @@
+"""Processes compute on one core each, are not ended by Ctrl-C, and begin nothing once the block that asks is left."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from logs.processes import processes
+
+
+def threads() -> list[int]:
+    assert np.linalg.norm(np.eye(2)) > 1.0  # loads the library
+    return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
+
+
+def hit_by_ctrl_c() -> int:
+    os.kill(os.getpid(), signal.SIGINT)
+    return os.getpid()
+
+
+def slow(marker: Path) -> None:
+    time.sleep(0.3)
+    marker.touch()
+
+
+def test_each_process_computes_with_one_thread_and_so_does_the_one_that_asks_meanwhile() -> None:
+    if not threads():
+        pytest.skip("this numpy has no library of linear algebra that says how many threads it uses")
+    with threadpool_limits(2):
+        before = threads()
+        with processes(1) as pool:
+            there, here = pool.submit(threads).result(), threads()
+        after = threads()
+    assert set(there) == set(here) == {1}
+    assert after == before
+
+
+def test_ctrl_c_does_not_reach_them() -> None:
+    with processes(1) as pool:
+        first = pool.submit(hit_by_ctrl_c).result()
+        assert pool.submit(os.getpid).result() == first != os.getpid()
+
+
+def test_what_waits_is_not_begun_when_the_block_is_left_by_an_error(tmp_path) -> None:
+    with pytest.raises(KeyboardInterrupt), processes(1) as pool:
+        for number in range(20):
+            pool.submit(slow, tmp_path / str(number))
+        raise KeyboardInterrupt
+    assert len(list(tmp_path.iterdir())) < 6
+
+
+@pytest.mark.parametrize("told", [None, "2"])
+def test_the_command_computes_with_one_thread_unless_told_otherwise(told) -> None:
+    code = "import os, sys; sys.argv = ['stickslip', '--help']; import stickslip.__main__ as m\n"
+    code += "try:\n    m.main()\nexcept SystemExit:\n    print('threads', os.environ['OPENBLAS_NUM_THREADS'])"
+    given = {k: v for k, v in os.environ.items() if k != "OPENBLAS_NUM_THREADS"}
+    given |= {} if told is None else {"OPENBLAS_NUM_THREADS": told}
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=given, check=True)
+    assert run.stdout.splitlines()[-1] == f"threads {told or 1}"
