@@ -28,7 +28,7 @@ from detect.judge.answer import Amount
 from detect.judge.features.network import network_features
 from detect.judge.model import rounded
 from logs import LoopRecord
-from logs.processes import processes
+from logs.processes import one_thread, processes
 
 Floats = NDArray[np.float64]
 
@@ -90,6 +90,7 @@ class AtRecord:
         return found, f"A stick of more than {size} would have shown in this record with 90 % probability."
 
 
+@one_thread
 def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: int | None = None) -> AtRecord:
     """Return what ``loops`` simulated loops under the record's conditions say of it; equal seeds give equal answers.
 

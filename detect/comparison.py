@@ -22,6 +22,7 @@ from detect.words import WORDS, Word
 from logs import LogError, LoopRecord, ReadError, read_loops
 from logs.files.frames import frame_kind
 from logs.hint import nearest
+from logs.processes import one_thread
 from logs.tags import Process
 
 if TYPE_CHECKING:
@@ -138,6 +139,7 @@ class Comparison:
         return plot_comparison(self)
 
 
+@one_thread
 def compare(
     source: Source | Iterable[Source],
     methods: Sequence[Method] | None = None,

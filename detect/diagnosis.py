@@ -18,6 +18,7 @@ from detect.prepare.swing import amplitude
 from detect.verdict import Verdict
 from detect.words import WORDS, Word
 from logs import LoopRecord
+from logs.processes import one_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -105,6 +106,7 @@ class Diagnosis:
         return plot_diagnosis(self, words)
 
 
+@one_thread
 def diagnose(
     record: LoopRecord | Prepared | Any, methods: Sequence[Method] | None = None, combine: Combine | None = None
 ) -> Diagnosis:

@@ -44,11 +44,13 @@ from gap.records.record import FEWEST, GapError, Record
 from gap.records.start import start_values
 from gap.telling.words import adequate_pair, named, named_pair, no_gap, tied, unknown
 from logs import Log
+from logs.processes import one_thread
 
 AGAIN = 150.0  # nats by which an explanation may lag behind the best to be fitted again
 RUNS = 40  # of the model without a gap
 
 
+@one_thread
 def diagnose(
     diagram: Diagram,
     log: Log | Any,

@@ -28,6 +28,7 @@ from detect.plantwide.lines import Spectra, groups, spectra
 from detect.plantwide.slips import Slips, jumps_of, owners, slips_of
 from detect.words import WORDS, Word
 from logs import Log, LogError, LoopRecord
+from logs.processes import one_thread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -173,6 +174,7 @@ class Survey:
         return plot_survey(self)
 
 
+@one_thread
 def survey(log: Log, verdicts: Mapping[str, Word] | None = None) -> Survey:
     """Group the tags of a log by the oscillations they share and rank the loops by how likely their valve is sticky.
 

@@ -22,8 +22,10 @@ from gap.floors.floor import without_gap
 from gap.insertion.effect import Effect
 from gap.records.record import GapError
 from logs import Log
+from logs.processes import one_thread
 
 
+@one_thread
 def calibrated(
     diagram: Diagram,
     log: Log | Any,

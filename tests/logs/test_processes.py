@@ -1,4 +1,4 @@
-"""Processes compute on one core each, are not ended by Ctrl-C, and begin nothing once the block that asks is left."""
+"""What takes long computes on one core; processes are not ended by Ctrl-C, and begin nothing once the block is left."""
 
 import os
 import signal
@@ -11,7 +11,10 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from logs.processes import processes
+import calibration
+import detect
+import gap
+from logs.processes import one_thread, processes
 
 
 def threads() -> list[int]:
@@ -63,3 +66,21 @@ def test_the_command_computes_with_one_thread_unless_told_otherwise(told) -> Non
     given |= {} if told is None else {"OPENBLAS_NUM_THREADS": told}
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=given, check=True)
     assert run.stdout.splitlines()[-1] == f"threads {told or 1}"
+
+
+@one_thread
+def threads_alone() -> list[int]:
+    return threads()
+
+
+def test_a_function_computes_with_one_thread_and_leaves_the_number_as_it_was() -> None:
+    with threadpool_limits(2):
+        before = threads()
+        assert set(threads_alone()) <= {1}
+        assert threads() == before
+
+
+def test_what_takes_long_computes_with_one_thread() -> None:
+    alone = one_thread(max).__code__
+    for asked in (gap.diagnose, gap.calibrated, detect.diagnose, detect.compare, detect.survey, calibration.at_record):
+        assert asked.__code__ is alone, f"{asked.__qualname__} computes with as many threads as there are cores"
