@@ -180,9 +180,9 @@ def _trend(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") ->
     record, period = diagnosis.record, loop.period
     section = Section("The trend", "", "open", "")
     gaps = record.log.gaps()
-    shaded = [f"{len(gaps)} gap{'s' * (len(gaps) > 1)} grey"] * bool(gaps)
-    shaded += ["samples that do not count red"] * (not record.good.all())
-    caption = f"The whole record{'; shaded: ' if shaded else ''}{', '.join(shaded)}."
+    shaded = [f"grey: {len(gaps)} gap{'s' * (len(gaps) > 1)}"] * bool(gaps)
+    shaded += ["light red: samples that do not count"] * (not record.good.all())
+    caption = "; ".join(["The whole record", *shaded]) + "."
     section.figures.append(captioned(figure_to_svg(plot_trend(record, seen)), caption))
     if diagnosis.verdict == "not_applicable" and seen is None:
         return section
