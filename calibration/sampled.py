@@ -28,8 +28,8 @@ SIGNALS = ("SP", "PV_m", "OP", "MV")
 STEPS = 24  # of a scan, for a stem with mass
 LEAVES = 0.97  # of the force at which Dahl's friction would slide: there a creeping valve breaks away
 
-_DRIVE = ("shape", "amplitude", "period", "slope", "sd", "correlation_time", "walk", "move", "hold", "wander",
-          "swell", "second", "second_size")  # fmt: skip
+_DRIVE = ("shape", "amplitude", "period", "slope", "sd", "correlation_time", "walk", "move", "hold", "wander", "swell",
+          "second", "second_size")  # fmt: skip
 _VALVE = {"kano": ("S", "J"), "chen": ("S", "J"), "he": ("f_s", "f_d"), "stick_slip": ("F_s", "F_c", "F_v", "M"),
           "creeping": ("S", "J", "give", "uneven", "lag")}  # fmt: skip
 

@@ -39,7 +39,7 @@ from detect.card import Card
 from detect.prepare.play import travel_of
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.smoothing import noise_std
+from detect.prepare.stem_noise import rounding, stem_noise
 from detect.prepare.stick import turn_time
 from detect.verdict import Verdict, Word
 from logs import LoopRecord
@@ -56,7 +56,6 @@ STOOD = 0.5  # share of the samples that such a stem must stand: one that lags b
 EACH = 0.2  # of the turns of OP: so many must turn the stem
 SLIP = 4  # samples that a slip may last
 PACED = 0.75  # of what OP moves in the sample in which the stem goes: smaller jumps are not told from that
-QUIET, QUIET_STEP = 0.25, 0.3186  # share of the steps that a standing stem makes; that quantile of |normal| noise
 NAME = "stem_play"
 
 CARD = Card(
@@ -164,29 +163,6 @@ def band(u: Values, mv: Values) -> float:
     return least
 
 
-def stem_noise(t: Values, u: Values, mv: Values) -> float:
-    """Standard deviation of the noise on a logged stem mv (n,) [its unit], which slips and slides as well.
-
-    A stem that follows OP has the noise of u, too; one that slips every few samples has a jump in most stretches of
-    five samples, but stands in between: there a quarter of its steps are below 0.45 sigma.  Whatever the stem does
-    beside adds to each of these, so that the least counts.  A rounded tag may flicker by one step.
-
-    >>> t = np.arange(600.0)
-    >>> slips = np.where(t % 8 < 4, 1.0, -1.0) + np.random.default_rng(0).normal(0, 0.05, 600)
-    >>> round(stem_noise(t, np.sin(t * np.pi / 4), slips), 2), round(noise_std(t, slips), 1)
-    (0.05, 0.9)
-    """
-    steps = np.abs(np.diff(mv))
-    standing = float(np.percentile(steps, 100.0 * QUIET)) / (math.sqrt(2.0) * QUIET_STEP)
-    return max(min(noise_std(t, mv), noise_std(t, mv - u), standing), _rounding(mv) / math.sqrt(12.0))
-
-
-def _rounding(x: Values) -> float:
-    """The least difference between two values of x (n,): its step, if it is rounded."""
-    apart = np.diff(np.unique(x))
-    return float(np.min(apart[apart > 1e-9 * np.ptp(x)], initial=math.inf)) if np.ptp(x) > 0.0 else 0.0
-
-
 def _stands(mv: Values, within: float) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
     """First and last sample of every stand of three samples or more: MV stays ``within`` of its mean so far."""
     first, last = [], []
@@ -214,14 +190,14 @@ def _read(u: Values, mv: Values, first: npt.NDArray[np.intp], last: npt.NDArray[
     back, on = toward & (came != went), toward & (came == went)
     S_each, step = travel[back], float(np.median(np.abs(after - before)[back])) if back.any() else math.nan
     S = _middle(S_each, step)
-    offset, gain, known = _positioner(rest, level, came, np.maximum(np.abs(rest - u[first - 1]), _rounding(u)))
+    offset, gain, known = _positioner(rest, level, came, np.maximum(np.abs(rest - u[first - 1]), rounding(u)))
     # noise breaks a slow slide into stands that are none, so that those that go on tell only where none turns back
     J_each = (
         _slips(u, mv / abs(gain), rest[back], level[back] / abs(gain), last[back], S[0]) if back.any() else travel[on]
     )
     scatter = float(np.percentile(S_each, 75) - np.percentile(S_each, 25)) / S[0] if len(S_each) > 1 else math.inf
     J = _middle(J_each, step)
-    step = max(PACED * step, _rounding(u)) if back.any() else step
+    step = max(PACED * step, rounding(u)) if back.any() else step
     return Stem(
         S, (max(J[0], 0.0), max(J[1], 0.0), max(J[2], 0.0)), offset, gain, known, lag, scatter, step, S_each, J_each,
         first + lag, last + lag,
