@@ -73,7 +73,7 @@ def record(spec: LoopSpec, sp: Floats, pv: Floats, op: Floats, mv: Floats | None
         pv, op = compressed(t, pv, spec.door), compressed(t, op, spec.door)
     held = stale_rows(len(t), spec.stale, spec.stale_hold, random)
     last = np.maximum.accumulate(np.where(held, 0, np.arange(len(t))))
-    pv, op = pv[last], op[last]
+    pv, op, mv = pv[last], op[last], None if mv is None else mv[last]
     scale_op = 1.0 if spec.span_known else spec.unit_op
     kind: Process = "integrating" if spec.process == "integrating" else "self_regulating"
     return LoopRecord.from_arrays(

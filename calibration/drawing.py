@@ -42,6 +42,10 @@ CYCLE = (0.9, 1.9)  # range of OP over S in a loop that cycles by stiction, as s
 TRAVEL = (0.8, 6.0)  # the same where something else moves OP
 WANDERS = 0.75  # share of the waves whose periods differ in length, as those that other loops make do
 WANDER = (0.005, 0.15)  # of a period: by how much they differ
+SWELLS, SWELL = 0.5, (0.03, 0.4)  # share of the waves that differ in size, and the spread of its logarithm
+SECONDS = 0.3  # share of the waves that have another beside them, as where two loops move a third
+SECOND, SECOND_SIZE = (0.33, 3.0), (0.2, 1.0)  # its period and size over those of the first
+TRIANGLES = 0.5  # share of the group "external_saw" that rises and falls alike, as a level upstream does
 GIVE = (0.003, 0.06)  # of S: the force that moves a creeping valve over the stiffness of its friction
 UNEVENNESS = (0.01, 0.3)  # standard deviation of the logarithm of its jumps
 
@@ -117,6 +121,7 @@ def one(group: str, stream: Sequence[int], setting: Setting = "training") -> Loo
     values |= _data(r, group)
     if values["driver"] in SHAPES and r.random() < WANDERS:
         values["driver_wander"] = _log(r, *WANDER)
+    values |= _wave(r, values["group"], values["driver"])
     return LoopSpec(**values)
 
 
@@ -219,6 +224,20 @@ def _driver(r: Random, group: str, setting: Setting, loop: dict[str, Any]) -> di
         "S": S, "driver": driver, "driver_on": on, "driver_time": time, "swing": swing, "op0": op0, "clip": clip,
         "authority": 0.0 if group == "dead_loop" else 1.0,
     }  # fmt: skip
+
+
+def _wave(r: Random, group: str, driver: str) -> dict[str, Any]:
+    """Draw what waves from other loops are like: their size, what is beside them, and which saws are triangles."""
+    values: dict[str, Any] = {}
+    if driver not in SHAPES:
+        return values
+    if group == "external_saw" and r.random() < TRIANGLES:
+        values["driver"] = "triangle"
+    if r.random() < SWELLS:
+        values["driver_swell"] = _log(r, *SWELL)
+    if r.random() < SECONDS:
+        values |= {"driver_second": _log(r, *SECOND), "driver_second_size": _log(r, *SECOND_SIZE)}
+    return values
 
 
 def _data(r: Random, group: str) -> dict[str, Any]:

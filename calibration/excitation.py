@@ -1,15 +1,17 @@
 """What moves a loop from outside, computed at scan times: a wave, coloured noise, moves and a ramp in one block.
 
-    y_k = slope t_k + A wave(t_k / period + phase + a_k) + sd n_k + w_k + m_k
+    y_k = slope t_k + A_k (wave(x_k) + B sin(2 pi x_k / second)) + sd n_k + w_k + m_k
+    x_k = t_k / period + phase + a_k
     a_k = a_(k-1) + wander sqrt(dt/period) n'_k          periods that differ in length, by wander of their mean
+    A_k = A exp(swell n''_k)                             and in size; n'' has the correlation time period
     n_k   first-order autoregression of unit variance and correlation time T_c
     w_k = w_(k-1) + walk sqrt(dt) n'_k                   random walk
     m_k   a level drawn from -move ... move, drawn anew with the chance dt/hold at every scan
 
     shape   0 sine, 1 square, 2 saw (rises in 80 % of its period), 3 triangle
 
-out  y  [its unit]     A  amplitude [unit of y]     period, T_c, hold, dt  [s]     phase, wander  [periods]
-slope [unit of y / s]   sd, move [unit of y]   walk [unit of y / sqrt(s)]
+out  y  [its unit]     A  amplitude [unit of y]     period, T_c, hold, dt  [s]     phase, wander, second  [periods]
+slope [unit of y / s]   sd, move [unit of y]   walk [unit of y / sqrt(s)]   swell [-]   B  second_size [A]
 
 One block in place of many lets runs with different disturbances share one diagram.  Random numbers: see noise.
 """
@@ -29,7 +31,7 @@ RISE = (0.5, 0.5, 0.8, 0.5)  # share of the period in which the straight lines r
 
 # p = shape, amplitude, period, phase, slope, sd, correlation_time, walk, move, hold, dt;
 # d = six seeds and the deviate of noise, walk, level, the six seeds again and a deviate for walk, moves and wander,
-# and by how much the wave is ahead
+# by how much the wave is ahead, and n''
 
 
 def _straight(x: float, rise: float) -> float:
@@ -52,7 +54,11 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     if p[1] != 0.0:
         if p[11] > 0.0:
             d[16] += p[11] * math.sqrt(p[10] / p[2]) * coloured(d, 9, p[10], 0.0)
-        value += p[1] * _wave(p[0], t / p[2] + p[3] + d[16])
+        if p[12] > 0.0:
+            a = math.exp(-p[10] / p[2])
+            d[17] = a * d[17] + math.sqrt(1.0 - a * a) * coloured(d, 9, p[10], 0.0)
+        x = t / p[2] + p[3] + d[16]
+        value += p[1] * math.exp(p[12] * d[17]) * (_wave(p[0], x) + p[14] * math.sin(TWO_PI * x / p[13]))
     if p[5] > 0.0:
         value += p[5] * coloured(d, 0, p[10], p[6])
     if p[7] > 0.0:
@@ -66,7 +72,8 @@ class Excitation(Seeded):
     """What moves a loop from outside; all parts are zero unless given, and a new value comes every ``dt`` [s].
 
     ``shape`` one of 0 sine, 1 square, 2 saw, 3 triangle; ``amplitude``, ``sd``, ``move`` [unit of the signal];
-    ``period``, ``correlation_time``, ``hold`` [s]; ``phase``, ``wander`` [periods];
+    ``period``, ``correlation_time``, ``hold`` [s]; ``phase``, ``wander``, ``second`` [periods]; ``swell`` [-];
+    ``second_size`` [amplitudes];
     ``slope`` [unit/s]; ``walk`` [unit/sqrt(s)].
     Raises ``BlockError`` for times that are not positive or sizes that are negative.
 
@@ -96,6 +103,9 @@ class Excitation(Seeded):
         move: float = 0.0,
         hold: float = 1.0,
         wander: float = 0.0,
+        swell: float = 0.0,
+        second: float = 1.0,
+        second_size: float = 0.0,
         seed: int | None = None,
         name: str = "",
     ) -> None:
@@ -107,12 +117,15 @@ class Excitation(Seeded):
             "hold": hold,
             "dt": dt,
             "wander": wander,
+            "swell": swell,
+            "second": second,
+            "second_size": second_size,
         }
         super().__init__(
             name=name or signal,
             params=params,
             seed=seed,
-            memory={"walked": 0.0, "level": 0.0, **_second(seed), "ahead": 0.0},
+            memory={"walked": 0.0, "level": 0.0, **_second(seed), "ahead": 0.0, "swelled": 0.0},
             outputs=signal,
         )
 
@@ -124,8 +137,8 @@ class Excitation(Seeded):
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless all numbers are finite, times positive and sizes not negative."""
         finite(params, name, "amplitude", "phase", "slope")
-        positive(params, name, "period", "hold", "dt")
-        not_negative(params, name, "shape", "sd", "correlation_time", "walk", "move", "wander")
+        positive(params, name, "period", "hold", "dt", "second")
+        not_negative(params, name, "shape", "sd", "correlation_time", "walk", "move", "wander", "swell", "second_size")
 
     def smooth(self) -> Block:
         """Return what python-control sees in a continuous diagram: zero."""

@@ -28,7 +28,8 @@ SIGNALS = ("SP", "PV_m", "OP", "MV")
 STEPS = 24  # of a scan, for a stem with mass
 LEAVES = 0.97  # of the force at which Dahl's friction would slide: there a creeping valve breaks away
 
-_DRIVE = ("shape", "amplitude", "period", "slope", "sd", "correlation_time", "walk", "move", "hold", "wander")
+_DRIVE = ("shape", "amplitude", "period", "slope", "sd", "correlation_time", "walk", "move", "hold", "wander", "swell",
+          "second", "second_size")  # fmt: skip
 _VALVE = {"kano": ("S", "J"), "chen": ("S", "J"), "he": ("f_s", "f_d"), "stick_slip": ("F_s", "F_c", "F_v", "M"),
           "creeping": ("S", "J", "give", "uneven", "lag")}  # fmt: skip
 
@@ -100,12 +101,18 @@ def _coloured(r: Any, before: float, time: float) -> Any:
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _driven(r: Any, t: float, d: Any, kept: Any) -> Any:
-    """One value of a disturbance d (``_DRIVE``) at scan t; ``kept``: noise, walk, level and phase."""
+    """One value of a disturbance d (``_DRIVE``) at scan t; ``kept``: noise, walk, level, phase and swell."""
     value = d[3] * t
     if d[1] != 0.0:
         if d[9] > 0.0:
             kept[3] += d[9] / math.sqrt(d[2]) * r.normal()
-        value += d[1] * _wave(d[0], t / d[2] + kept[3])
+        if d[10] > 0.0:
+            kept[4] = _coloured(r, kept[4], d[2])
+        x = t / d[2] + kept[3]
+        size = d[1] * math.exp(d[10] * kept[4])
+        value += size * _wave(d[0], x)
+        if d[12] > 0.0:
+            value += size * d[12] * _wave(0.0, x / d[11])
     if d[4] > 0.0:
         kept[0] = _coloured(r, kept[0], d[5])
         value += d[4] * kept[0]
@@ -241,7 +248,7 @@ def _loop(
     K, tau1, tau2, theta = process[0], process[1], process[2], int(process[3])
     e1, e2 = math.exp(-1.0 / tau1), math.exp(-1.0 / tau2) if tau2 > 0.0 else 0.0
     line, head = np.zeros(theta + 1), 0
-    load, move, m = np.zeros(4), np.zeros(4), np.zeros(5)
+    load, move, m = np.zeros(5), np.zeros(5), np.zeros(5)
     m[1] = 0.0 if valve == 3 else 1.0
     load[0], move[0], noise = r.normal(), r.normal(), r.normal()
     K_p, T_i, T_d, N, b, T_f = c[0], c[1], c[2], c[3], c[4], c[5]

@@ -217,12 +217,15 @@ def driver(spec: LoopSpec, scale: float, length: int) -> Mapping[str, float]:
     found: dict[str, float] = {}
     for block in ("load", "SP"):
         found |= {f"{block}.{key}": 0.0 for key in ("shape", "amplitude", "slope", "sd", "correlation_time", "move")}
-        found |= {f"{block}.period": 1.0, f"{block}.hold": 1.0, f"{block}.walk": 0.0, f"{block}.wander": 0.0}
+        found |= {f"{block}.{key}": 1.0 for key in ("period", "hold", "second")}
+        found |= {f"{block}.{key}": 0.0 for key in ("walk", "wander", "swell", "second_size")}
     on, time = spec.driver_on, spec.driver_time
     size = scale if on == "load" else scale * abs(spec.K) * (spec.tau1 if spec.process == "integrating" else 1.0)
     if spec.driver in SHAPES:
         found |= {f"{on}.shape": float(SHAPES.index(spec.driver)), f"{on}.amplitude": size, f"{on}.period": time}
-        found[f"{on}.wander"] = spec.driver_wander
+        found |= {f"{on}.wander": spec.driver_wander, f"{on}.swell": spec.driver_swell}
+        if spec.driver_second > 0.0:
+            found |= {f"{on}.second": spec.driver_second, f"{on}.second_size": spec.driver_second_size}
     elif spec.driver == "stochastic":
         found |= {f"{on}.sd": size, f"{on}.correlation_time": time}
     elif spec.driver == "moves":

@@ -42,6 +42,9 @@ class LoopSpec:
                                "drift"; on "load" or "SP"
     driver_time : float        period, correlation time or mean hold of the driver [s]
     driver_wander : float      standard deviation of the length of a period of a wave [periods]; 0: all are equal
+    driver_swell : float       standard deviation of the logarithm of the size of a wave [-]; 0: all are equal
+    driver_second, driver_second_size : float   period [periods] and amplitude [amplitudes] of a sine beside the wave,
+                               as another loop makes it; 0: none
     swing : float              range of OP that the driver is scaled to [% of OP]; 0: it follows from S
     op0 : float                OP at rest [%]
     clip : float               where OP meets a limit, share of its half range; 0: nowhere
@@ -113,6 +116,9 @@ class LoopSpec:
     give: float = 0.0
     unevenness: float = 0.0
     driver_wander: float = 0.0
+    driver_swell: float = 0.0
+    driver_second: float = 0.0
+    driver_second_size: float = 0.0
 
 
 @dataclass(frozen=True)

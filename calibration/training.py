@@ -26,7 +26,7 @@ __all__ = ["fit"]
 Values = npt.NDArray[np.float64]
 Say = Callable[[str], None]
 
-ALARMS = 0.01  # half of what is allowed: other physics cost some, and nobody digs up a sound valve gladly
+ALARMS = 0.015  # below the 2 % that are allowed: other physics may cost some, and nobody digs up a sound valve gladly
 CLEARED = 0.02
 BEYOND = 0.05
 TAILS = (0.05, 0.5, 0.95)

@@ -20,7 +20,8 @@ from logs import LoopRecord
 
 BARE = {
     "noise": 0.01, "noise_time": 0.0, "walk": 0.0, "sp_move": 0.0, "door": 0.0, "stale": 0.0, "step_pv": 0.0,
-    "step_op": 0.0, "points": 20.0, "samples": 600, "span_known": True, "sp_logged": True, "process_known": True,
+    "step_op": 0.0, "driver_swell": 0.0, "driver_second": 0.0, "points": 20.0, "samples": 600, "span_known": True,
+    "sp_logged": True, "process_known": True,
 }  # fmt: skip
 
 

@@ -8,9 +8,11 @@ import pytest
 
 from calibration import LoopSpec
 from calibration.drawing import one
+from calibration.excitation import Excitation
 from calibration.loops import parameters
 from calibration.sampled import CONTROLLERS, LEAVES, VALVES, run
 from calibration.simulation import QUIET, by_engine, driver, in_scans
+from diagram import drive
 
 SCANS = 400
 PROCESSES = ("one_lag", "two_lags", "integrating")
@@ -37,7 +39,7 @@ def drawn(group: str, structure: tuple[str, str, str], count: int, **more: objec
         spec = one(group, (9, k))
         k += 1
         if (spec.process, spec.controller) == structure[1:]:
-            found.append(replace(spec, valve=structure[0], driver_wander=0.0, **more))  # type: ignore[arg-type]
+            found.append(replace(spec, valve=structure[0], driver_wander=0.0, driver_swell=0.0, **more))  # type: ignore[arg-type]
     return found
 
 
@@ -65,6 +67,32 @@ def test_every_process_and_controller_is_what_the_engine_gives(process: str, con
         limit = loose if controller == "pid_weighted" else 1e-3
         apart = np.sqrt(np.mean((fast[name] - slow[name]) ** 2, axis=1)) / np.std(slow[name], axis=1)
         assert apart.max() < limit, name
+
+
+def test_a_second_wave_is_what_the_engine_gives() -> None:
+    structure = ("chen", "two_lags", "pi")
+    specs = drawn("external_sine", structure, 2, driver_second=0.4, driver_second_size=0.8)
+    fast, slow = both(specs, structure)
+    alone = both([replace(spec, driver_second=0.0) for spec in specs], structure)[0]
+    for name in ("OP", "PV_m"):
+        spread = np.std(slow[name], axis=1)
+        assert (np.sqrt(np.mean((fast[name] - slow[name]) ** 2, axis=1)) / spread).max() < 1e-3, name
+        assert (np.std(fast[name] - alone[name], axis=1) / spread).min() > 0.05, name
+
+
+def test_waves_differ_in_size_as_asked() -> None:
+    """Analytic: ln of the size has the standard deviation asked for, and over a period it forgets all but 1/e."""
+    structure, period = ("chen", "one_lag", "pi"), 20.0
+    own = column(drawn("external_sine", structure, 1)[0])
+    own |= {"load.amplitude": 2.0, "load.period": period, "load.second_size": 0.0, "controller.K_p": 1e-9}
+    own |= {"process.K": 1.0, "process.tau": 1e-3, "process.theta": 0.0, "load.swell": 0.3}
+    times = np.arange(40_000.0)
+    by_run = run(structure, 40_000, [own], [1], times)["PV_m"][0][1:]
+    by_block = drive(Excitation("d", 1.0, amplitude=2.0, period=period, swell=0.3, seed=5), 4e4, every=1.0).log["d"]
+    for y in (by_run, np.asarray(by_block)[:-2]):
+        top = np.log(np.abs(y[int(period / 4) :: int(period / 2)]) / 2.0)  # where the sine is 1 or -1
+        assert top.std() == pytest.approx(0.3, rel=0.1)
+        assert np.corrcoef(top[:-2], top[2:])[0, 1] == pytest.approx(np.exp(-1.0), abs=0.08)
 
 
 def test_noise_and_walk_have_their_sizes() -> None:

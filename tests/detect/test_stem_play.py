@@ -160,3 +160,25 @@ def test_three_reversals_do_where_they_agree():
     assert two.verdict == "inconclusive" and "4 are needed" in two.reason
     apart = detect(_with_reversals(3, [5.0, 3.0, 4.0]))
     assert len(apart.array("S_each")) == 3 and apart.verdict == "inconclusive", apart.reason
+
+
+def _every_few_samples(S, J, samples, n=900):
+    """OP in a triangle of so many samples a turn and 10 % wide; the stem is read with a little noise."""
+    t = np.arange(float(n))
+    u = 45 + 10 * np.abs(2 * (t / samples % 1.0) - 1)
+    mv = stick(u, S, J) + 0.02 * np.random.default_rng(4).normal(size=n)
+    return LoopRecord.from_arrays(t, pv=30 + mv / 9, op=u, mv=mv, sp=0 * t + 30, op_span=(0, 100))
+
+
+@pytest.mark.parametrize("samples", [9.3, 11.7])
+def test_a_stem_that_slips_every_few_samples_is_not_taken_for_noise(samples):  # analytic: as made
+    v = detect(_every_few_samples(6.0, 5.0, samples))
+    assert v.verdict == "stiction", v.reason
+    assert v.evidence["S"] == pytest.approx(6.0, rel=0.15)
+
+
+@pytest.mark.parametrize("S", [3.0, 4.1, 6.0, 7.2])
+@pytest.mark.parametrize("samples", [8.0, 9.3, 20.0])
+def test_what_op_moves_in_a_sample_is_no_jump(S, samples):
+    v = detect(_every_few_samples(S, 0.0, samples))
+    assert v.verdict != "stiction", v.reason
