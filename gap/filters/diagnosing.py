@@ -167,7 +167,7 @@ def outcome(
     shown = max((one.gained for one in looked), default=0.0)
     scans = [effect for effect in catalogue if isinstance(effect, ScanTime)]
     others = [effect for effect in catalogue if effect not in scans]
-    fits = ranked(plain, others, progress, plain.nll - shown)
+    fits = ranked(plain, others, progress, _within_reach(plain, looked))
     gained = plain.nll - total(fits[0]) if fits else 0.0
     clean = worst(plain.best)[1] <= LIMIT and not elsewhere and gained < NEEDED
     if clean and shown < STICTION:
@@ -192,6 +192,14 @@ def _looked(plain: Found, legal: Sequence[tuple[Effect, str]]) -> list[Looked]:
         return [looked_at(plain, place) for place in dict.fromkeys(at for effect, at in legal if effect.hidden)]
     except NotAffine:
         return []
+
+
+def _within_reach(plain: Found, looked: Sequence[Looked]) -> float:
+    """Return the nll that a stem that sticks may come to: what a bank gains, but no less than what a bank leaves.
+
+    Stems that do not stick may leave much more than the model as it is.
+    """
+    return min((max(plain.nll - one.gained, min(flat.nll for flat in one.flat)) for one in looked), default=math.inf)
 
 
 def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed: float) -> list[Found]:
