@@ -271,7 +271,8 @@ def _load(plain: Found, one: Explanation) -> Filtered | None:
     h = np.nan_to_num((kicked.e - base.e)[at:] / _Pulse.size)
     found: list[Filtered | None] = []
     free = {key: base.values[key] for key in f.free}
-    for guess in planned(one.effect, f.quiet, one.place, rows[f.skipped :], np.nan_to_num(base.judged), h, shortest=SHORTEST):
+    e, t = np.nan_to_num(base.judged), rows[f.skipped :]
+    for guess in planned(one.effect, f.quiet, one.place, t, e, h, shortest=SHORTEST):
         values = {k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds}
         found.append(tried(one, {**free, **values}))
     return best_of(found)
