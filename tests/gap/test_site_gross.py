@@ -2,13 +2,17 @@
 
 import math
 
+import numpy as np
 import pytest
+from scipy.stats import norm
 
+from benchmarks.gap.generator import record
 from cases.models import site_flow
 from gap import diagnose
 from gap.effects import effect
-from gap.filters.diagnosing import filtering_of, outcome
+from gap.filters.diagnosing import TIE, filtering_of, outcome
 from gap.records.model import read
+from logs import Log
 
 
 def known(*names):
@@ -42,3 +46,19 @@ def test_stems_that_must_not_stick_do_not_keep_fits_from_being_made(site_record)
     found = outcome(f, known("valve_saturation", "valve_gain", "stiction", "deadband"), 0, False)
     assert found.found[0].best.explanation.effect.name == "valve_saturation"
     assert math.isfinite(found.found[0].sd["high"])
+
+
+def test_a_rival_that_is_likelier_by_chance_does_not_make_a_load_unknown():
+    # a slug of 12 minutes acts as slowly at the feed as in the sensor: which of both is likelier is chance
+    made = record("site", ["slug"], seed=8506)
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    report = diagnose(site_flow(), log, catalogue=known("slug", "sine_disturbance", "sensor_noise", "valve_leak"))
+    assert [cause.effect for cause in report.causes] == ["slug"]
+    assert report.causes[0].probability < 0.8  # not confident
+    assert "As well (" in str(report)
+
+
+def test_a_tie_leaves_out_a_right_explanation_in_one_of_400_records_at_most():
+    # analytic: the log likelihood ratio of right to wrong is N(d, 2 d) if the record tells d nats of the two on average
+    told = np.geomspace(0.01, 100.0, 2001)
+    assert norm.cdf(-(TIE + told) / np.sqrt(2.0 * told)).max() < 1.0 / 400.0
