@@ -213,7 +213,8 @@ def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed
         flat = [fit for fit in found if len(fit.best.explanation.own) == 1]
         stuck = [fit for fit in found if fit not in flat]
         stiction = next((effect for effect in effects if isinstance(effect, Stiction)), None)
-        if not flat or stiction is None or (stuck and stuck[0].nll < flat[0].nll - DECIDED):
+        open_still = flat and not (stuck and stuck[0].nll < flat[0].nll - DECIDED)
+        if stiction is None or not open_still or min(worst(fit.best)[1] for fit in found) > LIMIT_LARGEST:
             kept += stuck or flat
             continue
         best = decided(flat[0].best, stiction, [fit.best for fit in stuck])
