@@ -33,6 +33,7 @@ from gap.floors.modes import CHARGE
 from gap.insertion.inserted import percent_in
 
 Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
 FAR = 2.5  # standard deviations of OP beyond which the next row does not lead a stem
 LEAST = 1e-6  # share of a variance that is left
 REPEATS = 0.02  # standard deviation of the breakaway from stem to stem, as a share
@@ -97,7 +98,7 @@ def _ahead(m: Scanned, seen: Floats, follows: Floats, r: Floats, every: int) -> 
     return G, b, R
 
 
-def _known(m: Scanned, U: Floats, seen: Floats, follows: Floats, every: int, acts: Floats) -> Floats:
+def _known(m: Scanned, U: Floats, seen: Floats, follows: Floats, every: int, acts: Whole) -> Floats:
     """Return what inputs alone make of the row behind each row, (rows, signals)."""
     n, C = m.n, len(m.v)
     OP = np.zeros((C, len(U)))
