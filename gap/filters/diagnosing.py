@@ -24,6 +24,7 @@ from gap.effects.disturbance import Disturbance
 from gap.effects.quantisation import Quantisation
 from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_noise import SensorNoise
+from gap.effects.stiction import Stiction
 from gap.filters import laws
 from gap.filters.affine import NotAffine
 from gap.filters.checks import checks
@@ -32,7 +33,8 @@ from gap.filters.digits import coarse_sensor, compressed, few_levels
 from gap.filters.explaining import ranked, settled, total
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found
-from gap.filters.hysteresis import Looked, fitted_stems, looked_at
+from gap.filters.hysteresis import DECIDED, Looked, fitted_stems, left, looked_at
+from gap.filters.jumping import decided
 from gap.filters.logged_stem import LoggedStem
 from gap.filters.reading import Filtering
 from gap.filters.rivals import beside, either_way, likeliest
@@ -50,10 +52,10 @@ LIMIT = 4.7  # largest check of an explanation that is right
 LIMIT_STEMS = 9.0  # of a bank of stems, or of a stem that is slow, which are not exact
 EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
-TIE = 6.0  # nats between explanations that the record does not tell apart
+TIE = 4.0  # nats between explanations that the record does not tell apart: a right one lags by more in 1 of 400 records
 CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
 STEM = 0.05  # share of the best explanation's gain that few stems must gain for a bank to be fitted
-STICTION = 16.0  # nats that a jump must gain over a deadband: a bank of stems is no more exact
+STICTION = 16.0  # nats that a stem must gain to be one: a bank of stems is no more exact
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +169,7 @@ def outcome(
     shown = max((one.gained for one in looked), default=0.0)
     scans = [effect for effect in catalogue if isinstance(effect, ScanTime)]
     others = [effect for effect in catalogue if effect not in scans]
-    fits = ranked(plain, others, progress, plain.nll - shown)
+    fits = ranked(plain, others, progress, _within_reach(plain, looked))
     gained = plain.nll - total(fits[0]) if fits else 0.0
     clean = worst(plain.best)[1] <= LIMIT and not elsewhere and gained < NEEDED
     if clean and shown < STICTION:
@@ -194,13 +196,29 @@ def _looked(plain: Found, legal: Sequence[tuple[Effect, str]]) -> list[Looked]:
         return []
 
 
+def _within_reach(plain: Found, looked: Sequence[Looked]) -> float:
+    """Return the nll that a stem that sticks may come to: what a bank gains, but no less than what a bank leaves.
+
+    Stems that do not stick may leave much more than the model as it is.
+    """
+    return min((max(plain.nll - one.gained, min(flat.nll for flat in one.flat)) for one in looked), default=math.inf)
+
+
 def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed: float) -> list[Found]:
-    """Return the best deadband of each valve, and the best stiction where its jump gains enough."""
+    """Return the best deadband of each valve, or the best stiction where its jump gains enough."""
     kept = []
     for one in looked:
-        found = fitted_stems(one, [effect for effect, at in legal if effect.hidden and at == one.place], needed)
+        effects = [effect for effect, at in legal if effect.hidden and at == one.place]
+        found = fitted_stems(one, effects, needed)
         flat = [fit for fit in found if len(fit.best.explanation.own) == 1]
-        kept += [fit for fit in found if not flat or fit in flat or fit.nll < flat[0].nll - STICTION]
+        stuck = [fit for fit in found if fit not in flat]
+        stiction = next((effect for effect in effects if isinstance(effect, Stiction)), None)
+        open_still = flat and not (stuck and stuck[0].nll < flat[0].nll - DECIDED)
+        if stiction is None or not open_still or min(worst(fit.best)[1] for fit in found) > LIMIT_LARGEST:
+            kept += stuck or flat
+            continue
+        best = decided(flat[0].best, stiction, [fit.best for fit in stuck])
+        kept.append(Found(left(best.explanation, best.values), (), np.zeros((0, 0))))
     return kept
 
 
@@ -240,12 +258,12 @@ def rival(one: Filtered) -> tuple[str, float]:
 def adequate(plain: Found, one: Found) -> bool:
     """Return whether an explanation passes its checks, or nearly does where it explains nearly all of a large gap.
 
-    And no generic rival is likelier.
+    And no generic rival is likelier by more than chance makes it.
     """
     limit = _limit(one.best)
     if explained(plain, one) >= EXPLAINED and not isinstance(one.best.explanation.effect, SensorNoise):
         limit = max(limit, min(SMALL * worst(plain.best)[1], LIMIT_LARGEST))
-    return worst(one.best)[1] <= limit and rival(one.best)[1] > 0.0
+    return worst(one.best)[1] <= limit and rival(one.best)[1] > -TIE
 
 
 def explained(plain: Found, one: Found) -> float:

@@ -24,7 +24,9 @@ PART = 400  # rows in which slower scans are looked for, at least
 SLOWEST = 60  # scans of the model from one to the next of a slower controller, at most
 STRAY = 0.02  # share of rows at which its output may change though it has not scanned
 SLOWER = 3  # of these that are looked at with switches of their own
-HIGHEST = 0.1  # share of the rows of OP that an upper limit may cut, at most
+HIGHEST = 0.1  # share of the rows of OP that a limit cuts, unless it stops the valve while OP goes on
+CUT = tuple(np.linspace(0.1, 0.9, 17).tolist())  # share of the rows at which a valve that stops short is told more
+SHORTEST = 2.5  # period of a load [rows]: a filter knows what it does between two rows
 LEAST = 5.0  # nats that a second limit must gain
 FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
 FIRSTS, FOLLOWED = 3, 8  # explanations that are fitted to the end with switches of their own, and without
@@ -246,6 +248,8 @@ def _limited(plain: Found, one: Explanation) -> Filtered | None:
     for name in ("high", "low"):
         beyond = np.sort(logged) if name == "low" else np.sort(logged)[::-1]
         rows = 2 ** np.arange(int(np.log2(max(HIGHEST * len(logged), 1.0))) + 1) - 1  # at which OP exceeds it
+        if one.law:
+            rows = np.concatenate([rows, [int(share * (len(logged) - 1)) for share in CUT]])
         sizes = np.unique(beyond[rows]) * percent
         best = best_of([tried(one, {**values, name: float(size)}) for size in sizes])
         if best is not None and (found is None or best.nll < found.nll - LEAST):
@@ -267,7 +271,8 @@ def _load(plain: Found, one: Explanation) -> Filtered | None:
     h = np.nan_to_num((kicked.e - base.e)[at:] / _Pulse.size)
     found: list[Filtered | None] = []
     free = {key: base.values[key] for key in f.free}
-    for guess in planned(one.effect, f.quiet, one.place, rows[f.skipped :], np.nan_to_num(base.judged), h):
+    e, t = np.nan_to_num(base.judged), rows[f.skipped :]
+    for guess in planned(one.effect, f.quiet, one.place, t, e, h, shortest=SHORTEST):
         values = {k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds}
         found.append(tried(one, {**free, **values}))
     return best_of(found)

@@ -155,7 +155,8 @@ def fitted_stems(looked: Looked, effects: Sequence[Effect], needed: float) -> li
             _followed(play, many, 0.06, FINEST) if ahead < DECIDED else banked(play.explanation, play.values, many)
         )
     if stuck is not None and (ahead > 0.0 or not found):
-        found.append(_followed(stuck, many, 0.08, FINEST))
+        sure = ahead > DECIDED or not found  # what is not is followed by another bank (``jumping``)
+        found.append(_followed(stuck, many, 0.08, FINEST) if sure else banked(stuck.explanation, stuck.values, many))
     return sorted((Found(one, (), np.zeros((0, 0))) for one in found), key=lambda one: one.nll)
 
 
@@ -192,7 +193,7 @@ def _followed(start: Filtered, bank: Bank, wide: float, finest: float) -> Filter
         base = best
         for name in steps:
             for way in (ways[name], -ways[name]):
-                new = banked(one, _moved(one, best.values, name, way * steps[name]), bank)
+                new = banked(one, moved_stem(one, best.values, name, way * steps[name]), bank)
                 if new.nll < best.nll - LEAST:
                     best, ways[name] = new, way
                     break
@@ -216,7 +217,7 @@ def _again(one: Explanation, before: Mapping[str, float], now: Mapping[str, floa
     return new
 
 
-def _moved(one: Explanation, values: Mapping[str, float], name: str, by: float) -> dict[str, float]:
+def moved_stem(one: Explanation, values: Mapping[str, float], name: str, by: float) -> dict[str, float]:
     """Return values with one moved by a factor exp(by); of stiction S + J, where it gives way, or by a share of S
     S - J, where it stops: these two have little to do with each other.
     """

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.answers.sureness import OUTSIDE, Sureness
-from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
+from gap.filters.diagnosing import CLEAR, TIE, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
@@ -79,7 +79,7 @@ def _unknown(o: Outcome, sureness: Sureness) -> GapReport:
         other, behind = rival(best.best)
         left = (
             f"is {-behind:.1f} nats worse than {other}, which no effect of the catalogue is"
-            if behind <= 0.0
+            if behind <= -TIE
             else f"leaves what a right explanation would not: {name}, {size:.1f} standard deviations"
         )
         words.append(
@@ -118,7 +118,8 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
     )
     if not o.textured and rival(best.best)[1] < CLEAR:
         other, behind = rival(best.best)
-        words.append(f"Nearly as well ({behind:.1f} nats less) the record is explained by {other}.")
+        how = f"Nearly as well ({behind:.1f} nats less)" if behind > 0.0 else f"As well ({-behind:.1f} nats more)"
+        words.append(f"{how} the record is explained by {other}.")
     shares = _shares(o)
     where = Where(one.place, sure, places, {place: shares.get(place, 0.0) for place in places})
     cause = Cause(effect.name, one.place, sure, others, found)

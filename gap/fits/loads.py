@@ -65,18 +65,25 @@ def fitted_load(candidate: Candidate) -> Fit | None:
 
 
 def planned(
-    effect: Effect | None, base: Diagram, place: str, t: Floats, e: Floats, h: Floats, least: float = 0.0
+    effect: Effect | None,
+    base: Diagram,
+    place: str,
+    t: Floats,
+    e: Floats,
+    h: Floats,
+    least: float = 0.0,
+    shortest: float = SHORTEST,
 ) -> list[dict[str, float]]:
     """Return the sizes of a planned load that suit innovations ``e`` (rows, signals) at the times ``t`` [s] best.
 
     ``h`` (rows, signals): what a load of 1 in the first interval of the model changes in its innovations; ``least``
-    nats that a load has to promise, or there is none.
+    nats that a load has to promise, or there is none; ``shortest`` period [rows].
     """
     if effect is None:
         return []
     if "time" in [p.name for p in effect.parameters]:
         return _steps(t, e, h, least)
-    return _periods(t, e, h, _harmonics(effect, base, place), least)
+    return _periods(t, e, h, _harmonics(effect, base, place), least, shortest)
 
 
 def trimmed(e: Floats) -> list[Floats]:
@@ -136,13 +143,17 @@ def _steps(t: Floats, e: Floats, h: Floats, least: float) -> list[dict[str, floa
     return [*found, {"amplitude": hit[0] / power[0], "time": 0.0}]
 
 
-def _periods(t: Floats, e: Floats, h: Floats, harmonics: list[complex], least: float) -> list[dict[str, float]]:
-    """Return amplitude, period and phase of the best periodic loads with these harmonics."""
+def _periods(
+    t: Floats, e: Floats, h: Floats, harmonics: list[complex], least: float, fewest: float
+) -> list[dict[str, float]]:
+    """Return amplitude, period and phase of the best periodic loads with these harmonics, no shorter than ``fewest``
+    rows.
+    """
     n, dt = len(e), float(np.median(np.diff(t)))
     size = FINER * (1 << (n - 1).bit_length())
     E, H = np.fft.rfft(e, size, axis=0), np.fft.rfft(h[: n // 2], size, axis=0)
     hit, power = -(np.conj(H) * E).sum(axis=1), (np.abs(H) ** 2).sum(axis=1)
-    longest, shortest = LONGEST * n * dt, SHORTEST * dt
+    longest, shortest = LONGEST * n * dt, fewest * dt
     k = np.arange(max(1, math.ceil(size * dt / longest)), min(int(size * dt / shortest), len(hit) - 1))
     turns = np.arange(PHASES) / PHASES
     total, norm = np.zeros((len(k), PHASES)), np.full(len(k), 1e-300)
