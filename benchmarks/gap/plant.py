@@ -81,7 +81,7 @@ class PlantRun:
             plant = _with(plant, self.effect, self.place, values)
         seeds = {"F_in": [[FAMILIES[self.family], self.seed, 5]]}
         plant = plant.replace("F_in", plant["F_in"].reseeded(seeds["F_in"][0]))
-        run = simulate(plant, 3600.0 * hours, every=EVERY, signals=list(logged), rtol=1e-5, atol=1e-8)
+        run = simulate(plant, 3600.0 * hours, every=EVERY, signals=list(logged), rtol=1e-8, atol=1e-11)
         if not run.ok:
             raise RuntimeError(f"{self.key}: {run.hint}")
         return _rounded(run.log)
