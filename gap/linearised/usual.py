@@ -81,15 +81,17 @@ def _shape(found: Floats, settling: float, judged: list[bool]) -> Floor:
 def _placed(shape: Floor, found: Floats) -> Floor:
     """Return a floor whose scores have the mean of a record's own runs, and the spread of the floor's.
 
-    ``found`` residuals of these runs, (runs, rows, signals).  The spread is wider by what so few do not tell of a mean.
+    ``found`` residuals of these runs, (runs, rows, signals).  The spread is wider by what so few do not tell of a mean,
+    and theirs where that is larger: where outputs come to their limits, a few rows make most of a score.
     """
     e = shape.innovations(found)
     rows, own = e.shape[1], scored(e) / np.isfinite(e).mean(axis=(1, 2))
     own = own[np.isfinite(own)]
     if len(own) < 2:
         return shape
-    wide = float(np.sqrt(rows / shape.rows * (1.0 + 1.0 / len(own))))
-    return replace(shape, scores=own.mean() + wide * (shape.scores - shape.scores.mean()), rows=rows)
+    away = (shape.scores - shape.scores.mean()) * np.sqrt(rows / shape.rows)
+    wide = np.sqrt(1.0 + 1.0 / len(own)) * max(1.0, float(own.std(ddof=1) / away.std(ddof=1)))
+    return replace(shape, scores=own.mean() + wide * away, rows=rows)
 
 
 def _usual(shape: Floor, found: Floats) -> Usual:
