@@ -3,7 +3,8 @@
 No second program of the plant exists.  What differs from a replay of the model: stems that stick have mass
 (``StickSlip``), set points that move, a feed that swings with other random numbers, and a log every 2 s rounded as
 instruments do.  The tolerance is 1e-8, so that no row is off by more than that rounding: at 1e-5 the torque was off by
-2 % in the rows behind a switch of a set point, which no plant does.  Figures on them say less than those of ``generator``.
+2 % in the rows behind a switch of a set point, which no plant does.  Figures on them say less than those of
+``generator``.
 """
 
 from collections.abc import Iterator, Mapping

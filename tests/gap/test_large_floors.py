@@ -1,5 +1,7 @@
 """Floors of large diagrams: kept for the next record, their score placed by runs with that record's set points."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,11 @@ import gap.linearised.filtered as filtered
 import gap.linearised.usual as usual
 from benchmarks.gap.plant import MODELS, PlantRun
 from gap.diagnosis import prepared
+from gap.effects import effect
+from gap.fits.search import Candidate
+from gap.fits.sensitivity import promised, smallest
 from gap.floors.floor import Floor, scored
+from gap.floors.problem import Problem
 from gap.linearised.usual import _placed
 
 SECTION = MODELS["separator_section"][0]
@@ -55,3 +61,11 @@ def test_a_floor_is_placed_by_a_records_own_runs(spread, share):
     assert placed.rows == 400 and placed.mean * placed.rows == pytest.approx(own.mean())
     floor = shape.scores.std(ddof=1) * 2.0  # of four times the rows
     assert placed.scores.std(ddof=1) == pytest.approx(max(floor, own.std(ddof=1)) * np.sqrt(13.0 / 12.0))
+
+
+def test_what_screens_an_effect_also_says_what_would_have_been_seen(counted, monkeypatch):
+    problem = prepared(SECTION(), PlantRun("separator_section", seed=1054).made(hours=0.25))
+    one = Candidate(problem, problem.quiet, effect("valve_gain"), "VPCS1")
+    assert promised(replace(one, problem=problem.quick)) < 12.0
+    monkeypatch.setattr(Problem, "replayed", None)  # nothing is replayed once more
+    assert smallest(one, 12.0).size > 1.0
