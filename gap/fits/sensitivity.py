@@ -66,7 +66,7 @@ def smallest(candidate: Candidate, nats: float) -> Seen | None:
     main = next(p for p in effect.parameters if p.name == candidate.sizes[0])
     found = _of_noise(candidate, nats) if candidate.noisy else _of_slope(candidate, nats)
     if found is None:
-        found = _of_sizes(candidate, nats)
+        found = _of_sizes(replace(candidate, problem=candidate.problem.quick), nats)
     return None if found is None else Seen(effect.name, candidate.place, main.name, found, main.unit)
 
 
