@@ -15,10 +15,13 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from diagram.diagram import Diagram
 from gap.answers.seen import Seen
 from gap.fits.robust import step
 from gap.fits.search import Candidate, slopes
 from gap.floors.floor import losses
+from gap.floors.problem import Problem
+from gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
 STEPS, NEAR = 12, 0.02  # secants until the nats are met within this share
@@ -37,12 +40,17 @@ def promised(candidate: Candidate) -> float:
     return absent.F - step(absent.e.ravel(), J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0))[1]
 
 
-@lru_cache(maxsize=64)
 def trace(candidate: Candidate) -> tuple[Floats, list[str]]:
     """Return (J, names): the slopes of the innovations near neutral, (values, parameters), for those that are felt.
 
     Of a load whose time is free, the one in the middle of the record: a step at its start is an offset.
     """
+    return _trace(candidate.problem.quick, candidate.base, candidate.effect, candidate.place)
+
+
+@lru_cache(maxsize=128)  # a whole catalogue: what screens it says in the end what would have been seen
+def _trace(problem: Problem, base: Diagram, effect: Effect | None, place: str) -> tuple[Floats, list[str]]:
+    candidate = Candidate(problem, base, effect, place)
     absent = candidate.absent
     if "time" in candidate.own:
         t = candidate.problem.record.log.t
@@ -58,7 +66,7 @@ def smallest(candidate: Candidate, nats: float) -> Seen | None:
     main = next(p for p in effect.parameters if p.name == candidate.sizes[0])
     found = _of_noise(candidate, nats) if candidate.noisy else _of_slope(candidate, nats)
     if found is None:
-        found = _of_sizes(candidate, nats)
+        found = _of_sizes(replace(candidate, problem=candidate.problem.quick), nats)
     return None if found is None else Seen(effect.name, candidate.place, main.name, found, main.unit)
 
 

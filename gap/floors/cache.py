@@ -1,7 +1,8 @@
 """Floors that are known already: kept in a file for each model, set of logged signals, interval and rounding.
 
 A floor depends on the model with its nuisances and on how its log is written, hardly on the set points and the length;
-its score is kept for each row.  Files appear whole or not at all; one that cannot be read is made again.
+its score is kept for each row.  (That of a large diagram is made again where a log is much shorter or longer, or has
+the first switches.)  Files appear whole or not at all; one that cannot be read is made again.
 """
 
 import contextlib
@@ -14,7 +15,7 @@ import numpy as np
 
 from diagram.diagram import Diagram
 from gap.floors.floor import Floor, settling_rows, skipped_rows
-from gap.records.record import Record
+from gap.records.record import Record, switches
 from logs.files.write import replacing
 
 VERSION = 3  # of what a floor is
@@ -29,6 +30,9 @@ def folder() -> Path:
 def digest(model: Diagram, record: Record) -> str:
     """Return what a floor depends on as one word: wiring, parameters, tolerances, signals, interval, rounding."""
     told: list[object] = [VERSION, record.pinned, record.played, round(record.log.dt, 9)]
+    if record.filter is not None:  # whose floor has many numbers, of rows behind switches too
+        switching = any(switches(record.log, s) for s in record.played)
+        told.append((len(record.log).bit_length(), switching))
     told.append({s: float(f"{step:.3g}") for s, step in record.steps.items()})
     for block in model.blocks:
         labels = list(block.input_labels), list(block.output_labels)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from blocks.recorded import Recorded
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
+from gap.floors.floor import EXACT
 from gap.linearised.between import BEFORE, line, moves
 from gap.records.record import Record, switch_rows, switches
 from logs import Log
@@ -72,7 +73,7 @@ def behind(diagram: Diagram, record: Record, signals: Sequence[str], given: Mapp
     run = ensemble(
         diagram, log.duration, t0=float(log.t[0]), times=times, params=dict(given), seeds=np.zeros(many, dtype=int),
         inputs={s: Recorded(s, *record.as_played(s), hold="previous") for s in record.played}, signals=moving,
-        progress=False,
+        progress=False, settings=EXACT,
     )  # fmt: skip
     own, fine = np.searchsorted(times, log.t), np.searchsorted(times, t)
     more = {}

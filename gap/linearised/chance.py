@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 
 from gap.fits.inserting import inserted
 from gap.fits.search import Fit, narrowed
-from gap.floors.floor import scored, without_gap
+from gap.floors.floor import scored
 from gap.floors.problem import Problem
 from logs import Log
 
 Floats = NDArray[np.float64]
 
-RUNS = 12  # of the model as it is
-SEED = 700  # of the first of them
 MOST = 12  # effects that are tried
 SIGMAS = 3.0  # standard deviations of the gain from run to run that are taken off besides its mean
 
@@ -27,9 +25,10 @@ SIGMAS = 3.0  # standard deviations of the gain from run to run that are taken o
 def priced(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
     """Return fits, the best first, those that may be named dearer by what they gain without a gap [nats]."""
     found = list(fits)
-    if not found or found[0].total >= problem.score:
+    filter = problem.record.filter
+    if filter is None or not found or found[0].total >= problem.score:
         return found
-    logs = without_gap(problem.model, problem.record, RUNS, SEED)
+    logs = filter.own_runs(problem.model, problem.record)
     if len(logs) < 2:
         return found
     plain = problem.innovations(problem.quiet, logs=logs)

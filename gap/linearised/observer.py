@@ -99,14 +99,20 @@ class Observer:
                     return
                 z[:] += M @ np.nan_to_num(off)
 
-        def slopes(k: int) -> tuple[Floats, Floats]:
-            """Return the slopes of the rates where the process is at a row, and the size of its states there."""
-            size = np.maximum(np.abs(z), LEAST)
-            return slopes_at(I, W, self.into, self.loaded, here[k], self.decay, z, size), size
+        seen_at, seen_z, seen_J = -1, z, none
+
+        def slopes(k: int) -> Floats:
+            """Return the slopes of the rates where the process is at a row."""
+            nonlocal seen_at, seen_z, seen_J
+            if k != seen_at or not np.array_equal(z, seen_z):
+                size = np.maximum(np.abs(z), LEAST)
+                seen_J = slopes_at(I, W, self.into, self.loaded, here[k], self.decay, z, size)
+                seen_at, seen_z = k, z.copy()
+            return seen_J
 
         def went(part: slice) -> bool:
             """Write what some rows leave; return whether the process kept near its path and its slopes."""
-            J, size = slopes(part.start)
+            J, size = slopes(part.start), np.maximum(np.abs(z), LEAST)
             if not np.isfinite(J).all():
                 return False
             with np.errstate(over="ignore", invalid="ignore"):
@@ -117,7 +123,7 @@ class Observer:
                 )  # fmt: skip
             if lost():
                 return False
-            other = (slopes(min(part.stop, len(y) - 1))[0] - J) * size
+            other = (slopes(min(part.stop, len(y) - 1)) - J) * size
             return bool((np.abs(other).sum(axis=1) <= SAME * np.abs(J * size).sum(axis=1)).all())
 
         def lost() -> bool:

@@ -1,5 +1,8 @@
 """What a filter's residuals are without a gap, and which segments of a record leave that.
 
+Forty runs of the model tell scales and colours, and how far a score goes from run to run; they are kept for records of
+the same model, signals, interval and rounding.  A dozen runs with the record's own set points say where its score lies.
+
 A segment is a controller with what is before it, back to logged signals; the process with its valves is another.
 """
 
@@ -9,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagram.diagram import Diagram
-from gap.floors.floor import Floor, floor_of, losses, residuals, settling_rows, without_gap
+from gap.floors.cache import keep, kept
+from gap.floors.floor import Floor, floor_of, losses, residuals, scored, settling_rows, undisturbed, without_gap
 from gap.linearised.filtered import Filter
 from gap.linearised.instants import with_switches
 from gap.linearised.parts import ancestors
@@ -35,33 +39,67 @@ class Usual:
 def floor_of_record(
     model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int
 ) -> tuple[Record, Floor, Usual]:
-    """Return a record with what its filter expects, and its floor, from ``runs`` runs of the model from ``seed`` on."""
+    """Return a record with what its filter expects, and its floor, of ``runs`` runs of the model from ``seed`` on if no
+    other record has made it.
+    """
+    record = with_switches(quiet, record, _filter(record))
+    record = _expecting(quiet, record)
     filter = _filter(record)
-    record = with_switches(quiet, record, filter)
-    found = filter.residuals(quiet, record, None, without_gap(model, record, runs, seed))
+    shape = kept(model, record)
+    if shape is None:
+        found = filter.residuals(quiet, record, None, without_gap(model, record, runs, seed))
+        shape = _shape(found, settling_rows(model, record), [s in filter.parts.judged for s in record.pinned])
+        keep(model, record, shape)
+    found = filter.residuals(quiet, record, None, filter.own_runs(model, record))
+    return record, _placed(shape, found), _usual(shape, found)
+
+
+def _expecting(quiet: Diagram, record: Record) -> Record:
+    """Return a record whose filter expects what it leaves of an undisturbed run of the model behind switches."""
+    filter = _filter(record)
+    left = np.nan_to_num(filter.residuals(quiet, record, None, [undisturbed(quiet, record)])[0])
     behind = filter.gains(record).which > 0
-    judged = [s in filter.parts.judged for s in record.pinned]
-    settling = settling_rows(model, record)
+    return replace(record, filter=replace(filter, expected=np.where(behind[:, None], left, 0.0)))
 
-    def told(others: Floats) -> tuple[Floats, Floor]:
-        """Return what is expected of each row, and the floor, from some runs."""
-        expected = np.where(behind[:, None], np.nan_to_num(np.nanmean(others, axis=0)), 0.0)
-        bound = FAR * np.nanmedian(np.abs(others - expected), axis=(0, 1))  # rows right behind a jump set no scale
-        bound[judged] = np.inf
-        return expected, floor_of(np.clip(others - expected, -bound, bound), settling, judged, True)
 
+def _shape(found: Floats, settling: float, judged: list[bool]) -> Floor:
+    """Return the floor of residuals of runs without a gap, (runs, rows, signals).
+
+    Its scores are those of runs that it is not made of: a record is as new to it as they are.
+    """
     folds = np.arange(len(found)) % FOLDS
     scores = []
-    for fold in range(FOLDS):  # runs judge a floor made of others: a record is as new to it as they are
-        expected, floor = told(found[folds != fold])
-        scores.append(floor.score(found[folds == fold] - expected))
-    floor = replace(floor, scores=np.sort(np.concatenate(scores)))
-    found = found - expected
-    r = residuals(found, floor.changes)[:, floor.skipped :]
+    for fold in range(FOLDS):
+        others = found[folds != fold]
+        bound = FAR * np.nanmedian(np.abs(others), axis=(0, 1))  # rows right behind a jump set no scale
+        bound[judged] = np.inf
+        floor = floor_of(np.clip(others, -bound, bound), settling, judged, True)
+        scores.append(floor.score(found[folds == fold]))
+    return replace(floor, scores=np.sort(np.concatenate(scores)))
+
+
+def _placed(shape: Floor, found: Floats) -> Floor:
+    """Return a floor whose scores have the mean of a record's own runs, and the spread of the floor's.
+
+    ``found`` residuals of these runs, (runs, rows, signals).  The spread is wider by what so few do not tell of a mean,
+    and theirs where that is larger: where outputs come to their limits, a few rows make most of a score.
+    """
+    e = shape.innovations(found)
+    rows, own = e.shape[1], scored(e) / np.isfinite(e).mean(axis=(1, 2))
+    own = own[np.isfinite(own)]
+    if len(own) < 2:
+        return shape
+    away = (shape.scores - shape.scores.mean()) * np.sqrt(rows / shape.rows)
+    wide = np.sqrt(1.0 + 1.0 / len(own)) * max(1.0, float(own.std(ddof=1) / away.std(ddof=1)))
+    return replace(shape, scores=own.mean() + wide * away, rows=rows)
+
+
+def _usual(shape: Floor, found: Floats) -> Usual:
+    """Return what single signals leave, of residuals of runs without a gap, (runs, rows, signals)."""
+    r = residuals(found, shape.changes)[:, shape.skipped :]
     unit = np.sqrt(np.nanmean(r**2, axis=(0, 1)))
     loss = losses(r / unit).mean(axis=1)
-    usual = Usual(unit, loss.mean(axis=0), loss.std(axis=0, ddof=1))
-    return replace(record, filter=replace(filter, expected=expected)), floor, usual
+    return Usual(unit, loss.mean(axis=0), loss.std(axis=0, ddof=1))
 
 
 def suspected(quiet: Diagram, record: Record, floor: Floor, usual: Usual) -> Record:

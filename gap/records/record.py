@@ -104,6 +104,9 @@ class Residuals(Protocol):
     ) -> Floats:
         """Return (runs, rows, pinned signals)."""
 
+    def own_runs(self, model: Diagram, record: "Record") -> list[Log]:
+        """Return logs of the model with its nuisances, driven by a record's own set points."""
+
     @property
     def holds(self) -> bool:
         """Whether what runs do between rows is taken from one run for all."""

@@ -1,0 +1,72 @@
+"""Floors of large diagrams: kept for the next record, their score placed by runs with that record's set points."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import gap.linearised.filtered as filtered
+import gap.linearised.usual as usual
+from benchmarks.gap.plant import MODELS, PlantRun
+from gap.diagnosis import prepared
+from gap.effects import effect
+from gap.fits.search import Candidate
+from gap.fits.sensitivity import promised, smallest
+from gap.floors.floor import Floor, scored
+from gap.floors.problem import Problem
+from gap.linearised.usual import _placed
+
+SECTION = MODELS["separator_section"][0]
+
+
+@pytest.fixture
+def counted(monkeypatch, tmp_path):
+    """Return how many runs each call made, with a cache of its own."""
+    monkeypatch.setenv("STICKSLIP_CACHE", str(tmp_path))
+    made = []
+    for where in (usual, filtered):
+        whole = where.without_gap
+        monkeypatch.setattr(
+            where, "without_gap", lambda m, r, n, seed, whole=whole: (made.append(n), whole(m, r, n, seed))[1]
+        )
+    return made
+
+
+def test_the_second_record_of_a_model_makes_no_floor(counted):
+    first = prepared(SECTION(), PlantRun("separator_section", seed=1051).made())
+    assert counted == [40, 12] and first.score <= first.limit
+    # at 5068 this one lies 20 of the floor's deviations above the first; its own runs lie there, too
+    second = prepared(SECTION(), PlantRun("separator_section", seed=1060).made())
+    assert counted == [40, 12, 12] and second.score > 1.15 * first.score
+    np.testing.assert_array_equal(first.floor.A, second.floor.A)
+    assert abs(second.score - second.level) < 3.5 * second.floor.sd * np.sqrt(second.rows)
+
+
+def test_a_much_shorter_record_has_a_floor_of_its_own(counted):
+    prepared(SECTION(), PlantRun("separator_section", seed=1052).made(hours=0.25))
+    prepared(SECTION(), PlantRun("separator_section", seed=1053).made())
+    assert counted == [40, 12, 40, 12]
+
+
+@pytest.mark.parametrize(("spread", "share"), [(0.2, 1.0), (3.0, 1.0), (0.2, 0.7)])
+def test_a_floor_is_placed_by_a_records_own_runs(spread, share):
+    # expected: the mean of their scores, and its own spread times sqrt(1 + 1/12), analytic, or theirs if that is wider
+    rng = np.random.default_rng(0)
+    shape = Floor(np.zeros(2, bool), np.zeros((0, 2, 2)), np.eye(2), 20, 500.0 + rng.normal(size=40), 100)
+    found = rng.normal(size=(12, 420, 2)) * (1.0 + spread * rng.uniform(size=(12, 1, 1)))
+    found[:, rng.uniform(size=420) > share] = np.nan  # rows in which nothing was logged
+    placed = _placed(shape, found)
+    known = np.isfinite(found[0, 20:]).mean()
+    own = scored(found[:, 20:]) / known
+    assert placed.rows == 400 and placed.mean * placed.rows == pytest.approx(own.mean())
+    floor = shape.scores.std(ddof=1) * 2.0  # of four times the rows
+    assert placed.scores.std(ddof=1) == pytest.approx(max(floor, own.std(ddof=1)) * np.sqrt(13.0 / 12.0))
+
+
+def test_what_screens_an_effect_also_says_what_would_have_been_seen(counted, monkeypatch):
+    problem = prepared(SECTION(), PlantRun("separator_section", seed=1054).made(hours=0.25))
+    one = Candidate(problem, problem.quiet, effect("valve_gain"), "VPCS1")
+    assert promised(replace(one, problem=problem.quick)) < 12.0
+    assert not one.absent.present  # the model as it is, the same for all effects
+    monkeypatch.setattr(Problem, "replayed", None)  # nothing is replayed once more
+    assert smallest(one, 12.0).size > 1.0
