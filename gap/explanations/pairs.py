@@ -1,5 +1,6 @@
 """Two effects at once, where one is not adequate: pairs that lines propose, then a second effect beside the best."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -7,7 +8,7 @@ from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.explanations.beside_noise import beside_noise
 from gap.explanations.candidates import candidates, price, ranked
-from gap.explanations.nesting import HARDLY_BESIDE, RELEVANT, TIE
+from gap.explanations.law import with_its_law
 from gap.explanations.pair import Pair
 from gap.explanations.proposals import proposed, smooth
 from gap.fits.adequacy import needed, scored_alone, share
@@ -27,7 +28,8 @@ WHOLE = 2  # of these on the whole record
 PROMISING = 4  # smooth effects that are fitted beside a hidden mode
 WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
 CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for its sizes to be worth more
-SAME = 60.0  # nats between single effects that leave the same
+SAME = 60.0  # nats between effects that leave the same
+USUAL = 1.5  # standard deviations of the score above its mean, within which two effects leave nothing
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
 TURNS = 2  # times that each is fitted again given the other
@@ -43,7 +45,7 @@ def paired(
     """
     if not fits or share(problem, fits[0]) < ENOUGH:
         return None
-    found = beside_noise(problem, fits)
+    found = _worth_noise(problem, fits)
     if not any(_enough(problem, pair) for pair in found):
         found += joined(problem, fits)
     legal = list(catalogue)
@@ -58,7 +60,7 @@ def paired(
                 pair = Pair(first, second)
                 found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
     best = min(found, key=lambda pair: pair.total, default=None)
-    return None if best is None else with_narrower(problem, best, legal)
+    return None if best is None else with_its_law(problem, best, legal)
 
 
 def _enough(problem: Problem, pair: Pair) -> bool:
@@ -66,6 +68,20 @@ def _enough(problem: Problem, pair: Pair) -> bool:
     if pair.sticks and share(problem, pair.second) >= STICKING:
         return True
     return problem.limit + needed(problem) >= scored_alone(pair.second)
+
+
+def beside_stem(problem: Problem, fits: Sequence[Fit], catalogue: Iterable[Effect]) -> Pair | None:
+    """Return the best effect, a stem that is good enough alone, with more noise of a sensor; None if there is none.
+
+    What a stem of another law leaves is in few rows or in many beside one another, and has not the marks of noise.
+    """
+    found = [pair for pair in _worth_noise(problem, fits) if pair.first.effect.hidden]
+    return with_its_law(problem, found[0], list(catalogue)) if found else None
+
+
+def _worth_noise(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
+    """Return pairs with more noise that gains something: a little takes away what another second effect leaves."""
+    return [pair for pair in beside_noise(problem, fits) if pair.total < pair.first.total - needed(problem)]
 
 
 def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Fit | None:
@@ -166,20 +182,28 @@ def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
     """
     found: list[Fit] = []
     legal = [one for one in proposed(problem, fits) if not any(c.effect and c.effect.hidden for c in one.both)]
+    last = math.inf
     for one in legal[:JOINED]:
+        if last < one.F:
+            break
         candidate = together(*(replace(c, problem=problem.early) for c in one.both))
         if candidate is not None:
             best = best_of(candidate.tried(one.starts))
             if best is not None:
                 found.append(refined(best, 3))
-                if problem.early.limit >= found[-1].F:
-                    break
+                if _usual(problem.early) >= found[-1].F:  # the first part may not tell it from its like
+                    last = min(last, one.F + SAME)
     found.sort(key=lambda fit: fit.F)
     done = sorted((refined(fit) for fit in found[:FOLLOWED]), key=lambda fit: fit.F)
     if problem.early is not problem:
         whole = [replace(fit.candidate, problem=problem).tried([fit.values]) for fit in done[:WHOLE]]
         done = [refined(fit, 3) for fits in whole for fit in fits]
     return sorted((_apart(problem, fit) for fit in done), key=lambda pair: pair.total)
+
+
+def _usual(problem: Problem) -> float:
+    """Return the score that most records without a gap do not exceed: a pair that leaves so little needs no other."""
+    return problem.level + USUAL * problem.floor.sd * math.sqrt(problem.known)
 
 
 def _apart(problem: Problem, fit: Fit) -> Pair:
@@ -225,23 +249,3 @@ def _again(problem: Problem, base: Diagram, fit: Fit) -> Fit:
     if not start:
         return fit
     return replace(followed_on(start[0]) if fit.effect.hidden else refined(start[0], 3), price=fit.price)
-
-
-def with_narrower(problem: Problem, pair: Pair, catalogue: Sequence[Effect]) -> Pair:
-    """Return a pair with a deadband in place of a stem whose jump gains nothing of relevance (``nesting``)."""
-    for wide, other in ((pair.first, pair.second), (pair.second, pair.first)):
-        narrow = next((one for one in catalogue if wide.effect.nests and one.name == wide.effect.nests), None)
-        if narrow is None or other.candidate.noisy:
-            continue
-        candidate = Candidate(problem, inserted(problem.quiet, other), narrow, wide.place)
-        size, *jump = (wide.values[name] for name in wide.candidate.sizes)
-        widths = [size - share * sum(jump) for share in (0.0, 0.5, 1.0)]
-        start = best_of(candidate.tried([{candidate.sizes[0]: width} for width in widths]))
-        if start is None or share(problem, start) < WORTH:
-            continue
-        found = followed_on(start)
-        found = replace(found, price=price(found))
-        near = TIE + RELEVANT * max(problem.score - problem.level, 0.0)
-        if near >= found.F - wide.F and share(problem, found) > 1.0 - HARDLY_BESIDE:
-            return Pair(other, found)
-    return pair

@@ -132,9 +132,12 @@ def named_pair(
         _kind(problem, "pair"), problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total
     )
     sure = problem.sureness.probability(rests)
+    whole = scored_alone(pair.second) <= problem.limit + needed(problem)
+    found = [found_sizes(fit) for fit in both]
+    creeping = [not whole and creeps(fit.effect, its) for fit, its in zip(both, found, strict=True)]
+    found = [least_sizes(fit.effect, its) if yes else its for fit, its, yes in zip(both, found, creeping, strict=True)]
     causes = tuple(
-        Cause(fit.effect.name, fit.place, sure, other, found_sizes(fit))
-        for fit, other in zip(both, others, strict=True)
+        Cause(fit.effect.name, fit.place, sure, other, its) for fit, other, its in zip(both, others, found, strict=True)
     )
     places = tuple(dict.fromkeys(fit.place for also in same for fit in also))
     explained = shares(fits, problem.score, problem.level)
@@ -145,6 +148,8 @@ def named_pair(
         + (f" (or {listed(cause.ambiguous_with)})." if cause.ambiguous_with else ".")
         for cause in causes
     ]
+    for fit, its, yes in zip(both, found, creeping, strict=True):
+        words += about_creep(fit.effect, its, yes) if yes else []
     words.append(f"Together they explain {100.0 * share(problem, pair.second):.1f} % of the gap" + _shrunk(shrunk))
     words += disturbance_only(problem, rival, pair.total)
     where = Where(both[0].place, sure, places, {name: explained.get(name, 0.0) for name in places})

@@ -65,3 +65,14 @@ def test_an_effect_that_is_not_there_is_no_replay(log):
     (slow,) = candidates(problem, problem.quiet, [effect("valve_rate_limit")])
     assert slow.tried([{}]) == []  # a rate without limit has no block that could be run
     assert len(slow.tried([{"rate": 5.0}])) == 1
+
+
+def test_beside_a_load_a_lag_is_any_of_its_class(with_effects):
+    # analytic: a lag behind the feed moves the phase of what enters there, one before it does not
+    lags = {"positioner_lag", "second_lag", "sensor_lag"}
+    wave = ("sine_disturbance", "feed", {"amplitude": 0.005, "period": 60.0, "phase": 0.3})
+    log = with_effects(5, ("second_lag", "process", {"tau": 2.0}), wave)
+    known = [effect(name) for name in (*sorted(lags), "sine_disturbance")]
+    causes = diagnose(ideal_flow(), log, catalogue=known, limits=False, progress=False).causes
+    sets = [{cause.effect, *cause.ambiguous_with} for cause in causes]
+    assert {"sine_disturbance"} in sets and lags in sets
