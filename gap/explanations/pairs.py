@@ -4,20 +4,21 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from diagram.diagram import Diagram
 from diagram.progress import Progress
 from gap.explanations.beside_noise import beside_noise
 from gap.explanations.candidates import candidates, price, ranked
+from gap.explanations.joint import apart, improved
 from gap.explanations.law import with_its_law
 from gap.explanations.pair import Pair
 from gap.explanations.proposals import proposed, smooth
+from gap.explanations.stem_beside import stem_beside
 from gap.fits.adequacy import needed, scored_alone, share
-from gap.fits.hidden import first_part_of, followed_on, glimpsed
-from gap.fits.inserting import begun, inserted
+from gap.fits.hidden import first_part_of
+from gap.fits.inserting import inserted
 from gap.fits.ranges import gained
 from gap.fits.search import Candidate, Fit, best_of, refined
 from gap.fits.sensitivity import promised
-from gap.fits.together import Together, marked, together, values_of
+from gap.fits.together import together
 from gap.floors.problem import Problem
 from gap.insertion.effect import Effect
 
@@ -31,7 +32,7 @@ CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for i
 SAME = 60.0  # nats between effects that leave the same
 USUAL = 1.5  # standard deviations of the score above its mean, within which two effects leave nothing
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
-STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
+STICKING = 0.86  # share of the gap that two effects explain, one of them a stem, whose law is never exact
 TURNS = 2  # times that each is fitted again given the other
 
 
@@ -52,13 +53,13 @@ def paired(
     for first in [*_swapped(problem, found, fits[0]), *_firsts(problem, fits)]:
         if any(_enough(problem, pair) for pair in found):
             break
-        seconds = [_second(problem, first, legal, progress)]
-        if not first.effect.hidden:
-            seconds.append(_stem_beside(problem, first, seconds[0], legal))
-        for second in seconds:
-            if second is not None:
-                pair = Pair(first, second)
-                found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
+        second = _second(problem, first, legal, progress)
+        if second is not None:
+            pair = Pair(first, second)
+            found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
+        sticky = None if first.effect.hidden else stem_beside(problem, first, second, legal)
+        if sticky is not None:
+            found.append(sticky)
     best = min(found, key=lambda pair: pair.total, default=None)
     return None if best is None else with_its_law(problem, best, legal)
 
@@ -128,27 +129,6 @@ def _swapped(problem: Problem, found: Sequence[Pair], best: Fit) -> list[Fit]:
     return [] if one is None else [replace(one, price=price(one))]
 
 
-def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Sequence[Effect]) -> Fit | None:
-    """Return an effect with a hidden mode beside another, the simplest that is worth it; None if none is.
-
-    It is looked for on the first part of the record, and followed where it does better than ``second``.
-    """
-    base = inserted(problem.quiet, first)
-    legal = [one for one in candidates(problem, base, catalogue) if one.effect and one.effect.hidden]
-    least = min(first.F, second.F if second else first.F)
-    left = max(first.F - problem.level, 0.0)
-    best: Fit | None = None
-    for candidate in sorted(legal, key=lambda one: len(one.own)):
-        fit = glimpsed(candidate)
-        if fit is not None and least - HOPE * left > fit.F:
-            fit = followed_on(fit)
-            fit = replace(fit, price=price(fit))
-            if best is None or fit.total < best.total:
-                best = fit
-            least = min(least, fit.F)
-    return best
-
-
 def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[list[Candidate], list[Candidate]]:
     """Return the effects that are searched for in the presence of another: those that have no slope, for which no line
     speaks, and beside a hidden mode the few of the others that promise most by slopes or by a few sizes.
@@ -198,54 +178,9 @@ def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
     if problem.early is not problem:
         whole = [replace(fit.candidate, problem=problem).tried([fit.values]) for fit in done[:WHOLE]]
         done = [refined(fit, 3) for fits in whole for fit in fits]
-    return sorted((_apart(problem, fit) for fit in done), key=lambda pair: pair.total)
+    return sorted((apart(problem, fit) for fit in done), key=lambda pair: pair.total)
 
 
 def _usual(problem: Problem) -> float:
     """Return the score that most records without a gap do not exceed: a pair that leaves so little needs no other."""
     return problem.level + USUAL * problem.floor.sd * math.sqrt(problem.known)
-
-
-def _apart(problem: Problem, fit: Fit) -> Pair:
-    """Return the two effects of a joint fit, each as a fit in the presence of the other."""
-    both = fit.effect
-    if not isinstance(both, Together):
-        raise TypeError(f"{both!r} is one effect, not two")
-    (_, one, first_place), (_, two, second_place) = both.parts
-    values = values_of(fit, "1."), values_of(fit, "2.")
-    bases = (
-        begun(problem, problem.quiet, two, second_place, values[1]),
-        begun(problem, problem.quiet, one, first_place, values[0]),
-    )
-    made = [
-        Fit(Candidate(problem, base, effect, place), own, fit.F, fit.e)
-        for base, effect, place, own in zip(bases, (one, two), (first_place, second_place), values, strict=True)
-    ]
-    first, second = (replace(part, price=price(part)) for part in made)
-    return Pair(first, second)
-
-
-def improved(problem: Problem, pair: Pair) -> Pair:
-    """Return a pair with the sizes of both fitted at once; with a hidden mode, each in the presence of the other."""
-    if not pair.sticks:
-        both = together(*(replace(fit.candidate, problem=problem) for fit in (pair.first, pair.second)))
-        start = both.tried([{**marked(pair.first.values, "1."), **marked(pair.second.values, "2.")}]) if both else []
-        found = _apart(problem, refined(start[0])) if start else pair
-        return found if found.total < pair.total else pair
-    for _ in range(TURNS):
-        before = pair.total
-        first = _again(problem, inserted(problem.quiet, pair.second), pair.first)
-        second = _again(problem, inserted(problem.quiet, first), pair.second)
-        new = Pair(first, second)
-        if new.total >= before - 1.0:
-            return new if new.total < before else pair
-        pair = new
-    return pair
-
-
-def _again(problem: Problem, base: Diagram, fit: Fit) -> Fit:
-    candidate = Candidate(problem, base, fit.effect, fit.place)
-    start = candidate.tried([fit.values])
-    if not start:
-        return fit
-    return replace(followed_on(start[0]) if fit.effect.hidden else refined(start[0], 3), price=fit.price)

@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not tell apart
 ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
-BOTH = 0.03  # share of the gap that two effects explain beyond what one must
+BOTH = 0.03  # share of the gap that two effects explain beyond what one must, where none of them is a stem
 LISTED = 12  # explanations in the ranking
 
 
@@ -217,7 +217,7 @@ def adequate_pair(problem: Problem, pair: Pair, best: Fit) -> bool:
         return False
     left = scored_alone(pair.second)
     hidden = pair.first.effect.hidden or pair.second.effect.hidden
-    enough = (EXPLAINED_HIDDEN if hidden else EXPLAINED) + BOTH
+    enough = EXPLAINED_HIDDEN if hidden else EXPLAINED + BOTH
     return left <= problem.limit + needed(problem) or (
         share(problem, pair.second) >= enough and share(problem, best) < EXPLAINED
     )
