@@ -8,7 +8,7 @@ from gap.explanations.pair import Pair
 from gap.fits.adequacy import share
 from gap.fits.hidden import patterned
 from gap.fits.inserting import begun
-from gap.fits.search import Candidate, Fit, best_of, refined
+from gap.fits.search import ROUNDS, Candidate, Fit, best_of, refined
 from gap.fits.together import Together, marked, together, values_of
 from gap.floors.problem import Problem
 
@@ -42,7 +42,7 @@ def improved(problem: Problem, pair: Pair) -> Pair:
     start = both.tried([{**marked(pair.first.values, "1."), **marked(pair.second.values, "2.")}]) if both else []
     if not start:
         return pair
-    fit = refined(start[0])
+    fit = stepped(start[0], ROUNDS) if pair.sticks else refined(start[0])
     found = apart(problem, in_turn(fit, WIDTHS) if pair.sticks else fit)
     return found if found.total < pair.total else pair
 
@@ -60,5 +60,19 @@ def in_turn(both: Fit, widths: Sequence[float]) -> Fit:
         stem, mark = (pair.first, "1.") if pair.first.effect.hidden else (pair.second, "2.")
         moved = patterned(stem, wide, PATTERNS)
         again = both.candidate.tried([{**both.values, **marked(moved.values, mark)}])
-        both = best_of([both, *(refined(one, STEPS) for one in again)]) or both
+        both = best_of([both, *(stepped(one, STEPS) for one in again)]) or both
     return both
+
+
+def stepped(both: Fit, rounds: int) -> Fit:
+    """Return a joint fit after steps of the sizes in which a score is smooth, then of the stem's too.
+
+    Wrong sizes of the other effect call for modes that are wrong, so they are fitted first with modes as replays have
+    them: there a stem is wrong between some slips only, and the rows between the others tell.
+    """
+    parts = both.effect.parts if isinstance(both.effect, Together) else ()
+    smooth = [name for mark, one, _ in parts if not one.hidden for name in both.values if name.startswith(mark)]
+    plain = replace(both.candidate, problem=replace(both.candidate.problem, modes=False))
+    begun_at = [refined(one, rounds, smooth) for one in plain.tried([both.values])]
+    again = both.candidate.tried([one.values for one in begun_at])
+    return best_of([refined(one, rounds) for one in (both, *again)]) or both

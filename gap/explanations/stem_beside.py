@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 
 from gap.explanations.candidates import candidates, price
-from gap.explanations.joint import apart, improved, in_turn
+from gap.explanations.joint import apart, improved, in_turn, stepped
 from gap.explanations.pair import Pair
 from gap.fits.hidden import Lines, first_part_of, glimpsed, glimpsed_beside
 from gap.fits.inserting import inserted
-from gap.fits.search import Candidate, Fit, best_of, refined, slopes
+from gap.fits.search import Candidate, Fit, best_of, slopes
 from gap.fits.together import marked, together
 from gap.floors.problem import Problem
 from gap.insertion.effect import Effect
@@ -67,7 +67,7 @@ def _both(problem: Problem, first: Fit, stem: Candidate) -> Pair | None:
     if both is None or not starts:
         fit = glimpsed(stem)
         return None if fit is None else Pair(first, replace(fit, price=price(fit)))
-    found = best_of([refined(fit, ROUNDS) for fit in both.tried(starts)])
+    found = best_of([stepped(fit, ROUNDS) for fit in both.tried(starts)])
     return None if found is None else _on(problem, in_turn(found, WIDTHS))
 
 

@@ -225,7 +225,7 @@ def followed_on(fit: Fit) -> Fit:
 
 def patterned(fit: Fit, wide: float, rounds: int) -> Fit:
     """Return a fit of an effect with a hidden mode after patterns of sizes, the first of relative width ``wide``."""
-    return _followed(fit.candidate, _point(fit), fit, wide, wide, rounds=rounds)[1]
+    return _followed(fit.candidate, _point(fit), fit, wide, 2.0 * wide, rounds=rounds)[1]
 
 
 def _cost(fit: Fit) -> float:
