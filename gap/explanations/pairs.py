@@ -4,19 +4,23 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from diagram.progress import Progress
 from gap.explanations.beside_noise import beside_noise
 from gap.explanations.candidates import candidates, price, ranked
 from gap.explanations.joint import apart, improved
 from gap.explanations.law import with_its_law
 from gap.explanations.pair import Pair
+from gap.explanations.proposals import SAME as ONE
 from gap.explanations.proposals import proposed, smooth
 from gap.explanations.stem_beside import stem_beside
 from gap.fits.adequacy import needed, scored_alone, share
 from gap.fits.hidden import first_part_of
 from gap.fits.inserting import inserted
 from gap.fits.ranges import gained
-from gap.fits.search import Candidate, Fit, best_of, refined
+from gap.fits.search import Candidate, Fit, best_of, near_neutral, refined
 from gap.fits.sensitivity import promised
 from gap.fits.together import together
 from gap.floors.problem import Problem
@@ -151,7 +155,24 @@ def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[
         slope = promised(replace(one, problem=problem.early))
         return slope if problem.record.filter is not None else max(slope, gained(replace(one, problem=plain)))
 
-    return rough, sorted((one for one in legal if smooth(one)), key=promise, reverse=True)[:PROMISING]
+    likely = sorted((one for one in legal if smooth(one)), key=promise, reverse=True)
+    return rough, _unlike(problem, likely)[:PROMISING]
+
+
+def _unlike(problem: Problem, ordered: Sequence[Candidate]) -> list[Candidate]:
+    """Return one of all effects that are the same to the record, the first of them; its class is listed in the end."""
+    kept: list[Candidate] = []
+    slopes: list[NDArray[np.float64]] = []
+    for one in ordered:
+        slope = near_neutral(replace(one, problem=problem.early))
+        if slope is not None:
+            own = np.nan_to_num(slope)
+            own = own / max(float(np.linalg.norm(own)), 1e-300)
+            if any(abs(float(own @ other)) > ONE for other in slopes):
+                continue
+            slopes.append(own)
+        kept.append(one)
+    return kept
 
 
 def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
