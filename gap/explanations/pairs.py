@@ -1,7 +1,7 @@
 """Two effects at once, where one is not adequate: pairs that lines propose, then a second effect beside the best."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,7 +36,7 @@ CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for i
 SAME = 60.0  # nats between effects that leave the same
 USUAL = 1.5  # standard deviations of the score above its mean, within which two effects leave nothing
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
-STICKING = 0.86  # share of the gap that two effects explain, one of them a stem, whose law is never exact
+STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
 TURNS = 2  # times that each is fitted again given the other
 
 
@@ -57,10 +57,13 @@ def paired(
     for first in [*_swapped(problem, found, fits[0]), *_firsts(problem, fits)]:
         if any(_enough(problem, pair) for pair in found):
             break
-        second = _second(problem, first, legal, progress)
-        if second is not None:
-            pair = Pair(first, second)
-            found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
+        second: Fit | None = None
+        for other in _seconds(problem, first, legal, progress):
+            pair = Pair(first, other)
+            found.append(improved(problem, pair) if share(problem, other) >= WORTH else pair)
+            second = other
+            if first.effect.hidden and _enough(problem, found[-1]):
+                break
         sticky = None if first.effect.hidden else stem_beside(problem, first, second, legal)
         if sticky is not None:
             found.append(sticky)
@@ -89,19 +92,17 @@ def _worth_noise(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
     return [pair for pair in beside_noise(problem, fits) if pair.total < pair.first.total - needed(problem)]
 
 
-def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Fit | None:
-    """Return the best effect without a hidden mode beside another; None if none is there.
+def _seconds(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Iterator[Fit]:
+    """Yield the best effects without a hidden mode beside another, none where none is there.
 
     Beside a stem, which lines do not hold for, the few effects with slopes that promise most come first, and the others
     only if none of these is enough: an offset stands in for much of a step.
     """
     rough, likely = _beside(problem, first, catalogue)
-    best = next((fit for fit in ranked(likely, progress) if fit.present), None)
-    if best is None or share(problem, best) < STICKING:
-        other = next((fit for fit in ranked(rough, progress) if fit.present), None)
-        if other is not None and (best is None or other.total < best.total):
-            best = other
-    return best
+    for some in (likely, rough):
+        best = next((fit for fit in ranked(some, progress) if fit.present), None)
+        if best is not None:
+            yield best
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
