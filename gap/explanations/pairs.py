@@ -62,9 +62,11 @@ def paired(
             pair = Pair(first, other)
             found.append(improved(problem, pair) if share(problem, other) >= WORTH else pair)
             second = other
-            if first.effect.hidden and _enough(problem, found[-1]):
+            if _enough(problem, found[-1]):
                 break
-        sticky = None if first.effect.hidden else stem_beside(problem, first, second, legal)
+        if first.effect.hidden or (second is not None and _enough(problem, found[-1])):
+            continue
+        sticky = stem_beside(problem, first, second, legal)
         if sticky is not None:
             found.append(sticky)
     best = min(found, key=lambda pair: pair.total, default=None)
