@@ -61,7 +61,7 @@ def paired(
         for other in _seconds(problem, first, legal, progress):
             pair = Pair(first, other)
             found.append(improved(problem, pair) if share(problem, other) >= WORTH else pair)
-            second = other
+            second = found[-1].second
             if _enough(problem, found[-1]):
                 break
         if first.effect.hidden or (second is not None and _enough(problem, found[-1])):

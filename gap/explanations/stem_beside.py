@@ -21,6 +21,7 @@ from gap.floors.problem import Problem
 from gap.insertion.effect import Effect
 
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
+HARDLY = 0.05  # of what one effect leaves: where another than a stem leaves no more, none is looked for
 TROUGHS, ROUNDS = 4, 4  # that are followed, and steps in each
 WIDTHS = (0.15, 0.07)  # of patterns on the first part, relative to a size
 
@@ -34,6 +35,8 @@ def stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Seq
     legal = [one for one in candidates(problem, base, catalogue) if one.effect and one.effect.hidden]
     least = min(first.F, second.F if second else first.F)
     left = max(first.F - problem.level, 0.0)
+    if least - problem.level < HARDLY * left:
+        return None
     best: Pair | None = None
     for candidate in sorted(legal, key=lambda one: len(one.own)):
         pair = _both(problem, first, candidate)
