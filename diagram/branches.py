@@ -43,7 +43,8 @@ class Branches:
     -> how large its offset may be, for a signal that knows no error of its own, as a stem's position.  ``share``: a
     mode is kept if the worst of them falls below this share of what it was.  ``patience``: after samples at which no
     mode has helped, 1, 2, 4, ... and at most so many go by until modes are tried again; a run whose sizes are wrong is
-    wrong at every sample, and costs six times as much with every one tried.
+    wrong at every sample, and costs six times as much with every one tried.  ``back``: how many samples further back a
+    mode may have been wrong, where a lag or a dead time lets it show late: two for a lag of 2 s and a sample a second.
     """
 
     block: str
@@ -52,6 +53,7 @@ class Branches:
     offsets: Mapping[str, float] = field(default_factory=dict)
     share: float = 0.2
     patience: int = 1
+    back: int = 0
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,8 @@ def branching(diagram: "Wired", branches: Branches, t0: float, t_end: float) -> 
     """
     b = diagram.block_index(branches.block)
     block = diagram.blocks[b]
+    if not (isinstance(branches.back, int) and branches.back >= 0):
+        raise ValueError(f"back = {branches.back!r}, but it is a number of samples; give 0 or more")
     known = [mode for mode in block.modes if mode != FREE_MODE]
     if not known or block.sampled:
         raise WiringError(f"block '{block.name}' has no modes to try; name a continuous valve with friction")
@@ -106,6 +110,7 @@ def branching(diagram: "Wired", branches: Branches, t0: float, t_end: float) -> 
         change=tuple(signal in branches.changes for signal in watched),
         share=float(branches.share),
         patience=branches.patience,
+        back=branches.back,
     )
 
 

@@ -58,7 +58,8 @@ class Branching:
     whose memory ``d[0]`` is watched at each stop, ``limits`` [their unit] what it may be, or, where ``change`` says so,
     by how much it may change from one stop to the next.  Beyond that ``modes`` are tried, and one is kept if it brings
     the worst of them below ``share`` of what it was.  After tries in vain, stop after stop, 1, 2, 4, ... and at most
-    ``patience`` stops go by until the next.
+    ``patience`` stops go by until the next.  ``back``: how many stops further back a mode may have been wrong, where
+    what it drives comes late to the pins; the block is then left free again behind that stop.
     """
 
     block: int
@@ -69,6 +70,7 @@ class Branching:
     change: tuple[bool, ...]
     share: float
     patience: int = 1
+    back: int = 0
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,50 @@ def measure(floats, before, places, limits, change):  # type: ignore[no-untyped-
     return worst
 
 
+@njit(cache=True, error_model="numpy")
+def run_from(  # type: ignore[no-untyped-def]
+    ints,
+    floats,
+    buffer,
+    grid,
+    rows,
+    row,
+    modes,
+    which,
+    stops,
+    first,
+    k,
+    past_I,
+    past_W,
+    places,
+    limits,
+    change,
+    measures,
+):
+    """Advance on one branch from the stop before ``first`` to stop ``k``; return its status and its worst pin there.
+
+    ``past_I``, ``past_W``: what was there before each of the last stops, that of stop k in row k modulo their number;
+    those behind ``first`` are written anew.  Infinite if a stop on the way fits less than it did.
+    """
+    ring, size, saved = len(past_I), past_I.shape[1], past_W.shape[1]
+    ints[:size] = past_I[first % ring]
+    floats[:saved] = past_W[first % ring]
+    there = 0.0
+    for i in range(first, k + 1):
+        slot = i % ring
+        if i > first:
+            past_I[slot] = ints[:size]
+            past_W[slot] = floats[:saved]
+        last = i == len(stops) - 1
+        status = run_branch(ints, floats, buffer, grid, rows, row, modes, which if i == first else OWN, stops[i], last)
+        if status != OK:
+            return status, np.inf
+        there = measure(floats, past_W[slot], places, limits, change)
+        if i < k and there > max(1.0, measures[i, 1]):
+            return status, np.inf
+    return OK, there
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance_branching(  # type: ignore[no-untyped-def]
     ints,
@@ -162,6 +208,7 @@ def advance_branching(  # type: ignore[no-untyped-def]
     change,
     share,
     patience,
+    back,
     mode,
     held,
     measures,
@@ -173,41 +220,47 @@ def advance_branching(  # type: ignore[no-untyped-def]
     at which modes are tried again.
     """
     I = pointer_to(ints)
-    size, saved = H + I[N_BLOCKS] * R, I[SAVED]
-    before_I, before_W = np.empty(size, dtype=np.int64), np.empty(saved)
+    size, saved, ring = H + I[N_BLOCKS] * R, I[SAVED], back + 1
+    past_I, past_W = np.empty((ring, size), dtype=np.int64), np.empty((ring, saved))
+    other_I, other_W = np.empty((ring, size), dtype=np.int64), np.empty((ring, saved))
+    begin = state[0]  # what was before it is not known any more
     while state[0] < len(stops):
         k = state[0]
         if I[EV_COUNT] > buffer.shape[0] // 2:
             return PAUSED
         I[PAUSE_AT] = FOR_EVER
-        last = k == len(stops) - 1
-        before_I[:] = ints[:size]
-        before_W[:] = floats[:saved]
-        status = advance(ints, floats, buffer, grid, rows, stops[k], last)
+        past_I[k % ring] = ints[:size]
+        past_W[k % ring] = floats[:saved]
+        status = advance(ints, floats, buffer, grid, rows, stops[k], k == len(stops) - 1)
         if status != OK:
             return CHATTERING if status == PAUSED else status  # more events than there is room for
-        own = measure(floats, before_W, places, limits, change)
+        own = measure(floats, past_W[k % ring], places, limits, change)
         measures[k, 0] = measures[k, 1] = own
         if own <= 1.0:
             state[1], state[2] = 1, 0
         elif k > 0 and k >= state[2]:  # nothing has been compared before the first stop
-            best, kept, there = share * own, OWN, OWN
-            for tried in range(2 * len(modes)):
-                if tried % 2 == 0 and modes[tried // 2] == before_W[before_I[row + D]]:
-                    continue  # the run's own branch
-                ints[:size] = before_I
-                floats[:saved] = before_W
-                there = tried
-                status = run_branch(ints, floats, buffer, grid, rows, row, modes, tried, stops[k], last)
-                found = measure(floats, before_W, places, limits, change)
-                if status == OK and found < best:
-                    best, kept = found, tried
-            if there != kept:
-                ints[:size] = before_I
-                floats[:saved] = before_W
-                run_branch(ints, floats, buffer, grid, rows, row, modes, kept, stops[k], last)
+            best, kept, since = share * own, OWN, k
+            other_I[:] = past_I
+            other_W[:] = past_W
+            for first in range(k, max(begin, 1, k - back) - 1, -1):
+                if not np.isnan(mode[first]):
+                    break  # it has been set right before
+                d = past_I[first % ring, row + D]
+                for tried in range(2 * len(modes)):
+                    if tried % 2 == 0 and modes[tried // 2] == past_W[first % ring, d]:
+                        continue  # the run's own branch
+                    status, found = run_from(
+                        ints, floats, buffer, grid, rows, row, modes, tried, stops, first, k, other_I, other_W,
+                        places, limits, change, measures,
+                    )  # fmt: skip
+                    if status == OK and found < best:
+                        best, kept, since = found, tried, first
+            run_from(
+                ints, floats, buffer, grid, rows, row, modes, kept, stops, since, k, past_I, past_W,
+                places, limits, change, measures,
+            )  # fmt: skip
             if kept != OWN:
-                mode[k], held[k], measures[k, 1] = modes[kept // 2], kept % 2, best
+                mode[since], held[since], measures[k, 1] = modes[kept // 2], kept % 2, best
                 state[1] = 1
             else:
                 state[2] = k + state[1]
@@ -240,7 +293,7 @@ def run_branching(
             status = Status(
                 advance_branching(
                     I, W, buffer, times, log, given.stops, row, np.array(given.modes), places, limits, change,
-                    given.share, given.patience, mode, held, measures, state,
+                    given.share, given.patience, given.back, mode, held, measures, state,
                 )
             )  # fmt: skip
             events.append(buffer[: I[at.EV_COUNT]].copy())

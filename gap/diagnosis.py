@@ -23,7 +23,7 @@ from gap.explanations.alternatives import alternatives
 from gap.explanations.beside_digits import beside_digits
 from gap.explanations.candidates import candidates, ranked
 from gap.explanations.nesting import one_of_nested
-from gap.explanations.pairs import paired
+from gap.explanations.pairs import beside_stem, paired
 from gap.explanations.unmeasured import unmeasured_load
 from gap.filters.diagnosing import filtering_of, outcome
 from gap.filters.logged_stem import logged_stem
@@ -186,6 +186,9 @@ def told(
     beyond = math.inf if rival is None else rival.F - needed(problem)
     good = adequate(problem, best) and (best.total < beyond or stands(problem, best))
     if good and (best.effect.hidden or stands(problem, best)):
+        loud = beside_stem(problem, fits, catalogue) if best.effect.hidden else None
+        if loud is not None:
+            return named_pair(problem, loud, alternatives(problem, loud, catalogue), fits, rival)
         return named(problem, tied(fits), fits, "adequate", rival)
     pair = paired(problem, fits, catalogue, progress)
     better = pair is not None and pair.total < min(best.total - needed(problem), beyond)

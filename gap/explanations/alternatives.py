@@ -1,6 +1,6 @@
 """What else one of two effects could be, given the other: fits that the record does not tell apart from it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +13,8 @@ from gap.explanations.pair import Pair
 from gap.explanations.proposals import smooth
 from gap.fits.inserting import inserted
 from gap.fits.ranges import fitted
-from gap.fits.search import Candidate, Fit, best_of, narrowed, near_neutral, refined
+from gap.fits.search import Candidate, Fit, best_of, narrowed, near_neutral, refined, slopes
+from gap.fits.together import marked, together, values_of
 from gap.floors.problem import Problem
 from gap.insertion.effect import Effect
 
@@ -37,20 +38,23 @@ def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]
     base = problem.quiet if noisy else inserted(problem.quiet, other)
     here = replace(fit.candidate, base=base)
     best = refined(here.tried([fit.values])[0]) if noisy else fit
-    own, alone = near_neutral(here), _alone(here)
+    beside = [] if noisy or other.effect.hidden else _columns(problem, other)
+    own, alone = _without(near_neutral(here), beside), _alone(here)
     for candidate in candidates(problem, base, catalogue):
         known = candidate.effect is fit.effect or candidate.effect is other.effect
         if known or not smooth(candidate):
             continue
         if own is None or not _alike(alone, _alone(candidate), LIKE_ALONE):
             continue
-        trace = near_neutral(candidate)
+        trace = _without(near_neutral(candidate), beside)
         if trace is None or not _alike(own, trace, LIKE):
             continue
         starts = [one for one in (fitted(candidate), *_as_large(candidate, fit, own, trace)) if one is not None]
         found = best_of([one for one in starts if one.present])
         if found is not None:
             found = refined(found)
+            if found.F > best.F + TIE and beside:
+                found = _both_again(problem, found, other)
             found = replace(found, price=price(found))
             near = TIE
             if other.effect.hidden and abs(_cosine(own, trace)) > SAME:  # one mode that starts otherwise tells nothing
@@ -58,6 +62,35 @@ def _instead(problem: Problem, fit: Fit, other: Fit, catalogue: Iterable[Effect]
             if _behind(found, best, other) <= near and found.price <= fit.price:
                 same.append(found)
     return same
+
+
+def _columns(problem: Problem, other: Fit) -> list[Floats]:
+    """Return what a little more of each size of the other effect does: a lag elsewhere moves the phase of a load."""
+    there = Candidate(problem, problem.quiet, other.effect, other.place).tried([other.values])
+    return [np.nan_to_num(column) for fit in there[:1] for column in slopes(fit)[0].T]
+
+
+def _without(trace: Floats | None, beside: Sequence[Floats]) -> Floats | None:
+    """Return a slope without what the other effect makes up for; None for none."""
+    if trace is None or not beside:
+        return trace
+    B, known = np.stack(beside, axis=1), np.nan_to_num(trace)
+    B = B / np.maximum(np.linalg.norm(B, axis=0), 1e-300)
+    left: Floats = known - B @ np.linalg.lstsq(B, known, rcond=1e-9)[0]
+    return left
+
+
+def _both_again(problem: Problem, found: Fit, other: Fit) -> Fit:
+    """Return a fit in place of another with the sizes of both effects fitted at once; as it is where that fails.
+
+    The score is what counts: the fit keeps its own sizes and takes the innovations that both leave.
+    """
+    both = together(replace(found.candidate, base=problem.quiet), replace(other.candidate, base=problem.quiet))
+    start = both.tried([{**marked(found.values, "1."), **marked(other.values, "2.")}]) if both else []
+    if not start:
+        return found
+    joint = refined(start[0])
+    return replace(found, values=values_of(joint, "1."), F=joint.F, e=joint.e) if joint.F < found.F else found
 
 
 def _behind(found: Fit, best: Fit, other: Fit) -> float:

@@ -43,9 +43,7 @@ def beside_digits(
     if noisy.score <= noisy.limit + needed(noisy):
         return None
     legal = [
-        one
-        for one in candidates(noisy, noisy.quiet, catalogue)
-        if one.effect and not one.effect.hidden and one.effect.name != first.effect.name
+        one for one in candidates(noisy, noisy.quiet, catalogue) if one.effect and one.effect.name != first.effect.name
     ]
     fits = [fit for fit in ranked(legal, progress) if fit.present]
     if not fits or noisy.score - fits[0].total <= max(needed(noisy), UNLIKE * noisy.level):

@@ -26,13 +26,13 @@ def beside_noise(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
     if loud is None or problem.score - loud.F <= needed(problem):
         return []
     others = [fit for fit in fits if fit.present and not fit.candidate.noisy and not fit.effect.of_log]
-    found = [pair for fit in others if (pair := _with_noise(problem, fit, loud)) is not None]
+    found = [pair for fit in others if (pair := with_noise(problem, fit, loud)) is not None]
     found.sort(key=lambda pair: pair.total)
     again = [_again(problem, pair) for pair in found[:TRIED]]
     return sorted((pair for pair in again if is_noise(pair.second)), key=lambda pair: pair.total)
 
 
-def _with_noise(problem: Problem, first: Fit, loud: Fit) -> Pair | None:
+def with_noise(problem: Problem, first: Fit, loud: Fit) -> Pair | None:
     """Return a fit with the noise of a sensor that suits what it leaves."""
     candidate = Candidate(problem, problem.quiet, loud.effect, loud.place)
     noise = fitted_noise(candidate, first)
@@ -49,7 +49,7 @@ def _again(problem: Problem, pair: Pair) -> Pair:
         return pair
     values = refined(start[0]).values
     fit = pair.first.candidate.tried([values])[0]
-    new = _with_noise(problem, replace(fit, price=pair.first.price, followed=True), pair.second)
+    new = with_noise(problem, replace(fit, price=pair.first.price, followed=True), pair.second)
     return new if new is not None and new.total < pair.total else pair
 
 

@@ -13,7 +13,8 @@ from gap.floors.problem import Problem
 
 TIE = 6.0  # nats between explanations that the record does not tell apart
 RELEVANT = 0.01  # share of the gap that the wider must explain beyond the narrower
-HARDLY, HARDLY_BESIDE = 0.02, 0.05  # share of the gap that the narrower may leave, alone and beside another effect
+# share that the narrower may leave: of the gap, and beside another effect of what that one leaves
+HARDLY, HARDLY_BESIDE = 0.02, 0.05
 
 
 def one_of_nested(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:

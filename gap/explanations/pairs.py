@@ -1,22 +1,28 @@
 """Two effects at once, where one is not adequate: pairs that lines propose, then a second effect beside the best."""
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from diagram.diagram import Diagram
+import numpy as np
+from numpy.typing import NDArray
+
 from diagram.progress import Progress
 from gap.explanations.beside_noise import beside_noise
 from gap.explanations.candidates import candidates, price, ranked
-from gap.explanations.nesting import HARDLY_BESIDE, RELEVANT, TIE
+from gap.explanations.joint import apart, improved
+from gap.explanations.law import with_its_law
 from gap.explanations.pair import Pair
+from gap.explanations.proposals import SAME as ONE
 from gap.explanations.proposals import proposed, smooth
+from gap.explanations.stem_beside import stem_beside
 from gap.fits.adequacy import needed, scored_alone, share
-from gap.fits.hidden import first_part_of, followed_on, glimpsed
-from gap.fits.inserting import begun, inserted
+from gap.fits.hidden import first_part_of
+from gap.fits.inserting import inserted
 from gap.fits.ranges import gained
-from gap.fits.search import Candidate, Fit, best_of, refined
+from gap.fits.search import Candidate, Fit, best_of, near_neutral, refined
 from gap.fits.sensitivity import promised
-from gap.fits.together import Together, marked, together, values_of
+from gap.fits.together import together
 from gap.floors.problem import Problem
 from gap.insertion.effect import Effect
 
@@ -27,7 +33,8 @@ WHOLE = 2  # of these on the whole record
 PROMISING = 4  # smooth effects that are fitted beside a hidden mode
 WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
 CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for its sizes to be worth more
-SAME = 60.0  # nats between single effects that leave the same
+SAME = 60.0  # nats between effects that leave the same
+USUAL = 1.5  # standard deviations of the score above its mean, within which two effects leave nothing
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 STICKING = 0.88  # share of the gap that two effects explain, one of them a stem, whose law is never exact
 TURNS = 2  # times that each is fitted again given the other
@@ -43,22 +50,27 @@ def paired(
     """
     if not fits or share(problem, fits[0]) < ENOUGH:
         return None
-    found = beside_noise(problem, fits)
+    found = _worth_noise(problem, fits)
     if not any(_enough(problem, pair) for pair in found):
         found += joined(problem, fits)
     legal = list(catalogue)
     for first in [*_swapped(problem, found, fits[0]), *_firsts(problem, fits)]:
         if any(_enough(problem, pair) for pair in found):
             break
-        seconds = [_second(problem, first, legal, progress)]
-        if not first.effect.hidden:
-            seconds.append(_stem_beside(problem, first, seconds[0], legal))
-        for second in seconds:
-            if second is not None:
-                pair = Pair(first, second)
-                found.append(improved(problem, pair) if share(problem, second) >= WORTH else pair)
+        second: Fit | None = None
+        for other in _seconds(problem, first, legal, progress):
+            pair = Pair(first, other)
+            found.append(improved(problem, pair) if share(problem, other) >= WORTH else pair)
+            second = found[-1].second
+            if _enough(problem, found[-1]):
+                break
+        if first.effect.hidden or (second is not None and _enough(problem, found[-1])):
+            continue
+        sticky = stem_beside(problem, first, second, legal)
+        if sticky is not None:
+            found.append(sticky)
     best = min(found, key=lambda pair: pair.total, default=None)
-    return None if best is None else with_narrower(problem, best, legal)
+    return None if best is None else with_its_law(problem, best, legal)
 
 
 def _enough(problem: Problem, pair: Pair) -> bool:
@@ -68,19 +80,31 @@ def _enough(problem: Problem, pair: Pair) -> bool:
     return problem.limit + needed(problem) >= scored_alone(pair.second)
 
 
-def _second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Fit | None:
-    """Return the best effect without a hidden mode beside another; None if none is there.
+def beside_stem(problem: Problem, fits: Sequence[Fit], catalogue: Iterable[Effect]) -> Pair | None:
+    """Return the best effect, a stem that is good enough alone, with more noise of a sensor; None if there is none.
+
+    What a stem of another law leaves is in few rows or in many beside one another, and has not the marks of noise.
+    """
+    found = [pair for pair in _worth_noise(problem, fits) if pair.first.effect.hidden]
+    return with_its_law(problem, found[0], list(catalogue)) if found else None
+
+
+def _worth_noise(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
+    """Return pairs with more noise that gains something: a little takes away what another second effect leaves."""
+    return [pair for pair in beside_noise(problem, fits) if pair.total < pair.first.total - needed(problem)]
+
+
+def _seconds(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Iterator[Fit]:
+    """Yield the best effects without a hidden mode beside another, none where none is there.
 
     Beside a stem, which lines do not hold for, the few effects with slopes that promise most come first, and the others
     only if none of these is enough: an offset stands in for much of a step.
     """
     rough, likely = _beside(problem, first, catalogue)
-    best = next((fit for fit in ranked(likely, progress) if fit.present), None)
-    if best is None or share(problem, best) < STICKING:
-        other = next((fit for fit in ranked(rough, progress) if fit.present), None)
-        if other is not None and (best is None or other.total < best.total):
-            best = other
-    return best
+    for some in (likely, rough):
+        best = next((fit for fit in ranked(some, progress) if fit.present), None)
+        if best is not None:
+            yield best
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
@@ -112,27 +136,6 @@ def _swapped(problem: Problem, found: Sequence[Pair], best: Fit) -> list[Fit]:
     return [] if one is None else [replace(one, price=price(one))]
 
 
-def _stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Sequence[Effect]) -> Fit | None:
-    """Return an effect with a hidden mode beside another, the simplest that is worth it; None if none is.
-
-    It is looked for on the first part of the record, and followed where it does better than ``second``.
-    """
-    base = inserted(problem.quiet, first)
-    legal = [one for one in candidates(problem, base, catalogue) if one.effect and one.effect.hidden]
-    least = min(first.F, second.F if second else first.F)
-    left = max(first.F - problem.level, 0.0)
-    best: Fit | None = None
-    for candidate in sorted(legal, key=lambda one: len(one.own)):
-        fit = glimpsed(candidate)
-        if fit is not None and least - HOPE * left > fit.F:
-            fit = followed_on(fit)
-            fit = replace(fit, price=price(fit))
-            if best is None or fit.total < best.total:
-                best = fit
-            least = min(least, fit.F)
-    return best
-
-
 def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[list[Candidate], list[Candidate]]:
     """Return the effects that are searched for in the presence of another: those that have no slope, for which no line
     speaks, and beside a hidden mode the few of the others that promise most by slopes or by a few sizes.
@@ -155,7 +158,24 @@ def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[
         slope = promised(replace(one, problem=problem.early))
         return slope if problem.record.filter is not None else max(slope, gained(replace(one, problem=plain)))
 
-    return rough, sorted((one for one in legal if smooth(one)), key=promise, reverse=True)[:PROMISING]
+    likely = sorted((one for one in legal if smooth(one)), key=promise, reverse=True)
+    return rough, _unlike(problem, likely)[:PROMISING]
+
+
+def _unlike(problem: Problem, ordered: Sequence[Candidate]) -> list[Candidate]:
+    """Return one of all effects that are the same to the record, the first of them; its class is listed in the end."""
+    kept: list[Candidate] = []
+    slopes: list[NDArray[np.float64]] = []
+    for one in ordered:
+        slope = near_neutral(replace(one, problem=problem.early))
+        if slope is not None:
+            own = np.nan_to_num(slope)
+            own = own / max(float(np.linalg.norm(own)), 1e-300)
+            if any(abs(float(own @ other)) > ONE for other in slopes):
+                continue
+            slopes.append(own)
+        kept.append(one)
+    return kept
 
 
 def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
@@ -166,82 +186,25 @@ def joined(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
     """
     found: list[Fit] = []
     legal = [one for one in proposed(problem, fits) if not any(c.effect and c.effect.hidden for c in one.both)]
+    last = math.inf
     for one in legal[:JOINED]:
+        if last < one.F:
+            break
         candidate = together(*(replace(c, problem=problem.early) for c in one.both))
         if candidate is not None:
             best = best_of(candidate.tried(one.starts))
             if best is not None:
                 found.append(refined(best, 3))
-                if problem.early.limit >= found[-1].F:
-                    break
+                if _usual(problem.early) >= found[-1].F:  # the first part may not tell it from its like
+                    last = min(last, one.F + SAME)
     found.sort(key=lambda fit: fit.F)
     done = sorted((refined(fit) for fit in found[:FOLLOWED]), key=lambda fit: fit.F)
     if problem.early is not problem:
         whole = [replace(fit.candidate, problem=problem).tried([fit.values]) for fit in done[:WHOLE]]
         done = [refined(fit, 3) for fits in whole for fit in fits]
-    return sorted((_apart(problem, fit) for fit in done), key=lambda pair: pair.total)
+    return sorted((apart(problem, fit) for fit in done), key=lambda pair: pair.total)
 
 
-def _apart(problem: Problem, fit: Fit) -> Pair:
-    """Return the two effects of a joint fit, each as a fit in the presence of the other."""
-    both = fit.effect
-    if not isinstance(both, Together):
-        raise TypeError(f"{both!r} is one effect, not two")
-    (_, one, first_place), (_, two, second_place) = both.parts
-    values = values_of(fit, "1."), values_of(fit, "2.")
-    bases = (
-        begun(problem, problem.quiet, two, second_place, values[1]),
-        begun(problem, problem.quiet, one, first_place, values[0]),
-    )
-    made = [
-        Fit(Candidate(problem, base, effect, place), own, fit.F, fit.e)
-        for base, effect, place, own in zip(bases, (one, two), (first_place, second_place), values, strict=True)
-    ]
-    first, second = (replace(part, price=price(part)) for part in made)
-    return Pair(first, second)
-
-
-def improved(problem: Problem, pair: Pair) -> Pair:
-    """Return a pair with the sizes of both fitted at once; with a hidden mode, each in the presence of the other."""
-    if not pair.sticks:
-        both = together(*(replace(fit.candidate, problem=problem) for fit in (pair.first, pair.second)))
-        start = both.tried([{**marked(pair.first.values, "1."), **marked(pair.second.values, "2.")}]) if both else []
-        found = _apart(problem, refined(start[0])) if start else pair
-        return found if found.total < pair.total else pair
-    for _ in range(TURNS):
-        before = pair.total
-        first = _again(problem, inserted(problem.quiet, pair.second), pair.first)
-        second = _again(problem, inserted(problem.quiet, first), pair.second)
-        new = Pair(first, second)
-        if new.total >= before - 1.0:
-            return new if new.total < before else pair
-        pair = new
-    return pair
-
-
-def _again(problem: Problem, base: Diagram, fit: Fit) -> Fit:
-    candidate = Candidate(problem, base, fit.effect, fit.place)
-    start = candidate.tried([fit.values])
-    if not start:
-        return fit
-    return replace(followed_on(start[0]) if fit.effect.hidden else refined(start[0], 3), price=fit.price)
-
-
-def with_narrower(problem: Problem, pair: Pair, catalogue: Sequence[Effect]) -> Pair:
-    """Return a pair with a deadband in place of a stem whose jump gains nothing of relevance (``nesting``)."""
-    for wide, other in ((pair.first, pair.second), (pair.second, pair.first)):
-        narrow = next((one for one in catalogue if wide.effect.nests and one.name == wide.effect.nests), None)
-        if narrow is None or other.candidate.noisy:
-            continue
-        candidate = Candidate(problem, inserted(problem.quiet, other), narrow, wide.place)
-        size, *jump = (wide.values[name] for name in wide.candidate.sizes)
-        widths = [size - share * sum(jump) for share in (0.0, 0.5, 1.0)]
-        start = best_of(candidate.tried([{candidate.sizes[0]: width} for width in widths]))
-        if start is None or share(problem, start) < WORTH:
-            continue
-        found = followed_on(start)
-        found = replace(found, price=price(found))
-        near = TIE + RELEVANT * max(problem.score - problem.level, 0.0)
-        if near >= found.F - wide.F and share(problem, found) > 1.0 - HARDLY_BESIDE:
-            return Pair(other, found)
-    return pair
+def _usual(problem: Problem) -> float:
+    """Return the score that most records without a gap do not exceed: a pair that leaves so little needs no other."""
+    return problem.level + USUAL * problem.floor.sd * math.sqrt(problem.known)

@@ -13,17 +13,20 @@
 A filter of a large diagram has no modes to set right: there the first patterns are followed, then those of the whole.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gap.fits.figure import read_off
+from gap.fits.robust import step
 from gap.fits.search import Candidate, Fit, best_of, refined
 from gap.floors.problem import Problem
 from gap.insertion.paths import given
 
+Floats = NDArray[np.float64]
 FIRST = 14  # sizes of the first parameter
 SHARES = (0.0, 0.12, 0.25, 0.4, 0.6, 0.85)  # the second as a share of the first
 KEPT, APART = 4, 0.3  # troughs that are followed, and how far apart their first sizes are, as a logarithm
@@ -51,6 +54,7 @@ PATTERNS = (
 )
 PATTERNS_FLAT = (((-1.0, 0.0), (1.0, 0.0), (-0.4, 0.0), (0.4, 0.0)),)
 
+Lines = tuple[Floats, Floats, Floats]  # slopes (values, sizes), and how far each size may go down and up
 Point = tuple[float, float]  # the first size, and the second as a share of it
 
 
@@ -89,6 +93,24 @@ def glimpsed(candidate: Candidate) -> Fit | None:
     """Return the best fit of an effect with a hidden mode, searched coarsely on the first part of the record."""
     point, _, _ = _searched(candidate, False)
     return best_of(_at(candidate, [point]))
+
+
+def glimpsed_beside(
+    candidate: Candidate, slopes_of: Callable[[Problem], Lines]
+) -> list[tuple[dict[str, float], Floats]]:
+    """Return sizes of an effect with a hidden mode, in troughs of their own, and how far those of another move there.
+
+    Sizes of the other that were found alone make up for the stem, and a replay with them has no trough for it: so each
+    size of the grid is judged by what lines of the other, ``slopes_of`` a problem, leave of its innovations.
+    """
+    head = _head(candidate, False)
+    J, low, high = slopes_of(head.problem)
+    if not J.shape[1]:
+        return []
+    fits = _at(head, _grid(head))
+    steps = {id(fit): step(fit.e.ravel(), J, low, high) for fit in fits}
+    ordered = _apart(sorted(fits, key=lambda fit: steps[id(fit)][1]))
+    return [({k: fit.values[k] for k in fit.candidate.own}, steps[id(fit)][0]) for fit in ordered]
 
 
 def _filtered(candidate: Candidate) -> bool:
@@ -199,6 +221,11 @@ def followed_on(fit: Fit) -> Fit:
     (begun,) = _at(head, [point])
     there = best_of(_at(fit.candidate, [_followed(head, point, begun, *AROUND, finest=10.0 * FINEST)[0]]))
     return fit if there is None else best_of([fit, refined(there)]) or fit
+
+
+def patterned(fit: Fit, wide: float, rounds: int) -> Fit:
+    """Return a fit of an effect with a hidden mode after patterns of sizes, the first of relative width ``wide``."""
+    return _followed(fit.candidate, _point(fit), fit, wide, 2.0 * wide, rounds=rounds)[1]
 
 
 def _cost(fit: Fit) -> float:

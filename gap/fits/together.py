@@ -32,9 +32,9 @@ class Together(Effect):
         return found
 
     def started(self, diagram: Diagram, place: str, first: Mapping[str, float]) -> Diagram:
-        """Return the diagram with both started where the log starts."""
+        """Return the diagram with both started where the log starts, beside a stem that alone (``inserting.begun``)."""
         for _, one, at in self.parts:
-            diagram = one.started(diagram, at, first)
+            diagram = one.started(diagram, at, first) if one.hidden or not self.hidden else diagram
         return diagram
 
     def rules(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> str:

@@ -4,6 +4,12 @@ The next row tells, so the interval before it is run again in each mode (``diagr
 row down to half is kept.  Each costs ``CHARGE`` nats, what a mode of three at one row of a record is worth.
 """
 
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+
 from blocks.block import Block
 from diagram.branches import Branches
 from diagram.diagram import Diagram
@@ -12,6 +18,7 @@ from gap.records.record import Record
 
 BEYOND = 20.0  # of its floor, from which on an innovation tells a wrong mode
 SHARE = 0.5  # of what it was, to which another mode must bring a row
+LATEST, OF_LAG = 3, 2  # rows by which a mode that is wrong may show late, at most, and behind a lag
 PATIENCE = 4  # rows that go by, at most, where no mode has helped before (branches)
 CHARGE = 6.0  # nats of a mode that is set right
 
@@ -26,11 +33,13 @@ def sticking(block: Block) -> bool:
     return "stuck" in block.modes and not block.sampled
 
 
-def branches_of(diagram: Diagram, model: Diagram, record: Record, floor: Floor) -> Branches | None:
+def branches_of(
+    diagram: Diagram, model: Diagram, record: Record, floor: Floor, params: Mapping[str, ArrayLike] | None = None
+) -> Branches | None:
     """Return when to try other modes of the stem that an effect has put into a diagram; None if there is none.
 
-    ``model``: the diagram without any effect.  Changes of a controller's output tell, and the level of a stem; not
-    what is noisy, and not residuals that are predicted from earlier ones.
+    ``model``: the diagram without any effect; ``params`` of the runs.  Changes of a controller's output tell, and the
+    level of a stem; not what is noisy, and not residuals that are predicted from earlier ones.
     """
     known = {block.name for block in model.blocks}
     stems = [block.name for block in diagram.blocks if block.name not in known and sticking(block)]
@@ -40,8 +49,18 @@ def branches_of(diagram: Diagram, model: Diagram, record: Record, floor: Floor) 
     changes = {s: BEYOND * scale[s] for s, yes in zip(record.pinned, floor.changes, strict=True) if yes}
     stem = {str(s) for s in diagram[stems[0]].output_labels}
     offsets = {s: BEYOND * scale[s] for s in record.pinned if s in stem and s not in changes}
-    return (
-        Branches(stems[0], changes=changes, offsets=offsets, share=SHARE, patience=PATIENCE)
-        if changes or offsets
-        else None
-    )
+    if not (changes or offsets):
+        return None
+    back = 0 if offsets else _late(diagram, known, params or {}, record.log.dt)
+    return Branches(stems[0], changes=changes, offsets=offsets, share=SHARE, patience=PATIENCE, back=back)
+
+
+def _late(diagram: Diagram, known: set[str], params: Mapping[str, ArrayLike], dt: float) -> int:
+    """Return how many rows late a wrong mode may show: behind dead times, and lags that an effect has put in."""
+    dead = 0.0
+    for block in diagram.blocks:
+        if block.dead_time_param:
+            dead += float(np.max(params.get(f"{block.name}.{block.dead_time_param}", block.dead_time)))
+    added = [b for b in diagram.blocks if b.name not in known and not sticking(b)]
+    lags = any(b.state_names and not b.role.drives for b in added)
+    return min(LATEST, math.ceil(dead / dt) + (OF_LAG if lags else 0))

@@ -89,7 +89,7 @@ class Problem:
         ``logs``: one a run in place of the record's.
         """
         ready = self.begun(diagram)
-        branches = branches_of(diagram, self.quiet, self.record, self.floor) if self.modes else None
+        branches = branches_of(diagram, self.quiet, self.record, self.floor, params) if self.modes else None
         found, kept = branched(ready, record or self.record, params, logs=logs, branches=branches)
         e = self.floor.innovations(found)
         if self.floor.coloured and logs is None and self.record.filter is None:  # what it drives is logged there

@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not tell apart
 ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
-BOTH = 0.03  # share of the gap that two effects explain beyond what one must
+BOTH = 0.03  # share of the gap that two effects explain beyond what one must, where none of them is a stem
 LISTED = 12  # explanations in the ranking
 
 
@@ -132,9 +132,12 @@ def named_pair(
         _kind(problem, "pair"), problem.score - problem.level, share(problem, pair.second), fits[0].total - pair.total
     )
     sure = problem.sureness.probability(rests)
+    whole = scored_alone(pair.second) <= problem.limit + needed(problem)
+    found = [found_sizes(fit) for fit in both]
+    creeping = [not whole and creeps(fit.effect, its) for fit, its in zip(both, found, strict=True)]
+    found = [least_sizes(fit.effect, its) if yes else its for fit, its, yes in zip(both, found, creeping, strict=True)]
     causes = tuple(
-        Cause(fit.effect.name, fit.place, sure, other, found_sizes(fit))
-        for fit, other in zip(both, others, strict=True)
+        Cause(fit.effect.name, fit.place, sure, other, its) for fit, other, its in zip(both, others, found, strict=True)
     )
     places = tuple(dict.fromkeys(fit.place for also in same for fit in also))
     explained = shares(fits, problem.score, problem.level)
@@ -145,6 +148,8 @@ def named_pair(
         + (f" (or {listed(cause.ambiguous_with)})." if cause.ambiguous_with else ".")
         for cause in causes
     ]
+    for fit, its, yes in zip(both, found, creeping, strict=True):
+        words += about_creep(fit.effect, its, yes) if yes else []
     words.append(f"Together they explain {100.0 * share(problem, pair.second):.1f} % of the gap" + _shrunk(shrunk))
     words += disturbance_only(problem, rival, pair.total)
     where = Where(both[0].place, sure, places, {name: explained.get(name, 0.0) for name in places})
@@ -212,7 +217,7 @@ def adequate_pair(problem: Problem, pair: Pair, best: Fit) -> bool:
         return False
     left = scored_alone(pair.second)
     hidden = pair.first.effect.hidden or pair.second.effect.hidden
-    enough = (EXPLAINED_HIDDEN if hidden else EXPLAINED) + BOTH
+    enough = EXPLAINED_HIDDEN if hidden else EXPLAINED + BOTH
     return left <= problem.limit + needed(problem) or (
         share(problem, pair.second) >= enough and share(problem, best) < EXPLAINED
     )

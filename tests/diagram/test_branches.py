@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from blocks import PI, FirstOrder, Noise, QuasiStaticStem, Sensor, Staircase, StickSlip, Sum
+from blocks import PI, DeadTime, FirstOrder, Noise, QuasiStaticStem, Sensor, Staircase, StickSlip, Sum
 from diagram import WiringError, simulate, wire
 from diagram.branches import Branches
 from diagram.pins import pinned, replay, residuals
@@ -16,24 +16,28 @@ ONE_STEP = 1e-5  # of OP: the one-step error of the controller without a gap is 
 FITTING = Branches("valve", changes={"OP": ONE_STEP})
 
 
-def sticky_loop(noisy, valve=None):
-    """Return a flow loop with a sticky stem: S = 6 %, J = 2 %, noise on the measurement held between samples."""
+def sticky_loop(noisy, valve=None, behind=None):
+    """Return a flow loop with a sticky stem: S = 6 %, J = 2 %, noise on the measurement held between samples.
+
+    ``behind``: a block between stem and process.
+    """
     noise = [Noise("D", sd=0.004, dt=1.0), Sum("seen", {"PV": 1.0, "D": 1.0})] if noisy else []
     return wire(
         [
             Staircase("SP", LEVELS, dwell=300.0),
             PI(0.4, 10.0, inputs={"PV": "PV_m"}, start_op=0.1),
             valve or QuasiStaticStem(0.06, 0.02),
-            FirstOrder(3.0, 10.0, start=0.3),
+            *([behind] if behind else []),
+            FirstOrder(3.0, 10.0, start=0.3, inputs="late" if behind else "MV"),
             *noise,
             Sensor(inputs="seen" if noisy else "PV", outputs="PV_m"),
         ]
     )
 
 
-def window(valve=None, t0=200.0):
+def window(valve=None, t0=200.0, behind=None):
     """Return the log of a loop from ``t0`` on, the truth there, and the start of a model with the right stem."""
-    truth = simulate(sticky_loop(True, valve), 1200.0, every=1.0)
+    truth = simulate(sticky_loop(True, valve, behind), 1200.0, every=1.0)
     log = truth.log.between(t0, 1200.0)
     start = {"process.PV": log["PV"][0], "controller.z": log["OP"][0] - 0.4 * (log["SP"][0] - log["PV_m"][0])}
     return Log(t=log.t, signals={s: log[s] for s in ("OP", "PV_m")}), log, {k: float(v) for k, v in start.items()}
@@ -54,6 +58,28 @@ def test_a_stem_unknown_at_the_start_is_found(off):
 
     assert wrong(FITTING) < 0.6 * wrong(None)
     assert wrong(replace(FITTING, patience=4)) < wrong(None)  # later than without patience, sooner than without modes
+
+
+def test_what_shows_late_is_undone_where_it_began():
+    """A stem that sticks once where the model's slides: rows later that shows, and one mode of the past explains it."""
+    behind = DeadTime(1.6, inputs="MV", outputs="late", start=0.1)
+    loop = sticky_loop(True, behind=behind)
+    sliding = (t for t in range(302, 330) if simulate(loop, float(t), every=1.0).final["valve"].d0[0] in (1.0, -1.0))
+    t1 = next(sliding)
+    begin = simulate(loop, float(t1), every=1.0)
+    stuck = {"valve.mode": 0.0, "valve.x": float(begin.log["MV"][-1])}
+    rest = simulate(begin.final.starting_at(stuck), 300.0, t0=float(t1), every=1.0)
+    t = np.concatenate([begin.log.t, rest.log.t[1:]])
+    seen, MV = (
+        {s: np.concatenate([begin.log[s], rest.log[s][1:]]) for s in names} for names in (("OP", "PV_m"), ("MV",))
+    )
+    wrong = []
+    for back in (0, 3):
+        run = replay(sticky_loop(False, behind=behind), Log(t, seen), branches=replace(FITTING, back=back))
+        assert run.ok and len(run.log.t) == len(t)
+        wrong.append(int((np.abs(run.log["MV"] - MV["MV"]) > 1e-6).sum()))
+    assert wrong[1] <= 2 < 10 < wrong[0]
+    assert (run.taken[0].t, run.taken[0].mode) == (float(t1), "stuck")
 
 
 def test_with_patience_fewer_samples_are_tried_where_no_mode_helps():
@@ -114,6 +140,7 @@ def test_rows_and_events_of_branches_that_were_not_kept_leave_no_trace():
         (Branches("valve", changes={"OP": 0.0}), "limits are positive"),
         (Branches("valve", changes={"OP": 1e-5}, share=1.5), "share = 1.5"),
         (Branches("valve", changes={"OP": 1e-5}, patience=0), "patience = 0"),
+        (Branches("valve", changes={"OP": 1e-5}, back=-1), "back = -1"),
     ],
 )
 def test_misuse_is_explained(given, words):

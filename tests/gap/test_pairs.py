@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.gap.generator import record
 from cases.models import ideal_flow
 from gap import diagnose
 from gap.diagnosis import prepared
@@ -12,6 +13,7 @@ from gap.explanations.proposals import proposed
 from gap.fits.search import near_neutral
 from gap.fits.together import together
 from gap.records.offsets import held
+from logs import Log
 
 NAMES = ("dead_time", "second_lag", "process_gain", "controller_gain", "sensor_bias", "process_time_constant")
 FEW = [effect(name) for name in NAMES]
@@ -65,3 +67,14 @@ def test_an_effect_that_is_not_there_is_no_replay(log):
     (slow,) = candidates(problem, problem.quiet, [effect("valve_rate_limit")])
     assert slow.tried([{}]) == []  # a rate without limit has no block that could be run
     assert len(slow.tried([{"rate": 5.0}])) == 1
+
+
+def test_beside_a_load_a_lag_is_any_of_its_class():
+    # analytic: a lag behind the feed moves the phase of what enters there, one before it does not
+    lags = {"positioner_lag", "second_lag", "sensor_lag"}
+    made = record("ideal", ("second_lag", "sine_disturbance"), "typical", 9100)
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    known = [effect(name) for name in (*sorted(lags), "sine_disturbance", "dead_time")]
+    causes = diagnose(ideal_flow(), log, catalogue=known, limits=False, progress=False).causes
+    sets = [{cause.effect, *cause.ambiguous_with} for cause in causes]
+    assert {"sine_disturbance"} in sets and lags in sets

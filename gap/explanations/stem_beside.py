@@ -1,0 +1,80 @@
+"""A stem that sticks beside another effect: both are fitted at once, since what one is alone makes up for the other.
+
+1. A grid over the stem's sizes, each judged by what slopes of the other effect leave of it, on the first part.
+2. From the best troughs steps along the slopes of both, with wrong modes set right, then patterns of the stem's sizes.
+3. Steps along the slopes of both on the whole record.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from gap.explanations.candidates import candidates, price
+from gap.explanations.joint import apart, improved, in_turn, stepped
+from gap.explanations.pair import Pair
+from gap.fits.hidden import Lines, first_part_of, glimpsed, glimpsed_beside
+from gap.fits.inserting import inserted
+from gap.fits.search import Candidate, Fit, best_of, slopes
+from gap.fits.together import marked, together
+from gap.floors.problem import Problem
+from gap.insertion.effect import Effect
+
+HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
+HARDLY = 0.05  # of what one effect leaves: where another than a stem leaves no more, none is looked for
+TROUGHS, ROUNDS = 4, 4  # that are followed, and steps in each
+WIDTHS = (0.15, 0.07)  # of patterns on the first part, relative to a size
+
+
+def stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Sequence[Effect]) -> Pair | None:
+    """Return an effect with a hidden mode beside another, the simplest that is worth it; None if none is.
+
+    It is looked for on the first part of the record, and followed where it does better than ``second``.
+    """
+    base = inserted(problem.quiet, first)
+    legal = [one for one in candidates(problem, base, catalogue) if one.effect and one.effect.hidden]
+    least = min(first.F, second.F if second else first.F)
+    left = max(first.F - problem.level, 0.0)
+    if least - problem.level < HARDLY * left:
+        return None
+    best: Pair | None = None
+    for candidate in sorted(legal, key=lambda one: len(one.own)):
+        pair = _both(problem, first, candidate)
+        if pair is not None and least - HOPE * left > pair.second.F:
+            pair = improved(problem, pair)
+            if best is None or pair.total < best.total:
+                best = pair
+            least = min(least, pair.second.F)
+    return best
+
+
+def _both(problem: Problem, first: Fit, stem: Candidate) -> Pair | None:
+    """Return a first look at a stem beside another effect, on the whole record."""
+    own = Candidate(problem, problem.quiet, first.effect, first.place)
+
+    def lines(head: Problem) -> Lines:
+        (there,) = replace(own, problem=head).tried([first.values])
+        J, names = slopes(there)
+        at = np.array([first.values[name] for name in names])
+        low, high = np.array([own.bounds[name] for name in names]).reshape(-1, 2).T
+        return J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0)
+
+    (there,) = own.tried([first.values])
+    names = slopes(there)[1]
+    starts = []
+    for sizes, d in glimpsed_beside(stem, lines)[:TROUGHS] if names else []:
+        moved = {name: first.values[name] + float(change) for name, change in zip(names, d, strict=True)}
+        starts.append({**marked({**first.values, **moved}, "1."), **marked(sizes, "2.")})
+    head = first_part_of(problem, modes=True)
+    both = together(replace(own, problem=head), replace(stem, problem=head, base=problem.quiet))
+    if both is None or not starts:
+        fit = glimpsed(stem)
+        return None if fit is None else Pair(first, replace(fit, price=price(fit)))
+    found = best_of([stepped(fit, ROUNDS) for fit in both.tried(starts)])
+    return None if found is None else _on(problem, in_turn(found, WIDTHS))
+
+
+def _on(problem: Problem, both: Fit) -> Pair | None:
+    """Return a pair with the sizes of a joint fit, on the whole record."""
+    there = best_of(replace(both.candidate, problem=problem).tried([both.values]))
+    return None if there is None else apart(problem, there)

@@ -1,0 +1,35 @@
+"""A stem that sticks, or plays, beside another effect: both are named, and which of the two the stem is."""
+
+import pytest
+
+from benchmarks.gap.generator import record
+from cases.models import ideal_flow
+from gap import diagnose
+from gap.effects import effect
+from logs import Log
+
+
+def named(effects, seed, catalogue):
+    """Return the causes of a typical tuning record of another program, by name."""
+    made = record("ideal", effects, "typical", seed)
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    known = [effect(name) for name in catalogue]
+    report = diagnose(ideal_flow(), log, catalogue=known, limits=False, progress=False)
+    return {cause.effect: cause for cause in report.causes}, made
+
+
+@pytest.mark.parametrize(("stem", "seed"), [("stiction", 9100), ("deadband", 9101)])
+def test_more_noise_is_seen_beside_a_stem_that_is_good_enough_alone(stem, seed):
+    # the stem of seed 9100 creeps (LuGre's law): alone, and with more noise, it leaves what no play would
+    causes, made = named((stem, "sensor_noise"), seed, ("stiction", "deadband", "sensor_noise", "process_gain"))
+    assert set(causes) == {stem, "sensor_noise"}
+    true = made.effects["sensor_noise"]["factor"]
+    assert causes["sensor_noise"].parameters["factor"].value == pytest.approx(true, rel=0.05)
+
+
+def test_a_stem_that_creeps_beside_another_effect_is_no_play():
+    causes, made = named(("stiction", "controller_gain"), 9100, ("stiction", "deadband", "controller_gain"))
+    assert set(causes) == {"stiction", "controller_gain"}
+    S, J = (made.effects["stiction"][key] for key in ("S", "J"))
+    sizes = causes["stiction"].parameters
+    assert sizes["S"].low <= S <= sizes["S"].high and sizes["J"].low <= J <= sizes["J"].high
