@@ -33,6 +33,7 @@ from engine.layout import (
     N_SAMPLED,
     N_STATES,
     N_TIMES,
+    NEXT_ROW,
     O_F,
     O_G,
     O_G0,
@@ -102,11 +103,12 @@ def advance(ints, floats, buffer, grid, rows, t_end, last):  # type: ignore[no-u
         if W[STEP] <= 0.0:
             W[STEP] = first_step(I, W) if n > 0 else np.inf
         t, left = W[T], W[T_STOP] - W[T]
+        W[NEXT_ROW] = times[I[ROW]] if I[ROW] < I[N_TIMES] else np.inf
         h, limited = step(I, W)
         if h <= 0.0:
             return STEP_TOO_SMALL if h == 0.0 else NOT_FINITE
         t_new = W[T_STOP] if h == left else t + h
-        dense = I[N_EVENTS] > 0 or I[HAS_DELAYS] or (I[ROW] < I[N_TIMES] and times[I[ROW]] < t_new)
+        dense = I[N_EVENTS] > 0 or I[HAS_DELAYS] or W[NEXT_ROW] < t_new
         if dense:
             prepare_dense(I, W, t, h)
         crossing = 2.0

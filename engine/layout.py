@@ -186,7 +186,8 @@ T_STOP = 4  # next instant the integrator must not step over
 MAX_STEP = 5
 T_LEFT = 6  # latest time at which kernels may be evaluated in this step (left limit of T_STOP)
 SEEN = 7  # samples up to this time were taken before the run began (when it continues another)
-HF = 8
+NEXT_ROW = 8  # time of the first log row not yet written
+HF = 9
 
 # --- delay record ---------------------------------------------------------------------------------------
 D_T = 0  # start of the step
