@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose"]
 
 SCHEMA = "stickslip.check/2"
+UNSURE = (0.2, 0.85)  # probabilities between which simulation and model together tell more (docs/methods.md)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +77,12 @@ class Diagnosis:
     performance: Harris | None = None
     period: float | None = None
     amplitude: float | None = None
+
+    @property
+    def unsure(self) -> bool:
+        """Whether the calibrated model is so unsure that loops simulated like the record tell more."""
+        p = self.probability
+        return self.verdict != "no_stiction" and p is not None and UNSURE[0] <= p <= UNSURE[1]
 
     def to_dict(self) -> dict[str, Any]:
         """The answer as plain values that JSON can hold, schema "stickslip.check/2"."""

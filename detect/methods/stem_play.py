@@ -53,7 +53,7 @@ Values = npt.NDArray[np.float64]
 CREEPS, JUMPS = 0.03, 2.0  # of MV's range: a stem that gives so much before it breaks away stands; of that, its jumps
 LATEST, TURN_LATE = 3, 6.0  # samples that the stem may be late, at most, and over the samples from turn to turn of OP
 STOOD = 0.5  # share of the samples that such a stem must stand: one that lags behind OP keeps still where OP turns
-EACH = 0.2  # of the turns of OP: so many must turn the stem
+EACH = 0.2  # of the turns of OP: so many must turn the stem, unless they agree
 SLIP = 4  # samples that a slip may last
 PACED = 0.75  # of what OP moves in the sample in which the stem goes: smaller jumps are not told from that
 NAME = "stem_play"
@@ -309,7 +309,7 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise: float, p: Params) -> tuple[Word, str]:
     m, of = len(f.S_each), "% of OP"
     same = m >= p.agreeing and float(np.ptp(f.S_each)) <= p.agreement * f.S[0]
-    needed = max(p.agreeing if same else p.reversals, math.ceil(EACH * turned))
+    needed = p.agreeing if same else max(p.reversals, math.ceil(EACH * turned))
     least = max(p.slip, noise)  # a stand ends where MV leaves the noise, which alone makes a small jump
     if m:  # when the stem left is known to within a sample, in an even cycle always with the same error
         least = max(least, unit * f.step)

@@ -33,10 +33,14 @@ def stem_noise(t: Values, u: Values, mv: Values) -> float:
 
 
 def rounding(x: Values) -> float:
-    """The least difference between two values of x (n,), in its unit: its step, if it is rounded.
+    """The step of x (n,), in its unit, if it is rounded: all values are multiples of it; else 0.
 
-    >>> float(rounding(np.array([1.0, 2.5, 1.0, 2.0])))
-    0.5
+    A stem that slips by the same jump each time stands at few places, too, but these are no multiples of the jump.
+
+    >>> x = np.array([1.0, 2.5, 1.0, 2.0])
+    >>> float(rounding(x)), float(rounding(x + 0.2))
+    (0.5, 0.0)
     """
     apart = np.diff(np.unique(x))
-    return float(np.min(apart[apart > 1e-9 * np.ptp(x)], initial=math.inf)) if np.ptp(x) > 0.0 else 0.0
+    step = float(np.min(apart[apart > 1e-9 * np.ptp(x)], initial=math.inf)) if np.ptp(x) > 0.0 else 0.0
+    return step if step > 0.0 and bool(np.all(np.abs(x / step - np.round(x / step)) < 0.01)) else 0.0

@@ -12,9 +12,9 @@ from stickslip.standard_input import with_standard_input
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
+    from calibration import AtRecord
     from detect import Diagnosis, Method
 
-UNSURE = (0.2, 0.85)  # probabilities between which simulation and model together tell more (docs/methods.md)
 MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 
 
@@ -41,7 +41,7 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 )
 @click.option(
     "--simulate/--no-simulate", default=None,
-    help="Compare with 2,000 loops simulated like this record, about 10 s; by default where the verdict is unsure.",
+    help="Compare with 2,000 loops simulated like this record, about 6 s; by default where the model is unsure.",
 )  # fmt: skip
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @json_option
@@ -100,8 +100,14 @@ def _check(
     diagnosis = diagnosed(loop)
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
     say = Speaker(json_file)
+    asked = simulate or (simulate is None and diagnosis.unsure)
+    found = _simulated(diagnosis) if asked else ""
+    if not isinstance(found, str):
+        from calibration import second_look
+
+        diagnosis = second_look(diagnosis, found)
     _tell(say, diagnosis)
-    beside = _beside(say, diagnosis) if simulate or (simulate is None and _unsure(diagnosis)) else {}
+    beside = _beside(say, diagnosis, found) if asked else {}
     if html is not None:
         from stickslip.commands.loop_page import loop_page
 
@@ -123,31 +129,31 @@ def _methods(own: tuple[str, ...]) -> "list[Method]":
     return [method_named(given) for given in own]
 
 
-def _unsure(diagnosis: "Diagnosis") -> bool:
-    """Return whether the calibrated model leaves it open, so that simulation tells more; the stem needs none."""
-    p = diagnosis.probability
-    return diagnosis.verdict == "inconclusive" and p is not None and UNSURE[0] <= p <= UNSURE[1]
-
-
-def _beside(say: Speaker, diagnosis: "Diagnosis") -> dict[str, Any]:
-    """Simulate under the record's conditions, print what that says, and return what JSON holds of it.
-
-    The verdict stays the calibrated one; the detection limit becomes that of this very record, and the probability of
-    both together stands beside.
-    """
+def _simulated(diagnosis: "Diagnosis") -> "AtRecord | str":
+    """Return what loops simulated under the record's conditions say, or why there are none."""
     from calibration import at_record
-    from calibration.by_simulation import LOOPS, together
-    from detect.chances import chance
+    from calibration.by_simulation import LOOPS
 
     if diagnosis.probability is None:
-        say("Simulation: not asked, because the calibrated model was not asked either.")
-        return {"simulation": None}
+        return "not asked, because the calibrated model was not asked either"
     if sys.stderr.isatty():
-        click.echo(f"Simulating {LOOPS} loops like this record: some 10 s on two idle cores ...", err=True)
+        click.echo(f"Simulating {LOOPS} loops like this record: some 6 s on two idle cores ...", err=True)
     try:
-        found = at_record(diagnosis.record)
+        return at_record(diagnosis.record)
     except ValueError as error:
-        say.paragraph(f"Simulation: not applicable, because {error}.")
+        return f"not applicable, because {error}"
+
+
+def _beside(say: Speaker, diagnosis: "Diagnosis", found: "AtRecord | str") -> dict[str, Any]:
+    """Print what simulation says, and return what JSON holds of it.
+
+    The detection limit becomes that of this very record, and the probability of both together stands beside.
+    """
+    from calibration.by_simulation import together
+    from detect.chances import chance
+
+    if isinstance(found, str) or diagnosis.probability is None:
+        say.paragraph(f"Simulation: {found}.")
         return {"simulation": None}
     both = together(diagnosis.probability, found.probability)
     for sentence in found.sentences:

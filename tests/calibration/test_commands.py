@@ -18,7 +18,7 @@ def small(monkeypatch, tmp_path, here):
     for place in ("records", "patterns"):
         monkeypatch.setattr(f"calibration.{place}.PART", LOOPS)
     monkeypatch.setattr("calibration.patterns.COUNT", {"odd": 21, "even": 14})
-    monkeypatch.setattr("calibration.records.ProcessPoolExecutor", here)
+    monkeypatch.setattr("calibration.records.processes", here)
     monkeypatch.setattr(patterns, "FILE", tmp_path / "patterns.npz")
     patterns.shipped.cache_clear()
     yield tmp_path

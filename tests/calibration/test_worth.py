@@ -32,7 +32,7 @@ def test_features_are_kept_part_by_part(tmp_path, monkeypatch, here) -> None:
         "calibration.records._made",
         lambda folder, setting, seed, kinds: table(simulate(draw(4, seed, setting, kinds=kinds))),
     )
-    monkeypatch.setattr("calibration.records.ProcessPoolExecutor", here)
+    monkeypatch.setattr("calibration.records.processes", here)
     two = kept_table(tmp_path, "training", 5, 2)
     parts = sorted((tmp_path / "training_5" / "parts").iterdir())
     assert len(two) == 8 and [part.stem for part in parts] == ["000000000", "000000004"]

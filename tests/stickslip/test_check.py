@@ -203,14 +203,19 @@ def test_an_unsure_record_is_simulated_by_default(call, exports, monkeypatch, op
         assert told["together"] == pytest.approx(together(0.6, told["probability"]))
 
 
-@pytest.mark.parametrize("verdict, p", [("stiction", 0.95), ("inconclusive", 0.1), ("inconclusive", None)])
+@pytest.mark.parametrize(
+    "verdict, p", [("stiction", 0.95), ("inconclusive", 0.1), ("inconclusive", None), ("no_stiction", 0.3)]
+)
 def test_a_record_that_needs_no_simulation_is_not_simulated(verdict, p):
     from types import SimpleNamespace
 
-    from stickslip.commands.check import _unsure
+    from detect import Diagnosis
 
-    assert not _unsure(SimpleNamespace(verdict=verdict, probability=p))
-    assert _unsure(SimpleNamespace(verdict="inconclusive", probability=0.5))
+    def unsure(verdict, p):
+        return Diagnosis.unsure.fget(SimpleNamespace(verdict=verdict, probability=p))
+
+    assert not unsure(verdict, p)
+    assert unsure("inconclusive", 0.5) and unsure("stiction", 0.8)
 
 
 def test_simulate_of_a_record_that_shows_nothing_is_not_applicable(call, tmp_path):

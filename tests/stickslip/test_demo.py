@@ -43,5 +43,6 @@ def test_with_real_loops(call, tmp_path, real_data):
     real = [loop for loop in answer["loops"] if "a real loop" in loop["title"]]
     assert len(real) == 2
     wrong = [loop["title"] for loop in answer["loops"] if loop["score"] == "WRONG"]
-    # snapshot: PAP9 is called sticky at 84 % by a model that was chosen by simulation (docs/verdict.md)
-    assert len(wrong) == 1 and "PAP9" in wrong[0]
+    assert not wrong
+    # snapshot: the model calls PAP9 sticky at 84 %, and loops simulated like it do not bear that out (docs/verdict.md)
+    assert next(loop for loop in real if "PAP9" in loop["title"])["verdict"] == "inconclusive"

@@ -3,7 +3,9 @@
 import csv
 import json
 
-KNOWN = {"PAP9"}  # called sticky at 84 %, labelled no stiction: the model was chosen by simulation (docs/verdict.md)
+# By the model alone called sticky at 84 %, labelled no stiction (docs/verdict.md): of loops simulated like it 23 % of those
+# most like it stick, so that the second look leaves it open.
+KNOWN = {"PAP9"}
 
 
 def test_every_file(call, real_data):
@@ -22,3 +24,15 @@ def test_every_file(call, real_data):
         assert (answer["verdict"] == wrong) == (row["loop"] in KNOWN), row["loop"]
         for method in answer["methods"]:
             assert method["reason"] and (method["index"] is not None or method["verdict"] != "stiction")
+
+
+def test_what_the_model_alone_calls_wrongly_is_left_open_by_the_second_look(call, real_data):
+    with open(real_data / "loops.csv", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["loop"] in KNOWN]
+    assert len(rows) == len(KNOWN)
+    for row in rows:
+        result = call("check", real_data / row["file"], "--json", "-")
+        answer = json.loads(result.stdout)
+        assert result.exit_code == 0 and answer["verdict"] == "inconclusive" and answer["amount"] is None
+        assert "simulated under the conditions of this record" in answer["reason"]
+        assert answer["simulation"]["together"] < 0.7
