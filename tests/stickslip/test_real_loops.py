@@ -3,8 +3,8 @@
 import csv
 import json
 
-# By the model alone called sticky at 84 %, labelled no stiction (docs/verdict.md): of loops simulated like it 23 % of those
-# most like it stick, so that the second look leaves it open.
+# By the model alone called sticky at 84 %, labelled no stiction (docs/verdict.md); of the loops nearest to it
+# 23 % stick, so that the second look leaves it open.
 KNOWN = {"PAP9"}
 
 
