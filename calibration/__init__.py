@@ -6,9 +6,9 @@ at_record  simulates under the conditions of one record, and says what that tell
 second_look  leaves an accusation open of which the calibrated model is not sure and which simulation does not bear out
 """
 
+from calibration.accusations import second_look
 from calibration.by_simulation import AtRecord, at_record
 from calibration.drawing import draw
-from calibration.second_look import second_look
 from calibration.simulation import simulate
 from calibration.spec import CAUSES, LoopSpec, Truth
 
