@@ -119,7 +119,7 @@ def test_alike_reasons_are_counted_together_and_old_pictures_go(call, tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_ctrl_c_keeps_what_is_finished_and_the_same_command_goes_on(tmp_path, call):
-    arguments = ["study", "ideal_integrating", "--vary", "valve.F_s=1750:2250:12000", "--out", str(tmp_path)]
+    arguments = ["study", "ideal_integrating", "--vary", "valve.F_s=1750:2250:40000", "--out", str(tmp_path)]
     arguments += ["--duration", "1000", "--every", "1", "--workers", "1"]
     process = subprocess.Popen(
         [sys.executable, "-m", "stickslip", *arguments], cwd=ROOT, stderr=subprocess.PIPE, stdout=subprocess.PIPE
