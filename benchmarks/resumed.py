@@ -3,7 +3,8 @@
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -18,7 +19,16 @@ class Keyed(Protocol):
         """The name."""
 
 
+class Kinded(Keyed, Protocol):
+    """What has a name of its own and is one of a kind."""
+
+    @property
+    def kind(self) -> Hashable:
+        """What it counts among."""
+
+
 R = TypeVar("R", bound=Keyed)
+K = TypeVar("K", bound=Kinded)
 HERE = Path(__file__).parents[1]
 
 
@@ -36,10 +46,43 @@ def code_of(*places: str) -> str:
     return digest.hexdigest()[:12]
 
 
-def resumed(runs: Sequence[R], made: Callable[[R], Row], file: Path, seconds: float) -> Iterator[Row]:
-    """Yield what each run came to: those in the file first made earlier, then new ones until ``seconds`` [s] are up."""
+def in_turn(runs: Sequence[K]) -> list[K]:
+    """Return the runs in an order of which every beginning holds each kind by its share, so that it may stop anywhere.
+
+    Which of a kind comes first is told by a digest of its key: always the same, and of no effect in particular.
+    """
+    of, before = Counter(run.kind for run in runs), Counter[Hashable]()
+    place = {}
+    for digest, run in sorted(((_digest(run.key), run) for run in runs), key=lambda one: one[0]):
+        place[run.key] = ((before[run.kind] + 0.5) / of[run.kind], digest)
+        before[run.kind] += 1
+    return sorted(runs, key=lambda run: place[run.key])
+
+
+def _digest(key: str) -> str:
+    return hashlib.sha256(key.encode()).hexdigest()
+
+
+def part_file(folder: Path, name: str, part: tuple[int, int]) -> Path:
+    """Return the file of rows of one part, (k, of) from 1 on; (0, 0) is the whole.
+
+    >>> part_file(Path("rows"), "plant", (2, 3)).name, part_file(Path("rows"), "plant", (0, 0)).name
+    ('plant_2_of_3.jsonl', 'plant.jsonl')
+    """
+    k, of = part
+    return folder / (f"{name}_{k}_of_{of}.jsonl" if of else f"{name}.jsonl")
+
+
+def resumed(
+    runs: Sequence[R], made: Callable[[R], Row], file: Path, seconds: float, also: Iterable[Path] = ()
+) -> Iterator[Row]:
+    """Yield what each run came to: those in the file made earlier, new ones until ``seconds`` [s] are up.
+
+    ``also``: files of rows that other processes made.
+    """
     file.parent.mkdir(parents=True, exist_ok=True)
-    done = {row["key"]: row for row in map(json.loads, file.read_text().splitlines())} if file.exists() else {}
+    earlier = [one for one in (*also, file) if one.exists()]
+    done = {row["key"]: row for one in earlier for row in map(json.loads, one.read_text().splitlines())}
     until = time.monotonic() + seconds
     for run in runs:
         if run.key in done:

@@ -1,6 +1,9 @@
 """How well the gap between a model and a log is diagnosed, on records of a program that shares no code with it.
 
-Resumable: each diagnosis is one line of a file in ``--folder``; what is there is not made again.
+Resumable: each diagnosis is one line of a file in ``--folder``; what is there is not made again.  Records come in an
+order of which every beginning holds each kind by its share.  ``--part 1/2`` and ``--part 2/2`` make every other record,
+for two processes at once; without ``--part`` all rows in the folder are read.  ``--bare`` leaves out the two baselines
+that refit and the oracle of what shows: then no record is left out but one that leaves no trace.
 """
 
 import argparse
@@ -23,7 +26,7 @@ from benchmarks.gap.runs import VISIBLE, Run, benchmark
 from benchmarks.gap.scoring import judged, scatter, share, wilson
 from benchmarks.gap.visible import traced, visible
 from benchmarks.report import Figures, publish
-from benchmarks.resumed import resumed
+from benchmarks.resumed import in_turn, part_file, resumed
 
 NOTES = {
     "place": "place right up to its class, ideal flow loop, typical and gross (required: at least 0.97)",
@@ -73,28 +76,33 @@ NOTES = {
 }
 
 
-def rows(runs: Sequence[Run], folder: Path, seconds: float) -> Iterator[dict[str, Any]]:
+def rows(
+    runs: Sequence[Run], folder: Path, seconds: float, part: tuple[int, int] = (0, 0), bare: bool = False
+) -> Iterator[dict[str, Any]]:
     """Return what each run came to, those made earlier and kept in the folder among them."""
     first: set[str] = set()
-    return map(restated, resumed(runs, lambda run: _row(run, first), folder / "diagnoses.jsonl", seconds))
+    also = sorted(folder.glob("diagnoses*.jsonl"))
+    made = resumed(runs, lambda run: _row(run, first, bare), part_file(folder, "diagnoses", part), seconds, also)
+    return map(restated, made)
 
 
-def _row(run: Run, first: set[str]) -> dict[str, Any]:
+def _row(run: Run, first: set[str], bare: bool) -> dict[str, Any]:
     from gap import diagnose
     from logs import Log
 
     record = run.made()
     signals = {s: v for s, v in record.signals.items() if s != "time" and (run.mv or s != "MV")}
-    begin = time.perf_counter()
+    begin, used = time.perf_counter(), time.process_time()
     found = diagnose(model(run.setting), Log(record.signals["time"], signals), limits=False, progress=False)
-    seconds = time.perf_counter() - begin
+    seconds, cpu = time.perf_counter() - begin, time.process_time() - used
     report = found.to_dict()
     truth = {"gap": record.gap, "effects": {k: dict(v) for k, v in record.effects.items()}}
     row = judged(run, truth, report, seconds) | free_run_place(record)
-    if run.setting == "ideal" and len(run.effects) == 1:
+    if run.setting == "ideal" and len(run.effects) == 1 and not bare:
         row |= shrinkages(model(run.setting), Log(record.signals["time"], signals))
     row |= {"oracle": possible(model(run.setting), Log(record.signals["time"], signals), truth["effects"])}
-    row |= {"evidence": found.evidence and asdict(found.evidence)} | traced(record, row)
+    row |= {"evidence": found.evidence and asdict(found.evidence), "cpu": cpu}
+    row |= {} if bare else traced(record, row)
     row |= {"setting": run.setting, "severity": run.severity, "mv": run.mv, "effects": list(run.effects),
             "outside": run.outside, "first": run.setting not in first, "family": run.family}  # fmt: skip
     first.add(run.setting)
@@ -196,6 +204,13 @@ def _quantile(values: Sequence[float] | NDArray[np.float64], q: float) -> float 
     return float(np.quantile(values, q)) if len(values) else None
 
 
+def _part(text: str) -> tuple[int, int]:
+    k, _, of = text.partition("/")
+    if not (k.isdigit() and of.isdigit() and 1 <= int(k) <= int(of)):
+        raise argparse.ArgumentTypeError(f"{text!r} is no part: give K/N with K from 1 to N, as in 1/2")
+    return int(k), int(of)
+
+
 def main() -> None:
     """Run the benchmark."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -208,14 +223,23 @@ def main() -> None:
         "--learn", action="store_true", help="print kind of answer -> (right, of), for gap/answers/sureness.py"
     )
     parser.add_argument("--only", default="", help="only runs whose key contains this")
+    parser.add_argument(
+        "--part", type=_part, default=(0, 0), metavar="K/N", help="only every N-th record, from the K-th on"
+    )
+    parser.add_argument(
+        "--bare", action="store_true", help="without the refitted baselines and the oracle of what shows"
+    )
     told = parser.parse_args()
-    runs = [run for run in benchmark(told.family) if told.only in run.key]
-    large = [run for run in plant_runs(told.family) if told.only in run.key]
+    runs = in_turn([run for run in benchmark(told.family) if told.only in run.key])
+    large = in_turn([run for run in plant_runs(told.family) if told.only in run.key])
     if told.quick:
-        runs, large = [run for run in runs if run.setting == "ideal" and run.severity == "typical"][::12][:6], []
+        runs, large = [run for run in runs if run.setting == "ideal" and run.severity == "typical"][:6], []
+    if told.part[1]:
+        runs, large = (some[told.part[0] - 1 :: told.part[1]] for some in (runs, large))
     until = time.monotonic() + 60.0 * told.minutes
-    found = list(rows(runs, told.folder, until - time.monotonic()))
-    plant = list(resumed(large, plant_row, told.folder / "plant.jsonl", until - time.monotonic()))
+    found = list(rows(runs, told.folder, until - time.monotonic(), told.part, told.bare))
+    file, also = part_file(told.folder, "plant", told.part), sorted(told.folder.glob("plant*.jsonl"))
+    plant = list(resumed(large, plant_row, file, until - time.monotonic(), also))
     if told.learn:
         from gap.answers.sureness import counted
 

@@ -19,7 +19,8 @@ from benchmarks.gap.settings import LOAD_TIME, SETTINGS, Setting
 from benchmarks.gap.severities import ACTS, OUTSIDE, SEVERITIES, Values, drawn
 
 Floats = NDArray[np.float64]
-FAMILIES = {"tuning": 1, "report": 2, "report_2": 3}  # report_2: records for a state whose authors have seen the report
+# report_2 and report_3: records for states whose authors have seen the reports before
+FAMILIES = {"tuning": 1, "report": 2, "report_2": 3, "report_3": 4}
 STEPS = 20  # a second, where all is smooth
 FINE = 100  # where something has memory
 FINE_ONES = {"stiction", "deadband", "valve_rate_limit", "quantisation", "dead_time"}

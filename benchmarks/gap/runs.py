@@ -69,6 +69,11 @@ class Run:
         logged = "mv" if self.mv else "no_mv"
         return "/".join([self.family, self.setting, what, self.severity.replace(" ", "_"), str(self.seed), logged])
 
+    @property
+    def kind(self) -> tuple[str | int | bool, ...]:
+        """What the run counts among: setting, how many effects, outside the catalogue or not, severity, MV or not."""
+        return (self.setting, len(self.effects), bool(self.outside), self.severity, self.mv)
+
     def made(self) -> Record:
         """Return the record, always the same one."""
         return record(self.setting, self.effects, self.severity, self.seed, family=self.family, outside=self.outside)
@@ -124,28 +129,56 @@ def pairs(family: str, setting: str, count: int) -> Iterator[Run]:
         yield Run(family, setting, known[k], seed=3000 + int(k))
 
 
+@dataclass(frozen=True)
+class Counts:
+    """How many seeds or records of each kind a family has."""
+
+    ideal: int
+    none: int
+    outside: int
+    pairs: int
+    with_mv: int
+    coarse: int
+    coarse_none: int
+    site: int
+    site_none: int
+    site_outside: int
+    general: int
+    general_none: int
+
+
+LARGE = Counts(4, 300, 7, 110, 3, 2, 40, 6, 100, 7, 2, 20)
+ASKED = Counts(2, 300, 7, 64, 1, 1, 20, 6, 100, 7, 1, 10)  # as many as are asked for, to be made in an evening
+COUNTS = {
+    "tuning": Counts(1, 60, 2, 20, 1, 1, 10, 1, 20, 2, 1, 5),
+    "report": LARGE,
+    "report_2": LARGE,
+    "report_3": ASKED,
+}
+
+
 def benchmark(family: str) -> tuple[Run, ...]:
-    """Return all runs of a family, "tuning", "report" or "report_2", in the order in which they are best made.
+    """Return all runs of a family, "tuning", "report" or a later report, kind by kind.
 
     >>> runs = benchmark("report")
     >>> len({run.key for run in runs}) == len(runs), sum(run.setting == "site" for run in runs)
     (True, 544)
     """
-    two, far = SEVERITIES[1:], family != "tuning"
+    two, of = SEVERITIES[1:], COUNTS[family]
     found = [
-        *singles(family, "ideal", SEVERITIES, 4 if far else 1),
-        *without(family, "ideal", 300 if far else 60),
-        *outside(family, "ideal", SEVERITIES, 7 if far else 2),
-        *pairs(family, "ideal", 110 if far else 20),
-        *singles(family, "ideal", two, 3 if far else 1, mv=True),
-        *singles(family, "coarse", two, 2 if far else 1),
-        *without(family, "coarse", 40 if far else 10),
-        *singles(family, "site", two, 6 if far else 1),
-        *without(family, "site", 100 if far else 20),
-        *outside(family, "site", two, 7 if far else 2),
+        *singles(family, "ideal", SEVERITIES, of.ideal),
+        *without(family, "ideal", of.none),
+        *outside(family, "ideal", SEVERITIES, of.outside),
+        *pairs(family, "ideal", of.pairs),
+        *singles(family, "ideal", two, of.with_mv, mv=True),
+        *singles(family, "coarse", two, of.coarse),
+        *without(family, "coarse", of.coarse_none),
+        *singles(family, "site", two, of.site),
+        *without(family, "site", of.site_none),
+        *outside(family, "site", two, of.site_outside),
     ]
-    if far:
+    if family != "tuning":
         found += outside(family, "site", SEVERITIES[:1], 1)
     for setting in ("second_order", "level", "cascade"):
-        found += [*singles(family, setting, ("typical",), 2 if far else 1), *without(family, setting, 20 if far else 5)]
+        found += [*singles(family, setting, ("typical",), of.general), *without(family, setting, of.general_none)]
     return tuple(found)

@@ -1,7 +1,13 @@
 """The list of records of the gap's benchmark: enough of each kind, and none of the report used for tuning."""
 
+from collections import Counter
+
+import pytest
+
+from benchmarks.gap.plant import runs as plant_runs
 from benchmarks.gap.runs import CLASSES, PLACES, alike, benchmark
 from benchmarks.gap.severities import IDEAL
+from benchmarks.resumed import in_turn
 from cases.models import ideal_flow
 from gap.effects import effect
 
@@ -15,8 +21,9 @@ def test_places_are_those_of_the_catalogue():
     )
 
 
-def test_there_are_enough_of_each_kind():
-    runs = benchmark("report")
+@pytest.mark.parametrize("family", ["report", "report_2", "report_3"])
+def test_there_are_enough_of_each_kind(family):
+    runs = benchmark(family)
 
     def count(setting, **what):
         return sum(run.setting == setting and all(getattr(run, k) == v for k, v in what.items()) for run in runs)
@@ -29,12 +36,20 @@ def test_there_are_enough_of_each_kind():
     assert sum(run.setting == "site" and run.outside != "" for run in runs) >= 100
 
 
+@pytest.mark.parametrize("runs", [benchmark("report_3"), tuple(plant_runs("report_3"))], ids=["loops", "plant"])
+def test_every_beginning_holds_each_kind_by_its_share(runs):
+    of, some = Counter(run.kind for run in runs), in_turn(runs)
+    assert sorted(run.key for run in some) == sorted(run.key for run in runs)
+    for end in range(1, len(some) + 1):
+        for kind, count in Counter(run.kind for run in some[:end]).items():  # analytic: half a place off per kind
+            assert abs(count - of[kind] * end / len(some)) <= 0.5 * len(of)
+
+
 def test_nothing_of_the_report_is_used_for_tuning():
     tuning, report = benchmark("tuning"), benchmark("report")
     assert len({run.key for run in (*tuning, *report)}) == len(tuning) + len(report)
-    assert len(benchmark("report_2")) == len(report) and not {run.key for run in benchmark("report_2")} & {
-        run.key for run in report
-    }
+    later = [run.key for family in ("report_2", "report_3") for run in benchmark(family)]
+    assert len({*later, *(run.key for run in report)}) == len(later) + len(report)
     assert not {run.outside for run in tuning if run.outside} & {run.outside for run in report}
     pairs = [{run.effects for run in family if len(run.effects) == 2} for family in (tuning, report)]
     assert len(pairs[0]) == 20 and len(pairs[1]) == 110
