@@ -35,6 +35,20 @@ def topologies() -> None:
     keep("own_map_plane", map_plane(find("own_map").run()))
 
 
+def latent() -> None:
+    """What is missing at a valve that sticks, as in ``docs/gap.md``."""
+    from blocks import Staircase
+    from cases.models import ideal_flow
+    from diagram import simulate
+    from gap import diagnose, latent_input
+    from gap.effects import effect
+
+    real = effect("stiction").insert(ideal_flow(rest=1.5), "valve", S=3.0, J=1.0)
+    set_point = Staircase("SP", [1.5, 1.65, 1.35, 1.5, 1.8, 1.2] * 2, dwell=600.0)
+    log = simulate(real, 7200.0, every=1.0, inputs={"SP": set_point}, signals=["SP", "PV", "OP"]).log
+    keep("latent_input", latent_input(diagnose(ideal_flow(), log), log).plot())
+
+
 def linear() -> None:
     """Poles, Bode plots and relative gains of set B, as in ``docs/linearise.md``."""
     from diagram.linear import linearise
@@ -72,5 +86,5 @@ def judged() -> None:
 
 
 if __name__ == "__main__":
-    for draw in (topologies, linear, spread, judged):
+    for draw in (topologies, linear, latent, spread, judged):
         draw()

@@ -2,6 +2,7 @@
 
 diagnose   a diagram and a log -> a ``GapReport``      Effect     what an effect is; ``gap.effects`` has them all
 calibrated a diagram and a log -> how often names are right there, counted on runs with known effects
+latent_input a report and its log -> what the model would need beside its inputs, and what that goes with
 
 The rooms, each of which uses those before it only; ``gap.diagnosis`` joins them:
 
@@ -20,5 +21,9 @@ from gap.calibrating.calibration import Calibration
 from gap.diagnosis import diagnose
 from gap.insertion.effect import Effect, EffectError, Parameter
 from gap.records.record import GapError
+from gap.telling.latent import LatentInput, latent_input
 
-__all__ = ["Calibration", "Effect", "EffectError", "GapError", "GapReport", "Parameter", "calibrated", "diagnose"]
+__all__ = [
+    "Calibration", "Effect", "EffectError", "GapError", "GapReport", "LatentInput", "Parameter", "calibrated",
+    "diagnose", "latent_input",
+]  # fmt: skip

@@ -119,7 +119,7 @@ def _suited(found: Floats, h: Floats) -> tuple[float, float, float, float]:
         E = np.fft.rfft(e - before @ c, axis=0) / math.sqrt(n)
         s = _spectrum(gain, np.abs((np.conj(H) * E).sum(axis=1)) ** 2, weight)
         both, columns = (_whitened(one, H, gain, s, n) for one in (E[..., None], U))
-        d = np.linalg.lstsq(columns.reshape(-1, len(c)), both.ravel(), rcond=1e-9)[0]
+        d = np.linalg.lstsq(columns.reshape(both.size, len(c)), both.ravel(), rcond=1e-9)[0]
         c, white = c + d, both[..., 0] - columns @ d
     white[~np.isfinite(found)] = np.nan
     left = float(scored(white))

@@ -40,6 +40,7 @@ GROWTH = 1.5  # a level whose variance grows by this between the thirds of a rec
 SMALLEST = 1e-12
 EXACT = Settings(rtol=1e-8, atol=1e-11)  # of runs of a large diagram, whose rows lie inside long steps: see ``_exact``
 LARGEST = 1e9  # loss
+NUMERICAL = 1e-7  # of a signal's range: what is left of a start after ten time scales is below it
 MECHANICAL = 1e-4  # share of its travel to which a stem's position is known
 
 
@@ -254,12 +255,14 @@ def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: in
 def sharpest(model: Diagram, record: Record, signal: str) -> float:
     """Return the least scale that residuals of a signal are judged by [its unit].
 
-    The log's rounding, of which a model that only hands a signal on shows nothing; and of a valve, whose stem no law
-    foretells to the last digit of a log, a ten-thousandth of the travel.
+    The log's rounding, of which a model that only hands a signal on shows nothing; where it is not rounded the last
+    digits that a simulation and a start are good for; and of a valve, whose stem no law foretells to the last digit of
+    a log, a ten-thousandth of the travel.
     """
     rounding = record.steps[signal] / float(np.sqrt(12.0))
-    if model.blocks[model.driven[signal][0]].role is not Role.VALVE:
-        return rounding
     known = record.log[signal][record.log.good(signal)]
+    sharp = max(rounding, NUMERICAL * float(np.ptp(known)))
+    if model.blocks[model.driven[signal][0]].role is not Role.VALVE:
+        return sharp
     low, high = model.signal_spans.get(signal, (float(known.min()), float(known.max())))
-    return max(rounding, MECHANICAL * (high - low))
+    return max(sharp, MECHANICAL * (high - low))

@@ -91,10 +91,18 @@ def with_logged_sources(diagram: Diagram, log: Log) -> Diagram:
     return diagram.without(*known) if known else diagram
 
 
+def _noises(diagram: Diagram) -> set[str]:
+    """Return the signals that are white noise of a sensor: a simulation writes them, a plant does not know them."""
+    white = {nuisance.block for nuisance in nuisances(diagram) if nuisance.correlation_time == 0.0}
+    read_by = {s for block in diagram.blocks if block.role is Role.SENSOR for s in block.input_labels}
+    return {str(diagram[name].output_labels[0]) for name in white} & read_by
+
+
 def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     """Return the diagram with its logged sources open, and the record of the signals that both have.
 
-    Missing values of open inputs are taken as held, missing rows as rows of nothing (``gap.records.regular``).
+    Missing values of open inputs are taken as held, missing rows as rows of nothing (``gap.records.regular``).  The
+    noise of a sensor, if a simulation logged it, is not used.
 
     Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, or rows are too few.
     """
@@ -117,7 +125,7 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
         raise GapError(f"the model's input {empty[0]!r} has no good value in the log; log it, or close it in the model")
     scans = min((b.period for b in opened.blocks if b.sampled), default=0.0)
     log = with_rows_filled(with_inputs_held(log, opened.open_inputs), opened.open_inputs, scans)
-    usable = [s for s in opened.signals if s in log and log.good(s).sum() >= FEWEST]
+    usable = [s for s in opened.signals if s in log and s not in _noises(opened) and log.good(s).sum() >= FEWEST]
     if not usable:
         raise GapError(
             f"the log has none of the signals that the model drives: it has {', '.join(log.names) or 'none'}, the "

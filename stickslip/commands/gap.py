@@ -10,7 +10,8 @@ from stickslip.console import Speaker, json_option, user_errors
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from gap import GapReport
+    from gap import GapReport, LatentInput
+    from logs import Log
 
 SCHEMA = "stickslip.gap/1"
 SHOWN = 6  # effects that are listed
@@ -76,6 +77,9 @@ def command(
     say("GAP" if report.gap else "NO GAP", fg="red" if report.gap else "green", bold=True)
     for sentence in report.words:
         say.paragraph(sentence)
+    shape = _shape(report, log)
+    if not isinstance(shape, str):
+        say.paragraph(str(shape))
     if report.ranking:
         say.table(
             ["effect", "place", "probability"],
@@ -85,13 +89,23 @@ def command(
     for sentence in report.notes:
         say.paragraph(sentence, "  - ")
     if html is not None:
-        write_whole(html, _page(report, run.name).encode())
+        write_whole(html, _page(report, shape, run.name).encode())
         say(f"report: {html}")
     say.document({"schema": SCHEMA, **report.to_dict()})
     raise SystemExit(1 if report.gap else 0)
 
 
-def _page(report: "GapReport", name: str) -> str:
+def _shape(report: "GapReport", log: "Log") -> "LatentInput | str":
+    """Return the latent input of a gap, or why there is none to show."""
+    from gap import GapError, latent_input
+
+    try:
+        return latent_input(report, log)
+    except GapError as reason:
+        return str(reason)
+
+
+def _page(report: "GapReport", shape: "LatentInput | str", name: str) -> str:
     from stickslip.report.page import Section, captioned, figure_to_svg, page, table_to_html
 
     badge, kind = ("GAP", "bad") if report.gap else ("NO GAP", "good")
@@ -106,7 +120,13 @@ def _page(report: "GapReport", name: str) -> str:
     where.figures.append(
         captioned(figure_to_svg(report.plot_diagram()), "The redder and thicker a frame, the likelier.")
     )
+    form = Section("What shape it has", "", "open", str(shape))
+    if not isinstance(shape, str):
+        said = "Grey: rows; lines: means of equally many. A play or a stick parts the lines over what drives it."
+        form.figures.append(captioned(figure_to_svg(shape.plot()), said))
     left = Section("What the model leaves unexplained", "", "open", "")
     said = "One-step errors of the model; grey: three standard deviations, which a model without a gap keeps to."
     left.figures.append(captioned(figure_to_svg(report.plot()), said))
-    return page(f"{name}: {'gap' if report.gap else 'no gap'}", "", [answer, where, left])
+    return page(
+        f"{name}: {'gap' if report.gap else 'no gap'}", "", [answer, where, *([form] if report.gap else []), left]
+    )
