@@ -1,11 +1,13 @@
-"""Logs as a simulation leaves them: every signal, no rounding."""
+"""Logs as a simulation leaves them: every signal, no rounding; set points that switch between two rows."""
 
+import numpy as np
 import pytest
 
 from blocks import Staircase
 from cases.models import ideal_flow
 from diagram import simulate
 from gap import diagnose
+from gap.diagnosis import prepared
 from gap.effects import effect
 from logs import Log
 
@@ -30,3 +32,41 @@ def test_an_effect_is_named():
     assert set(log.names) > set(EVERY_SIGNAL)
     report = diagnose(ideal_flow(), log, limits=False)
     assert report.where.confidence_set == ("valve",) and report.causes[0].effect == "valve_gain"
+
+
+BETWEEN = 237.3  # [s]: every level of the set point begins between two rows
+
+
+def switched(model, digits=6):
+    """A log of a loop whose set point switches between rows."""
+    log = simulate(model, 3600.0, every=1.0, inputs={"SP": Staircase("SP", LEVELS * 6, dwell=BETWEEN)}).log
+    return Log(log.t, {s: log[s].round(digits) for s in ("SP", "PV", "OP")})
+
+
+def test_instants_between_rows_are_found():
+    log = switched(ideal_flow(rest=1.2))
+    problem = prepared(ideal_flow(), log)
+    assert problem.before.score > problem.before.limit  # at the rows themselves they would be a gap
+    assert problem.score < problem.limit
+    (source,) = (block for block in problem.quiet.blocks if block.name.startswith("SP"))
+    rows = np.flatnonzero(np.diff(log["SP"])) + 1
+    true = BETWEEN * np.arange(1, len(rows) + 1)
+    told = source.timetable[1 : len(rows) + 1, 0]
+    late = rows >= problem.floor.skipped
+    assert told[late] == pytest.approx(true[late], abs=0.002)
+
+
+def test_a_coarse_log_of_such_set_points_leaves_no_gap():
+    assert not diagnose(ideal_flow(), switched(ideal_flow(rest=1.2), digits=3), limits=False).gap
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "values"),
+    [("controller_gain", "controller", {"factor": 1.2}), ("dead_time", "process", {"theta": 1.5}),
+     ("stiction", "valve", {"S": 4.0, "J": 1.5})],
+)  # fmt: skip
+def test_an_effect_beside_instants_between_rows_is_named(name, place, values):
+    report = diagnose(ideal_flow(), switched(effect(name).insert(ideal_flow(rest=1.2), place, **values)), limits=False)
+    assert [(cause.effect, cause.place) for cause in report.causes] == [(name, place)], report
+    for key, size in values.items():
+        assert report.causes[0].parameters[key].value == pytest.approx(size, rel=0.05)
