@@ -40,7 +40,7 @@ def with_instants(problem: Problem, explained: Diagram | None = None) -> Problem
     periods = [block.period for block in problem.quiet.blocks if block.sampled and block.ports_in]
     scans = min(round(log.dt / min(periods)), MOST) if periods else 1
     switching = [s for s in problem.record.played if switches(log, s)]
-    if not switching or (periods and scans < 2):
+    if not switching or (periods and scans < 2) or problem.record.filter is not None:  # which has ways of its own
         return problem
     if not periods:
         return _between_rows(problem, seen, switching)
