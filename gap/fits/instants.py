@@ -40,10 +40,10 @@ def with_instants(problem: Problem, explained: Diagram | None = None) -> Problem
     periods = [block.period for block in problem.quiet.blocks if block.sampled and block.ports_in]
     scans = min(round(log.dt / min(periods)), MOST) if periods else 1
     switching = [s for s in problem.record.played if switches(log, s)]
-    if not switching or (periods and scans < 2) or problem.record.filter is not None:  # which has ways of its own
+    if not switching or (periods and scans < 2):
         return problem
-    if not periods:
-        return _between_rows(problem, seen, switching)
+    if not periods:  # a large diagram has a way of its own
+        return _between_rows(problem, seen, switching) if problem.record.filter is None else problem
     early = np.arange(scans) * log.dt / scans  # [s] before the row that shows the switch
     tried = [
         losses(problem.innovations(_closed(problem, seen, {s: np.full(len(log), lead) for s in switching})))[0]
