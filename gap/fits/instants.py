@@ -89,8 +89,8 @@ def _between_rows(problem: Problem, seen: Diagram, switching: list[str]) -> Prob
         for k in rows[s]:
             before, after = _loss(begun, problem, k), _loss(now, problem, k)
             j = int(np.argmax(before - after))
-            part = _rows(problem, k), j
-            gone = after[j] < LEFT or float(now[part] @ now[part]) < SHARE * float(begun[part] @ begun[part])
+            was, left = (e[_rows(problem, k), j] for e in (begun, now))
+            gone = after[j] < LEFT or float(left @ left) < SHARE * float(was @ was)
             if before[j] - after[j] > SHOWN and gone:
                 good[k] = leads[s][k]
         found[s] = good
