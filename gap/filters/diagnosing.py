@@ -37,7 +37,7 @@ from gap.filters.hysteresis import DECIDED, Looked, fitted_stems, left, looked_a
 from gap.filters.jumping import decided
 from gap.filters.logged_stem import LoggedStem
 from gap.filters.reading import Filtering
-from gap.filters.rivals import beside, either_way, likeliest
+from gap.filters.rivals import TIE, Rival, beside, either_way, likeliest
 from gap.filters.scanned import base_period
 from gap.filters.summed import with_outputs
 from gap.floors.floor import settling_rows
@@ -52,7 +52,6 @@ LIMIT = 4.7  # largest check of an explanation that is right
 LIMIT_STEMS = 9.0  # of a bank of stems, or of a stem that is slow, which are not exact
 EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
-TIE = 4.0  # nats between explanations that the record does not tell apart: a right one lags by more in 1 of 400 records
 CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
 STEM = 0.05  # share of the best explanation's gain that few stems must gain for a bank to be fitted
 STICTION = 16.0  # nats that a stem must gain to be one: a bank of stems is no more exact
@@ -103,7 +102,7 @@ def _kind(best: Filtered) -> str:
     effect = best.explanation.effect
     if not passes(best):
         return "filter, nearly"
-    if rival(best)[1] < CLEAR:
+    if rival(best).behind < CLEAR:
         return "filter, rivalled"
     if isinstance(effect, Disturbance):
         return "filter, load"
@@ -249,10 +248,9 @@ def _limit(one: Filtered) -> float:
 
 
 @lru_cache(maxsize=16)
-def rival(one: Filtered) -> tuple[str, float]:
-    """Return the likeliest generic rival of an explanation, and by how many nats it is worse."""
-    name, loss = likeliest(one)
-    return name, loss - one.nll
+def rival(one: Filtered) -> Rival:
+    """Return the likeliest generic rival of an explanation."""
+    return likeliest(one)
 
 
 def adequate(plain: Found, one: Found) -> bool:
@@ -263,7 +261,7 @@ def adequate(plain: Found, one: Found) -> bool:
     limit = _limit(one.best)
     if explained(plain, one) >= EXPLAINED and not isinstance(one.best.explanation.effect, SensorNoise):
         limit = max(limit, min(SMALL * worst(plain.best)[1], LIMIT_LARGEST))
-    return worst(one.best)[1] <= limit and rival(one.best)[1] > -TIE
+    return worst(one.best)[1] <= limit and not rival(one.best).likelier
 
 
 def explained(plain: Found, one: Found) -> float:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.answers.sureness import OUTSIDE, Sureness
-from gap.filters.diagnosing import CLEAR, TIE, Outcome, explained, rival, worst
+from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
@@ -76,10 +76,10 @@ def _unknown(o: Outcome, sureness: Sureness) -> GapReport:
         part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
         effect = best.best.explanation.effect
         name, size = worst(best.best)
-        other, behind = rival(best.best)
+        other = rival(best.best)
         left = (
-            f"is {-behind:.1f} nats worse than {other}, which no effect of the catalogue is"
-            if behind <= -TIE
+            f"is {-other.behind:.1f} nats worse than {other.name}, which no effect of the catalogue is"
+            if other.likelier
             else f"leaves what a right explanation would not: {name}, {size:.1f} standard deviations"
         )
         words.append(
@@ -116,10 +116,11 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
             else "."
         )
     )
-    if not o.textured and rival(best.best)[1] < CLEAR:
-        other, behind = rival(best.best)
-        how = f"Nearly as well ({behind:.1f} nats less)" if behind > 0.0 else f"As well ({-behind:.1f} nats more)"
-        words.append(f"{how} the record is explained by {other}.")
+    if not o.textured and rival(best.best).behind < CLEAR:
+        other = rival(best.best)
+        less = other.behind
+        how = f"Nearly as well ({less:.1f} nats less)" if less > 0.0 else f"As well ({-less:.1f} nats more)"
+        words.append(f"{how} the record is explained by {other.name}.")
     shares = _shares(o)
     where = Where(one.place, sure, places, {place: shares.get(place, 0.0) for place in places})
     cause = Cause(effect.name, one.place, sure, others, found)
