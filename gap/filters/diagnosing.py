@@ -30,7 +30,7 @@ from gap.filters.affine import NotAffine
 from gap.filters.checks import checks
 from gap.filters.constant import constancy
 from gap.filters.digits import coarse_sensor, compressed, few_levels
-from gap.filters.explaining import ranked, settled, total
+from gap.filters.explaining import first_looks, fitted, ranked, settled, total
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found
 from gap.filters.hysteresis import DECIDED, Looked, fitted_stems, left, looked_at
@@ -168,7 +168,8 @@ def outcome(
     shown = max((one.gained for one in looked), default=0.0)
     scans = [effect for effect in catalogue if isinstance(effect, ScanTime)]
     others = [effect for effect in catalogue if effect not in scans]
-    fits = ranked(plain, others, progress, _within_reach(plain, looked))
+    first = first_looks(plain, others, progress)
+    fits = fitted(plain, first, _within_reach(plain, looked))
     gained = plain.nll - total(fits[0]) if fits else 0.0
     clean = worst(plain.best)[1] <= LIMIT and not elsewhere and gained < NEEDED
     if clean and shown < STICTION:
@@ -179,7 +180,7 @@ def outcome(
     if clean or not fits or not adequate(plain, fits[0]):
         sticking = _stems(looked, legal, 0.0 if elsewhere else max(STICTION, STEM * gained))
         if shown >= STICTION and not any(adequate(plain, one) for one in sticking):
-            fits = sorted([*ranked(plain, others, progress), *slower], key=total)  # a stem was no rival after all
+            fits = sorted([*fitted(plain, first), *slower], key=total)  # a stem was no rival after all
         fits = sorted([*fits, *sticking], key=total)
     if fits and plain.nll - total(fits[0]) >= NEEDED and adequate(plain, fits[0]):
         same = [one for one in fits if total(one) <= total(fits[0]) + TIE and one.nll <= fits[0].nll + TIE]

@@ -86,6 +86,11 @@ def ranked(
     from where the best one ended: explanations that leave the same log must not differ by where a search stopped.
     ``rival``: nll of another explanation [nats]; what comes nowhere near it is not fitted to the end.
     """
+    return fitted(plain, first_looks(plain, catalogue, progress), rival)
+
+
+def first_looks(plain: Found, catalogue: Iterable[Effect], progress: Progress = None) -> list[Filtered]:
+    """Return a first fit of every effect that a filter has, at every place, the likeliest first."""
     model = plain.best.explanation.filtering.model
     legal = [
         (effect, place)
@@ -101,7 +106,11 @@ def ranked(
             if start is not None:  # a sharp likelihood is seen only near its top
                 looked.append(first_fit(plain, start))
             tell(done + 1, len(legal))
-    looked.sort(key=lambda one: one.nll)
+    return sorted(looked, key=lambda one: one.nll)
+
+
+def fitted(plain: Found, looked: Iterable[Filtered], rival: float = math.inf) -> list[Found]:
+    """Return first looks, the likeliest fitted to the end; what comes nowhere near a ``rival`` [nats] is not."""
     found: list[Found] = []
     for k, start in enumerate(looked):
         best = min([rival, *(one.nll for one in found)])
