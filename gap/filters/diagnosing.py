@@ -54,7 +54,7 @@ EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a lit
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
 CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
 STEM = 0.05  # share of the best explanation's gain that few stems must gain for a bank to be fitted
-STICTION = 16.0  # nats that a stem must gain to be one: a bank of stems is no more exact
+STICTION = 16.0  # nats that a stem must gain where something else is wrong: a bank of stems is no more exact
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,18 +172,22 @@ def outcome(
     fits = fitted(plain, first, _within_reach(plain, looked))
     gained = plain.nll - total(fits[0]) if fits else 0.0
     clean = worst(plain.best)[1] <= LIMIT and not elsewhere and gained < NEEDED
-    if clean and shown < STICTION:
+    if clean and shown < NEEDED:
         return Outcome(plain, fits, (), False, stem=stem, looked=looked)
     slower = ranked(plain, scans) if scans and not (clean or (fits and adequate(plain, fits[0]))) else []
     fits = sorted([*fits, *slower], key=total)
     gained = plain.nll - total(fits[0]) if fits else 0.0
+    stems: list[tuple[Found, ...]] = []
     if clean or not fits or not adequate(plain, fits[0]):
-        sticking = _stems(looked, legal, 0.0 if elsewhere else max(STICTION, STEM * gained))
+        stems = _stems(looked, legal, 0.0 if elsewhere else max(NEEDED if clean else STICTION, STEM * gained))
+        sticking = [one for one, *_ in stems]
         if shown >= STICTION and not any(adequate(plain, one) for one in sticking):
             fits = sorted([*fitted(plain, first), *slower], key=total)  # a stem was no rival after all
         fits = sorted([*fits, *sticking], key=total)
     if fits and plain.nll - total(fits[0]) >= NEEDED and adequate(plain, fits[0]):
         same = [one for one in fits if total(one) <= total(fits[0]) + TIE and one.nll <= fits[0].nll + TIE]
+        same += [other for one, *others in stems if one in same for other in others]
+        fits = [*same, *(one for one in fits if one not in same)]
         return Outcome(plain, fits, same, True, stem=stem, looked=looked)
     return Outcome(plain, fits, (), not clean, stem=stem, looked=looked)
 
@@ -204,9 +208,11 @@ def _within_reach(plain: Found, looked: Sequence[Looked]) -> float:
     return min((max(plain.nll - one.gained, min(flat.nll for flat in one.flat)) for one in looked), default=math.inf)
 
 
-def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed: float) -> list[Found]:
-    """Return the best deadband of each valve, or the best stiction where its jump gains enough."""
-    kept = []
+def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed: float) -> list[tuple[Found, ...]]:
+    """Return the best deadband of each valve, or the best stiction where its jump gains enough, or both where the
+    record does not tell them apart.
+    """
+    kept: list[tuple[Found, ...]] = []
     for one in looked:
         effects = [effect for effect, at in legal if effect.hidden and at == one.place]
         found = fitted_stems(one, effects, needed)
@@ -215,10 +221,10 @@ def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed
         stiction = next((effect for effect in effects if isinstance(effect, Stiction)), None)
         open_still = flat and not (stuck and stuck[0].nll < flat[0].nll - DECIDED)
         if stiction is None or not open_still or min(worst(fit.best)[1] for fit in found) > LIMIT_LARGEST:
-            kept += stuck or flat
+            kept += [(fit,) for fit in stuck or flat]
             continue
         best = decided(flat[0].best, stiction, [fit.best for fit in stuck])
-        kept.append(Found(left(best.explanation, best.values), (), np.zeros((0, 0))))
+        kept.append(tuple(Found(left(x.explanation, x.values), (), np.zeros((0, 0))) for x in best))
     return kept
 
 
