@@ -21,6 +21,7 @@ OUTER = (0.5, 1.0, 2.0, 4.0)  # [%], by which a limit of a controller may lie be
 TOO_LARGE = 3.0  # standard deviations by which squares of innovations are too large where OP may have met a limit
 SWITCHED = 3  # sizes that get switches of their own: the likeliest by all rows, and by those that no switch is near
 STEPS = (0.4, 0.2, 0.1, 0.05)  # [%], about the likeliest size
+REACH, WITHIN = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2), 1.35  # [%] from it; nats of an interval of 90 %
 
 
 def limited(plain: Found, one: Explanation) -> Filtered | None:
@@ -83,3 +84,18 @@ def _between(best: Filtered, name: str) -> Filtered:
         near = [float(np.clip(best.values[name] + way * step, low, high)) for way in (1.0, -1.0)]
         best = best_of([best, *(tried(one, {**best.values, name: size}) for size in near)]) or best
     return best
+
+
+def reach(best: Filtered, name: str) -> tuple[float, float]:
+    """Return the sizes of a limit up to which it is hardly less likely, all else as it is: (lowest, highest) [%]."""
+    one, (low, high), value = best.explanation, best.explanation.bounds[name], best.values[name]
+    ends = []
+    for way in (-1.0, 1.0):
+        ends.append(value)
+        for step in REACH:
+            size = float(np.clip(value + way * step, low, high))
+            near = tried(one, {**best.values, name: size})
+            if near is None or near.nll > best.nll + WITHIN:
+                break
+            ends[-1] = size
+    return ends[0], ends[1]

@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 
 from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.answers.sureness import OUTSIDE, Sureness
+from gap.effects.controller_limits import ControllerLimits
 from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
 from gap.filters.hysteresis import followed_on, left
+from gap.filters.limiting import reach
 from gap.filters.reading import Filtering
 from gap.telling.creep import about_creep
 from gap.telling.sizes import BLOCKS, SEEN, SURE
@@ -140,6 +142,9 @@ def _sizes(one: Found) -> dict[str, Size]:
     for p in effect.parameters if effect else ():
         value = float(one.best.values[p.name])
         if p.nuisance or not np.isfinite(value):
+            continue
+        if isinstance(effect, ControllerLimits):
+            found[p.name] = Size(value, *reach(one.best, p.name), p.unit)
             continue
         spread = {**STEM_SPREAD, **DIGITS_SPREAD}.get(p.name)
         if spread is not None and (explanation.sticks or p.name in DIGITS_SPREAD):
