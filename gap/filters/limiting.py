@@ -41,7 +41,7 @@ def limited(plain: Found, one: Explanation) -> Filtered | None:
         sizes = np.unique(beyond[rows]) * percent
         if met:
             outer = beyond[0] * percent + way * np.array(OUTER)
-            best = _switched(plain.best, one, values, name, [*sizes, *outer])
+            best = _switched(one, values, name, [*sizes, *outer])
             if best is not None and best.values[name] in outer:
                 best = _between(best, name)
         else:
@@ -59,9 +59,7 @@ def _too_large(plain: Filtered) -> bool:
     return float(np.nansum(e**2 - 1.0)) > TOO_LARGE * math.sqrt(2.0 * float(np.isfinite(e).sum()))
 
 
-def _switched(
-    plain: Filtered, one: Explanation, values: Mapping[str, float], name: str, sizes: list[float]
-) -> Filtered | None:
+def _switched(one: Explanation, values: Mapping[str, float], name: str, sizes: list[float]) -> Filtered | None:
     """Return the likeliest size of a limit, by all rows, with inputs that switch as suits it."""
     low, high = one.bounds[name]
     whole = replace(one, filtering=replace(one.filtering, apart=False))
@@ -69,12 +67,9 @@ def _switched(
     best = best_of(looked)
     if best is None:
         return None
-    likely: dict[float, Filtered] = {}
-    for rows in (whole.filtering.counted, one.filtering.counted):
-        ahead = {x.values[name]: float((plain.losses - x.losses)[rows].sum()) for x in looked}
-        most = sorted(looked, key=lambda x: -ahead[x.values[name]])[:SWITCHED]
-        likely |= {x.values[name]: x for x in most if ahead[x.values[name]] > LEAST}
-    return best_of([best, *map(with_switches, likely.values())])
+    likely = sorted(looked, key=lambda x: x.nll)[:SWITCHED]
+    likely += sorted(looked, key=lambda x: float(x.losses[one.filtering.counted].sum()))[:SWITCHED]
+    return best_of([best, *map(with_switches, {x.values[name]: x for x in likely}.values())])
 
 
 def _between(best: Filtered, name: str) -> Filtered:
