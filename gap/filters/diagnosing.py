@@ -30,14 +30,14 @@ from gap.filters.affine import NotAffine
 from gap.filters.checks import checks
 from gap.filters.constant import constancy
 from gap.filters.digits import coarse_sensor, compressed, few_levels
-from gap.filters.explaining import ranked, settled, total
+from gap.filters.explaining import first_looks, fitted, ranked, settled, total
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import Found
 from gap.filters.hysteresis import DECIDED, Looked, fitted_stems, left, looked_at
 from gap.filters.jumping import decided
 from gap.filters.logged_stem import LoggedStem
 from gap.filters.reading import Filtering
-from gap.filters.rivals import beside, either_way, likeliest
+from gap.filters.rivals import TIE, Rival, beside, either_way, likeliest
 from gap.filters.scanned import base_period
 from gap.filters.summed import with_outputs
 from gap.floors.floor import settling_rows
@@ -52,10 +52,9 @@ LIMIT = 4.7  # largest check of an explanation that is right
 LIMIT_STEMS = 9.0  # of a bank of stems, or of a stem that is slow, which are not exact
 EXPLAINED = 0.97  # an explanation of so much of a gap may fail its checks a little: no law is exact
 SMALL, LIMIT_LARGEST = 0.012, 25.0  # of the largest check of the model as it is: so much may be left then
-TIE = 4.0  # nats between explanations that the record does not tell apart: a right one lags by more in 1 of 400 records
 CLEAR = 20.0  # nats by which the likeliest generic rival of a sure name is worse
 STEM = 0.05  # share of the best explanation's gain that few stems must gain for a bank to be fitted
-STICTION = 16.0  # nats that a stem must gain to be one: a bank of stems is no more exact
+STICTION = 16.0  # nats that a stem must gain where something else is wrong: a bank of stems is no more exact
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +102,7 @@ def _kind(best: Filtered) -> str:
     effect = best.explanation.effect
     if not passes(best):
         return "filter, nearly"
-    if rival(best)[1] < CLEAR:
+    if rival(best).behind < CLEAR:
         return "filter, rivalled"
     if isinstance(effect, Disturbance):
         return "filter, load"
@@ -169,21 +168,26 @@ def outcome(
     shown = max((one.gained for one in looked), default=0.0)
     scans = [effect for effect in catalogue if isinstance(effect, ScanTime)]
     others = [effect for effect in catalogue if effect not in scans]
-    fits = ranked(plain, others, progress, _within_reach(plain, looked))
+    first = first_looks(plain, others, progress)
+    fits = fitted(plain, first, _within_reach(plain, looked))
     gained = plain.nll - total(fits[0]) if fits else 0.0
     clean = worst(plain.best)[1] <= LIMIT and not elsewhere and gained < NEEDED
-    if clean and shown < STICTION:
+    if clean and shown < NEEDED:
         return Outcome(plain, fits, (), False, stem=stem, looked=looked)
     slower = ranked(plain, scans) if scans and not (clean or (fits and adequate(plain, fits[0]))) else []
     fits = sorted([*fits, *slower], key=total)
     gained = plain.nll - total(fits[0]) if fits else 0.0
+    stems: list[tuple[Found, ...]] = []
     if clean or not fits or not adequate(plain, fits[0]):
-        sticking = _stems(looked, legal, 0.0 if elsewhere else max(STICTION, STEM * gained))
+        stems = _stems(looked, legal, 0.0 if elsewhere else max(NEEDED if clean else STICTION, STEM * gained))
+        sticking = [one for one, *_ in stems]
         if shown >= STICTION and not any(adequate(plain, one) for one in sticking):
-            fits = sorted([*ranked(plain, others, progress), *slower], key=total)  # a stem was no rival after all
+            fits = sorted([*fitted(plain, first), *slower], key=total)  # a stem was no rival after all
         fits = sorted([*fits, *sticking], key=total)
     if fits and plain.nll - total(fits[0]) >= NEEDED and adequate(plain, fits[0]):
         same = [one for one in fits if total(one) <= total(fits[0]) + TIE and one.nll <= fits[0].nll + TIE]
+        same += [other for one, *others in stems if one in same for other in others]
+        fits = [*same, *(one for one in fits if one not in same)]
         return Outcome(plain, fits, same, True, stem=stem, looked=looked)
     return Outcome(plain, fits, (), not clean, stem=stem, looked=looked)
 
@@ -204,9 +208,11 @@ def _within_reach(plain: Found, looked: Sequence[Looked]) -> float:
     return min((max(plain.nll - one.gained, min(flat.nll for flat in one.flat)) for one in looked), default=math.inf)
 
 
-def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed: float) -> list[Found]:
-    """Return the best deadband of each valve, or the best stiction where its jump gains enough."""
-    kept = []
+def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed: float) -> list[tuple[Found, ...]]:
+    """Return the best deadband of each valve, or the best stiction where its jump gains enough, or both where the
+    record does not tell them apart.
+    """
+    kept: list[tuple[Found, ...]] = []
     for one in looked:
         effects = [effect for effect, at in legal if effect.hidden and at == one.place]
         found = fitted_stems(one, effects, needed)
@@ -215,10 +221,10 @@ def _stems(looked: Sequence[Looked], legal: Sequence[tuple[Effect, str]], needed
         stiction = next((effect for effect in effects if isinstance(effect, Stiction)), None)
         open_still = flat and not (stuck and stuck[0].nll < flat[0].nll - DECIDED)
         if stiction is None or not open_still or min(worst(fit.best)[1] for fit in found) > LIMIT_LARGEST:
-            kept += stuck or flat
+            kept += [(fit,) for fit in stuck or flat]
             continue
         best = decided(flat[0].best, stiction, [fit.best for fit in stuck])
-        kept.append(Found(left(best.explanation, best.values), (), np.zeros((0, 0))))
+        kept.append(tuple(Found(left(x.explanation, x.values), (), np.zeros((0, 0))) for x in best))
     return kept
 
 
@@ -249,10 +255,9 @@ def _limit(one: Filtered) -> float:
 
 
 @lru_cache(maxsize=16)
-def rival(one: Filtered) -> tuple[str, float]:
-    """Return the likeliest generic rival of an explanation, and by how many nats it is worse."""
-    name, loss = likeliest(one)
-    return name, loss - one.nll
+def rival(one: Filtered) -> Rival:
+    """Return the likeliest generic rival of an explanation."""
+    return likeliest(one)
 
 
 def adequate(plain: Found, one: Found) -> bool:
@@ -263,7 +268,7 @@ def adequate(plain: Found, one: Found) -> bool:
     limit = _limit(one.best)
     if explained(plain, one) >= EXPLAINED and not isinstance(one.best.explanation.effect, SensorNoise):
         limit = max(limit, min(SMALL * worst(plain.best)[1], LIMIT_LARGEST))
-    return worst(one.best)[1] <= limit and rival(one.best)[1] > -TIE
+    return worst(one.best)[1] <= limit and not rival(one.best).likelier
 
 
 def explained(plain: Found, one: Found) -> float:

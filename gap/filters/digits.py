@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gap.effects.quantisation import Quantisation
+from gap.filters.explaining import settled
 from gap.filters.filtering import Explanation
 from gap.filters.fitting import Found, refined, tried
 from gap.filters.reading import Filtering
@@ -89,8 +90,7 @@ def compressed(plain: Found, effect: Effect, place: str, seed: int) -> Found | N
             continue
         deviation = deviation_of(plain_logs[0], effect, place, signal, step, values)
         one = Explanation(_without(f, j), effect, place)
-        blind = Explanation(_without(f, j)).filtered(plain.best.values)
-        refitted = refined(blind, tuple(f.free))
+        refitted = settled(_without(f, j))  # what suits straight lines is not what the loop has seen
         best = replace(refitted.best, explanation=one, values={**refitted.best.values, "deviation": deviation})
         return Found(best, (), np.zeros((0, 0)))
     return None
@@ -101,4 +101,4 @@ def _without(f: Filtering, j: int) -> Filtering:
     log = f.record.log
     quality = {s: log.good(s) & (s != f.signals[j]) for s in log.names}
     other = Log(log.t, {s: log[s] for s in log.names}, quality=quality)
-    return replace(f, record=replace(f.record, log=other))
+    return replace(f, record=replace(f.record, log=other), leads=np.zeros_like(f.leads))

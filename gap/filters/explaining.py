@@ -14,6 +14,7 @@ from gap.effects.scan_time import ScanTime
 from gap.effects.sensor_saturation import SensorSaturation
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import NODES, Found, best_of, grid, refined, tried
+from gap.filters.limiting import limited
 from gap.filters.reading import Filtering
 from gap.filters.switches import with_switches
 from gap.fits.loads import planned
@@ -24,10 +25,7 @@ PART = 400  # rows in which slower scans are looked for, at least
 SLOWEST = 60  # scans of the model from one to the next of a slower controller, at most
 STRAY = 0.02  # share of rows at which its output may change though it has not scanned
 SLOWER = 3  # of these that are looked at with switches of their own
-HIGHEST = 0.1  # share of the rows of OP that a limit cuts, unless it stops the valve while OP goes on
-CUT = tuple(np.linspace(0.1, 0.9, 17).tolist())  # share of the rows at which a valve that stops short is told more
 SHORTEST = 2.5  # period of a load [rows]: a filter knows what it does between two rows
-LEAST = 5.0  # nats that a second limit must gain
 FIRST, APART = 2, 4  # steps of every fit; of one without the rows near switches
 FIRSTS, FOLLOWED = 3, 8  # explanations that are fitted to the end with switches of their own, and without
 LAGGING, BEHIND = 60.0, 0.7  # nats, or share of the gap, by which a few sizes may lag behind a fit to be fitted too
@@ -56,7 +54,7 @@ def coarse(plain: Found, effect: Effect, place: str) -> Filtered | None:
     if one.load:
         return _load(plain, one)
     if one.own == ("low", "high"):
-        return _limited(plain, one)
+        return limited(plain, one)
     start, values = None, dict(free)
     for name in one.own:
         start = best_of([start, *(tried(one, {**values, name: size}) for size in grid(one, name))])
@@ -88,6 +86,11 @@ def ranked(
     from where the best one ended: explanations that leave the same log must not differ by where a search stopped.
     ``rival``: nll of another explanation [nats]; what comes nowhere near it is not fitted to the end.
     """
+    return fitted(plain, first_looks(plain, catalogue, progress), rival)
+
+
+def first_looks(plain: Found, catalogue: Iterable[Effect], progress: Progress = None) -> list[Filtered]:
+    """Return a first fit of every effect that a filter has, at every place, the likeliest first."""
     model = plain.best.explanation.filtering.model
     legal = [
         (effect, place)
@@ -103,7 +106,11 @@ def ranked(
             if start is not None:  # a sharp likelihood is seen only near its top
                 looked.append(first_fit(plain, start))
             tell(done + 1, len(legal))
-    looked.sort(key=lambda one: one.nll)
+    return sorted(looked, key=lambda one: one.nll)
+
+
+def fitted(plain: Found, looked: Iterable[Filtered], rival: float = math.inf) -> list[Found]:
+    """Return first looks, the likeliest fitted to the end; what comes nowhere near a ``rival`` [nats] is not."""
     found: list[Found] = []
     for k, start in enumerate(looked):
         best = min([rival, *(one.nll for one in found)])
@@ -233,29 +240,6 @@ def _scans(one: Explanation) -> list[dict[str, float]]:
             idle = np.diff((at - offset) // period) == 0
             if moved[idle].sum() <= STRAY * idle.sum():
                 found.append({"period": f.period * period, "offset": f.period * offset, "present": 1.0})
-    return found
-
-
-def _limited(plain: Found, one: Explanation) -> Filtered | None:
-    """Return the best of some upper and lower limits within what OP reached."""
-    f = one.filtering
-    percent = 100.0 if one.effect and one.effect.parameters[0].unit.startswith("%") else 1.0
-    op = f.op_at(one.place)
-    logged = f.record.log[op][f.record.log.good(op)]
-    free = {key: plain.best.values[key] for key in f.free}
-    found = None
-    values: dict[str, float] = dict(free)
-    for name in ("high", "low"):
-        beyond = np.sort(logged) if name == "low" else np.sort(logged)[::-1]
-        rows = 2 ** np.arange(int(np.log2(max(HIGHEST * len(logged), 1.0))) + 1) - 1  # at which OP exceeds it
-        if one.law:
-            rows = np.concatenate([rows, [int(share * (len(logged) - 1)) for share in CUT]])
-        sizes = np.unique(beyond[rows]) * percent
-        best = best_of([tried(one, {**values, name: float(size)}) for size in sizes])
-        if best is not None and (found is None or best.nll < found.nll - LEAST):
-            found = best
-        if found is not None:
-            values = dict(found.values)
     return found
 
 

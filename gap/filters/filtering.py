@@ -86,7 +86,20 @@ class Explanation:
         return tuple(p.name for p in self.effect.parameters) if self.effect else ()
 
     def matrices(self, values: Mapping[str, float]) -> Scanned:
-        """Return the matrices of the diagram with these values."""
+        """Return the matrices of the diagram with these values; the size of a load, or of a law, is not in them."""
+        apart = self.law or self.load or self.sticks
+        key = tuple(values[name] for name in (*(() if apart else self.own), *self.filtering.free))
+        if key not in self._known:
+            self._known.clear()
+            self._known[key] = self._made(values)
+        return self._known[key]
+
+    @cached_property
+    def _known(self) -> dict[tuple[float, ...], Scanned]:
+        """The last matrices."""
+        return {}
+
+    def _made(self, values: Mapping[str, float]) -> Scanned:
         f = self.filtering
         own = {name: values[name] for name in self.own}
         params = {key: values[key] for key in f.free}
@@ -152,14 +165,16 @@ class Explanation:
         plan = self.effect.plan(turns)  # type: ignore[union-attr]
         return np.asarray(values["amplitude"] * plan.mean(axis=1))
 
-    def filtered(self, values: Mapping[str, float], exact: bool | None = None) -> "Filtered":
-        """Return what a filter of the diagram with these values leaves of the record.
+    def filtered(
+        self, values: Mapping[str, float], exact: bool | None = None, matrices: Scanned | None = None
+    ) -> "Filtered":
+        """Return what a filter of the diagram with these values leaves of the record; ``matrices`` if they are known.
 
         Raises ``NotAffine`` where there is no such filter.
         """
         f = self.filtering
         full = {**self.nominal, **values}
-        one = self.matrices(full)
+        one = matrices or self.matrices(full)
         a, b = self.numbers(full)
         U = np.column_stack([f.played, f.time, np.ones(f.scans), self.wave(full)])
         exact = (self.law in (laws.CURVED, laws.SLOW) or bool((one.period > 1).any())) if exact is None else exact

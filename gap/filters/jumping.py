@@ -10,18 +10,20 @@ import numpy as np
 
 from gap.filters.drawn import Draws, drawn
 from gap.filters.filtering import Explanation, Filtered
-from gap.filters.hysteresis import moved_stem
+from gap.filters.hysteresis import JUMPS, moved_stem
 from gap.insertion.effect import Effect
 
 STEMS = 200
 SHARES = (0.15, 0.3, 0.5, 0.75)  # of J in S
 MIDDLE = 0.55  # of J by which such a width lies below S
-AHEAD, BEHIND = 16.0, 60.0  # nats by which a jump decides; by which it may lag before it is followed
+AHEAD, BEHIND = 16.0, 60.0  # nats by which a jump decides; by which a jump may lag before it is followed
+EVEN = 4.0  # nats by which a jump may lag and still be as likely as none
 STEPS = (0.08, 0.04, 0.02)  # of a width, of S + J and of S - J
 
 
-def decided(flat: Filtered, stiction: Effect, stuck: Sequence[Filtered] = ()) -> Filtered:
-    """Return stiction where its jump gains ``AHEAD`` nats over the best deadband, else that, as drawing banks leave it.
+def decided(flat: Filtered, stiction: Effect, stuck: Sequence[Filtered] = ()) -> tuple[Filtered, ...]:
+    """Return stiction where its jump gains ``AHEAD`` nats over the best deadband, else that; beside it stiction that
+    jumps and lags by less than ``EVEN``, which the record does not tell apart: all as drawing banks leave them.
 
     ``flat`` the deadband and ``stuck`` stiction as another bank found them.
     """
@@ -33,13 +35,18 @@ def decided(flat: Filtered, stiction: Effect, stuck: Sequence[Filtered] = ()) ->
     for share in SHARES:
         S = float(np.clip(width / (1.0 - MIDDLE * share), *one.bounds["S"]))
         tried.append({**free, "S": S, "J": share * S})
-    jump = min((drawn(one, values, draws) for values in tried), key=lambda found: found.nll)
+    looked = [drawn(one, values, draws) for values in tried]
+    jump = min(looked, key=lambda found: found.nll)
     if jump.nll > play.nll + BEHIND:
-        return play
+        return (play,)
     jump = _followed(jump, draws)
     between = jump.values["S"] - MIDDLE * jump.values["J"]
     play = min(play, drawn(play.explanation, {**play.values, "width": between}, draws), key=lambda found: found.nll)
-    return jump if jump.nll < play.nll - AHEAD else play
+    if jump.nll < play.nll - AHEAD:
+        return (jump,)
+    jumping = [found for found in (*looked, jump) if found.values["J"] >= JUMPS * found.values["S"]]
+    likely = min(jumping, key=lambda found: found.nll)
+    return (play, likely) if likely.nll < play.nll + EVEN else (play,)
 
 
 def _followed(best: Filtered, draws: Draws) -> Filtered:

@@ -3,12 +3,14 @@
 Beside it: one more random signal at each source of random numbers, white, slow or in between.  An explanation that is
 right leaves nothing to it: 2 (nats gained) is then 0 in half of all records, else chi-squared of one degree.
 
-In its place: such a signal alone; of a planned load the same plan as a change of the gain, or of what the sensor shows.
+In its place: such a signal alone; of a planned load the same plan as a change of the gain, or of what the sensor shows;
+of more noise of a sensor noise that grows with the signal.
 """
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +25,7 @@ from gap.filters.constant import FRESH
 from gap.filters.explaining import free_names
 from gap.filters.filtering import Explanation, Filtered
 from gap.filters.fitting import directions, refined, tried
+from gap.filters.growing import growing
 from gap.records.model import Nuisance
 
 Floats = NDArray[np.float64]
@@ -31,6 +34,8 @@ SIZES = (0.15, 0.4, 1.0, 2.5)  # of what the source gives in the model
 NEARBY, ROUNDS = (0.7, 1.4), 3  # sizes near the best; steps of its fit
 LITTLE = 0.01  # relative size of a little of an effect
 OVERTONES = (2, 3)  # of a periodic load that are looked at
+TIE = 4.0  # nats by which a wrong one may be ahead by chance: explanations that the record does not tell apart
+LIKE = 1.0  # nats the same of a gain that follows a plan, and of noise that grows: which of the two is likelier decides
 
 
 def randoms(one: Explanation) -> Iterator[Nuisance]:
@@ -142,11 +147,24 @@ def _little(one: Explanation) -> dict[str, float]:
     return {name: max(low, 0.1 * LITTLE * high) if low >= 0.0 else 0.1 * LITTLE * (high - low)}
 
 
-def likeliest(now: Filtered) -> tuple[str, float]:
-    """Return the rival that suits the record best in place of an explanation, and its loss [nats]; inf for none."""
-    found = _random(now) | _elsewhere(now)
-    name = min(found, key=lambda one: found[one], default="")
-    return name, found.get(name, math.inf)
+class Rival(NamedTuple):
+    """A rival of an explanation: ``behind`` nats less likely, and how many nats ``chance`` alone may give it."""
+
+    name: str
+    behind: float
+    chance: float = 0.0
+
+    @property
+    def likelier(self) -> bool:
+        """Whether it suits the record better than chance makes it."""
+        return self.behind <= -self.chance
+
+
+def likeliest(now: Filtered) -> Rival:
+    """Return the rival that comes nearest to taking the place of an explanation; infinitely far behind for none."""
+    found = [Rival(name, loss - now.nll, TIE) for name, loss in _random(now).items()]
+    found += [Rival(name, loss - now.nll, LIKE) for name, loss in growing(now).items()]
+    return min((*found, *_elsewhere(now)), key=lambda one: one.behind + one.chance, default=Rival("", math.inf))
 
 
 def _random(now: Filtered) -> dict[str, float]:
@@ -185,25 +203,25 @@ class Elsewhere(Explanation):
         return super().wave(values) * self.by
 
 
-def _elsewhere(now: Filtered) -> dict[str, float]:
-    """Return the loss of each rival that follows the same plan as a load; none for other explanations.
+def _elsewhere(now: Filtered) -> Iterator[Rival]:
+    """Yield rivals that follow the same plan as a load; none for other explanations.
 
     A sine that is added to what the sensor shows leaves the log of a sine at the feed.
     """
     one, f = now.explanation, now.explanation.filtering
     if not one.load:
-        return {}
+        return
     op = np.repeat(f.record.log[f.op_at(one.place)], f.every)[: f.scans]
     op = np.where(np.isfinite(op), op, np.nanmean(op))
-    rivals: dict[str, tuple[str, Floats | float]] = {"a gain that follows the same plan": (one.moved, op / op.mean())}
+    rivals: list[tuple[str, str, Floats | float, float]] = [
+        ("a gain that follows the same plan", one.moved, op / op.mean(), LIKE)
+    ]
     if not isinstance(one.effect, SineDisturbance):
         for s in f.signals:
             if s not in f.ops:
                 scale = float(np.nanstd(f.record.log[s]) / np.nanstd(op))
-                rivals[f"an error of {s} that follows the same plan"] = s, scale
-    found = {}
-    for name, (signal, by) in rivals.items():
+                rivals.append((f"an error of {s} that follows the same plan", s, scale, TIE))
+    for name, signal, by, chance in rivals:
         start = tried(Elsewhere(f, one.effect, one.place, (), signal, by), now.values)
         if start is not None:
-            found[name] = refined(start, free_names(start.explanation)).nll
-    return found
+            yield Rival(name, refined(start, free_names(start.explanation)).nll - now.nll, chance)

@@ -3,12 +3,13 @@
 One filter a scan tries the same scan for all switches; each switch takes the scan that is likeliest in the rows behind.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gap.filters.filtering import Filtered
-from gap.filters.fitting import tried
 from gap.records.record import switch_rows, switches
 
 BEHIND = 5  # rows in which a switch shows
@@ -28,8 +29,8 @@ def with_switches(now: Filtered) -> Filtered:
     for lead in options:
         trial = leads.copy()
         trial[switching] = lead
-        found = tried(replace(now.explanation, filtering=f.with_leads(trial)), now.values)
-        if found is None:
+        found = _moved(now, trial)
+        if not math.isfinite(found.nll):
             return now
         loss.append(found.losses)
     cost = np.array(loss)
@@ -38,5 +39,11 @@ def with_switches(now: Filtered) -> Filtered:
             leads[j, row] = int(np.argmin(cost[:, row : row + BEHIND].sum(axis=1)))
     if np.array_equal(leads, f.leads):
         return now
-    new = tried(replace(now.explanation, filtering=f.with_leads(leads)), now.values)
-    return new if new is not None and new.nll < now.nll else now
+    new = _moved(now, leads)
+    return new if new.nll < now.nll else now
+
+
+def _moved(now: Filtered, leads: NDArray[np.int64]) -> Filtered:
+    """Return what inputs that switch at other scans leave: the matrices are the same."""
+    other = replace(now.explanation, filtering=now.explanation.filtering.with_leads(leads))
+    return other.filtered(now.values, matrices=now.explanation.matrices(now.values))

@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 
 from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.answers.sureness import OUTSIDE, Sureness
-from gap.filters.diagnosing import CLEAR, TIE, Outcome, explained, rival, worst
+from gap.effects.controller_limits import ControllerLimits
+from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
 from gap.filters.explaining import STEPPED, free_names, total
 from gap.filters.filtering import Filtered
 from gap.filters.fitting import Found, refined
 from gap.filters.hysteresis import followed_on, left
+from gap.filters.limiting import reach
 from gap.filters.reading import Filtering
 from gap.telling.creep import about_creep
 from gap.telling.sizes import BLOCKS, SEEN, SURE
@@ -76,10 +78,10 @@ def _unknown(o: Outcome, sureness: Sureness) -> GapReport:
         part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
         effect = best.best.explanation.effect
         name, size = worst(best.best)
-        other, behind = rival(best.best)
+        other = rival(best.best)
         left = (
-            f"is {-behind:.1f} nats worse than {other}, which no effect of the catalogue is"
-            if behind <= -TIE
+            f"is {-other.behind:.1f} nats worse than {other.name}, which no effect of the catalogue is"
+            if other.likelier
             else f"leaves what a right explanation would not: {name}, {size:.1f} standard deviations"
         )
         words.append(
@@ -116,10 +118,11 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
             else "."
         )
     )
-    if not o.textured and rival(best.best)[1] < CLEAR:
-        other, behind = rival(best.best)
-        how = f"Nearly as well ({behind:.1f} nats less)" if behind > 0.0 else f"As well ({-behind:.1f} nats more)"
-        words.append(f"{how} the record is explained by {other}.")
+    if not o.textured and rival(best.best).behind < CLEAR:
+        other = rival(best.best)
+        less = other.behind
+        how = f"Nearly as well ({less:.1f} nats less)" if less > 0.0 else f"As well ({-less:.1f} nats more)"
+        words.append(f"{how} the record is explained by {other.name}.")
     shares = _shares(o)
     where = Where(one.place, sure, places, {place: shares.get(place, 0.0) for place in places})
     cause = Cause(effect.name, one.place, sure, others, found)
@@ -139,6 +142,9 @@ def _sizes(one: Found) -> dict[str, Size]:
     for p in effect.parameters if effect else ():
         value = float(one.best.values[p.name])
         if p.nuisance or not np.isfinite(value):
+            continue
+        if isinstance(effect, ControllerLimits):
+            found[p.name] = Size(value, *reach(one.best, p.name), p.unit)
             continue
         spread = {**STEM_SPREAD, **DIGITS_SPREAD}.get(p.name)
         if spread is not None and (explanation.sticks or p.name in DIGITS_SPREAD):

@@ -34,6 +34,7 @@ KINDS = {
     "a ramp of the load": lambda t, rng: {"load": 0.05 * np.clip((t - 2800.0) / 1800.0, 0.0, 1.0)},
     "a gain that goes with the direction": lambda t, rng: {"way": 0.03},
     "a restless stem": lambda t, rng: {"load": 0.025 * rng.normal(size=len(t))},
+    "a noise that grows with the level": lambda t, rng: {"grows": 0.0025 * rng.normal(size=len(t))},
     "a sensor whose noise is coloured": lambda t, rng: {"noise": 0.01 * autoregression(rng, len(t), 15.0)},
 }
 
@@ -48,10 +49,11 @@ def site_log(kind="none", seed=5, hours=2.0):
     K = np.broadcast_to(own.get("K", 3.0), n)
     load = 0.01 * autoregression(rng, n, 60.0) + own.get("load", 0.0)
     noise = 0.004 * rng.normal(size=n) + own.get("noise", 0.0)
+    grows = np.broadcast_to(own.get("grows", 0.0), n)
     y, z, a = SP[0], SP[0] / 3.0, math.exp(-0.1)
     PV, OP = np.empty(n), np.empty(n)
     for k in range(n):
-        PV[k] = y + noise[k]
+        PV[k] = y + noise[k] + grows[k] * y
         e = SP[k] - PV[k]
         z += K_P / T_I * e
         OP[k] = min(max(K_P * e + z, 0.0), 1.0)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from cases.models import site_flow
+from benchmarks.gap.generator import record
+from cases.models import level_loop, site_flow
 from gap import diagnose
 from gap.effects import effect
 from gap.filters.diagnosing import filtering_of
@@ -14,6 +15,7 @@ from gap.filters.filtering import Explanation
 from gap.filters.hysteresis import fitted_stems, looked_at
 from gap.filters.jumping import decided
 from gap.records.model import read
+from logs import Log
 
 FIRST, ROWS, S, J = 8, 60, 0.03, 0.009  # rows at the beginning tell where the stems are, and by how much is chance
 
@@ -95,6 +97,24 @@ def test_a_deadband_has_no_jump_and_its_width(site_record):
         fitted_stems(looked_at(plain, "valve"), known("stiction", "deadband"), 16.0),
         key=lambda found: len(found.best.explanation.own),
     )
-    best = decided(flat.best, effect("stiction"), [found.best for found in stuck])
+    (best,) = decided(flat.best, effect("stiction"), [found.best for found in stuck])
     assert best.explanation.effect.name == "deadband"
     assert best.values["width"] == pytest.approx(2.5, rel=0.05)
+
+
+def stem_only(model, setting, seed):
+    made = record(setting, ["stiction"], "typical", seed)
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    return diagnose(model, log, catalogue=known("stiction", "deadband", "sensor_noise"))
+
+
+def test_a_stem_that_hardly_moves_a_level_is_called_either():
+    (cause,) = stem_only(level_loop(), "level", 8601).causes
+    assert {cause.effect, *cause.ambiguous_with} == {"stiction", "deadband"}
+
+
+def test_a_stem_that_creeps_is_said_to_leave_the_log_of_a_play():
+    # the program's own law: on the site's loop this stem creeps (LuGre), and its S - J alone shows
+    report = stem_only(site_flow(), "site", 8633)
+    assert report.causes[0].effect in ("deadband", "stiction") and report.causes[0].probability < 0.8
+    assert any(word.startswith("A stem that creeps") for word in report.words)

@@ -11,6 +11,7 @@ from gap.filters.constant import modulated, stretches
 from gap.filters.diagnosing import LIMIT, filtering_of, rival, worst
 from gap.filters.explaining import coarse, followed, settled
 from gap.filters.filtering import Explanation
+from gap.filters.growing import growing
 from gap.filters.rivals import beside
 from gap.records.model import Nuisance, read
 from tests.gap.outside_loops import KINDS, site_log
@@ -81,10 +82,20 @@ def test_the_same_plan_at_the_gain_is_worse_for_a_load_and_better_for_a_gain():
     for kind, right in (("step", True), ("a gain that switches", False)):
         f = settled(filtering_of(*read(site_flow(), site_log(kind)))).best.explanation.filtering
         one = followed(coarse(settled(f), effect("step_disturbance"), "feed"))
-        name, behind = rival(one.best)
-        assert (behind > 6.0) == right
-        assert right or name == "a gain that follows the same plan"
+        other = rival(one.best)
+        assert (other.behind > 6.0) == right
+        assert right or other.name == "a gain that follows the same plan"
         assert (worst(one.best)[1] <= LIMIT) == right
+
+
+def test_noise_that_grows_with_the_level_is_told_from_more_noise():
+    for kind, right in (("more noise", True), ("a noise that grows with the level", False)):
+        plain = settled(filtering_of(*read(site_flow(), site_log(kind))))
+        one = followed(coarse(plain, effect("sensor_noise"), "sensor"))
+        (loss,) = growing(one.best).values()
+        assert (loss > one.nll + 4.0) == right
+        assert (loss < one.nll - 4.0) != right
+    assert growing(followed(coarse(plain, effect("process_gain"), "process")).best) == {}
 
 
 def test_what_rows_are_known_by_has_no_mean():

@@ -63,6 +63,19 @@ def test_an_output_that_stands_at_a_limit_is_sure(site_record):
     assert report.causes[0].parameters["high"].value == pytest.approx(58.0, abs=0.1)
 
 
+def test_a_limit_that_op_meets_between_two_rows_only_is_found():
+    # the limit put in is 67.27 %, the highest logged OP 64.8 %: the record's own numbers (analytic)
+    made = record("site", ["controller_limits"], "typical", 8604)
+    true = made.effects["controller_limits"]["high"]
+    assert 100.0 * made.signals["OP"].max() < true - 2.0
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    report = diagnose(site_flow(), log, catalogue=known("controller_limits", "sensor_noise", "controller_gain"))
+    assert named(report) == ["controller_limits"]
+    high = report.causes[0].parameters["high"]
+    assert high.value == pytest.approx(true, abs=1.5)
+    assert high.low < high.value < high.high  # no row says which it is
+
+
 def test_a_log_that_begins_as_if_the_controller_were_at_a_limit_has_a_filter(site_record):
     log = site_record()
     OP = log["OP"].copy()
