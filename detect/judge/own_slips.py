@@ -12,7 +12,7 @@ an even beat. Hence one rule more: a valve that stands for most of OP's travel l
 back, and these must make up ``MOST`` of the range of y.
 
 Needs PV with little noise: a jump of y shows above ``plantwide.slips.SIGMAS`` of what y does from sample to sample; PV
-neither drawn by a historian nor rounded; and OP that moves by less than ``STEP`` of S in a sample.
+neither drawn by a historian nor rounded; and OP that moves by less than ``STEP`` of S in a sample, where it slips.
 It accuses and never clears.  The idea and the limits are ours.
 """
 
@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from detect.plantwide.slips import SIDE, Jumps, Slips, jumps_of, slips_of
+from detect.plantwide.slips import SIDE, Jumps, Slips, jumps_of, larger, slips_of
 from detect.prepare.prepared import Prepared
 from detect.prepare.process_kind import kind_of_tag
 
@@ -33,7 +33,7 @@ MOST = 0.33
 STANDS = 0.5  # S over OP's travel from which a valve stands for most of it
 SMOOTH = 90.0  # % of the samples, whose rate changes least: the others may be slips
 SAMPLES = 100  # fewest
-STEP = 0.1  # of S, that OP may move in nine samples of ten
+STEP = 0.1  # of S, that OP may move in the sample of a slip and the one before, by their medians
 SP_STEP = 0.1  # of the range of SP
 # Facts of the data behind which PV is a chain of steps, and one of straight lines.
 BENT, DRAWN = ("quantised", "stale_data"), "compressed"
@@ -57,13 +57,15 @@ def own_slips(loop: Prepared) -> Slips | None:
     if percent is None or len(grid) < SAMPLES or grid.drawn > 0.0 or _bent(loop):
         return None
     op = percent * grid.op
-    step = float(np.percentile(np.abs(np.diff(op)), 90.0))
     rate = rate_of(grid.pv)
     store = rate if kind_of_tag(loop.record).integrating else driving(op, grid.pv)
-    for y in (rate,) if store is rate else (rate, store):
-        jumps = jumps_of(y)
+    seen = (rate,) if store is rate else (rate, store)
+    for y, jumps in [(x, each) for x in seen for each in (jumps_of(x), larger(jumps_of(x)))]:
         found = slips_of(op, y, jumps, loop.record.pv_name)
-        if found is None or step > STEP * found.S or _by_sp(grid.sp, jumps) or _answers(op, store, jumps, found.S):
+        if found is None:
+            continue
+        step = max(float(np.median(np.abs(np.diff(op)[jumps.at - back]))) for back in (0, 1))
+        if step > STEP * found.S or _by_sp(grid.sp, jumps) or _answers(op, store, jumps, found.S):
             continue
         if STANDS * np.ptp(op) >= found.S or np.median(np.abs(jumps.size)) >= MOST * np.ptp(y):
             return found._replace(low=found.low - step, high=found.high + step)

@@ -2,9 +2,11 @@
 
     r_k    what a tag y does within two samples beyond its slopes before and after
     jump   |r| above ``SIGMAS`` of its noise, ``SHARE`` of the range of y and ``STEEP`` times the slopes on either side;
-           of a tag, those of at least ``MAIN`` of its largest ones
+           of a tag, those of at least ``MAIN`` of its largest ones; where these say nothing, of ``LARGER`` of them:
+           a valve slips by J each time, and smaller jumps are another's
     S_i    travel of OP to a jump that goes the other way than the one before: from where OP was furthest since, if the
-           stem slid along with it, or from where OP was at that jump, if the stem stood; whichever scatters less
+           stem slid along with it; from where OP first turned back, if the stem stood from there on while OP came again
+           by less than J; or from where OP was at that jump, if the stem stood; whichever scatters least
     stood  the part of a jump that y has covered already while OP came back
 
 A valve that sticks lets OP travel by S and then slips, so that the flow through it, and what hangs on that flow, jump.
@@ -35,10 +37,11 @@ __all__ = ["Jumps", "Slips", "jumps_of", "owners", "slips_of"]
 Values = npt.NDArray[np.float64]
 SIDE = 4  # samples of the slope on either side
 SIGMAS, SHARE, STEEP = 8.0, 0.005, 2.5
-MAIN = 0.3
+MAIN, LARGER = 0.3, 0.5  # of the largest jumps of a tag; asked first with ``MAIN``, then of the larger ones alone
 REVERSALS = 4
 AGREEING, AGREE = 3, 0.02  # fewer reversals do where S ranges over no more than this share of it
 KNOWN = 0.03  # half of the 90 % interval of S, over S
+EVEN = 1e-3  # of S: in an even cycle no reading scatters, and the first is taken
 WAY = 0.75  # share of the jumps that go the same way as OP, or against it
 BEYOND, BACK = 1.2, 0.1  # of S, that OP may come back without a jump, and in which share of the cases more
 SHARES = np.array([0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.65, 0.9])  # J over S of the stems that are tried
@@ -105,6 +108,17 @@ def jumps_of(y: Values) -> Jumps:
     return Jumps(at + (np.abs(d[at + 1]) > np.abs(d[at])), size)  # before the larger of the two steps
 
 
+def larger(jumps: Jumps) -> Jumps:
+    """Return those of the jumps of at least ``LARGER`` of the largest.
+
+    >>> larger(Jumps(np.arange(4), np.array([1.0, -0.9, 0.4, 1.0]))).at.tolist()
+    [0, 1, 3]
+    """
+    size = np.abs(jumps.size)
+    kept = size >= LARGER * np.percentile(size, 90) if len(size) else np.empty(0, dtype=bool)
+    return Jumps(jumps.at[kept], jumps.size[kept])
+
+
 def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
     """Return the slips that the ``jumps`` of a tag y (n,) show for a valve of OP ``op`` (n,) [% of span], or None.
 
@@ -126,7 +140,7 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
         return None
     at, size = at[agree == sign], size[agree == sign]  # the others have another source
     way = sign * np.sign(size)
-    slid, still, stood, beyond = [], [], [], []
+    slid, still, paused, stood, beyond = [], [], [], [], []
     for a, b, old, new in zip(at[:-1], at[1:], way[:-1], way[1:], strict=True):
         ahead = old * op[a + 1 : b + 1]
         if new != old:
@@ -134,23 +148,31 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
             slid.append(float(ahead[furthest]) - here)
             still.append(float(ahead[0]) - here)
             stood.append(float(new * sign * (y[b] - y[a + 1 + furthest])))
+            paused.append(float(ahead[int(np.argmax(np.diff(ahead) < 0.0))]) - here)
         else:
             beyond.append(float(np.max(np.maximum.accumulate(ahead) - ahead)))
-    same = min(float(np.ptp(each) / np.median(each)) if each else 1.0 for each in (slid, still))
+    ways = [np.array(each) for each in (slid, still, paused)]
+    same = min(float(np.ptp(each) / np.median(each)) if len(each) else 1.0 for each in ways)
     if len(slid) < (AGREEING if same <= AGREE else REVERSALS) or float(np.median(stood)) > STOOD * float(
         np.median(np.abs(size))
     ):
         return None
-    middle, half = min((_middle(np.array(each)) for each in (slid, still)), key=lambda one: one[1] / one[0])
+    middle, half = min((_middle(each) for each in ways), key=lambda one: max(one[1] / one[0], EVEN))
     missed = np.mean(np.array(beyond) > BEYOND * middle) if beyond else 0.0
     after = int(SKIP * len(op))
     if half > KNOWN * middle or missed > BACK:
         middle, half = _timed(op, at, way, _middle(np.array(slid))[0], after)
     if middle < S_MIN or half > KNOWN * middle:
         return None
-    stems = stick(op, middle * np.array(NEARLY), 0.2 * middle)[after:].T  # of all of S it may never slip
+    stems = stick(op, *_stems(middle))[after:].T
     told = float(np.max(sign * (without_line(stems) @ without_line(y[None, after:])[0])))
     return Slips(middle, middle - half, middle + half, tag, len(slid), told) if told > 0.0 else None
+
+
+def _stems(S: float) -> tuple[Values, float, Values]:
+    """Return S (m,), J and starts (m,) of stems of about S; of all of it, or from its middle, one may never slip."""
+    sizes, starts = np.meshgrid(S * np.array(NEARLY), (-1.0, 0.0, 1.0))
+    return sizes.ravel(), 0.2 * S, starts.ravel()
 
 
 def _timed(op: Values, at: npt.NDArray[np.intp], way: Values, S: float, after: int) -> tuple[float, float]:

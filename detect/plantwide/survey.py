@@ -25,7 +25,7 @@ import numpy.typing as npt
 
 from detect.plantwide.answers import Answer, answer_of
 from detect.plantwide.lines import Spectra, groups, spectra
-from detect.plantwide.slips import Slips, jumps_of, owners, slips_of
+from detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
 from detect.words import WORDS, Word
 from logs import Log, LogError, LoopRecord
 from logs.processes import one_thread
@@ -248,14 +248,19 @@ def _suspects(
             tags = {own: signals[own]}
         else:
             tags = {n: x for n, x in signals.items() if n not in asked | stems | {record.pv_name}}
-            seen = (slips_of(op, tags[tag], at, tag) for tag, at in jumps.items() if tag in tags)
-            slips[record.name] = {one.tag: one for one in seen if one is not None}
+            seen = {tag: _slips(op, tags[tag], at, tag) for tag, at in jumps.items() if tag in tags}
+            slips[record.name] = {tag: one for tag, one in seen.items() if one is not None}
         a: Answer = answer_of(op, tags)
         found.append(Suspect(record.name, travel, a.gain, a.S, a.tag, a.follows, verdicts.get(record.name)))
     own_slips = owners(slips, jumps)
     found = [replace(suspect, slips=own_slips.get(suspect.loop)) for suspect in found]
     order = sorted(found, key=lambda s: (s.word != "stiction", -s.gain, -s.travel))
     return tuple(order), still
+
+
+def _slips(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
+    """The slips that the jumps of a tag show, or else its larger ones."""
+    return slips_of(op, y, jumps, tag) or slips_of(op, y, larger(jumps), tag)
 
 
 def _group(

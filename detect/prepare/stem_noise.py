@@ -13,6 +13,9 @@ __all__ = ["rounding", "stem_noise"]
 
 Values = npt.NDArray[np.float64]
 QUIET, QUIET_STEP = 0.25, 0.3186  # share of the steps that a standing stem makes; that quantile of |normal| noise
+# A stem that goes to and fro between two places looks rounded to its jump where these are multiples of it by chance:
+# once in 500 with this limit.
+MULTIPLE = 0.001  # of the step, that values may be off its multiples
 
 
 def stem_noise(t: Values, u: Values, mv: Values) -> float:
@@ -43,4 +46,4 @@ def rounding(x: Values) -> float:
     """
     apart = np.diff(np.unique(x))
     step = float(np.min(apart[apart > 1e-9 * np.ptp(x)], initial=math.inf)) if np.ptp(x) > 0.0 else 0.0
-    return step if step > 0.0 and bool(np.all(np.abs(x / step - np.round(x / step)) < 0.01)) else 0.0
+    return step if step > 0.0 and bool(np.all(np.abs(x / step - np.round(x / step)) < MULTIPLE)) else 0.0

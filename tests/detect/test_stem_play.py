@@ -182,3 +182,11 @@ def test_a_stem_that_slips_every_few_samples_is_not_taken_for_noise(samples):  #
 def test_what_op_moves_in_a_sample_is_no_jump(S, samples):
     v = detect(_every_few_samples(S, 0.0, samples))
     assert v.verdict != "stiction", v.reason
+
+
+def test_two_places_that_are_nearly_multiples_of_the_jump_are_no_rounding():
+    """A valve that only slips to and fro: S = 4, J = 1.9 (analytic), from 0.5 % of J beside a multiple of it."""
+    u = 50 + 2.1 * np.sin(np.arange(3000) / 25)
+    mv = np.where(stick(u, 4.0, 1.9, start=1.0) > np.mean(u), 6.005 * 1.9, 5.005 * 1.9)
+    found = detect(LoopRecord.from_arrays(np.arange(3000.0), pv=u, op=u, mv=mv, op_span=(0.0, 100.0)))
+    assert found.verdict == "stiction" and pytest.approx(4.0, rel=0.1) == found.amount_percent_op

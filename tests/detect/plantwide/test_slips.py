@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from detect.plantwide.slips import Jumps, Slips, jumps_of, owners, slips_of
+from detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
 from detect.plantwide.survey import survey
 from detect.prepare.stick import stick
 from logs import Log, LoopSignals
@@ -71,6 +71,39 @@ def test_noise_steps_of_rounding_and_steps_at_any_time_are_no_slips(seed):
         np.full(3000, 7.0),
     ):
         assert seen(u, y) is None
+
+
+def lines(*turns: float) -> np.ndarray:
+    """OP in straight lines between its turns, from the first to the last, 100 samples each."""
+    return np.interp(np.arange(100.0 * (len(turns) - 1)), 100.0 * np.arange(len(turns)), turns)
+
+
+@pytest.mark.parametrize("middle", [0.0, 6.0])
+def test_a_stem_that_only_slips_to_and_fro_is_told_wherever_it_starts(middle):
+    """S = 4, J = 1 (analytic): OP travels by 4.4, less than S + J: a stem in the middle of its band never slips."""
+    u = middle + lines(*np.tile([-2.2, 2.2], 9))
+    found = seen(u, stick(u, 4.0, 1.0, start=1.0))
+    assert found is not None and pytest.approx(4.0, rel=0.02) == found.S
+
+
+def test_S_is_read_from_where_OP_first_turned_back_if_the_stem_stood_since():
+    """S = 4, J = 1.5 (analytic). OP turns back by 0.5 and comes again by less than 0.5 + J: the stem stands."""
+    tops = [turn for more in (0.2, 1.2, 0.6, 1.0, 0.3, 1.3, 0.8) for turn in (3.0, 2.5, 3.0 + more, -4.0)]
+    u = lines(-4.0, *tops)
+    found = seen(u, stick(u, 4.0, 1.5))
+    assert found is not None and pytest.approx(4.0, rel=0.02) == found.S
+
+
+def test_smaller_jumps_of_another_source_do_not_hide_the_slips():
+    """Steps of 0.4 J from outside, as often with OP as against it; S = 4 (analytic)."""
+    u = walk(3)
+    steps = np.random.default_rng(3).permutation(np.repeat([0.6, -0.6], 24))
+    outside = np.zeros(3000)
+    outside[60::60] = np.append(steps, 0.6)
+    y = stick(u, 4.0, 1.5) + np.cumsum(outside)
+    assert seen(u, y) is None
+    found = slips_of(u, y, larger(jumps_of(y)), "FI1")
+    assert found is not None and pytest.approx(4.0, rel=0.03) == found.S
 
 
 @given(st.integers(0, 50), st.floats(0.01, 100.0), st.floats(-1e3, 1e3))
