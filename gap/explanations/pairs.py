@@ -16,10 +16,9 @@ from gap.explanations.pair import Pair
 from gap.explanations.proposals import SAME as ONE
 from gap.explanations.proposals import proposed, smooth
 from gap.explanations.stem_beside import stem_beside
+from gap.explanations.which_beside import which_beside
 from gap.fits.adequacy import needed, scored_alone, share
-from gap.fits.hidden import first_part_of
 from gap.fits.inserting import inserted
-from gap.fits.ranges import gained
 from gap.fits.search import Candidate, Fit, best_of, near_neutral, refined
 from gap.fits.sensitivity import promised
 from gap.fits.together import together
@@ -30,8 +29,9 @@ FIRSTS = 2  # single effects to which a second is added
 ENOUGH = 0.3  # share of the gap that one of two effects explains alone
 JOINED, FOLLOWED = 8, 3  # pairs that are fitted at once, a few steps, and to the end
 WHOLE = 2  # of these on the whole record
-PROMISING = 4  # smooth effects that are fitted beside a hidden mode
+PROMISING = 4  # smooth effects that are fitted beside a hidden mode in a large diagram
 WORTH = 0.6  # share of the gap that two effects explain before they are fitted again in turn
+GATE = 0.15  # of what a stem leaves, which a second effect takes away before the sizes of both are fitted at once
 CLEARLY = 0.05  # share of the gap that a pair explains beyond one effect, for its sizes to be worth more
 SAME = 60.0  # nats between effects that leave the same
 USUAL = 1.5  # standard deviations of the score above its mean, within which two effects leave nothing
@@ -58,9 +58,9 @@ def paired(
         if any(_enough(problem, pair) for pair in found):
             break
         second: Fit | None = None
-        for other in _seconds(problem, first, legal, progress):
-            pair = Pair(first, other)
-            found.append(improved(problem, pair) if share(problem, other) >= WORTH else pair)
+        for pair in _with_second(problem, first, legal, progress):
+            worth = share(problem, pair.second) >= WORTH and _takes_away(problem, first, pair.second)
+            found.append(improved(problem, pair) if worth else pair)
             second = found[-1].second
             if _enough(problem, found[-1]):
                 break
@@ -80,6 +80,11 @@ def _enough(problem: Problem, pair: Pair) -> bool:
     return problem.limit + needed(problem) >= scored_alone(pair.second)
 
 
+def _takes_away(problem: Problem, first: Fit, second: Fit) -> bool:
+    """Return whether a second effect takes away enough of what a stem leaves alone; beside no stem any is worth it."""
+    return not first.effect.hidden or GATE * (first.F - problem.level) <= first.F - second.F
+
+
 def beside_stem(problem: Problem, fits: Sequence[Fit], catalogue: Iterable[Effect]) -> Pair | None:
     """Return the best effect, a stem that is good enough alone, with more noise of a sensor; None if there is none.
 
@@ -94,17 +99,23 @@ def _worth_noise(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
     return [pair for pair in beside_noise(problem, fits) if pair.total < pair.first.total - needed(problem)]
 
 
-def _seconds(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Iterator[Fit]:
-    """Yield the best effects without a hidden mode beside another, none where none is there.
+def _with_second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Iterator[Pair]:
+    """Yield pairs of an effect and the best ones without a hidden mode beside it, none where none is there.
 
-    Beside a stem, which lines do not hold for, the few effects with slopes that promise most come first, and the others
+    Beside a stem, which lines do not hold for, the effects with slopes come first (``which_beside``), and the others
     only if none of these is enough: an offset stands in for much of a step.
     """
     rough, likely = _beside(problem, first, catalogue)
+    if first.effect.hidden and problem.record.filter is None:
+        for both in which_beside(problem, first, likely)[:1]:
+            there = best_of(replace(both.candidate, problem=problem).tried([both.values]))
+            if there is not None:
+                yield apart(problem, there)
+        likely = []
     for some in (likely, rough):
         best = next((fit for fit in ranked(some, progress) if fit.present), None)
         if best is not None:
-            yield best
+            yield Pair(first, best)
 
 
 def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
@@ -138,7 +149,7 @@ def _swapped(problem: Problem, found: Sequence[Pair], best: Fit) -> list[Fit]:
 
 def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[list[Candidate], list[Candidate]]:
     """Return the effects that are searched for in the presence of another: those that have no slope, for which no line
-    speaks, and beside a hidden mode the few of the others that promise most by slopes or by a few sizes.
+    speaks, and beside a hidden mode the others, of a large diagram the few that promise most by slopes.
     """
     legal = [
         one
@@ -150,15 +161,10 @@ def _beside(problem: Problem, first: Fit, catalogue: Sequence[Effect]) -> tuple[
     rough = [one for one in legal if not smooth(one)]
     if not first.effect.hidden:
         return rough, []
-
-    plain = first_part_of(problem, modes=False)
-
-    def promise(one: Candidate) -> float:
-        """Of a slope, and, where small sizes make matters worse beside a stem, of sizes over the range."""
-        slope = promised(replace(one, problem=problem.early))
-        return slope if problem.record.filter is not None else max(slope, gained(replace(one, problem=plain)))
-
-    likely = sorted((one for one in legal if smooth(one)), key=promise, reverse=True)
+    likely = [one for one in legal if smooth(one)]
+    if problem.record.filter is None:
+        return rough, _unlike(problem, likely)
+    likely.sort(key=lambda one: promised(replace(one, problem=problem.early)), reverse=True)
     return rough, _unlike(problem, likely)[:PROMISING]
 
 

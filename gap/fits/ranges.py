@@ -54,12 +54,6 @@ def fitted(candidate: Candidate, nodes: int = 0) -> Fit | None:
     return best_of([candidate.absent, *candidate.tried([first.values])])
 
 
-def gained(candidate: Candidate) -> float:
-    """Return how far the score falls at the best of a few sizes over the range [nats]."""
-    best = _over_range(candidate, NODES)
-    return candidate.absent.F - best.F if best is not None and math.isfinite(best.F) else 0.0
-
-
 def _near_neutral(best: Fit | None) -> Fit | None:
     """Return a small size where none of the range suits: what the slope at neutral leads to."""
     return best if best is None or best.present else refined(best, 2)
