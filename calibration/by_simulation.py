@@ -25,7 +25,7 @@ from calibration.simulation import simulate
 from calibration.spec import LoopSpec
 from detect.chances import chance
 from detect.judge.answer import Amount
-from detect.judge.features.network import network_features
+from detect.judge.features.network import one_look
 from detect.judge.model import rounded
 from logs import LoopRecord
 from logs.processes import one_thread, processes
@@ -100,11 +100,7 @@ def at_record(record: LoopRecord, loops: int = LOOPS, seed: int = 0, workers: in
     See also: ``conditions`` for what is taken from the record.
     """
     begun = time.perf_counter()
-    looks = [
-        (seen, shown)
-        for piece in split(record)
-        if (seen := _measured(piece)) and (shown := row(piece, network_features))
-    ]
+    looks = [(seen, shown) for piece in split(record) if (seen := _measured(piece)) and (shown := row(piece, one_look))]
     if not looks:
         conditions(record)  # says what is wrong, where it is that
         raise ValueError("the record shows too little for any feature; give a longer one in which OP and PV move")
@@ -171,7 +167,7 @@ def _joined(tables: Sequence[Table]) -> Table:
 
 def made_of(specs: Sequence[LoopSpec]) -> Table:
     """Return the network's scores and truth of loops, in this process."""
-    return table(simulate(specs, workers=1), network_features)
+    return table(simulate(specs, workers=1), one_look)
 
 
 def _measured(piece: LoopRecord) -> Conditions | None:

@@ -13,8 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from calibration.signals import Examples
-from detect.judge.features.channels import ODD
-from detect.judge.features.network import ALONG, CHANNELS, KERNEL, LAYERS, POOLED, STRIDE, Network
+from detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STRIDE, Network
 from detect.judge.features.patterns import STICKY
 
 __all__ = ["MISSING", "fit"]
@@ -26,7 +25,6 @@ HEADS, INNER = 4, 96  # weighted means over time; numbers f
 PASSES, BATCH, GROUP = 12, 64, 48  # over the loops; loops of a step; steps that loops are sorted by length in
 RATE, RISE, DECAY, DROPPED, SIZED = 2.5e-3, 15_000, 0.03, 0.1, 0.2
 CUT, LONG = 0.4, 200  # least share of a record that is kept, of records of so many points
-FLIPPED = np.r_[np.ones(ODD), np.zeros(ALONG), np.ones(CHANNELS - ODD - ALONG)].astype(bool)  # odd channels
 MISSING = 'PyTorch fits the network: pip install "stickslip[training]", or give --network 0 to keep the shipped one'
 
 

@@ -27,6 +27,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import starmap
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -155,13 +156,12 @@ def measure_all(t: Values, e: Values, sp: Values, cuts: Values, block: int = 409
     half_waves(*(np.ascontiguousarray(x) for x in (t, e, sp, cuts)), _PHASE, sums, shapes)
     lengths = np.diff(cuts)
     shapes /= np.maximum(sums[:, :1] / lengths[:, None], 1e-300)
-    found = []
-    rows = zip(cuts.tolist(), lengths.tolist(), sums.tolist(), shapes, strict=False)
-    for start, T, (iae, v_sine, v_square, peak, step, span, samples), shape in rows:
-        fault = "long" if samples > block else "sp" if span > 0.0 else "gap" if step > 0.25 * T else ""
-        if samples:
-            found.append(HalfWave(start, T, iae, v_sine, v_square, peak, int(samples), shape, fault))
-    return found
+    *columns, step, span, samples = sums.T  # IAE, V_sine, V_square, peak
+    gap = np.where(step > 0.25 * lengths, "gap", "")
+    faults = np.where(samples > block, "long", np.where(span > 0.0, "sp", gap))
+    columns = [cuts[:m], lengths, *columns, samples.astype(int)]
+    rows = zip(*(column.tolist() for column in columns), shapes, faults.tolist(), strict=True)
+    return [half for half in starmap(HalfWave, rows) if half.samples]
 
 
 # ---- batch -------------------------------------------------------------------------------------------------

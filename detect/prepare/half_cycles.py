@@ -10,6 +10,7 @@ crossings and the interpolated peak.
 
 from __future__ import annotations
 
+from itertools import starmap
 from typing import NamedTuple
 
 import numpy as np
@@ -112,8 +113,8 @@ def in_pieces(
         np.ascontiguousarray(t), np.ascontiguousarray(x), bounds, periods, smooth_max, noise_share,
         drift_share, SAMPLES_MIN, FLAT_SHARE, TWO_PEAKS, KINK,
     )  # fmt: skip
-    found = [
-        HalfCycle(start, when, end, peak, before, after, int(n), sine, triangle, FAULTS[int(fault)])
-        for fault, when, peak, before, after, n, sine, triangle, start, end in rows.tolist()
-    ]
+    fault, when, peak, before, after, n, sine, triangle, start, end = rows.T
+    columns = (start, when, end, peak, before, after, n.astype(int), sine, triangle)
+    faults = [FAULTS[k] for k in fault.astype(int).tolist()]
+    found = list(starmap(HalfCycle, zip(*(column.tolist() for column in columns), faults, strict=True)))
     return found, e, bool(drifts)

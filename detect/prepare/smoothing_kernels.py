@@ -49,12 +49,12 @@ def averages(t: Any, x: Any, width: float, held: bool, out: Any) -> None:
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def off_cubic(t: Any, x: Any, out: Any) -> None:
     """|x - cubic through the two samples on either side|, in standard deviations of unit noise, into out (n - 4,)."""
+    for m in range(2, len(t) - 2):  # as on an even clock: weights -1/6, 2/3, 2/3, -1/6, their squares add up to 17/18
+        out[m - 2] = abs(x[m] - (4.0 * (x[m - 1] + x[m + 1]) - (x[m - 2] + x[m + 2])) / 6.0) / (35.0 / 18.0) ** 0.5
     for m in range(2, len(t) - 2):
         step = t[m + 1] - t[m]
         uneven = abs(t[m] - t[m - 1] - step) + abs(t[m - 1] - t[m - 2] - step) + abs(t[m + 2] - t[m + 1] - step)
-        if uneven <= EVEN * step:  # the weights are -1/6, 2/3, 2/3, -1/6, their squares add up to 17/18
-            off = x[m] - (4.0 * (x[m - 1] + x[m + 1]) - (x[m - 2] + x[m + 2])) / 6.0
-            out[m - 2] = abs(off) / (35.0 / 18.0) ** 0.5
+        if uneven <= EVEN * step:
             continue
         prediction, spread = 0.0, 1.0
         for i in (m - 2, m - 1, m + 1, m + 2):

@@ -44,5 +44,5 @@ def test_with_real_loops(call, tmp_path, real_data):
     assert len(real) == 2
     wrong = [loop["title"] for loop in answer["loops"] if loop["score"] == "WRONG"]
     assert not wrong
-    # snapshot: the model calls PAP9 sticky at 84 %, and loops simulated like it do not bear that out (docs/verdict.md)
+    # snapshot: the model is not sure of PAP9, and loops simulated like it do not make it sticky (docs/verdict.md)
     assert next(loop for loop in real if "PAP9" in loop["title"])["verdict"] == "inconclusive"

@@ -1,11 +1,9 @@
-"""`stickslip check` on every real file: it runs, gives a reason, and is wrong only where that is known."""
+"""`stickslip check` on every real file: it runs, gives a reason, and is never wrong."""
 
 import csv
 import json
 
-# By the model alone called sticky at 84 %, labelled no stiction (docs/verdict.md); of the loops nearest to it
-# 23 % stick, so that the second look leaves it open.
-KNOWN = {"PAP9"}
+ASKED = "PAP9"  # the model is not sure of it, so that loops are simulated like it; labelled no stiction
 
 
 def test_every_file(call, real_data):
@@ -21,18 +19,15 @@ def test_every_file(call, real_data):
         assert (answer["verdict"] == "stiction") == (result.exit_code == 1)
         assert len(answer["reason"]) > 40, row["loop"]
         wrong = "no_stiction" if row["label"] == "stiction" else "stiction"
-        assert (answer["verdict"] == wrong) == (row["loop"] in KNOWN), row["loop"]
+        assert answer["verdict"] != wrong, row["loop"]
         for method in answer["methods"]:
             assert method["reason"] and (method["index"] is not None or method["verdict"] != "stiction")
 
 
-def test_what_the_model_alone_calls_wrongly_is_left_open_by_the_second_look(call, real_data):
+def test_what_the_model_is_not_sure_of_gets_a_second_look(call, real_data):
     with open(real_data / "loops.csv", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["loop"] in KNOWN]
-    assert len(rows) == len(KNOWN)
-    for row in rows:
-        result = call("check", real_data / row["file"], "--json", "-")
-        answer = json.loads(result.stdout)
-        assert result.exit_code == 0 and answer["verdict"] == "inconclusive" and answer["amount"] is None
-        assert "simulated under the conditions of this record" in answer["reason"]
-        assert answer["simulation"]["together"] < 0.7
+        (row,) = (row for row in csv.DictReader(file) if row["loop"] == ASKED)
+    result = call("check", real_data / row["file"], "--json", "-")
+    answer = json.loads(result.stdout)
+    assert result.exit_code == 0 and answer["verdict"] == "inconclusive" and answer["amount"] is None
+    assert answer["simulation"]["together"] < 0.7

@@ -11,7 +11,7 @@
     patterns    scores of random convolution kernels over OP, PV, e and what is new in PV
     network     scores of learnt convolutions over these and over what each size of stick would leave new in PV
 
-``features(loop)`` gives all of them by name, NaN where one does not apply; about 25 ms for 3,000 samples.
+``features(loop)`` gives all of them by name, NaN where one does not apply; about 30 ms for 3,000 samples.
 """
 
 from __future__ import annotations

@@ -10,8 +10,6 @@ even, and every half cycle looks alike:   r, dy, |w|, e, du.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 import numpy.typing as npt
 
@@ -32,7 +30,6 @@ BACK = 0.1  # of OP's range: a smaller way back is no turn
 BINS = 10  # of the travel since a turn
 
 
-@lru_cache(maxsize=1)  # patterns and network look at the same view, one after the other
 def channels(v: View) -> tuple[Singles, Singles, Values]:
     """The odd (7, n) and even (5, n) channels, and ``since_turn``, (4 ``BINS``,)."""
     u, y, e = (_read(x[:LOOKED_AT], v.turn) for x in (v.u, v.y, v.e))
