@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from detect.judge.still_stem import TRAVEL
 from detect.plantwide.answers import Answer, answer_of
 from detect.plantwide.lines import Spectra, groups, spectra
 from detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
@@ -39,7 +40,6 @@ SCHEMA = "stickslip.survey/1"
 Values = npt.NDArray[np.float64]
 POINTS = 3000  # of the grid: more shows no group and no band that fewer hide
 TRAVEL_MIN = 1.0  # % of OP span: a loop whose OP moves less feeds no oscillation worth a look
-STANDS = 2.0  # % of OP span, that no sound stem stands through (``judge.still_stem``)
 PLAIN = math.log(2.0)  # gain from which a band is plain: at most half of what was left is left
 
 
@@ -241,7 +241,7 @@ def _suspects(
             continue
         own = record.mv_name if record.mv_name in signals else None
         if own is not None and _steady(signals[own]):  # what goes with OP goes with PV, and says nothing of this stem
-            gain = PLAIN if travel >= STANDS else 0.0
+            gain = PLAIN if travel >= TRAVEL else 0.0  # no sound stem stands through it
             found.append(Suspect(record.name, travel, gain, travel, own, None, verdicts.get(record.name)))
             continue
         if own is not None:  # the stem itself is logged: no other tag need be asked
