@@ -148,7 +148,7 @@ class Counts:
 
 
 LARGE = Counts(4, 300, 7, 110, 3, 2, 40, 6, 100, 7, 2, 20)
-ASKED = Counts(2, 300, 7, 64, 1, 1, 20, 6, 100, 7, 1, 10)  # as many as are asked for, to be made in an evening
+ASKED = Counts(2, 300, 7, 64, 1, 3, 20, 6, 100, 7, 1, 10)  # as many as are asked for, to be made in an evening
 COUNTS = {
     "tuning": Counts(1, 60, 2, 20, 1, 1, 10, 1, 20, 2, 1, 5),
     "report": LARGE,

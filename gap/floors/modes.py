@@ -2,13 +2,17 @@
 
 The next row tells, so the interval before it is run again in each mode (``diagram.branches``), and one that brings the
 row down to half is kept.  Each costs ``CHARGE`` nats, what a mode of three at one row of a record is worth.
+
+What tells is the controller's output, which is as sharp as it is rounded.  Where it is rounded so coarsely that no
+wrong mode shows in it, the noisy measurement has to tell, some rows late: there the last ``SEVERAL`` intervals are run
+again.
 """
 
 import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
 from diagram.branches import Branches
@@ -20,6 +24,8 @@ BEYOND = 20.0  # of its floor, from which on an innovation tells a wrong mode
 SHARE = 0.5  # of what it was, to which another mode must bring a row
 LATEST, OF_LAG = 3, 2  # rows by which a mode that is wrong may show late, at most, and behind a lag
 PATIENCE = 4  # rows that go by, at most, where no mode has helped before (branches)
+COARSE = 0.01  # of its range: an output whose limit is larger shows no wrong mode
+LEVEL, SEVERAL, PART = 4.0, 6, 0.7  # the same of a noisy level: its limit, rows that it may be late, share
 CHARGE = 6.0  # nats of a mode that is set right
 
 
@@ -39,7 +45,7 @@ def branches_of(
     """Return when to try other modes of the stem that an effect has put into a diagram; None if there is none.
 
     ``model``: the diagram without any effect; ``params`` of the runs.  Changes of a controller's output tell, and the
-    level of a stem; not what is noisy, and not residuals that are predicted from earlier ones.
+    level of a stem; what is noisy only where these are too coarse; never residuals predicted from earlier ones.
     """
     known = {block.name for block in model.blocks}
     stems = [block.name for block in diagram.blocks if block.name not in known and sticking(block)]
@@ -48,11 +54,18 @@ def branches_of(
     scale = dict(zip(record.pinned, floor.L.diagonal().tolist(), strict=True))
     changes = {s: BEYOND * scale[s] for s, yes in zip(record.pinned, floor.changes, strict=True) if yes}
     stem = {str(s) for s in diagram[stems[0]].output_labels}
+    if not stem & set(scale) and all(limit > COARSE * float(np.ptp(_good(record, s))) for s, limit in changes.items()):
+        levels = {s: LEVEL * scale[s] for s in record.pinned if s not in changes}
+        return Branches(stems[0], offsets=levels, share=PART, patience=PATIENCE, back=SEVERAL) if levels else None
     offsets = {s: BEYOND * scale[s] for s in record.pinned if s in stem and s not in changes}
     if not (changes or offsets):
         return None
     back = 0 if offsets else _late(diagram, known, params or {}, record.log.dt)
     return Branches(stems[0], changes=changes, offsets=offsets, share=SHARE, patience=PATIENCE, back=back)
+
+
+def _good(record: Record, signal: str) -> NDArray[np.float64]:
+    return record.log[signal][record.log.good(signal)]
 
 
 def _late(diagram: Diagram, known: set[str], params: Mapping[str, ArrayLike], dt: float) -> int:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.gap.generator import record
 from cases.models import ideal_flow
 from diagram import ensemble
 from gap.diagnosis import diagnose, prepared
@@ -110,3 +111,14 @@ def test_a_gap_of_a_logged_stem_lies_at_the_valve_whatever_its_cause(recorded):
     assert abnormal_segment(problem) == ("valve",)
     without = prepared(ideal_flow(), logged(recorded, "stiction", ["OP", "PV"], S=6.0, J=3.0))
     assert {"valve", "process"} <= {*abnormal_segment(without)}
+
+
+@pytest.mark.parametrize(("severity", "seed"), [("typical", 9631), ("gross", 9642)])
+def test_a_stem_in_a_coarse_log_is_told_by_the_level_of_pv(severity, seed):
+    # oracle: a program that shares no code with this one; OP is rounded to 0.1 %, which no wrong mode exceeds
+    made = record("coarse", ["stiction"], severity, seed)
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
+    (cause,) = diagnose(ideal_flow(), log, catalogue=STEMS, limits=False).causes
+    assert cause.effect == "stiction"
+    assert cause.parameters["S"].value == pytest.approx(made.effects["stiction"]["S"], rel=0.03)
+    assert cause.parameters["J"].value == pytest.approx(made.effects["stiction"]["J"], rel=0.1)
