@@ -39,7 +39,7 @@ TREES = (
 )  # fmt: skip
 HOLDING = (Source("training", 20_040, "usual", 2000), Source("creeping", 30_060, "usual", 2000))
 KERNELS = 10_000  # seed of the loops that the limits of the kernels are taken from
-CHOOSING, TESTING = (7000, 7100), 9600  # of the other physics: to choose on (no fit); to report on, and nothing else
+CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
