@@ -23,6 +23,7 @@ from gap.explanations.alternatives import alternatives
 from gap.explanations.beside_digits import beside_digits
 from gap.explanations.candidates import candidates, ranked
 from gap.explanations.nesting import one_of_nested
+from gap.explanations.one_of_pair import enough_alone
 from gap.explanations.pairs import beside_stem, paired
 from gap.explanations.unmeasured import unmeasured_load
 from gap.filters.diagnosing import filtering_of, outcome
@@ -191,6 +192,9 @@ def told(
             return named_pair(problem, loud, alternatives(problem, loud, catalogue), fits, rival)
         return named(problem, tied(fits), fits, "adequate", rival)
     pair = paired(problem, fits, catalogue, progress)
+    single = None if pair is None else enough_alone(problem, pair, fits)
+    if single is not None:
+        return told(problem, single, progress, catalogue, textured, legal, seed)
     better = pair is not None and pair.total < min(best.total - needed(problem), beyond)
     if pair is not None and better and adequate_pair(problem, pair, best):
         return named_pair(problem, pair, alternatives(problem, pair, catalogue), fits, rival)

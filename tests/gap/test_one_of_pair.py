@@ -1,0 +1,39 @@
+"""A pair of which one effect is not there is one effect, with the sizes that the pair has found."""
+
+import pytest
+
+from cases.models import ideal_flow
+from gap.diagnosis import prepared
+from gap.effects import effect
+from gap.explanations.candidates import candidates
+from gap.explanations.joint import apart
+from gap.explanations.one_of_pair import enough_alone
+from gap.fits.search import best_of
+from gap.fits.together import marked, together
+
+S, J, WRONG = 4.0, 1.5, 4.4  # what is there, and an S that a search had ended at
+STEM = ("stiction", "valve", {"S": S, "J": J})
+
+
+def made(log, factor):
+    """The problem, single fits with wrong sizes, and a pair of the right stem and a gain of the controller."""
+    problem = prepared(ideal_flow(), log)
+    legal = candidates(problem, problem.quiet, [effect("stiction"), effect("controller_gain")])
+    stem = next(one for one in legal if one.effect.hidden)
+    gain = next(one for one in legal if not one.effect.hidden)
+    singles = [best_of(stem.tried([{"S": WRONG, "J": J}])), best_of(gain.tried([{"factor": 1.1}]))]
+    both = together(stem, gain)
+    pair = apart(problem, best_of(both.tried([{**marked({"S": S, "J": J}, "1."), **marked({"factor": factor}, "2.")}])))
+    return problem, singles, pair
+
+
+def test_an_effect_that_is_not_there_is_left_out(with_effects):
+    problem, singles, pair = made(with_effects(5, STEM), 1.0001)
+    first, *others = enough_alone(problem, pair, singles)
+    assert first.effect.name == "stiction" and first.values["S"] == pytest.approx(S)
+    assert first.total < singles[0].total and [fit.effect.name for fit in others] == ["controller_gain"]
+
+
+def test_an_effect_that_is_there_stays(with_effects):
+    problem, singles, pair = made(with_effects(5, STEM, ("controller_gain", "controller", {"factor": 1.2})), 1.2)
+    assert enough_alone(problem, pair, singles) is None
