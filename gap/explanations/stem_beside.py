@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gap.explanations.candidates import candidates, price
 from gap.explanations.joint import apart, improved, in_turn, stepped
@@ -20,6 +21,7 @@ from gap.fits.together import marked, together
 from gap.floors.problem import Problem
 from gap.insertion.effect import Effect
 
+Floats = NDArray[np.float64]
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 HARDLY = 0.05  # of what one effect leaves: where another than a stem leaves no more, none is looked for
 TROUGHS, ROUNDS = 4, 4  # that are followed, and steps in each
@@ -52,15 +54,17 @@ def _both(problem: Problem, first: Fit, stem: Candidate) -> Pair | None:
     """Return a first look at a stem beside another effect, on the whole record."""
     own = Candidate(problem, problem.quiet, first.effect, first.place)
 
-    def lines(head: Problem) -> Lines:
+    def felt(head: Problem) -> tuple[Floats, list[str]]:
         (there,) = replace(own, problem=head).tried([first.values])
-        J, names = slopes(there)
+        return slopes(there)
+
+    def lines(head: Problem) -> Lines:
+        J, names = felt(head)
         at = np.array([first.values[name] for name in names])
         low, high = np.array([own.bounds[name] for name in names]).reshape(-1, 2).T
         return J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0)
 
-    (there,) = own.tried([first.values])
-    names = slopes(there)[1]
+    names = felt(first_part_of(problem, modes=False))[1]  # a step that comes later is not felt there
     starts = []
     for sizes, d in glimpsed_beside(stem, lines)[:TROUGHS] if names else []:
         moved = {name: first.values[name] + float(change) for name, change in zip(names, d, strict=True)}
