@@ -148,16 +148,16 @@ def slips_of(op: Values, y: Values, jumps: Jumps, tag: str) -> Slips | None:
             slid.append(float(ahead[furthest]) - here)
             still.append(float(ahead[0]) - here)
             stood.append(float(new * sign * (y[b] - y[a + 1 + furthest])))
-            paused.append(float(ahead[int(np.argmax(np.diff(ahead) < 0.0))]) - here)
+            paused.append(float(ahead[int(np.argmax(np.diff(ahead, append=ahead[-1]) < 0.0))]) - here)
         else:
             beyond.append(float(np.max(np.maximum.accumulate(ahead) - ahead)))
     ways = [np.array(each) for each in (slid, still, paused)]
-    same = min(float(np.ptp(each) / np.median(each)) if len(each) else 1.0 for each in ways)
+    same = min(_scatter(float(np.ptp(each)), float(np.median(each))) if len(each) else 1.0 for each in ways)
     if len(slid) < (AGREEING if same <= AGREE else REVERSALS) or float(np.median(stood)) > STOOD * float(
         np.median(np.abs(size))
     ):
         return None
-    middle, half = min((_middle(each) for each in ways), key=lambda one: max(one[1] / one[0], EVEN))
+    middle, half = min((_middle(each) for each in ways), key=lambda one: max(_scatter(one[1], one[0]), EVEN))
     missed = np.mean(np.array(beyond) > BEYOND * middle) if beyond else 0.0
     after = int(SKIP * len(op))
     if half > KNOWN * middle or missed > BACK:
@@ -195,6 +195,11 @@ def _timed(op: Values, at: npt.NDArray[np.intp], way: Values, S: float, after: i
     if not len(good):
         return 1.0, float("inf")
     return 0.5 * float(good.min() + good.max()), 0.5 * float(good.max() - good.min())
+
+
+def _scatter(wide: float, middle: float) -> float:
+    """Return a width over its middle, infinite where the middle is no travel back."""
+    return wide / middle if middle > 0.0 else np.inf
 
 
 def _middle(each: Values) -> tuple[float, float]:
