@@ -14,7 +14,7 @@ A filter of a large diagram has no modes to set right: there the first patterns 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -95,10 +95,19 @@ def glimpsed(candidate: Candidate) -> Fit | None:
     return best_of(_at(candidate, [point]))
 
 
-def glimpsed_beside(
-    candidate: Candidate, slopes_of: Callable[[Problem], Lines]
-) -> list[tuple[dict[str, float], Floats]]:
-    """Return sizes of an effect with a hidden mode, in troughs of their own, and how far those of another move there.
+@dataclass(frozen=True, eq=False)
+class Trough:
+    """``sizes`` of an effect with a hidden mode; ``moved`` by how much those of another move there, along lines, and
+    ``F`` the score that is left then.
+    """
+
+    sizes: dict[str, float]
+    moved: Floats
+    F: float
+
+
+def glimpsed_beside(candidate: Candidate, slopes_of: Callable[[Problem], Lines]) -> list[Trough]:
+    """Return the best troughs of an effect with a hidden mode beside another, the deepest first.
 
     Sizes of the other that were found alone make up for the stem, and a replay with them has no trough for it: so each
     size of the grid is judged by what lines of the other, ``slopes_of`` a problem, leave of its innovations.
@@ -110,7 +119,7 @@ def glimpsed_beside(
     fits = _at(head, _grid(head))
     steps = {id(fit): step(fit.e.ravel(), J, low, high) for fit in fits}
     ordered = _apart(sorted(fits, key=lambda fit: steps[id(fit)][1]))
-    return [({k: fit.values[k] for k in fit.candidate.own}, steps[id(fit)][0]) for fit in ordered]
+    return [Trough({k: fit.values[k] for k in fit.candidate.own}, *steps[id(fit)]) for fit in ordered]
 
 
 def _filtered(candidate: Candidate) -> bool:
