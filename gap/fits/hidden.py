@@ -20,10 +20,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from diagram.diagram import Diagram
 from gap.fits.figure import read_off
 from gap.fits.robust import step
 from gap.fits.search import Candidate, Fit, best_of, refined
 from gap.floors.problem import Problem
+from gap.insertion.effect import Effect
 from gap.insertion.paths import given
 
 Floats = NDArray[np.float64]
@@ -116,7 +118,7 @@ def glimpsed_beside(candidate: Candidate, slopes_of: Callable[[Problem], Lines])
     J, low, high = slopes_of(head.problem)
     if not J.shape[1]:
         return []
-    fits = _at(head, _grid(head))
+    fits = _on_grid(head)
     steps = {id(fit): step(fit.e.ravel(), J, low, high) for fit in fits}
     ordered = _apart(sorted(fits, key=lambda fit: steps[id(fit)][1]))
     return [Trough({k: fit.values[k] for k in fit.candidate.own}, *steps[id(fit)]) for fit in ordered]
@@ -175,6 +177,18 @@ def _grid(candidate: Candidate) -> list[Point]:
     ]
 
 
+def _on_grid(candidate: Candidate) -> Sequence[Fit]:
+    """Return the fits at sizes over the whole range; the same ones again where they are judged beside others."""
+    assert candidate.effect is not None
+    return _replayed_on_grid(candidate.problem, candidate.base, candidate.effect, candidate.place)
+
+
+@lru_cache(maxsize=2)
+def _replayed_on_grid(problem: Problem, base: Diagram, effect: Effect, place: str) -> tuple[Fit, ...]:
+    candidate = Candidate(problem, base, effect, place)
+    return tuple(_at(candidate, _grid(candidate)))
+
+
 def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
     """Return the point of the lowest score on the first part of the record, and the last widths of a pattern there.
 
@@ -183,7 +197,7 @@ def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
     head = _head(candidate, modes)
     low, high = head.bounds[head.sizes[0]]
     wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
-    fits = sorted(_at(head, _grid(head)), key=_cost)
+    fits = sorted(_on_grid(head), key=_cost)
     if _share(fits[0]) < HINT and not _filtered(candidate):
         return _point(fits[0]), wide, 0.12
     ends = [(_point(fit), fit, wide, 0.12) for fit in _apart(fits)]
