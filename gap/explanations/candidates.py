@@ -30,7 +30,7 @@ from gap.insertion.effect import Effect
 PRICE = 12.0
 FOLLOWED, FOLLOWED_FREE = 6, 14  # candidates that are fitted to the end; where parameters have tolerances
 HOPE = 0.3  # share of the nats that an effect needs to be named, which its slope must promise
-NEAR = 0.25  # share of what the best takes away by which a candidate may lag behind the best after a few sizes, to be followed
+NEAR = 0.25  # share of what the best takes away, by which a candidate may lag behind it after a few sizes
 
 
 def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> list[Candidate]:

@@ -62,7 +62,7 @@ def in_turn(both: Fit, widths: Sequence[float]) -> Fit:
         moved = patterned(stem, wide, PATTERNS)
         again = both.candidate.tried([{**both.values, **marked(moved.values, mark)}])
         before, both = both, best_of([both, *(stepped(one, STEPS) for one in again)]) or both
-        if before.F - both.F < HARDLY * (before.F - problem.level):
+        if HARDLY * (before.F - problem.level) > before.F - both.F:
             break
     return both
 

@@ -69,8 +69,10 @@ def _troughs(problem: Problem, stem: Candidate, other: Candidate) -> list[dict[s
     if values is not other.nominal:
         base = begun(problem, base, other.effect, other.place, {name: values[name] for name in other.own})
     return [
-        {**marked({**values, **dict(zip(names, (at + one.moved).tolist(), strict=True))}, "1."),
-         **marked(one.sizes, "2.")}
+        {
+            **marked({**values, **dict(zip(names, (at + one.moved).tolist(), strict=True))}, "1."),
+            **marked(one.sizes, "2."),
+        }
         for one in glimpsed_beside(replace(stem, base=base), lambda _: lines)[:TROUGHS]
     ]
 
