@@ -191,7 +191,7 @@ def told(
         if loud is not None:
             return named_pair(problem, loud, alternatives(problem, loud, catalogue), fits, rival)
         return named(problem, tied(fits), fits, "adequate", rival)
-    pair = paired(problem, fits, catalogue, progress)
+    pair = paired(problem, fits, catalogue, progress, rival)
     single = None if pair is None else enough_alone(problem, pair, fits)
     if single is not None:
         return told(problem, single, progress, catalogue, textured, legal, seed)

@@ -19,10 +19,11 @@ from benchmarks.gap.settings import LOAD_TIME, SETTINGS, Setting
 from benchmarks.gap.severities import ACTS, OUTSIDE, SEVERITIES, Values, drawn
 
 Floats = NDArray[np.float64]
-# report_2 and report_3: records for states whose authors have seen the reports before
-FAMILIES = {"tuning": 1, "report": 2, "report_2": 3, "report_3": 4}
+# report_2 to report_4: records for states whose authors have seen the reports before
+FAMILIES = {"tuning": 1, "report": 2, "report_2": 3, "report_3": 4, "report_4": 5}
 STEPS = 20  # a second, where all is smooth
 FINE = 100  # where something has memory
+SLOW, FAST = 1.0 / 400.0, 1.0 / 60.0  # frequencies of a chirping load [1/s]
 FINE_ONES = {"stiction", "deadband", "valve_rate_limit", "quantisation", "dead_time"}
 
 
@@ -125,10 +126,11 @@ def record(
             switch = _telegraph(rng, n, 120.0)
         if outside == "set_point_weight":
             numbers["other"] = 0.0
+    shown = spread * loop.noise * n_1 + (_shown(outside, size, other, rng, loop.noise * n_1) if outside else 0.0)
     steps = FINE if FINE_ONES & set(effects) or outside else STEPS
     if numbers["friction"] == LUGRE:
         steps = STEPS
-    true = run(packed(numbers), sp, spread * loop.noise * n_1, n_2, load, switch, steps, float(sp[0]))
+    true = run(packed(numbers), sp, shown, n_2, load, switch, steps, float(sp[0]))
     deviation = values.get("compression", {}).get("deviation", 0.0)
     return Record(
         setting,
@@ -224,4 +226,18 @@ def _loads(kind: str, size: float, other: float, rng: np.random.Generator, n: in
         return packet
     if kind == "wandering_load":
         return size * np.sqrt(1.0 / other) * np.cumsum(rng.normal(size=n))
+    if kind == "chirping_load":
+        return np.asarray(size * np.sin(2.0 * np.pi * t * (SLOW + 0.5 * (FAST - SLOW) * t / n)))
+    return np.zeros(n)
+
+
+def _shown(kind: str, size: float, other: float, rng: np.random.Generator, noise: Floats) -> Floats:
+    """Return what the effects of a sensor add to what it shows, a value a second."""
+    n = len(noise)
+    if kind == "switching_bias":
+        return size * _telegraph(rng, n, other)
+    if kind == "bursting_noise":
+        return size * _telegraph(rng, n, other) * noise
+    if kind == "spiking_sensor":
+        return np.asarray(size * rng.choice([-1.0, 1.0], n) * (rng.random(n) < 1.0 / other))
     return np.zeros(n)

@@ -41,10 +41,11 @@ OUTSIDE_KINDS = (
     "", "sensor_hysteresis", "multiplicative_noise", "sticky_sensor", "gain_by_direction", "inverse_response",
     "intermittent_dead_time", "asymmetric_lag", "oscillating_gain", "quantised_output", "controller_gap",
     "frozen_sensor", "wavy_trim", "set_point_weight", "jammed_stem", "wave_packet", "wandering_load",
+    "fouling_gain", "leaking_integral", "switching_bias", "spiking_sensor", "bursting_noise", "chirping_load",
 )  # fmt: skip
 (
     _NONE, HYSTERESIS, MULTIPLIED, STICKY, BY_DIRECTION, INVERSE, INTERMITTENT, ASYMMETRIC, OSCILLATING, ROUNDED_OP,
-    GAP, FROZEN, WAVY, WEIGHT, JAMMED, PACKET, WANDERING,
+    GAP, FROZEN, WAVY, WEIGHT, JAMMED, PACKET, WANDERING, FOULING, LEAKING, _SWITCHING, _SPIKING, _BURSTING, _CHIRPING,
 ) = range(len(OUTSIDE_KINDS))  # fmt: skip
 STATES = 7
 Y, Y2, POS, Z, E_F, SEEN, LEVEL = range(STATES)
@@ -142,6 +143,8 @@ def slope(t, x, sp, n, load, pv_held, op_held, held, late, way, flags, p, dx):  
     gain, tau = p[K], p[TAU]
     if p[OUTSIDE] == OSCILLATING:
         gain *= 1.0 + p[SIZE] * math.sin(2.0 * math.pi * t / p[OTHER])
+    if p[OUTSIDE] == FOULING:
+        gain *= 1.0 - p[SIZE] * t / p[OTHER]
     if p[OUTSIDE] == ASYMMETRIC:
         tau *= 1.0 + p[SIZE] if gain * entering > x[Y] else 1.0 - p[SIZE]
     if p[INTEGRATING] > 0.0:
@@ -156,6 +159,8 @@ def slope(t, x, sp, n, load, pv_held, op_held, held, late, way, flags, p, dx):  
     v = p[K_P] * used + x[Z]
     pushed = (v >= p[HIGH] and used > 0.0) or (v <= p[LOW] and used < 0.0)
     dx[Z] = 0.0 if scanned or pushed else p[K_P] * used / p[T_I]
+    if p[OUTSIDE] == LEAKING and not scanned:
+        dx[Z] -= p[SIZE] * x[Z]
     dx[E_F] = (e - x[E_F]) / p[FILTER] if p[FILTER] > 0.0 and not scanned else 0.0
     if p[SENSOR] > 0.0:
         value = x[Y2] if p[SECOND] > 0.0 else x[Y]
@@ -291,6 +296,8 @@ def run(p: Any, sp: Any, noise: Any, noise_2: Any, load: Any, switch: Any, steps
                         x[E_F] += (1.0 - math.exp(-p[SCAN] / p[FILTER])) * (e - x[E_F])
                     used = x[E_F] if p[FILTER] > 0.0 else e
                     more = p[SCAN] * p[K_P] * used / p[T_I]
+                    if p[OUTSIDE] == LEAKING:
+                        more -= p[SCAN] * p[SIZE] * x[Z]
                     z = x[Z] + (more if p[PRESENT] > 0.0 else 0.0)
                     v = p[K_P] * used + z
                     op = control(used, wanted_flow, z, p)

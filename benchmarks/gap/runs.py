@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 
 from benchmarks.gap.generator import FAMILIES, Record, record
-from benchmarks.gap.severities import IDEAL, OUTSIDE_FOR_REPORT, OUTSIDE_FOR_TUNING, SEVERITIES
+from benchmarks.gap.severities import IDEAL, NEVER_SEEN, OUTSIDE_FOR_REPORT, OUTSIDE_FOR_TUNING, SEVERITIES
 
 VISIBLE = 0.05  # gap in units of the sensor's noise, below which an effect counts as having left no trace
 # what no log of SP, PV and OP tells apart with linear blocks, and what still cannot be told apart with MV
@@ -110,7 +110,8 @@ def without(family: str, setting: str, count: int) -> Iterator[Run]:
 
 def outside(family: str, setting: str, severities: tuple[str, ...], seeds: int) -> Iterator[Run]:
     """Yield runs with effects that no catalogue has: other kinds for the report than for tuning."""
-    for kind in OUTSIDE_FOR_TUNING if family == "tuning" else OUTSIDE_FOR_REPORT:
+    later = NEVER_SEEN if family == "report_4" else ()
+    for kind in OUTSIDE_FOR_TUNING if family == "tuning" else OUTSIDE_FOR_REPORT + later:
         for severity in severities:
             for seed in range(seeds):
                 yield Run(family, setting, (), severity, 2000 + seed, outside=kind)
@@ -154,6 +155,7 @@ COUNTS = {
     "report": LARGE,
     "report_2": LARGE,
     "report_3": ASKED,
+    "report_4": Counts(2, 300, 4, 64, 1, 1, 20, 6, 100, 4, 1, 10),  # more kinds outside the catalogue
 }
 
 

@@ -30,7 +30,7 @@ from gap.insertion.effect import Effect
 PRICE = 12.0
 FOLLOWED, FOLLOWED_FREE = 6, 14  # candidates that are fitted to the end; where parameters have tolerances
 HOPE = 0.3  # share of the nats that an effect needs to be named, which its slope must promise
-NEAR = 0.25  # share of the gap by which a candidate may lag behind the best after a few sizes, to be followed
+NEAR = 0.25  # share of what the best takes away, by which a candidate may lag behind it after a few sizes
 
 
 def candidates(problem: Problem, base: Diagram, catalogue: Iterable[Effect]) -> list[Candidate]:
@@ -108,7 +108,7 @@ def _finished(problem: Problem, found: Sequence[Fit]) -> list[Fit]:
     ordered = sorted(_own(problem, found, most), key=lambda fit: fit.total)
     done = []
     for k, fit in enumerate(ordered):
-        near = k < most and fit.present and fit.total <= ordered[0].total + _margin(problem, ordered)
+        near = k < most and fit.present and fit.total <= ordered[0].total + _margin(ordered)
         told = stands(problem, fit)  # what the digits give is not to be moved
         if near and not fit.followed and not told and (not fit.effect.hidden or problem.free):
             fit = replace(refined(fit), followed=True)
@@ -119,15 +119,15 @@ def _finished(problem: Problem, found: Sequence[Fit]) -> list[Fit]:
 def _own(problem: Problem, found: Sequence[Fit], most: int) -> list[Fit]:
     """Return fits of which those that may be followed are replayed with runs of their own."""
     ordered = sorted(found, key=lambda fit: fit.total)
-    last = ordered[0].total + _margin(problem, ordered)
+    last = ordered[0].total + _margin(ordered)
     return [
         (k < 2 * most and fit.total <= last and exact(fit, problem)) or fit for k, fit in enumerate(ordered)
     ]  # fmt: skip
 
 
-def _margin(problem: Problem, ordered: Sequence[Fit]) -> float:
+def _margin(ordered: Sequence[Fit]) -> float:
     """Return the nats by which a fit may lag behind the best of all, the first, to be followed."""
-    return NEAR * max(problem.score - ordered[0].F, 0.0) + 100.0
+    return NEAR * max(ordered[0].candidate.absent.F - ordered[0].F, 0.0) + 100.0
 
 
 def price(fit: Fit) -> float:

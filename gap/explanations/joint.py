@@ -15,6 +15,7 @@ from gap.floors.problem import Problem
 CLEAN = 0.95  # share of the gap up to which the sizes of a stem are followed by patterns, too
 WIDTHS = (0.05, 0.02)  # of patterns on the whole record, relative to a size
 PATTERNS, STEPS = 4, 3  # of a width, and steps along slopes behind them
+HARDLY = 0.03  # of what is left: where a width gains less, a narrower one is not tried
 
 
 def apart(problem: Problem, fit: Fit) -> Pair:
@@ -60,7 +61,9 @@ def in_turn(both: Fit, widths: Sequence[float]) -> Fit:
         stem, mark = (pair.first, "1.") if pair.first.effect.hidden else (pair.second, "2.")
         moved = patterned(stem, wide, PATTERNS)
         again = both.candidate.tried([{**both.values, **marked(moved.values, mark)}])
-        both = best_of([both, *(stepped(one, STEPS) for one in again)]) or both
+        before, both = both, best_of([both, *(stepped(one, STEPS) for one in again)]) or both
+        if HARDLY * (before.F - problem.level) > before.F - both.F:
+            break
     return both
 
 

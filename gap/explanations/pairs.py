@@ -11,11 +11,13 @@ from diagram.progress import Progress
 from gap.explanations.beside_noise import beside_noise
 from gap.explanations.candidates import candidates, price, ranked
 from gap.explanations.joint import apart, improved
+from gap.explanations.jumps import too_smooth
 from gap.explanations.law import with_its_law
 from gap.explanations.pair import Pair
 from gap.explanations.proposals import SAME as ONE
 from gap.explanations.proposals import proposed, smooth
 from gap.explanations.stem_beside import stem_beside
+from gap.explanations.unmeasured import UnmeasuredLoad
 from gap.explanations.which_beside import which_beside
 from gap.fits.adequacy import needed, scored_alone, share
 from gap.fits.inserting import inserted
@@ -41,9 +43,13 @@ TURNS = 2  # times that each is fitted again given the other
 
 
 def paired(
-    problem: Problem, fits: Sequence[Fit], catalogue: Iterable[Effect], progress: Progress = None
+    problem: Problem,
+    fits: Sequence[Fit],
+    catalogue: Iterable[Effect],
+    progress: Progress = None,
+    load: UnmeasuredLoad | None = None,
 ) -> Pair | None:
-    """Return the best pair of effects; None if none could be replayed.
+    """Return the best pair of effects; None if none could be replayed.  ``load``: what nobody measures, if any is.
 
     Pairs that lines propose are fitted at once; where none of them explains the record, an effect that has no slope is
     searched for in the presence of the best single ones, or any beside one with a hidden mode.
@@ -57,6 +63,8 @@ def paired(
     for first in [*_swapped(problem, found, fits[0]), *_firsts(problem, fits)]:
         if any(_enough(problem, pair) for pair in found):
             break
+        if first.effect.hidden and too_smooth(problem, first, load):
+            continue
         second: Fit | None = None
         for pair in _with_second(problem, first, legal, progress):
             worth = share(problem, pair.second) >= WORTH and _takes_away(problem, first, pair.second)

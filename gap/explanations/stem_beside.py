@@ -1,6 +1,7 @@
 """A stem that sticks beside another effect: both are fitted at once, since what one is alone makes up for the other.
 
-1. A grid over the stem's sizes, each judged by what slopes of the other effect leave of it, on the first part.
+1. A grid over the stem's sizes, each judged by what slopes of the other effect leave of it, on the first part.  Where
+   that is about as much as without a stem, there is none.
 2. From the best troughs steps along the slopes of both, with wrong modes set right, then patterns of the stem's sizes.
 3. Steps along the slopes of both on the whole record.
 """
@@ -24,7 +25,9 @@ from gap.insertion.effect import Effect
 Floats = NDArray[np.float64]
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 HARDLY = 0.05  # of what one effect leaves: where another than a stem leaves no more, none is looked for
+PROMISED = 0.65  # of what one effect leaves of the first part, which a stem in the best trough leaves at most
 TROUGHS, ROUNDS = 4, 4  # that are followed, and steps in each
+BEHIND = 1.5  # times what the best one that was followed leaves, which another leaves before, at most
 WIDTHS = (0.15, 0.07)  # of patterns on the first part, relative to a size
 
 
@@ -64,17 +67,26 @@ def _both(problem: Problem, first: Fit, stem: Candidate) -> Pair | None:
         low, high = np.array([own.bounds[name] for name in names]).reshape(-1, 2).T
         return J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0)
 
-    names = felt(first_part_of(problem, modes=False))[1]  # a step that comes later is not felt there
+    plain, head = first_part_of(problem, modes=False), first_part_of(problem, modes=True)
+    names = felt(plain)[1]  # a step that comes later is not felt there
+    troughs = glimpsed_beside(stem, lines)[:TROUGHS] if names else []
+    if troughs:
+        without = replace(own, problem=plain).tried([first.values])[0].F
+        if troughs[0].F - plain.level > PROMISED * (without - plain.level):
+            return None
     starts = []
-    for sizes, d in glimpsed_beside(stem, lines)[:TROUGHS] if names else []:
-        moved = {name: first.values[name] + float(change) for name, change in zip(names, d, strict=True)}
-        starts.append({**marked({**first.values, **moved}, "1."), **marked(sizes, "2.")})
-    head = first_part_of(problem, modes=True)
+    for one in troughs:
+        moved = {name: first.values[name] + float(change) for name, change in zip(names, one.moved, strict=True)}
+        starts.append({**marked({**first.values, **moved}, "1."), **marked(one.sizes, "2.")})
     both = together(replace(own, problem=head), replace(stem, problem=head, base=problem.quiet))
     if both is None or not starts:
         fit = glimpsed(stem)
         return None if fit is None else Pair(first, replace(fit, price=price(fit)))
-    found = best_of([stepped(fit, ROUNDS) for fit in both.tried(starts)])
+    found: Fit | None = None
+    for fit in sorted(both.tried(starts), key=lambda fit: fit.F):
+        if found is not None and fit.F - head.level > BEHIND * (found.F - head.level):
+            break
+        found = best_of([*([] if found is None else [found]), stepped(fit, ROUNDS)])
     return None if found is None else _on(problem, in_turn(found, WIDTHS))
 
 

@@ -65,10 +65,15 @@ def _troughs(problem: Problem, stem: Candidate, other: Candidate) -> list[dict[s
     at = np.array([values[name] for name in names])
     low, high = np.array([other.bounds[name] for name in names]).T
     lines: Lines = J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0)
-    base = begun(problem, problem.quiet, other.effect, other.place, {name: values[name] for name in other.own})
+    base = problem.quiet  # a replay with another effect that has no size is one without it
+    if values is not other.nominal:
+        base = begun(problem, base, other.effect, other.place, {name: values[name] for name in other.own})
     return [
-        {**marked({**values, **dict(zip(names, (at + d).tolist(), strict=True))}, "1."), **marked(sizes, "2.")}
-        for sizes, d in glimpsed_beside(replace(stem, base=base), lambda _: lines)[:TROUGHS]
+        {
+            **marked({**values, **dict(zip(names, (at + one.moved).tolist(), strict=True))}, "1."),
+            **marked(one.sizes, "2."),
+        }
+        for one in glimpsed_beside(replace(stem, base=base), lambda _: lines)[:TROUGHS]
     ]
 
 

@@ -14,16 +14,18 @@ A filter of a large diagram has no modes to set right: there the first patterns 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from diagram.diagram import Diagram
 from gap.fits.figure import read_off
 from gap.fits.robust import step
 from gap.fits.search import Candidate, Fit, best_of, refined
 from gap.floors.problem import Problem
+from gap.insertion.effect import Effect
 from gap.insertion.paths import given
 
 Floats = NDArray[np.float64]
@@ -95,10 +97,19 @@ def glimpsed(candidate: Candidate) -> Fit | None:
     return best_of(_at(candidate, [point]))
 
 
-def glimpsed_beside(
-    candidate: Candidate, slopes_of: Callable[[Problem], Lines]
-) -> list[tuple[dict[str, float], Floats]]:
-    """Return sizes of an effect with a hidden mode, in troughs of their own, and how far those of another move there.
+@dataclass(frozen=True, eq=False)
+class Trough:
+    """``sizes`` of an effect with a hidden mode; ``moved`` by how much those of another move there, along lines, and
+    ``F`` the score that is left then.
+    """
+
+    sizes: dict[str, float]
+    moved: Floats
+    F: float
+
+
+def glimpsed_beside(candidate: Candidate, slopes_of: Callable[[Problem], Lines]) -> list[Trough]:
+    """Return the best troughs of an effect with a hidden mode beside another, the deepest first.
 
     Sizes of the other that were found alone make up for the stem, and a replay with them has no trough for it: so each
     size of the grid is judged by what lines of the other, ``slopes_of`` a problem, leave of its innovations.
@@ -107,10 +118,10 @@ def glimpsed_beside(
     J, low, high = slopes_of(head.problem)
     if not J.shape[1]:
         return []
-    fits = _at(head, _grid(head))
+    fits = _on_grid(head)
     steps = {id(fit): step(fit.e.ravel(), J, low, high) for fit in fits}
     ordered = _apart(sorted(fits, key=lambda fit: steps[id(fit)][1]))
-    return [({k: fit.values[k] for k in fit.candidate.own}, steps[id(fit)][0]) for fit in ordered]
+    return [Trough({k: fit.values[k] for k in fit.candidate.own}, *steps[id(fit)]) for fit in ordered]
 
 
 def _filtered(candidate: Candidate) -> bool:
@@ -166,6 +177,18 @@ def _grid(candidate: Candidate) -> list[Point]:
     ]
 
 
+def _on_grid(candidate: Candidate) -> Sequence[Fit]:
+    """Return the fits at sizes over the whole range; the same ones again where they are judged beside others."""
+    assert candidate.effect is not None
+    return _replayed_on_grid(candidate.problem, candidate.base, candidate.effect, candidate.place)
+
+
+@lru_cache(maxsize=2)
+def _replayed_on_grid(problem: Problem, base: Diagram, effect: Effect, place: str) -> tuple[Fit, ...]:
+    candidate = Candidate(problem, base, effect, place)
+    return tuple(_at(candidate, _grid(candidate)))
+
+
 def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
     """Return the point of the lowest score on the first part of the record, and the last widths of a pattern there.
 
@@ -174,7 +197,7 @@ def _searched(candidate: Candidate, modes: bool) -> tuple[Point, float, float]:
     head = _head(candidate, modes)
     low, high = head.bounds[head.sizes[0]]
     wide = float(np.log(high / low)) / (FIRST - 1) * 0.5
-    fits = sorted(_at(head, _grid(head)), key=_cost)
+    fits = sorted(_on_grid(head), key=_cost)
     if _share(fits[0]) < HINT and not _filtered(candidate):
         return _point(fits[0]), wide, 0.12
     ends = [(_point(fit), fit, wide, 0.12) for fit in _apart(fits)]

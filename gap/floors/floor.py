@@ -260,7 +260,7 @@ def sharpest(model: Diagram, record: Record, signal: str) -> float:
     a log, a ten-thousandth of the travel.
     """
     rounding = record.steps[signal] / float(np.sqrt(12.0))
-    known = record.log[signal][record.log.good(signal)]
+    known = record.known(signal)
     sharp = max(rounding, NUMERICAL * float(np.ptp(known)))
     if model.blocks[model.driven[signal][0]].role is not Role.VALVE:
         return sharp

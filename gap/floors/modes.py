@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from blocks.block import Block
 from diagram.branches import Branches
@@ -54,7 +54,7 @@ def branches_of(
     scale = dict(zip(record.pinned, floor.L.diagonal().tolist(), strict=True))
     changes = {s: BEYOND * scale[s] for s, yes in zip(record.pinned, floor.changes, strict=True) if yes}
     stem = {str(s) for s in diagram[stems[0]].output_labels}
-    if not stem & set(scale) and all(limit > COARSE * float(np.ptp(_good(record, s))) for s, limit in changes.items()):
+    if not stem & set(scale) and all(limit > COARSE * float(np.ptp(record.known(s))) for s, limit in changes.items()):
         levels = {s: LEVEL * scale[s] for s in record.pinned if s not in changes}
         return Branches(stems[0], offsets=levels, share=PART, patience=PATIENCE, back=SEVERAL) if levels else None
     offsets = {s: BEYOND * scale[s] for s in record.pinned if s in stem and s not in changes}
@@ -62,10 +62,6 @@ def branches_of(
         return None
     back = 0 if offsets else _late(diagram, known, params or {}, record.log.dt)
     return Branches(stems[0], changes=changes, offsets=offsets, share=SHARE, patience=PATIENCE, back=back)
-
-
-def _good(record: Record, signal: str) -> NDArray[np.float64]:
-    return record.log[signal][record.log.good(signal)]
 
 
 def _late(diagram: Diagram, known: set[str], params: Mapping[str, ArrayLike], dt: float) -> int:

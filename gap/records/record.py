@@ -153,15 +153,19 @@ class Record:
         """Rounding of each signal that the model drives [its unit], 0 for none."""
         return {s: 0.0 if s in self.lattices else self.lattice(s) for s in (*self.pinned, *self.used)}
 
+    def known(self, signal: str) -> Floats:
+        """Return the good values of a signal."""
+        return self.log[signal][self.log.good(signal)]
+
     def lattice(self, signal: str) -> float:
         """Return the step on whose multiples the values of a signal lie, 0 for none."""
-        values = self.log[signal][self.log.good(signal)]
+        values = self.known(signal)
         return max(rounding(values), spacing(values))
 
     @cached_property
     def first(self) -> dict[str, float]:
         """First good value of each signal of the log."""
-        return {s: float(self.log[s][self.log.good(s)][0]) for s in self.log.names if self.log.good(s).any()}
+        return {s: float(self.known(s)[0]) for s in self.log.names if len(self.known(s))}
 
     def rounded(self, values: dict[str, Floats]) -> dict[str, Floats]:
         """Return values of the pinned signals rounded as the log rounds them."""

@@ -21,7 +21,7 @@ def test_places_are_those_of_the_catalogue():
     )
 
 
-@pytest.mark.parametrize("family", ["report", "report_2", "report_3"])
+@pytest.mark.parametrize("family", ["report", "report_2", "report_3", "report_4"])
 def test_there_are_enough_of_each_kind(family):
     runs = benchmark(family)
 
@@ -48,7 +48,7 @@ def test_every_beginning_holds_each_kind_by_its_share(runs):
 def test_nothing_of_the_report_is_used_for_tuning():
     tuning, report = benchmark("tuning"), benchmark("report")
     assert len({run.key for run in (*tuning, *report)}) == len(tuning) + len(report)
-    later = [run.key for family in ("report_2", "report_3") for run in benchmark(family)]
+    later = [run.key for family in ("report_2", "report_3", "report_4") for run in benchmark(family)]
     assert len({*later, *(run.key for run in report)}) == len(later) + len(report)
     assert not {run.outside for run in tuning if run.outside} & {run.outside for run in report}
     pairs = [{run.effects for run in family if len(run.effects) == 2} for family in (tuning, report)]
