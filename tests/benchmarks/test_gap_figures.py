@@ -2,8 +2,9 @@
 
 import pytest
 
-from benchmarks.gap.__main__ import NOTES, figures
 from benchmarks.gap.oracle import relative, restated, right
+from benchmarks.gap.required import NOTES, figures
+from benchmarks.gap.table import COLUMNS, write_table
 
 CLEAR = {"kind": "complete", "gap": 1e4, "share": 1.0, "margin": 1e3}
 ROW = {
@@ -57,3 +58,28 @@ def test_all_three_baselines_stand_beside_the_figures():
     out, _ = figures([ROW | {"parameters_only": 0.2, "flexible_residual": 0.4}])
     assert (out["free_run_place"], out["parameters_only"], out["flexible_residual"]) == (0.0, 0.2, 0.4)
     assert {"free_run_place", "parameters_only", "flexible_residual"} <= set(NOTES)
+
+
+def test_the_site_loop_is_told_by_severity_and_small_gaps_need_not_shrink():
+    site = ROW | {"setting": "site"}
+    small = site | {"evidence": CLEAR | {"gap": 0.1 * 2880}, "shrinkage": 0.1}  # analytic: 4 h, a row every 5 s
+    gross = site | {"severity": "gross", "place": False}
+    out, _ = figures([site, small, gross])
+    assert (out["site_cause_typical"], out["site_place_gross"], out["site_cause_gross"]) == (1.0, 0.0, 1.0)
+    assert out["site_shrinkage"] == 0.8 and out["site_unknown_gross"] is None
+    outside = site | {"effects": [], "outside": "wavy_trim", "severity": "gross", "unknown": True}
+    out, _ = figures([outside, outside | {"unknown": False}, outside | {"severity": "typical"}])
+    assert (out["site_unknown_typical"], out["site_unknown_gross"]) == (1.0, 0.5)
+
+
+def test_every_row_is_a_line_of_the_table(tmp_path):
+    loop = ROW | {"key": "report/ideal/dead_time/typical/0/no_mv", "cpu": 1.234}
+    plant = {"key": "report/full_plant/none/-/1000", "gap": False, "names": [], "places": [], "probability": None,
+             "cause": False, "place": False, "cpu": 20.0}  # fmt: skip
+    write_table([loop, plant], tmp_path / "rows.csv")
+    first, *lines = (tmp_path / "rows.csv").read_text().splitlines()
+    assert first == ",".join(COLUMNS)
+    assert lines == [
+        "report/full_plant/none/-/1000,0.0,False,,,,False,False,,,20.0",
+        "report/ideal/dead_time/typical/0/no_mv,1.0,True,dead_time,process,0.5,True,True,,False,1.2",
+    ]
