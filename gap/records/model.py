@@ -17,6 +17,7 @@ from gap.records.regular import with_inputs_held, with_rows_filled
 from logs import Log
 
 LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
+ELSEWHERE = 1.0  # times its range, by which an output beyond its limits is in another unit
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,20 @@ def _noises(diagram: Diagram) -> set[str]:
     return {str(diagram[name].output_labels[0]) for name in white} & read_by
 
 
+def _refuse_other_unit(diagram: Diagram, log: Log, signal: str) -> None:
+    """Raise ``GapError`` for an output that the log has far from where its controller keeps it, as percent are."""
+    block = diagram.blocks[diagram.driven[signal][0]]
+    if block.role is not Role.CONTROLLER or block.limit_params is None:
+        return
+    low, high = block.limits
+    usual = float(np.median(log[signal][log.good(signal)]))
+    if not low - ELSEWHERE * (high - low) <= usual <= high + ELSEWHERE * (high - low):
+        raise GapError(
+            f"{signal} is about {usual:.3g} in the log, but {block.name!r} of the model keeps it within {low:g} and "
+            f"{high:g}; bring the log to the model's unit, e.g. percent to a share by a factor of 0.01"
+        )
+
+
 def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     """Return the diagram with its logged sources open, and the record of the signals that both have.
 
@@ -132,4 +147,6 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
             f"model drives {', '.join(opened.signals[:20])}; rename the columns to these"
         )
     bad = [s for s in usable if np.isnan(log[s]).all()]
+    for signal in usable:
+        _refuse_other_unit(opened, log, signal)
     return opened, Record(log, tuple(opened.open_inputs), tuple(s for s in usable if s not in bad))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
+from stickslip.reading import form_options
 from stickslip.standard_input import with_standard_input
 from stickslip.targets import check_targets, write_whole
 
@@ -25,12 +26,7 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @click.option("--sp", metavar="COLUMN", help="Name of the set point column.")
 @click.option("--mv", metavar="COLUMN", help="Name of the stem position column.")
 @click.option("--mode", metavar="COLUMN", help="Name of the controller mode column.")
-@click.option("--time", metavar="COLUMN", help="Name of the time column.")
-@click.option("--time-format", metavar="FORMAT", help="Format of the time stamps, e.g. '%d/%m/%y %H:%M:%S'.")
-@click.option("--time-unit", metavar="UNIT", help="Unit of a time of numbers: s, ms, us, ns, min, h, d, filetime, ...")
-@click.option("--interval", type=float, metavar="SECONDS", help="Time between rows, for a file without time.")
-@click.option("--separator", metavar="CHAR", help="Character between the cells, if the guess is wrong.")
-@click.option("--decimal", metavar="CHAR", help="Decimal mark, '.' or ',', if the guess is wrong.")
+@form_options
 @click.option("--loop", metavar="TAG", help="Name of the loop, where the file holds several.")
 @click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
 @click.option("--measurement", type=click.Choice(MEASUREMENTS), help="What PV measures; otherwise told from the tag.")

@@ -2,11 +2,12 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from stickslip.console import Speaker, json_option, user_errors
+from stickslip.reading import as_named, form_options
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
@@ -20,6 +21,14 @@ SHOWN = 6  # effects that are listed
 @click.command("gap")
 @click.argument("run", type=click.Path(path_type=Path))
 @click.option("--model", required=True, metavar="MODEL", help="Name of a case, or FILE.py:FUNCTION.")
+@click.option(
+    "--signal",
+    "signals",
+    multiple=True,
+    metavar="NAME=COLUMN",
+    help="Column of RUN that is the signal NAME of MODEL, as in OP=0.01*FC101.OP; repeatable.",
+)
+@form_options
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
 @click.option("--seed", type=int, metavar="N", default=0, show_default=True, help="Seed of the runs without a gap.")
 @click.option("--calibrate", is_flag=True, help="Count how often names are right on runs of MODEL with known effects.")
@@ -34,17 +43,20 @@ SHOWN = 6  # effects that are listed
 def command(
     run: Path,
     model: str,
+    signals: tuple[str, ...],
     html: Path | None,
     seed: int,
     calibrate: bool,
     minutes: float | None,
     json_file: str | None,
+    **form: Any,
 ) -> None:
     """Say where MODEL and the record RUN part, which effect explains it, and how far the gap shrinks then.
 
-    RUN is CSV or Parquet with a column 'time' in seconds and any signals of the model, by name. MODEL is the name of a
-    case ('stickslip simulate --list'), or FILE.py:FUNCTION: that file IS EXECUTED, and the function, called without
-    arguments, returns a wired diagram with nominal parameters, its noise and unmeasured loads as blocks.
+    RUN is CSV or Parquet with a time and any signals of the model, by name; what is called otherwise, or is in other
+    units, --signal tells: where the model's OP goes from 0 to 1, percent have to be multiplied by 0.01. MODEL is the
+    name of a case ('stickslip simulate --list'), or FILE.py:FUNCTION: that file IS EXECUTED, and the function, called
+    without arguments, returns a wired diagram with nominal parameters, its noise and unmeasured loads as blocks.
 
     --calibrate puts every effect into MODEL at the set points, rows, rounding and signals of RUN, diagnoses these runs,
     prints what came out, and keeps it: probabilities are stated by it from then on.
@@ -53,6 +65,7 @@ def command(
     Examples:
       stickslip gap run.csv --model ideal_flow
       stickslip gap run.csv --model my_loop.py:loop --json gap.json --html gap.html
+      stickslip gap export.csv --model ideal_flow --signal PV=FT101 --signal OP=0.01*FC101.OP --signal SP=FC101.SP
       stickslip gap run.csv --model my_loop.py:loop --calibrate --minutes 10
 
     \b
@@ -66,7 +79,7 @@ def command(
     from logs import read_log
     from stickslip.own import diagram_named
 
-    log = read_log(run)  # first: a model is executed only where there is a record
+    log = as_named(read_log(run, **form), signals)  # first: a model is executed only where there is a record
     diagram = diagram_named(model, "--model")
     say = Speaker(json_file)
     if calibrate:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.console import Speaker, json_option, user_errors
+from stickslip.reading import form_options
 from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
@@ -17,8 +18,7 @@ if TYPE_CHECKING:
 @click.option("--pv", metavar="COLUMN", help="Name of the measurement column.")
 @click.option("--op", metavar="COLUMN", help="Name of the controller output column.")
 @click.option("--mv", metavar="COLUMN", help="Name of the stem position column.")
-@click.option("--time", metavar="COLUMN", help="Name of the time column.")
-@click.option("--interval", type=float, metavar="SECONDS", help="Time between rows, for a file without time.")
+@form_options
 @click.option("--loop", metavar="TAG", help="Name of the loop, where the file holds several.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
 @click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with the picture.")

@@ -97,3 +97,44 @@ def test_a_calibration_takes_the_minutes_that_are_given(call, written, model, mo
     assert asked == [float("inf"), 600.0]
     refused = call("gap", path, "--model", f"{model}:loop", "--calibrate", "--minutes", "0")
     assert refused.exit_code == 2 and "--minutes" in refused.output
+
+
+def as_exported(path):
+    """The same file as a plant writes it: its own tags, percent, clock times, commas."""
+    lines = path.read_text().splitlines()
+    rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
+    out = ["Zeit;FC101.SP;FC101.OP;FT101"]
+    for t, SP, OP, PV in rows:
+        clock = f"01.03.2026 08:{int(t) // 60:02d}:{int(t) % 60:02d}"
+        out.append(";".join([clock, *(f"{v:.6f}".replace(".", ",") for v in (SP, 100.0 * OP, PV))]))
+    other = path.with_name("export.csv")
+    other.write_text("\n".join(out) + "\n")
+    return other
+
+
+NAMED = ("--signal", "SP=FC101.SP", "--signal", "PV=FT101", "--signal")
+
+
+def test_an_export_with_other_names_units_and_marks_gives_the_same_answer(call, written, model):
+    path = written(1.3)
+    mine = json.loads(call("gap", path, "--model", "ideal_flow", "--json", "-").stdout)
+    form = ("--time", "Zeit", "--time-format", "%d.%m.%Y %H:%M:%S", "--decimal", ",", "--separator", ";")
+    result = call("gap", as_exported(path), "--model", "ideal_flow", *NAMED, "OP=0.01*FC101.OP", *form, "--json", "-")
+    found = json.loads(result.stdout)
+    assert result.exit_code == 1 and found["causes"][0]["effect"] == mine["causes"][0]["effect"] == "controller_gain"
+    factors = [one["causes"][0]["parameters"]["factor"]["value"] for one in (mine, found)]
+    assert factors[0] == pytest.approx(factors[1], rel=1e-6)
+
+
+def test_percent_where_the_model_has_a_share_is_refused_with_the_remedy(call, written, model):
+    result = call("gap", as_exported(written(1.0)), "--model", "ideal_flow", *NAMED, "OP=FC101.OP")
+    assert result.exit_code == 2 and "keeps it within 0 and 1" in result.output and "factor of 0.01" in result.output
+
+
+@pytest.mark.parametrize(("given", "said"), [
+    ("OP", "give NAME=COLUMN"), ("=FC101.OP", "give NAME=COLUMN"), ("OP=0.01*", "give NAME=COLUMN"),
+    ("OP=FT101", "give each column once"), ("OP=FC102.OP", "FC102.OP"), ("SP=FC101.OP", "called 'SP'"),
+])  # fmt: skip
+def test_a_signal_that_cannot_be_is_said(call, written, model, given, said):
+    result = call("gap", as_exported(written(1.0)), "--model", "ideal_flow", *NAMED, given)
+    assert result.exit_code == 2 and said in result.output and "Traceback" not in result.output
