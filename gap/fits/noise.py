@@ -6,7 +6,11 @@ the signal as at another, while it moves as at rest, early as late:
     z = corr(e_k, e_(k-j)) sqrt(n)          z = mean(e) sqrt(n) / sd(e)
     z = corr(e_k^2, x_k) sqrt(n),           x the level of the signal, its rate, or time
 
-are then normal, of variance 1.  Noise that grows with the signal instead, of which a record of few levels, or a little
+are then normal, of variance 1, and so is what tells noise that comes in bursts, wider for a while and not:
+
+    z = sum over j = 1 ... m of corr(e_k^2, e_(k-j)^2) sqrt(n / m)          after McLeod and Li (1983)
+
+Noise that grows with the signal instead, of which a record of few levels, or a little
 noise, shows next to nothing, would have for the level
 
     z_1 = cov(v, x) sqrt(n) / (sd(e^2) sd(x))       v = 1 + (1 - 1/f^2) (x^2 / mean(x^2) - 1),   f the noise found
@@ -24,6 +28,7 @@ from gap.fits.search import Candidate, Fit, best_of, narrowed
 Floats = NDArray[np.float64]
 UNLIKELY, MOVING = 3.0, 3.5  # standard deviations of a correlation, and of that with the rate
 LAGS = (1, 2, 3, 5, 8, 13, 20)  # rows
+NEIGHBOURS = 32  # rows behind one, with whose squares its own goes where noise comes in bursts
 LARGEST = 4.0  # innovation: what is beyond counts as this, so that a few do not decide
 FACTORS = 40  # sizes of noise that are tried, and again between the best ones
 
@@ -59,11 +64,24 @@ def is_noise(fit: Fit) -> bool:
         time, rate = np.arange(len(e), dtype=float), np.abs(np.diff(level, prepend=level[:1]))  # up to this row only
         z = [shown(e[:-lag], e[lag:]) for lag in LAGS] + [shown(e**2, x) for x in (level, time)]
         z.append(float(np.nanmean(e)) / max(float(np.nanstd(e)), 1e-300) * float(np.sqrt(np.isfinite(e).sum())))
-        if max(map(abs, z)) > UNLIKELY or abs(shown(e**2, rate)) > MOVING:
+        if max(map(abs, z)) > UNLIKELY or abs(shown(e**2, rate)) > MOVING or in_bursts(e) > MOVING:
             return False
         if shown(e**2, level) > 0.5 * growing(e, level, fit.values["factor"]) > 0.0:
             return False
     return True
+
+
+def in_bursts(e: Floats) -> float:
+    """Return the z that squares of innovations go with those of the rows before, positive where noise comes in bursts.
+
+    >>> rng = np.random.default_rng(1)
+    >>> e, wide = rng.normal(size=4000), np.repeat([1.0, 2.0], 100)
+    >>> abs(in_bursts(e)) < 3.0, in_bursts(e * np.tile(wide, 20)) > 20.0
+    (True, True)
+    """
+    squares = e**2
+    lags = range(1, min(NEIGHBOURS, len(e) // 4) + 1)
+    return sum(shown(squares[:-lag], squares[lag:]) for lag in lags) / float(np.sqrt(max(len(lags), 1)))
 
 
 def growing(e: Floats, level: Floats, factor: float) -> float:

@@ -84,6 +84,7 @@ def test_a_little_noise_is_told_from_noise_that_grows_with_the_level_by_which_is
 
     assert is_noise(found(read("ideal", ("sensor_noise",), severity, hours=2.0)))
     assert not is_noise(found(read("ideal", (), severity, hours=2.0, outside="multiplicative_noise")))
+    assert not is_noise(found(read("ideal", (), severity, hours=2.0, outside="bursting_noise")))
 
 
 def test_a_limit_at_which_the_record_begins_is_found():
