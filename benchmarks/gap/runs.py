@@ -155,7 +155,7 @@ COUNTS = {
     "report": LARGE,
     "report_2": LARGE,
     "report_3": ASKED,
-    "report_4": Counts(2, 300, 4, 64, 1, 1, 20, 6, 100, 4, 1, 10),  # more kinds outside the catalogue
+    "report_4": Counts(2, 300, 6, 64, 1, 1, 20, 6, 100, 4, 1, 10),  # more kinds outside the catalogue
 }
 
 
