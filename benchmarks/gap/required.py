@@ -26,6 +26,8 @@ NOTES = {
     "false_alarm": "alarms on records without a gap (required: at most 0.004)",
     "unknown_recall": "effects outside the catalogue called unknown (required: at least 0.9)",
     "confident_wrong": "wrong names above 0.8 on effects outside the catalogue (required: at most 0.02)",
+    "unknown_just_visible": "effects outside the catalogue called unknown, just visible",
+    "confident_wrong_just_visible": "wrong names above 0.8 on these",
     "pairs_both": "pairs with both effects named (required: at least 0.8)",
     "shrinkage_median": "held-out shrinkage of right names relative to the true effect (required: at least 0.98)",
     "shrinkage_p10": "its tenth percentile (required: at least 0.9)",
@@ -47,6 +49,7 @@ NOTES = {
     "site_shrinkage": "median held-out shrinkage of right names, gap above 0.15 nat a row (required: at least 0.9)",
     "site_unknown": "unknown recognised, site loop (required: at least 0.75)",
     "site_confident_wrong": "wrong names above 0.8, site loop (required: at most 0.03)",
+    "site_unknown_just_visible": "unknown recognised, site loop, just visible",
     "site_false_alarm": "alarms, site loop (required: at most 0.02)",
     "general_place": "place right: second order, level, cascade (required: at least 0.85)",
     "general_cause": "cause right: second order, level, cascade (required: at least 0.8)",
@@ -98,8 +101,10 @@ def figures(found: Sequence[dict[str, Any]], plant: Sequence[dict[str, Any]] = (
     out["set_size"] = _mean([len(r["sets"][0]) for r in at("ideal", *far) if r["sets"]])
     add("cause_just_visible", at("ideal", "just visible"), "cause")
     add("false_alarm", _none(found, "ideal"), "gap")
-    add("unknown_recall", _outside(found, "ideal"), "unknown")
-    add("confident_wrong", _outside(found, "ideal"), "confident_wrong")
+    add("unknown_recall", _outside(found, "ideal", *far), "unknown")
+    add("confident_wrong", _outside(found, "ideal", *far), "confident_wrong")
+    add("unknown_just_visible", _outside(found, "ideal", "just visible"), "unknown")
+    add("confident_wrong_just_visible", _outside(found, "ideal", "just visible"), "confident_wrong")
     add("pairs_both", [r for r in found if len(r["effects"]) > 1], "both")
     shrunk = [part for r in at("ideal", *far) if r["cause"] and (part := relative(r)) is not None]
     out["shrinkage_median"], out["shrinkage_p10"] = _quantile(shrunk, 0.5), _quantile(shrunk, 0.1)
@@ -118,13 +123,13 @@ def figures(found: Sequence[dict[str, Any]], plant: Sequence[dict[str, Any]] = (
     add("site_place_gross", at("site", "gross"), "place")
     add("site_cause_gross", at("site", "gross"), "cause")
     for severity in far:
-        some = [r for r in _outside(found, "site") if r["severity"] == severity]
-        add(f"site_unknown_{severity}", some, "unknown")
+        add(f"site_unknown_{severity}", _outside(found, "site", severity), "unknown")
     errors = [r["error"] for r in at("site", *far) if r["effects"] == ["stiction"] and r["error"] is not None]
     out["site_stiction_error"] = _quantile(errors, 0.5)
     out["site_shrinkage"] = _quantile([r["shrinkage"] for r in at("site", *far) if r["cause"] and _large(r)], 0.5)
-    add("site_unknown", _outside(found, "site"), "unknown")
-    add("site_confident_wrong", _outside(found, "site"), "confident_wrong")
+    add("site_unknown", _outside(found, "site", *far), "unknown")
+    add("site_confident_wrong", _outside(found, "site", *far), "confident_wrong")
+    add("site_unknown_just_visible", _outside(found, "site", "just visible"), "unknown")
     add("site_false_alarm", _none(found, "site"), "gap")
     wide = [r for r in seen if r["setting"] in general]
     add("general_place", wide, "place")
@@ -164,8 +169,9 @@ def _none(found: Sequence[dict[str, Any]], setting: str) -> list[dict[str, Any]]
     return [r for r in found if r["setting"] == setting and not r["effects"] and not r["outside"]]
 
 
-def _outside(found: Sequence[dict[str, Any]], setting: str) -> list[dict[str, Any]]:
-    return [r for r in found if r["setting"] == setting and r["outside"] and r["visible"] > VISIBLE]
+def _outside(found: Sequence[dict[str, Any]], setting: str, *severities: str) -> list[dict[str, Any]]:
+    here = [r for r in found if r["setting"] == setting and r["outside"] and r["visible"] > VISIBLE]
+    return [r for r in here if r["severity"] in severities]
 
 
 def _large(row: dict[str, Any]) -> bool:
