@@ -143,3 +143,11 @@ def test_a_bank_of_stems_outlives_rows_that_exclude_every_stem():
     log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP", "PV", "OP")})
     looked = looked_at(settled(filtering_of(*read(site_flow(), log))), "valve")
     assert np.isfinite([looked.none, *(one.nll for one in looked.flat)]).all()
+
+
+def test_a_limit_at_the_highest_output_of_a_record_without_a_gap_is_none():
+    # expected: none; one row at which OP stands as high as it ever does gained 7.5 nats by chance
+    made = record("cascade", seed=1009, family="report_4")
+    log = Log(made.signals["time"], {s: made.signals[s] for s in ("SP_L", "L", "SP", "PV", "OP")})
+    limits = known("controller_limits", "sensor_noise")
+    assert not diagnose(level_cascade(), log, catalogue=limits, limits=False).gap
