@@ -117,6 +117,7 @@ def record(
             spread = its["factor"]
         elif name in ACTS:
             numbers |= ACTS[name](its, base)
+    shown = spread * loop.noise * n_1
     if outside:
         size, other = OUTSIDE[outside][level]
         size *= float(np.exp(rng.uniform(-0.18, 0.18))) if outside != "set_point_weight" else 1.0
@@ -126,7 +127,7 @@ def record(
             switch = _telegraph(rng, n, 120.0)
         if outside == "set_point_weight":
             numbers["other"] = 0.0
-    shown = spread * loop.noise * n_1 + (_shown(outside, size, other, rng, loop.noise * n_1) if outside else 0.0)
+        shown = shown + _shown(outside, size, other, rng, loop.noise * n_1)
     steps = FINE if FINE_ONES & set(effects) or outside else STEPS
     if numbers["friction"] == LUGRE:
         steps = STEPS

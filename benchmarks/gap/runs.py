@@ -108,10 +108,12 @@ def without(family: str, setting: str, count: int) -> Iterator[Run]:
         yield Run(family, setting, seed=1000 + seed)
 
 
+KINDS = {"tuning": OUTSIDE_FOR_TUNING, "report_4": OUTSIDE_FOR_REPORT + NEVER_SEEN}  # else those of the first report
+
+
 def outside(family: str, setting: str, severities: tuple[str, ...], seeds: int) -> Iterator[Run]:
     """Yield runs with effects that no catalogue has: other kinds for the report than for tuning."""
-    later = NEVER_SEEN if family == "report_4" else ()
-    for kind in OUTSIDE_FOR_TUNING if family == "tuning" else OUTSIDE_FOR_REPORT + later:
+    for kind in KINDS.get(family, OUTSIDE_FOR_REPORT):
         for severity in severities:
             for seed in range(seeds):
                 yield Run(family, setting, (), severity, 2000 + seed, outside=kind)

@@ -1,9 +1,12 @@
 """Every row of the gap's benchmark as a line of a table, for people and for other programs."""
 
 import csv
+import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+from stickslip.targets import write_whole
 
 COLUMNS = (
     "record", "visible [noises]", "gap", "named", "places", "probability", "cause right", "place right", "both right",
@@ -16,13 +19,11 @@ def write_table(rows: Sequence[Mapping[str, Any]], file: Path) -> None:
 
     What is not known of a row is left empty: whether both effects of a single one are right.
     """
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_suffix(file.suffix + ".part")
-    with part.open("w", newline="") as stream:
-        out = csv.writer(stream, lineterminator="\n")
-        out.writerow(COLUMNS)
-        out.writerows(_line(row) for row in sorted(rows, key=lambda row: row["key"]))
-    part.replace(file)
+    text = io.StringIO()
+    out = csv.writer(text, lineterminator="\n")
+    out.writerow(COLUMNS)
+    out.writerows(_line(row) for row in sorted(rows, key=lambda row: row["key"]))
+    write_whole(file, text.getvalue().encode())
 
 
 def _line(row: Mapping[str, Any]) -> list[str]:

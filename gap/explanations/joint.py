@@ -1,6 +1,7 @@
 """Sizes of two effects fitted at once, and such a fit taken apart into the two."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from gap.explanations.candidates import price
@@ -14,6 +15,7 @@ from gap.floors.problem import Problem
 
 CLEAN = 0.95  # share of the gap up to which the sizes of a stem are followed by patterns, too
 WIDTHS = (0.05, 0.02)  # of patterns on the whole record, relative to a size
+BEHIND = 1.5  # times what the best one that was followed leaves, which another leaves before, at most
 PATTERNS, STEPS = 4, 3  # of a width, and steps along slopes behind them
 HARDLY = 0.03  # of what is left: where a width gains less, a narrower one is not tried
 
@@ -46,6 +48,18 @@ def improved(problem: Problem, pair: Pair) -> Pair:
     fit = stepped(start[0], ROUNDS) if pair.sticks else refined(start[0])
     found = apart(problem, in_turn(fit, WIDTHS) if pair.sticks else fit)
     return found if found.total < pair.total else pair
+
+
+def pursued(starts: Sequence[Fit], follow: Callable[[Fit], Fit]) -> list[Fit]:
+    """Return what following the starts comes to, the best start first, until one is far behind what has been found."""
+    found: list[Fit] = []
+    for fit in sorted(starts, key=lambda fit: fit.F):
+        level = fit.candidate.problem.level
+        nearest = min((one.F for one in found), default=math.inf) - level
+        if fit.F - level > BEHIND * nearest:
+            break
+        found.append(follow(fit))
+    return found
 
 
 def in_turn(both: Fit, widths: Sequence[float]) -> Fit:

@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gap.explanations.candidates import candidates, price
-from gap.explanations.joint import apart, improved, in_turn, stepped
+from gap.explanations.joint import apart, improved, in_turn, pursued, stepped
 from gap.explanations.pair import Pair
 from gap.fits.hidden import Lines, first_part_of, glimpsed, glimpsed_beside
 from gap.fits.inserting import inserted
@@ -22,12 +21,10 @@ from gap.fits.together import marked, together
 from gap.floors.problem import Problem
 from gap.insertion.effect import Effect
 
-Floats = NDArray[np.float64]
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 HARDLY = 0.05  # of what one effect leaves: where another than a stem leaves no more, none is looked for
 PROMISED = 0.65  # of what one effect leaves of the first part, which a stem in the best trough leaves at most
 TROUGHS, ROUNDS = 4, 4  # that are followed, and steps in each
-BEHIND = 1.5  # times what the best one that was followed leaves, which another leaves before, at most
 WIDTHS = (0.15, 0.07)  # of patterns on the first part, relative to a size
 
 
@@ -57,23 +54,15 @@ def _both(problem: Problem, first: Fit, stem: Candidate) -> Pair | None:
     """Return a first look at a stem beside another effect, on the whole record."""
     own = Candidate(problem, problem.quiet, first.effect, first.place)
 
-    def felt(head: Problem) -> tuple[Floats, list[str]]:
-        (there,) = replace(own, problem=head).tried([first.values])
-        return slopes(there)
-
-    def lines(head: Problem) -> Lines:
-        J, names = felt(head)
-        at = np.array([first.values[name] for name in names])
-        low, high = np.array([own.bounds[name] for name in names]).reshape(-1, 2).T
-        return J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0)
-
     plain, head = first_part_of(problem, modes=False), first_part_of(problem, modes=True)
-    names = felt(plain)[1]  # a step that comes later is not felt there
-    troughs = glimpsed_beside(stem, lines)[:TROUGHS] if names else []
-    if troughs:
-        without = replace(own, problem=plain).tried([first.values])[0].F
-        if troughs[0].F - plain.level > PROMISED * (without - plain.level):
-            return None
+    (there,) = replace(own, problem=plain).tried([first.values])
+    J, names = slopes(there)  # a step that comes later is not felt there
+    at = np.array([first.values[name] for name in names])
+    low, high = np.array([own.bounds[name] for name in names]).reshape(-1, 2).T
+    lines: Lines = J, np.minimum(low - at, 0.0), np.maximum(high - at, 0.0)
+    troughs = glimpsed_beside(stem, lines)[:TROUGHS]
+    if troughs and troughs[0].F - plain.level > PROMISED * (there.F - plain.level):
+        return None
     starts = []
     for one in troughs:
         moved = {name: first.values[name] + float(change) for name, change in zip(names, one.moved, strict=True)}
@@ -82,11 +71,7 @@ def _both(problem: Problem, first: Fit, stem: Candidate) -> Pair | None:
     if both is None or not starts:
         fit = glimpsed(stem)
         return None if fit is None else Pair(first, replace(fit, price=price(fit)))
-    found: Fit | None = None
-    for fit in sorted(both.tried(starts), key=lambda fit: fit.F):
-        if found is not None and fit.F - head.level > BEHIND * (found.F - head.level):
-            break
-        found = best_of([*([] if found is None else [found]), stepped(fit, ROUNDS)])
+    found = best_of(pursued(both.tried(starts), lambda fit: stepped(fit, ROUNDS)))
     return None if found is None else _on(problem, in_turn(found, WIDTHS))
 
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gap.explanations.joint import in_turn
+from gap.explanations.joint import in_turn, pursued
 from gap.fits.hidden import Lines, first_part_of, glimpsed_beside
 from gap.fits.inserting import begun
 from gap.fits.search import Candidate, Fit, best_of, slopes
@@ -24,7 +24,6 @@ from gap.floors.problem import Problem
 TROUGHS = 2  # of each effect that are tried with modes set right
 NODES, NEAR = 3, 6.0  # sizes of a lag that are tried, within a factor of the middle of its range
 FOLLOWED = 3  # effects that are followed by patterns
-BEHIND = 1.5  # times what the best one that was followed leaves, which another leaves before, at most
 WIDTHS = (0.15, 0.07)  # of these, relative to a size
 
 
@@ -33,15 +32,9 @@ def which_beside(problem: Problem, stem: Fit, others: Sequence[Candidate]) -> li
 
     ``stem``: as it is alone; ``others``: smooth effects, at their places in the diagram without it.
     """
-    head = first_part_of(problem, modes=True)
     starts = [fit for other in others if (fit := _start(problem, stem, other)) is not None]
-    found: list[Fit] = []
-    for fit in sorted(starts, key=lambda fit: fit.F)[:FOLLOWED]:
-        nearest = min((one.F for one in found), default=math.inf) - head.level
-        if fit.F - head.level > BEHIND * nearest:
-            break
-        found.append(in_turn(fit, WIDTHS))
-    return sorted(found, key=lambda fit: fit.F)
+    best = sorted(starts, key=lambda fit: fit.F)[:FOLLOWED]
+    return sorted(pursued(best, lambda fit: in_turn(fit, WIDTHS)), key=lambda fit: fit.F)
 
 
 def _start(problem: Problem, stem: Fit, other: Candidate) -> Fit | None:
@@ -73,7 +66,7 @@ def _troughs(problem: Problem, stem: Candidate, other: Candidate) -> list[dict[s
             **marked({**values, **dict(zip(names, (at + one.moved).tolist(), strict=True))}, "1."),
             **marked(one.sizes, "2."),
         }
-        for one in glimpsed_beside(replace(stem, base=base), lambda _: lines)[:TROUGHS]
+        for one in glimpsed_beside(replace(stem, base=base), lines)[:TROUGHS]
     ]
 
 

@@ -13,7 +13,7 @@
 A filter of a large diagram has no modes to set right: there the first patterns are followed, then those of the whole.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -108,14 +108,14 @@ class Trough:
     F: float
 
 
-def glimpsed_beside(candidate: Candidate, slopes_of: Callable[[Problem], Lines]) -> list[Trough]:
+def glimpsed_beside(candidate: Candidate, lines: Lines) -> list[Trough]:
     """Return the best troughs of an effect with a hidden mode beside another, the deepest first.
 
     Sizes of the other that were found alone make up for the stem, and a replay with them has no trough for it: so each
-    size of the grid is judged by what lines of the other, ``slopes_of`` a problem, leave of its innovations.
+    size of the grid is judged by what ``lines`` of the other leave of its innovations on the first part of the record.
     """
     head = _head(candidate, False)
-    J, low, high = slopes_of(head.problem)
+    J, low, high = lines
     if not J.shape[1]:
         return []
     fits = _on_grid(head)
