@@ -3,13 +3,11 @@
 draw       plain numbers that make a loop and its data (``LoopSpec``), reproducible by seed
 simulate   the records of such specs and what is true of them (``Truth``), many at once
 at_record  simulates under the conditions of one record, and says what that tells of its valve
-second_look  leaves an accusation open of which the calibrated model is not sure and which simulation does not bear out
 """
 
-from calibration.accusations import second_look
 from calibration.by_simulation import AtRecord, at_record
 from calibration.drawing import draw
 from calibration.simulation import simulate
 from calibration.spec import CAUSES, LoopSpec, Truth
 
-__all__ = ["CAUSES", "AtRecord", "LoopSpec", "Truth", "at_record", "draw", "second_look", "simulate"]
+__all__ = ["CAUSES", "AtRecord", "LoopSpec", "Truth", "at_record", "draw", "simulate"]

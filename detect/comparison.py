@@ -12,9 +12,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
-from detect.diagnosis import ask
-from detect.judge.answer import answer
-from detect.judge.combine import Combine, WeightedVote
+from detect.diagnosis import ask, found_on
+from detect.judge.combine import Combine
 from detect.method import Method
 from detect.prepare.prepared import Prepared
 from detect.verdict import Verdict
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["COLUMNS", "SCHEMA", "Comparison", "Judged", "compare", "csv_text", "harmless"]
 
 SCHEMA = "stickslip.table/1"
-COLUMNS = ("loop", "method", "votes", "verdict", "index", "threshold", "amount [% OP]", "time [ms]", "reason")
+COLUMNS = ("loop", "method", "on trial", "verdict", "index", "threshold", "amount [% OP]", "time [ms]", "reason")
 FORMULA = ("=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20")  # the last four are the wide forms of the first
 ENDINGS = (".csv", ".txt", ".tsv", ".parquet")
 
@@ -54,7 +53,7 @@ class Judged:
 
     loop : str
     combined : as in ``Verdict``
-        The verdicts of the methods that vote, put together.
+        The verdict of ``diagnose`` on the loop, whichever methods stand beside it.
     verdicts : tuple of Verdict, in the order of the methods
     milliseconds : tuple of float
         Wall time of each method on the prepared record [ms].
@@ -76,7 +75,7 @@ class Judged:
             [
                 self.loop,
                 v.method,
-                "no" if v.experimental else "yes",
+                "yes" if v.experimental else "no",
                 WORDS[v.verdict].spoken,
                 _number(v.index),
                 _number(v.threshold),
@@ -164,20 +163,17 @@ def compare(
     >>> [row[:4] for row in compare(loop, [area_ratio]).rows()]
     [['FIC211', 'area_ratio', 'yes', 'inconclusive']]
     """
-    vote = combine
     if methods is None:
         from detect import METHODS
 
         methods = METHODS
-    elif vote is None:
-        vote = WeightedVote()
     records, skipped = _records(source, process)
     if loops is not None:
         records = _named(records, loops)
     for module in ("optimize", "signal", "stats"):  # loaded here, or the first method would be charged with it
         import_module(f"scipy.{module}")
 
-    return Comparison(tuple(_judged(record, methods, vote) for record in records), skipped)
+    return Comparison(tuple(_judged(record, methods, combine) for record in records), skipped)
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -214,10 +210,9 @@ def _judged(record: LoopRecord | Prepared, methods: Sequence[Method], combine: C
         began = time.perf_counter()
         verdicts.append(ask(method, loop))
         spent.append(1e3 * (time.perf_counter() - began))
-    votes = [v for v in verdicts if not v.experimental]
-    together = answer(loop).word if combine is None else combine(votes)
     name = loop.record.name or "loop"
-    return Judged(name, together, tuple(verdicts), tuple(spent), preparation, len(loop.record))
+    word = found_on(loop, verdicts, combine).word
+    return Judged(name, word, tuple(verdicts), tuple(spent), preparation, len(loop.record))
 
 
 def _prepare(loop: Prepared) -> None:

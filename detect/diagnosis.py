@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from detect.judge.answer import Amount, Answer, answer
-from detect.judge.combine import Combine, WeightedVote
+from detect.judge.combine import Combine
 from detect.judge.voted import beside, voted
 from detect.method import Method
 from detect.prepare.fact import Fact
@@ -23,10 +23,10 @@ from logs.processes import one_thread
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose"]
+__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose", "found_on"]
 
 SCHEMA = "stickslip.check/2"
-UNSURE = (0.2, 0.85)  # probabilities between which simulation and model together tell more (docs/methods.md)
+UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model tells more (docs/methods.md)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Diagnosis:
     verdict : as in ``Verdict``
     probability : float or None
         Probability of stiction [-], calibrated on simulated loops; None where the model was not asked: the record
-        was refused, the stem was logged, PV itself shows that the valve slips, or methods voted.
+        was refused, the stem was logged, PV itself shows that the valve slips, or ``combine`` was given.
     causes : mapping of name to float
         Probability of each cause [-], largest first; "stiction" is one of them.
     amount : mapping of "S" and "J" to Amount, or None
@@ -120,9 +120,9 @@ def diagnose(
     """Put every method to a record, or to a frame of pandas, polars or pyarrow, and say what follows.
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
-    default all of ``detect.METHODS``. The verdict is the calibrated one (``judge.answer``), unless ``combine`` or
-    ``methods`` is given: then the methods vote, by ``combine`` or by ``WeightedVote`` (see ``judge.combine``), and one
-    whose card says ``experimental`` is shown without a vote.
+    default all of ``detect.METHODS``. They stand beside the verdict, which is the calibrated one
+    (``judge.answer``) here and wherever else a loop is judged. Only where ``combine`` is given, such as a ``WeightedVote``, the methods vote in
+    its place, and one whose card says ``experimental`` is shown without a vote.
 
     Raises TypeError for a method without ``detect``, or whose answer is no Verdict, and ValueError if ``combine`` gives
     no word of a verdict.
@@ -139,12 +139,10 @@ def diagnose(
     loop = prepared(record)
     record = loop.record
     verdicts = tuple(ask(method, loop) for method in (METHODS if methods is None else methods))
-    if methods is None and combine is None:
-        found = answer(loop)
-        reason = " ".join([WORDS[found.word].sentence, found.reason, beside(verdicts)])
-    else:
-        found = voted(verdicts, combine or WeightedVote(), record.mv is not None)
-        reason = found.reason
+    found = found_on(loop, verdicts, combine)
+    reason = found.reason
+    if combine is None:
+        reason = " ".join([WORDS[found.word].sentence, reason, beside(verdicts)]).strip()
     return Diagnosis(
         loop=record.name,
         verdict=found.word,
@@ -162,6 +160,11 @@ def diagnose(
         period=loop.period if loop.gate.oscillating else None,
         amplitude=amplitude(record.pv),
     )
+
+
+def found_on(loop: Prepared, verdicts: Sequence[Verdict], combine: Combine | None) -> Answer:
+    """The answer on a loop: the calibrated one, or what ``combine`` makes of the verdicts of the methods."""
+    return answer(loop) if combine is None else voted(verdicts, combine, loop.record.mv is not None)
 
 
 def _amount(found: Answer) -> dict[str, Amount] | None:

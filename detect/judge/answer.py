@@ -1,6 +1,7 @@
 """One calibrated answer for a loop: what can be asked of the record, what is probable, how large, and what to do.
 
-    1. a record that shows nothing is refused by name, without a probability
+    1. a record that shows nothing is refused by name, without a probability; so is one of fewer than ``FEWEST``
+       samples a period, unless its stem answers
     2. where MV is logged and moves, the stem answers (``methods.stem_play``): PV is not asked; where it stands while OP
        travels and turns back, the valve sticks unless PV answers OP, so that the tag is dead (``still_stem``)
     3. where PV bends each time OP has come back by the same travel, its valve is seen to slip (``own_slips``)
@@ -23,12 +24,13 @@ import numpy as np
 from detect.chances import chance
 from detect.judge.actions import CAUSES, confirming_steps
 from detect.judge.features import features_of, view_of
-from detect.judge.features.view import View
+from detect.judge.features.view import LONGEST, View
 from detect.judge.model import Model, Opinion, calibrated, rounded
 from detect.judge.own_slips import own_slips
 from detect.judge.still_stem import Still, still_stem
 from detect.plantwide.slips import Slips
 from detect.prepare.prepared import STEPS_MAX, Prepared
+from detect.prepare.recent import recent, samples_per_period
 from detect.verdict import Verdict
 from detect.words import Word
 
@@ -50,8 +52,9 @@ LEVELS_CYCLE = (
 # works and whose stem tag is frozen 7 % lie above it, of loops whose valve passes nothing on 68 % (training law, seeds
 # 72100 to 72102).
 SILENT = 0.03
+COARSE = "which the record is too coarse to judge."
 PV_ANSWERS = "PV moves as it does where OP reaches it, so that the tag may be dead. Look at the valve while OP moves."
-FEWEST = 2.0  # samples between two turns of OP
+FEWEST, WANTED = 5.0, 20.0  # samples a period of OP below which nothing is told by shape, and to log
 
 
 @dataclass(frozen=True)
@@ -114,6 +117,9 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         told = stem_play.detect(loop)
         if told.applicable:
             return _from_stem(told, loop)
+    sampled = _sampled(loop.with_stale)
+    if sampled:
+        return _refusal(sampled if still is None else f"{_stands(still._replace(why=COARSE))} {sampled}")
     slips = own_slips(loop.with_stale)
     if slips is not None:
         told_by_slips = _from_slips(slips, loop)
@@ -138,6 +144,21 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
 
 def _refusal(text: str) -> Answer:
     return Answer("not_applicable", None, {}, None, None, None, text, "")
+
+
+def _sampled(loop: Prepared) -> str:
+    """Why a record of few samples a period of OP shows the controller only; "" where it has enough."""
+    grid = loop.whole
+    if len(grid) < SAMPLES:
+        return ""
+    samples = samples_per_period(grid.op[recent(grid.op, LONGEST) :])
+    if not samples < FEWEST:
+        return ""
+    every = rounded(samples * grid.dt / WANTED)
+    return (
+        f"There are {samples:.1f} samples a period of OP, and the shape of a stick shows from {FEWEST:g} on: the record "
+        f"shows the controller only. Log at {every:g} s."
+    )
 
 
 def _unit(loop: Prepared) -> tuple[float, str]:
@@ -203,9 +224,6 @@ def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opi
 
 def _shortcoming(view: View, said: Opinion) -> str:
     """Why the model's probability settles nothing on this record; "" where it may."""
-    if view.turn * view.block < FEWEST:
-        samples = 2.0 * view.turn * view.block
-        return f"About {samples:.1f} samples a period of OP show the controller only."
     if len(view) < 2.0 * view.turn:
         return "OP never turns back; a one-way drift proves nothing, because a load ramp looks the same."
     if said.unlike > UNLIKE:

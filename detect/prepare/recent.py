@@ -14,13 +14,14 @@ import numpy.typing as npt
 
 from detect.prepare.stick import turns
 
-__all__ = ["blocks", "differenced_noise", "recent", "samples_per_turn"]
+__all__ = ["blocks", "differenced_noise", "recent", "samples_per_period", "samples_per_turn"]
 
 Values = npt.NDArray[np.float64]
 
 TURN = 0.3  # of OP's range: a smaller way back is no turn
 TURNS = 40  # of OP in the part that is looked at
 PERIODS = 20.0  # of an oscillation in it
+PARTS, PADDED = 8, 8  # of a record whose strongest wave is sought; points of its spectrum a sample
 SEEN = 1500  # blocks in which turns of a record of up to some thousand samples are counted
 
 
@@ -57,6 +58,32 @@ def samples_per_turn(u: Values, span: float, seen: int = SEEN) -> float:
     usual = float(np.median(np.ptp(parts, axis=1)))
     limit = min(max(TURN * usual, 6.0 * differenced_noise(x), 0.1 * span), TURN * span)
     return max(k * len(x) / (len(turns(x, limit)) + 1.0), 2.0)
+
+
+def samples_per_period(op: Values) -> float:
+    """Samples a period of the strongest wave in OP (n,): the peak of its spectrum; NaN where OP stands.
+
+        |sum w (op - line) exp(-2 pi i k / m)|^2      w Hann's window, the mean over eighths of the record
+
+    Each eighth is less its straight line, so that no drift hides a fast cycle, and counts by its own power, so that no
+    step of the set point does.  Nothing keeps the number from falling to 2, as ``samples_per_turn`` is kept.
+
+    >>> t = np.arange(2000.0)
+    >>> [round(samples_per_period(np.sin(2 * np.pi * t / P)), 1) for P in (2.2, 3.1, 3.9, 12.0)]
+    [2.2, 3.1, 3.9, 12.0]
+    """
+    m = len(op) // PARTS
+    time = np.linspace(-1.0, 1.0, m)
+    parts = op[: PARTS * m].reshape(PARTS, m)
+    x = parts - parts.mean(axis=1, keepdims=True)
+    x = x - np.outer(x @ time / (time @ time), time)
+    power = np.mean(x * x, axis=1)
+    moves = power > 1e-12 * max(float(np.max(op * op)), 1e-300)
+    if not moves.any():
+        return math.nan
+    lines = np.abs(np.fft.rfft(x[moves] * np.hanning(m), PADDED * m, axis=1)) ** 2
+    strongest = int(np.argmax((lines / power[moves, None]).mean(axis=0)[1:])) + 1
+    return PADDED * m / strongest
 
 
 def blocks(x: Values, k: int) -> Values:

@@ -62,7 +62,7 @@ def check_many(
 
     That is 2 where a file cannot be read (the others are judged all the same), 1 where a loop is called sticky, else 0.
     """
-    from stickslip.commands.one_loop import borne_out, diagnosed, with_told
+    from stickslip.commands.one_loop import diagnosed, with_told
 
     check_targets({"--html": html, "--json": json_file})
     say = Speaker(json_file)
@@ -71,7 +71,7 @@ def check_many(
     if not found:
         raise ValueError("; ".join(fault for _, fault in faults))
     judged = [
-        (read.file, [borne_out(diagnosed(with_told(one, measurement, None, infer=True))) for one in read.records])
+        (read.file, [diagnosed(with_told(one, measurement, None, infer=True)) for one in read.records])
         for read in found
     ]
     surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]

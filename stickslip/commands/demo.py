@@ -130,9 +130,9 @@ def _real(say: Speaker) -> list[Judged]:
 
 def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: str, lesson: str) -> Judged:
     from logs import read_loop
-    from stickslip.commands.one_loop import borne_out, diagnosed
+    from stickslip.commands.one_loop import diagnosed
 
-    judged = Judged(title, truth, known, story, lesson, borne_out(diagnosed(read_loop(path))))
+    judged = Judged(title, truth, known, story, lesson, diagnosed(read_loop(path)))
     say(f"{title}: ", nl=False)
     say(judged.said, fg=COLOUR_OF[judged.wording.kind], bold=True)
     return judged

@@ -42,18 +42,6 @@ def diagnosed(record: "LoopRecord | Prepared") -> "Diagnosis":
         return diagnose(record)
 
 
-def borne_out(diagnosis: "Diagnosis") -> "Diagnosis":
-    """Return the diagnosis; an accusation of which the model is not sure is looked at a second time, by simulation."""
-    if diagnosis.verdict != "stiction" or not diagnosis.unsure:
-        return diagnosis
-    from calibration import at_record, second_look
-
-    try:
-        return second_look(diagnosis, at_record(diagnosis.record))
-    except ValueError:  # too little shows to simulate loops like it
-        return diagnosis
-
-
 def section_of(diagnosis: "Diagnosis") -> "Section":
     """Return the article on one loop of a page."""
     from detect.chances import chance

@@ -65,7 +65,7 @@ def command(
     \b
     Exit codes:
       0  done: stiction in no loop, as far as the records tell
-      1  done, and the combined verdict of a loop is stiction
+      1  done, and the verdict on a loop is stiction
       2  SOURCE cannot be read, or the request makes no sense
     """
     targets = {"--csv": csv_file, "--html": html, "--plot": picture, "--json": json_file}
@@ -155,12 +155,11 @@ def _tell(say: Speaker, found: "Comparison") -> None:
         word = WORDS[judged.combined]
         say(f"{judged.loop}: {word.spoken}", fg=COLOUR_OF[word.kind], bold=True)
         rows = judged.rows()
-        shown = [[method + " *" * (votes == "yes"), *more] for _, method, votes, *more, _ in rows]
+        shown = [[method + " *" * (trial == "yes"), *more] for _, method, trial, *more, _ in rows]
         say.table(["method", "verdict", "index", "limit", "% OP", "ms"], shown)
         total = sum(judged.milliseconds)
         say(f"{judged.samples} samples: {judged.preparation:.0f} ms to prepare, {total:.0f} ms for all methods")
-        voting = sum(row[2] == "yes" for row in rows)
-        say(f"* votes ({voting} of {len(rows)}); the others are on trial and shown only")
+        say("The verdict is the calibrated one, as of check; the methods stand beside it (* on trial).")
         for row in rows:
             say.paragraph(row[-1], f"  {row[1]}: ")
         say()
@@ -175,7 +174,7 @@ def _page(source: str, found: "Comparison") -> str:
 
     counts = [f"{n} {WORDS[word].spoken}" for word in WORDS if (n := sum(one.combined == word for one in found.loops))]
     loops = f"{len(found.loops)} loop{'s' * (len(found.loops) != 1)}"
-    seen = Section("What the methods say", loops, "open", f"Together: {', '.join(counts)}.")
+    seen = Section("What the methods say", loops, "open", f"The calibrated verdict: {', '.join(counts)}.")
     seen.figures.append(figure_to_svg(found.plot()))
     seen.notes += [f"{file} is not read: {reason}" for file, reason in found.skipped]
     sections = [seen]

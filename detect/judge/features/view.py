@@ -23,7 +23,7 @@ from detect.prepare.prepared import Prepared
 from detect.prepare.process_kind import kind_of_tag
 from detect.prepare.recent import blocks, differenced_noise, recent, samples_per_turn
 
-__all__ = ["View", "view_of"]
+__all__ = ["LONGEST", "View", "view_of"]
 
 Values = npt.NDArray[np.float64]
 
