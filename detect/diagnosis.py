@@ -60,6 +60,8 @@ class Diagnosis:
         Of the oscillation [s]; None where the loop does not oscillate.
     amplitude : float or None
         Half of the width that holds 90 % of PV [unit of PV].
+    because : tuple of str
+        Up to three reasons, drawn from what decided the model's verdict; empty where it is open or the stem was seen.
     """
 
     loop: str
@@ -77,6 +79,7 @@ class Diagnosis:
     performance: Harris | None = None
     period: float | None = None
     amplitude: float | None = None
+    because: tuple[str, ...] = ()
 
     @property
     def unsure(self) -> bool:
@@ -98,6 +101,7 @@ class Diagnosis:
             "amount": None if self.amount is None else {name: size.to_dict() for name, size in self.amount.items()},
             "detection_limit": None if limit is None else {"value": limit[0], "unit": limit[1]},
             "reason": self.reason,
+            "because": list(self.because),
             "action": self.action,
             "assumptions": list(self.assumptions),
             "methods": [method.to_dict() for method in self.methods],
@@ -121,8 +125,8 @@ def diagnose(
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
     default all of ``detect.METHODS``. They stand beside the verdict, which is the calibrated one
-    (``judge.answer``) here and wherever else a loop is judged. Only where ``combine`` is given, such as a ``WeightedVote``, the methods vote in
-    its place, and one whose card says ``experimental`` is shown without a vote.
+    (``judge.answer``) here and wherever else a loop is judged. Only where ``combine`` is given, such as a
+    ``WeightedVote``, the methods vote in its place, and one whose card says ``experimental`` has no vote.
 
     Raises TypeError for a method without ``detect``, or whose answer is no Verdict, and ValueError if ``combine`` gives
     no word of a verdict.
@@ -159,6 +163,7 @@ def diagnose(
         performance=loop.performance,
         period=loop.period if loop.gate.oscillating else None,
         amplitude=amplitude(record.pv),
+        because=found.because,
     )
 
 

@@ -52,7 +52,15 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     last = f" (last {POINTS:,} samples)" if len(record) > POINTS else ""
     curve.set_title(f"PV against OP{last}", fontsize=9, loc="left")
     if words:
-        trend.suptitle("\n".join(textwrap.wrap(answer.reason, 150)), fontsize=8.5, x=0.01, ha="left")
+        trend.suptitle(_in_words(answer), fontsize=8.5, x=0.01, ha="left")
     if shown is not None:
         draw_evidence(shown, parts[1])
     return figure
+
+
+def _in_words(answer: Diagnosis) -> str:
+    """The reason, and below it what decided, each on its own line, beside S and J."""
+    numbered = [f"{number}. {why}" for number, why in enumerate(answer.because, 1)]
+    sizes = ";   ".join(f"{name} {size}" for name, size in (answer.amount or {}).items())
+    lines = [answer.reason, *numbered, *([sizes] if numbered and sizes else [])]
+    return "\n".join(row for line in lines for row in textwrap.wrap(line, 150))

@@ -25,6 +25,7 @@ from detect.chances import chance
 from detect.judge.actions import CAUSES, confirming_steps
 from detect.judge.features import features_of, view_of
 from detect.judge.features.view import LONGEST, View
+from detect.judge.grounds import grounds
 from detect.judge.model import Model, Opinion, calibrated, rounded
 from detect.judge.own_slips import own_slips
 from detect.judge.still_stem import Still, still_stem
@@ -52,6 +53,7 @@ LEVELS_CYCLE = (
 # works and whose stem tag is frozen 7 % lie above it, of loops whose valve passes nothing on 68 % (training law, seeds
 # 72100 to 72102).
 SILENT = 0.03
+NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."
 PV_ANSWERS = "PV moves as it does where OP reaches it, so that the tag may be dead. Look at the valve while OP moves."
 FEWEST, WANTED = 5.0, 20.0  # samples a period of OP below which nothing is told by shape, and to log
@@ -86,6 +88,7 @@ class Answer:
     limit : (S, unit) above which a stick would have shown, or None
     reason, action : sentences
     assumptions : what was inferred, one sentence each
+    because : what decided a verdict of the model, one sentence each, the weightiest first; empty where it is open
     """
 
     word: Word
@@ -97,6 +100,7 @@ class Answer:
     reason: str
     action: str
     assumptions: tuple[str, ...] = ()
+    because: tuple[str, ...] = ()
 
 
 def answer(loop: Prepared, model: Model | None = None) -> Answer:
@@ -156,8 +160,8 @@ def _sampled(loop: Prepared) -> str:
         return ""
     every = rounded(samples * grid.dt / WANTED)
     return (
-        f"There are {samples:.1f} samples a period of OP, and the shape of a stick shows from {FEWEST:g} on: the record "
-        f"shows the controller only. Log at {every:g} s."
+        f"There are {samples:.1f} samples a period of OP, and the shape of a stick shows from {FEWEST:g} on: such a "
+        f"record shows the controller only. Log at {every:g} s."
     )
 
 
@@ -169,7 +173,9 @@ def _unit(loop: Prepared) -> tuple[float, str]:
 
 def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model) -> Answer:
     told = _concluded(loop, view, found, said, model)
-    return replace(told, assumptions=_looked_at(loop, view))
+    settled = told.word in ("stiction", "no_stiction")
+    because = grounds(found, model.shares(found), told.word == "stiction") if settled else ()
+    return replace(told, assumptions=_looked_at(loop, view), because=because)
 
 
 def _travelled(travel: float, unit: str) -> str:
@@ -195,13 +201,14 @@ def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opi
     limit = (hidden * travel, unit) if hidden < 0.9 else None
     p, stem = said.probability, loop.record.mv is not None
     causes = dict(said.causes)
+    todo = next_step(causes, S, stem, settled=False)
     why_not = _shortcoming(view, said) or _at_end(loop)
     chances = f"Probability of stiction {chance(p)}; {_others(causes)}."
     if why_not:
-        return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", next_step(causes, S, stem))
+        return Answer("inconclusive", p, causes, None, None, None, f"{why_not} {chances}", todo)
     if view.integrating and model.accuse <= p < LEVEL:
         level = f"{LEVELS_CYCLE} only from {100.0 * LEVEL:g} % on: log the stem position, or make the test."
-        return Answer("inconclusive", p, causes, None, None, None, f"{chances} {level}", next_step(causes, S, stem))
+        return Answer("inconclusive", p, causes, None, None, None, f"{chances} {level}", todo)
     if p >= model.accuse:
         reason = f"{chances} S is about {S}, J about {J}. OP travels {_travelled(travel, unit)}."
         return Answer("stiction", p, causes, S, J, limit, reason, next_step({"stiction": 1.0}, S, stem))
@@ -214,12 +221,12 @@ def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opi
                 f"follows it, and a larger stick would have shown. {chances}"
             )
             return Answer("no_stiction", p, causes, None, None, (size, unit), reason, next_step(causes, S, stem))
-        return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", next_step(causes, S, stem))
+        return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", todo)
     between = (
         f"The record leaves it open: stiction is called from {100.0 * model.accuse:.0f} % on, cleared up to "
         f"{100.0 * model.clear:.1f} %."
     )
-    return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", next_step(causes, S, stem))
+    return Answer("inconclusive", p, causes, None, None, limit, f"{chances} {between}", todo)
 
 
 def _shortcoming(view: View, said: Opinion) -> str:
@@ -263,11 +270,17 @@ def _others(causes: Mapping[str, float]) -> str:
     return ", ".join(f"{CAUSES[name].spoken} {chance(p)}" for name, p in shown)
 
 
-def next_step(causes: Mapping[str, float], S: Amount, stem_logged: bool) -> str:
-    """Action, owner and test for the most probable cause; for stiction as long as it is not ruled out."""
+def next_step(causes: Mapping[str, float], S: Amount, stem_logged: bool, settled: bool = True) -> str:
+    """Action, owner and test for the most probable cause; for stiction as long as it is not ruled out.
+
+    Where the record settles nothing, nobody is sent to work on a valve: what would settle it is said in its place.
+    """
     top = next(iter(causes))
     doing = CAUSES[top]
     test = confirming_steps(top, S.value, S.unit)
+    if not settled and confirming_steps("stiction", S.value, S.unit) == test:
+        stem = "" if stem_logged else "log the stem position, or "
+        return f"{NOTHING_YET} To settle it: {stem}{test}."
     said = f"{doing.action} ({doing.owner}). To confirm: {test}." if test else f"{doing.action}."
     if top != "stiction" and causes.get("stiction", 0.0) > 0.2:
         said += f" To rule out the valve: {confirming_steps('stiction', S.value, S.unit)}."

@@ -108,6 +108,11 @@ class Model:
             dict(sorted(causes.items(), key=lambda item: -item[1])), (value, low, high), jump, float(beyond.mean())
         )
 
+    def shares(self, features: Mapping[str, float]) -> dict[str, float]:
+        """What each feature of one record adds to the log odds of stiction [-], by name; see ``Trees.shares``."""
+        x = np.array([features[name] for name in self.names])
+        return dict(zip(self.names, (self.platt[0] * self.trees["sticky"].shares(x)).tolist(), strict=True))
+
     def write(self, file: Path) -> None:
         """Keep the model in an open archive of arrays."""
         arrays: dict[str, Any] = {f"{k}/{name}": v for k, t in self.trees.items() for name, v in t.arrays().items()}

@@ -28,7 +28,8 @@ def voted(verdicts: Sequence[Verdict], combine: Combine, stem_logged: bool) -> A
 
 
 def beside(verdicts: Sequence[Verdict]) -> str:
-    """One sentence on what the single methods say: how many of each verdict, and which accuse; "" without methods."""
+    """One sentence on what the methods that could look say: how many of each verdict, and which accuse; "" for none."""
+    verdicts = [v for v in verdicts if v.applicable]
     if not verdicts:
         return ""
     accusing = [v.method for v in verdicts if v.verdict == "stiction"]
@@ -36,7 +37,7 @@ def beside(verdicts: Sequence[Verdict]) -> str:
     counts = [f"{n} {said.of_several}{names if word == 'stiction' else ''}" for word, said in WORDS.items()
               if (n := sum(v.verdict == word for v in verdicts))]  # fmt: skip
     plural = "s" if len(verdicts) > 1 else ""
-    return f"Of {len(verdicts)} method{plural} beside it, {', '.join(counts)}."
+    return f"Of {len(verdicts)} method{plural} that could look, {', '.join(counts)}."
 
 
 def _on_trial(verdicts: Sequence[Verdict]) -> list[str]:

@@ -169,6 +169,8 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     word = WORDS[diagnosis.verdict]
     say(f"{diagnosis.loop}: {word.spoken.upper()}", fg=COLOUR_OF[word.kind], bold=True)
     say.paragraph(diagnosis.reason)
+    for number, why in enumerate(diagnosis.because, 1):
+        say.paragraph(why, f"  {number}. ")
     for name, size in (diagnosis.amount or {}).items():
         say.paragraph(f"{name} {size}")
     if diagnosis.action:

@@ -69,6 +69,8 @@ def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
     others = [(name, p) for name, p in diagnosis.causes.items() if name != "stiction" and p >= UNLIKELY]
     if others:
         told["Other causes"] = ", ".join(f"{CAUSES[name].spoken} {chance(p)}" for name, p in others[:SEVERAL])
+    for number, why in enumerate(diagnosis.because, 1):
+        told[f"Reason {number}"] = why
     for name, size in (diagnosis.amount or {}).items():
         told[f"{_SIZES[name]} {name}"] = str(size)
     if diagnosis.detection_limit is not None:
@@ -100,7 +102,10 @@ _SIZES = {"S": "Stickband plus deadband", "J": "Slip jump"}
 
 def _owner(diagnosis: "Diagnosis") -> str:
     from detect.judge.actions import CAUSES
+    from detect.judge.answer import NOTHING_YET
 
+    if diagnosis.action.startswith(NOTHING_YET):
+        return ""
     cause = next(iter(diagnosis.causes), "stiction" if diagnosis.verdict == "stiction" else "")
     return CAUSES[cause].owner if cause else ""
 

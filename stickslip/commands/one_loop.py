@@ -53,6 +53,7 @@ def section_of(diagnosis: "Diagnosis") -> "Section":
     section = Section(
         diagnosis.loop, word.spoken.upper(), word.kind, diagnosis.reason, after=diagnosis.action, notes_label=READ
     )
+    section.notes.extend(diagnosis.because)
     section.notes.extend(f"{name} {size}." for name, size in (diagnosis.amount or {}).items())
     if diagnosis.causes:
         likely = {cause: p for cause, p in diagnosis.causes.items() if p >= UNLIKELY or cause == "stiction"}

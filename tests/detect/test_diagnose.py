@@ -6,7 +6,7 @@ import types
 import numpy as np
 import pytest
 
-from detect import Card, Method, Verdict, diagnose
+from detect import Card, Method, Verdict, WeightedVote, diagnose
 from detect.methods import area_ratio
 from logs import LoopRecord
 
@@ -25,7 +25,7 @@ def record(wave, loop):
 
 KEYS = [
     "schema", "loop", "verdict", "probability", "period_s", "amplitude", "causes", "amount", "detection_limit",
-    "reason", "action", "assumptions", "methods",
+    "reason", "because", "action", "assumptions", "methods",
 ]  # fmt: skip
 
 
@@ -40,8 +40,14 @@ def test_schema(record):
     assert any("calibrated on simulated loops" in text for text in answer["assumptions"])
 
 
-def test_methods_that_are_given_vote_and_no_probability_is_told(record):
-    answer = diagnose(record, [saying("stiction")]).to_dict()
+def test_methods_that_are_given_stand_beside_one_verdict(record):
+    alone, beside = diagnose(record), diagnose(record, [saying("stiction")])
+    assert (beside.verdict, beside.probability, beside.because) == (alone.verdict, alone.probability, alone.because)
+    assert [v.verdict for v in beside.methods] == ["stiction"]
+
+
+def test_methods_vote_where_a_rule_is_given_and_no_probability_is_told(record):
+    answer = diagnose(record, [saying("stiction")], WeightedVote()).to_dict()
     assert list(answer) == KEYS
     assert (answer["verdict"], answer["probability"], answer["causes"]) == ("stiction", None, {})
     assert diagnose(record, combine=lambda votes: "inconclusive").verdict == "inconclusive"
@@ -66,18 +72,18 @@ def test_json_is_strict_even_for_a_hopeless_record():
     ],
 )
 def test_methods_are_put_together(record, said, together):
-    assert diagnose(record, [saying(word) for word in said]).verdict == together
+    assert diagnose(record, [saying(word) for word in said], WeightedVote()).verdict == together
 
 
 def test_refusals_do_not_vote(record):
     refusing = saying("not_applicable", code="quantised")
-    assert diagnose(record, [refusing, saying("stiction")]).verdict == "stiction"
-    assert diagnose(record, [refusing]).verdict == "not_applicable"
+    assert diagnose(record, [refusing, saying("stiction")], WeightedVote()).verdict == "stiction"
+    assert diagnose(record, [refusing], WeightedVote()).verdict == "not_applicable"
 
 
 def test_reason_has_the_numbers_and_the_next_step(wave, loop):
     t = np.arange(1000.0)
-    answer = diagnose(loop(t, wave("exponential", t)), [area_ratio])
+    answer = diagnose(loop(t, wave("exponential", t)), [area_ratio], WeightedVote())
     for piece in ("sticky", "R = 5", "90 % interval", "period 50", "half cycles"):
         assert piece in answer.reason
     assert "To prove it" in answer.action
@@ -96,7 +102,7 @@ def test_reason_has_the_numbers_and_the_next_step(wave, loop):
 )
 def test_refusals_in_plain_words(make, piece):
     t = np.arange(800.0)
-    answer = diagnose(make(t, np.sin(t / 8)), [area_ratio])
+    answer = diagnose(make(t, np.sin(t / 8)), [area_ratio], WeightedVote())
     assert answer.verdict == "not_applicable"
     assert piece in answer.reason
 
@@ -131,7 +137,7 @@ def drawn(figure):
 
 
 def test_a_method_from_outside_is_used_and_plotted(record):
-    answer = diagnose(record, [outside(draw=draw_mine)])
+    answer = diagnose(record, [outside(draw=draw_mine)], WeightedVote())
     assert answer.verdict == "stiction"
     assert "drawn by mine" in drawn(answer.plot())
     assert "drawn by mine" in drawn(answer.methods[0].plot())
@@ -149,7 +155,7 @@ def test_a_module_from_outside_is_used_and_plotted(record, tmp_path, monkeypatch
     )
     monkeypatch.syspath_prepend(tmp_path)
     mine = importlib.import_module("house_method")
-    answer = diagnose(record, [mine])
+    answer = diagnose(record, [mine], WeightedVote())
     assert "drawn by the house" in drawn(answer.plot())
     assert "drawn by the house" in drawn(mine.detect(record).plot())
     assert isinstance(mine, Method)
@@ -157,7 +163,7 @@ def test_a_module_from_outside_is_used_and_plotted(record, tmp_path, monkeypatch
 
 
 def test_a_method_without_a_picture_shows_its_words(record):
-    answer = diagnose(record, [outside()])
+    answer = diagnose(record, [outside()], WeightedVote())
     assert not [label for label in drawn(answer.plot()) if label == "drawn by mine"]
     figure = answer.methods[0].plot()
     figure.canvas.draw()
@@ -167,8 +173,9 @@ def test_a_method_without_a_picture_shows_its_words(record):
 def test_an_experimental_method_is_shown_and_has_no_vote(wave, loop):
     t = np.arange(1000.0)
     record = loop(t, wave("exponential", t))
-    contradicting = diagnose(record, [area_ratio, outside("no_stiction", experimental=True, draw=draw_mine)])
-    assert contradicting.verdict == diagnose(record, [area_ratio]).verdict == "stiction"
+    mixed = [area_ratio, outside("no_stiction", experimental=True, draw=draw_mine)]
+    contradicting = diagnose(record, mixed, WeightedVote())
+    assert contradicting.verdict == diagnose(record, [area_ratio], WeightedVote()).verdict == "stiction"
     assert "Mine (experimental, no vote): Seen so." in contradicting.reason
     assert [method["experimental"] for method in contradicting.to_dict()["methods"]] == [False, True]
     assert "drawn by mine" not in drawn(contradicting.plot())  # the picture is that of the method that voted
@@ -176,7 +183,7 @@ def test_an_experimental_method_is_shown_and_has_no_vote(wave, loop):
 
 
 def test_an_experimental_method_alone_decides_nothing(record):
-    answer = diagnose(record, [outside("stiction", experimental=True, draw=draw_mine)])
+    answer = diagnose(record, [outside("stiction", experimental=True, draw=draw_mine)], WeightedVote())
     assert answer.verdict == "not_applicable"
     assert "Mine (experimental, no vote): Seen so." in answer.reason
     assert "drawn by mine" in drawn(answer.plot())

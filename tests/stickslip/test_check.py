@@ -32,7 +32,7 @@ def document(text):
 def assert_form(content):
     keys = [
         "schema", "loop", "verdict", "probability", "period_s", "amplitude", "causes", "amount", "detection_limit",
-        "reason", "action", "assumptions", "methods",
+        "reason", "because", "action", "assumptions", "methods",
     ]  # fmt: skip
     assert list(content)[: len(keys)] == keys
     assert content["schema"] == "stickslip.check/2"

@@ -75,7 +75,8 @@ def test_a_one_way_drift_settles_nothing():
     ],
 )
 def test_uncorrelated_signals_clear_nothing_and_accuse_nothing(pv, op):
-    assert answer(Prepared(LoopRecord.from_arrays(T, pv=pv, op=op, sp=0 * T))).word == "inconclusive"
+    said = answer(Prepared(LoopRecord.from_arrays(T, pv=pv, op=op, sp=0 * T))).word
+    assert said in ("inconclusive", "not_applicable")  # white noise has no five samples a period
 
 
 def test_no_stiction_is_a_claim_with_a_size():
@@ -137,7 +138,7 @@ def test_the_diagnosis_says_the_same(sticky):
     found, said = answer(Prepared(sticky)), diagnose(sticky).to_dict()
     assert said["verdict"] == found.word and said["probability"] == found.probability
     assert said["amount"]["S"] == found.S.to_dict() and set(said["amount"]["J"]) == {"value", "low", "high", "unit"}
-    assert "methods beside it" in said["reason"] and said["action"] == found.action
+    assert "methods that could look" in said["reason"] and said["action"] == found.action
 
 
 def test_the_file_is_small_open_and_names_every_feature(sticky):

@@ -91,8 +91,8 @@ def test_diagnose_takes_the_rule():
     record = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t)
     said = [vote("stiction", "a")] * 19 + [vote("no_stiction", "b")]
     asked = [types.SimpleNamespace(detect=lambda record, v=v: v) for v in said]
-    assert diagnose(record, asked).verdict == "stiction"
-    assert "B disagrees and is outweighed: Seen so." in diagnose(record, asked).reason
+    assert diagnose(record, asked, WeightedVote()).verdict == "stiction"
+    assert "B disagrees and is outweighed: Seen so." in diagnose(record, asked, WeightedVote()).reason
     assert diagnose(record, asked, combine=lambda said: "inconclusive").verdict == "inconclusive"
     with pytest.raises(ValueError, match="combine gave 'maybe'"):
         diagnose(record, asked, combine=lambda said: "maybe")
