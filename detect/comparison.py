@@ -161,7 +161,7 @@ def compare(
     >>> t = np.arange(1000.0)
     >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
     >>> [row[:4] for row in compare(loop, [area_ratio]).rows()]
-    [['FIC211', 'area_ratio', 'yes', 'inconclusive']]
+    [['FIC211', 'area_ratio', 'no', 'inconclusive']]
     """
     if methods is None:
         from detect import METHODS

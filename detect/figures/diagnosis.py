@@ -59,8 +59,6 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
 
 
 def _in_words(answer: Diagnosis) -> str:
-    """The reason, and below it what decided, each on its own line, beside S and J."""
+    """The reason, and below it what decided, each on its own line."""
     numbered = [f"{number}. {why}" for number, why in enumerate(answer.because, 1)]
-    sizes = ";   ".join(f"{name} {size}" for name, size in (answer.amount or {}).items())
-    lines = [answer.reason, *numbered, *([sizes] if numbered and sizes else [])]
-    return "\n".join(row for line in lines for row in textwrap.wrap(line, 150))
+    return "\n".join(row for line in (answer.reason, *numbered) for row in textwrap.wrap(line, 150))
