@@ -17,8 +17,8 @@ sampled).  A small W clears nothing: two signals that have nothing in common hav
 
 F_max is S where J = 0.  A slip has steeper sides than a play, and the best play is then narrower than S by up to J.  So
 the verdict rests on the play of the paper, and the amounts on the stick of S and J that correlates best about it
-(``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it.  Not for levels, where any wave lags a quarter period, nor for slow
-processes without MV.  Cost: about 60 ms for 7,200 samples.
+(``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it.
+Not for levels, where any wave lags a quarter period, nor for slow processes without MV.
 """
 
 from __future__ import annotations

@@ -54,8 +54,8 @@ def test_amounts_of_a_stick(wave, J):  # analytic: y is the stick of S = 4 and J
     u = swings(2000) if wave == "swings" else 50 + 8 * (np.abs((np.arange(2000.0) % 400) / 200 - 1) - 0.5)
     y = 7.0 - 3.0 * stick(u, 4.0, J)
     found = sizes_of(u, y, width(u, y, 47.0 if wave == "swings" else 200.0))
-    assert found.S == pytest.approx(4.0, rel=0.03)
-    assert found.J == pytest.approx(J, abs=0.15)
+    assert pytest.approx(4.0, rel=0.03) == found.S
+    assert pytest.approx(J, abs=0.15) == found.J
     assert found.low <= found.S <= found.high
 
 
