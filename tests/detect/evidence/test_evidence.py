@@ -108,7 +108,7 @@ def test_a_valve_that_gets_worse_is_seen_to():
         )
 
     worse = replace(found, windows=sized([4.0, 4.2, 4.4, 5.5, 6.0, 6.2]))
-    assert "S goes from 4.2 to 6 % of OP, a trend that a constant valve shows in 0.3%" in worse.words  # analytic: 2 / 6!
+    assert "S goes from 4.2 to 6 % of OP, a trend that a constant valve shows in 0.3%" in worse.words  # 2 / 6!
     same = replace(found, windows=sized([4.0, 4.2, 4.1, 4.2, 4.0, 4.1]))
     assert "no trend" in same.words
     short = replace(found, windows=sized([4.0, 5.0, 6.0]))  # analytic: this order has a chance of 2 / 3! in any valve
