@@ -260,7 +260,8 @@ class Log:
 
         A log without "SP" gives a loop without set point; "MV" (the stem position) and "MODE" are taken
         when they are logged and no other name is given. A ``name`` that is one of ``loops`` takes the signals noted
-        there, unless others are given.
+        there, unless others are given.  What is noted of a loop with this PV and OP (kind of process, measurement)
+        holds unless other is said.
 
         >>> log = Log(t=[0, 1], signals={"PV": [4, 5], "OP": [50, 51]})
         >>> log.loop(name="FIC211").sp is None
@@ -270,7 +271,11 @@ class Log:
         from logs.tags import measurement_of
 
         if name in self.loops and (sp, pv, op, mv, mode) == ("SP", "PV", "OP", None, None):
-            return self._noted_loop(name)
+            record = self._noted_loop(name)
+            return record if process == "unknown" else replace(record, process=process)
+        noted = next((loop for loop in self.loops.values() if (loop.pv, loop.op) == (pv, op)), None)
+        if noted is not None and process == "unknown":
+            process = noted.process
 
         return LoopRecord(
             log=self,
@@ -281,7 +286,7 @@ class Log:
             mv_name="MV" if mv is None and "MV" in self and "MV" not in (sp, pv, op) else mv,
             mode_name="MODE" if mode is None and "MODE" in self else mode,
             process=process,
-            measurement=measurement_of(name),
+            measurement=measurement_of(name) or ("" if noted is None else noted.measurement),
         )
 
     def _noted_loop(self, tag: str) -> LoopRecord:

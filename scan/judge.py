@@ -33,6 +33,8 @@ def judged(job: Job, number: int) -> list[Row]:
                 if record is None:
                     return rows
                 row = {"loop": name, "error": record} if isinstance(record, str) else row_of(record)
+                if isinstance(record, LoopRecord):
+                    row["source"] = {"file": record.log.origin, "tags": name}.get(job.kind) or job.files[0]
         except Exception as fault:  # a scan overnight must not end at one loop
             row = {"loop": name or f"job {number}", "error": f"{type(fault).__name__}: {fault}"[:REASON_MAX]}
         rows.append(row | {"order": number * JOB_ROWS + len(rows)})
@@ -68,7 +70,7 @@ def row_of(record: LoopRecord) -> Row:
         "samples": len(t),
         "interval_s": float(record.dt),
         "hours": float(t[-1] - t[0]) / 3600.0,
-        "start": float(t[0]) + (0.0 if start is None else start.timestamp()),
+        "start": None if start is None else float(t[0]) + start.timestamp(),
         "phasors": None if period is None else phasors(t - t[0], record.pv, period),
     }
 

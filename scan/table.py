@@ -21,7 +21,7 @@ COLUMNS = {
     "J_low": "Float64", "J_high": "Float64", "detection_limit": "Float64", "size_unit": "String",
     "period_s": "Float64", "amplitude": "Float64", "health": "String", "reason": "String", "action": "String",
     "samples": "Int64", "interval_s": "Float64", "hours": "Float64", "start": "Float64", "error": "String",
-    "phasors": "List",
+    "phasors": "List", "source": "String",
 }  # fmt: skip
 FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
 
@@ -43,7 +43,7 @@ def ranked(table: pl.DataFrame) -> pl.DataFrame:
     )
     seen = pl.when(pl.col("verdict") == "stiction").then(1.0).otherwise(-1.0)  # the stem or slips were seen: no guess
     by = [place, pl.col("probability").fill_null(seen), pl.col("order")]
-    table = table.with_columns(pl.Series("group", grouped(table), dtype=pl.String)).drop("phasors")
+    table = table.with_columns(pl.Series("group", grouped(table), dtype=pl.String)).drop("phasors", "source")
     table = table.sort(by, descending=[False, True, False])
     return table.select(pl.int_range(1, pl.len() + 1, dtype=pl.Int64).alias("rank"), pl.all())
 

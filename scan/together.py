@@ -7,8 +7,9 @@ resolution of the record, P / cycles, and their z move together:
 
     c = |sum z_k conj(w_k) exp(i 2 pi (1/P_z - 1/P_w) tau_k)|^2 / (sum |z_k|^2 sum |w_k|^2)  >= ``COHERENT``
 
-Two limit cycles of their own drift against each other and have a small c, unless both are as regular as clocks.  The
-likely source of a group is the loop with the largest probability of stiction in it.
+Two limit cycles of their own drift against each other and have a small c, unless both are as regular as clocks.
+Records share their time if the clock says so.  Seconds without a clock begin anew in every file: then only the loops of
+one file share it.  The likely source of a group is the loop with the largest probability of stiction in it.
 """
 
 from __future__ import annotations
@@ -58,9 +59,10 @@ def phasors(t: Values, pv: Values, period: float) -> list[float] | None:
 def grouped(table: pl.DataFrame) -> list[str | None]:
     """For every row the name of its group, which is that of its likely source; None for a loop on its own.
 
-    ``table`` has the columns loop, probability, period_s, hours, start and phasors.
+    ``table`` has the columns loop, probability, period_s, hours, start (null without clock time), source (what tells
+    files apart) and phasors.
     """
-    rows = table.select("loop", "probability", "period_s", "hours", "start", "phasors").to_dicts()
+    rows = table.select("loop", "probability", "period_s", "hours", "start", "source", "phasors").to_dicts()
     waves = [i for i, row in enumerate(rows) if row["period_s"] and row["phasors"]]
     waves.sort(key=lambda i: rows[i]["period_s"])
     joined = list(range(len(rows)))
@@ -94,8 +96,11 @@ def _source(rows: Sequence[dict[str, Any]], found: Sequence[int]) -> int:
 
 
 def _same_time(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    apart = abs(one["start"] - other["start"]), abs(one["hours"] - other["hours"])
-    return bool(apart[0] <= CLOCK and apart[1] <= 0.02 * one["hours"])
+    if one["start"] is None or other["start"] is None:
+        at_once = one["start"] is other["start"] and one["source"] == other["source"]
+    else:
+        at_once = abs(one["start"] - other["start"]) <= CLOCK
+    return bool(at_once and abs(one["hours"] - other["hours"]) <= 0.02 * one["hours"])
 
 
 def _coherence(one: dict[str, Any], other: dict[str, Any]) -> float:

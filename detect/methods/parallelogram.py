@@ -15,9 +15,10 @@ grid of 50 widths and 5 starts; stiction where rho* >= 0.5, W >= 0.25 and OP - F
 that OP alone leaves (a limit on rho* - rho0, as the paper's readers use, loses plain parallelograms that are densely
 sampled).  A small W clears nothing: two signals that have nothing in common have one too.
 
-F_max is S where J is small; a slip has steeper sides than a play, and F_max then lies between S - J / 2 and S.
-Deadband and stiction are told apart by J alone.  Not for levels, where any wave lags a quarter period, nor for slow
-processes without MV.  Cost: about 60 ms for 7,200 samples.
+F_max is S where J = 0.  A slip has steeper sides than a play, and the best play is then narrower than S by up to J.  So
+the verdict rests on the play of the paper, and the amounts on the stick of S and J that correlates best about it
+(``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it.
+Not for levels, where any wave lags a quarter period, nor for slow processes without MV.
 """
 
 from __future__ import annotations
@@ -147,16 +148,53 @@ def _correlate(x: Values, y: Values, lags: npt.NDArray[np.int_], drop: int) -> t
     return np.minimum(np.max(rho, axis=0), 1.0), np.argmax(rho, axis=0)
 
 
-def slip(x: Values, y: Values, lag: int, slope: float) -> float:
-    """J [unit of x]: median move of y within three samples of the stem's start, less the stem's own way."""
-    moves = np.abs(np.diff(x)) > 1e-12 * max(float(np.max(np.abs(x))), 1e-300)
-    held = np.convolve(~moves, np.ones(4), mode="full")[: len(moves)]
-    starts = np.flatnonzero(moves[1:] & (held[:-1] == 4)) + 1
-    starts = starts[(starts + lag + 3 < len(y)) & (starts > 0)]
-    if len(starts) < 3 or slope == 0.0:
-        return math.nan
-    jump = np.abs(y[starts + lag + 2] - y[starts + lag]) / abs(slope)
-    return max(float(np.median(jump - np.abs(x[starts + 2] - x[starts]))), 0.0)
+class Sizes(NamedTuple):
+    """S, low and high of its 90 % interval, J [unit of u], and the stem x (n,) of that S and J."""
+
+    S: float
+    low: float
+    high: float
+    J: float
+    x: Values
+
+
+def sizes_of(u: Values, y: Values, found: Width) -> Sizes:
+    """S and J of the stick that correlates best with y (n,), sought about the play that was ``found``.
+
+    >>> u = 8.0 * np.abs((np.arange(2000.0) % 400.0) / 200.0 - 1.0)
+    >>> y = stick(u, 4.0, 2.0)
+    >>> sizes = sizes_of(u, y, width(u, y, 200.0))
+    >>> round(sizes.S, 1), round(sizes.J, 1)
+    (4.0, 2.0)
+    """
+    drop, lags = len(u) // 10, np.array([found.lag])
+    tried, reached = [], []
+    S, share, start = found.S, 0.5, 0.0
+    reach = (0.5, 0.5, 1.0)  # of S, of J / S, of the start
+    for _ in range(5):
+        low, high = max(S * (1.0 - 0.4 * reach[0]), 0.02 * found.travel), min(S * (1.0 + 2.0 * reach[0]), found.travel)
+        s, j, a = (
+            v.ravel()
+            for v in np.meshgrid(
+                np.append(np.linspace(low, max(high, low), 15), S),
+                np.append(np.clip(np.linspace(share - reach[1], share + reach[1], 9), 0.0, 1.0), 0.0),
+                np.clip(np.linspace(start - reach[2], start + reach[2], 5), -1.0, 1.0),
+            )
+        )
+        rho = _correlate(stick(u, s, j * s, a), y, lags, drop)[0]
+        k = int(np.argmax(rho))
+        S, share, start = float(s[k]), float(j[k]), float(a[k])
+        tried.append(s)
+        reached.append(rho)
+        reach = (0.4 * reach[0], 0.4 * reach[1], 0.5 * reach[2])
+    sizes, rho = np.concatenate(tried), np.concatenate(reached)
+    at, group = np.unique(sizes, return_inverse=True)
+    best = np.zeros(len(at))
+    np.maximum.at(best, group, rho)
+    looks = max(len(turns(u, S)), 1)
+    loss = 0.5 * looks * np.log((1.0 - best**2 + 1e-12) / (1.0 - float(np.max(rho)) ** 2 + 1e-12))
+    low, high = interval(at, loss, S)
+    return Sizes(S, low, high, share * S, stick(u, S, share * S, start))
 
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
@@ -181,20 +219,20 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     u = grid.op
     found = width(u, y, min(turn_time(u, loop.period / grid.dt)[1], len(u) / 4.0))
     W = min(found.S / found.travel, 1.0)
-    J = slip(found.x, y, found.lag, found.slope)
+    sizes = sizes_of(u, y, found)
     reversals = len(turns(u, found.S))
     word, why = _word(found, W, reversals, p)
-    amount = loop.op_percent(found.S) if word == "stiction" else None
+    amount = loop.op_percent(sizes.S) if word == "stiction" else None
     size = "" if amount is None else f"S = {amount:.3g} % of OP; "
     reason = (
         f"{size}W = {W:.2f}, correlation of {name} with OP {found.without:.2f}, through a play {found.best:.2f}: {why}."
     )
     evidence: dict[str, Values | float] = {
-        "u": u[-3000:], "x": found.x[-3000:], "y": y[-3000:], "sizes": found.sizes, "rho": found.rho, "S": found.S,
-        "J": J, "rho_best": found.best, "rho_without": found.without, "lag": found.lag * grid.dt,
+        "u": u[-3000:], "x": sizes.x[-3000:], "y": y[-3000:], "sizes": found.sizes, "rho": found.rho, "width": found.S,
+        "S": sizes.S, "J": sizes.J, "rho_best": found.best, "rho_without": found.without, "lag": found.lag * grid.dt,
         "reversals": float(reversals), "slope": found.slope, "mv": float(name == "MV"),
     }  # fmt: skip
-    for key, value in (("S_low", found.low), ("S_high", found.high)):
+    for key, value in (("S_low", sizes.low), ("S_high", sizes.high)):
         evidence[key] = loop.op_percent(value) or value
     return Verdict(NAME, word, W, p.width, reason, amount_percent_op=amount, evidence=evidence, draw=draw)
 
@@ -230,7 +268,7 @@ def draw(v: Verdict, figure: FigureBase) -> None:
     left.set_ylabel("MV" if v.array("mv")[0] else "PV")
     right.plot(v.array("sizes"), v.array("rho"), color=INK)
     right.axhline(v.array("rho_without")[0], color=SOFT, ls=":")
-    right.axvline(v.array("S")[0], color=SOFT, ls="--")
+    right.axvline(v.array("width")[0], color=SOFT, ls="--")
     right.set_xlabel("width of the play [unit of OP]")
     right.set_ylabel("correlation [-]")
     right.set_title("dotted: OP alone with its best lag", fontsize=9, loc="left")

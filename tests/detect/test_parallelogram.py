@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from detect.methods.parallelogram import detect, slip, width
+from detect.methods.parallelogram import detect, sizes_of, width
 from detect.prepare.stick import stick
 from logs import LoopRecord
 
@@ -48,12 +48,15 @@ def test_lag_is_not_a_play():
         assert v.verdict == "inconclusive"
 
 
-def test_slip_jump():
-    u = 50 + 8 * (np.abs((np.arange(2000.0) % 400) / 200 - 1) - 0.5)  # analytic: J as made
-    x = stick(u, 4.0, 2.0)
-    assert slip(x, x, 0, 1.0) < 0.2 + 2.0
-    found = width(u, stick(u, 4.0, 0.0), 200.0)
-    assert slip(found.x, stick(u, 4.0, 0.0), found.lag, found.slope) < 0.1
+@pytest.mark.parametrize("wave", ["swings", "triangle"])
+@pytest.mark.parametrize("J", [0.0, 1.0, 2.0, 4.0])
+def test_amounts_of_a_stick(wave, J):  # analytic: y is the stick of S = 4 and J, as made
+    u = swings(2000) if wave == "swings" else 50 + 8 * (np.abs((np.arange(2000.0) % 400) / 200 - 1) - 0.5)
+    y = 7.0 - 3.0 * stick(u, 4.0, J)
+    found = sizes_of(u, y, width(u, y, 47.0 if wave == "swings" else 200.0))
+    assert pytest.approx(4.0, rel=0.03) == found.S
+    assert pytest.approx(J, abs=0.15) == found.J
+    assert found.low <= found.S <= found.high
 
 
 def test_deadband_with_and_without_mv(sticky, bare, simulated):

@@ -6,7 +6,7 @@ from datetime import datetime
 import numpy as np
 import pytest
 
-from logs import Log, LogError
+from logs import Log, LogError, LoopSignals
 
 
 def small() -> Log:
@@ -147,3 +147,11 @@ def test_text_of_a_log():
 
 def test_dt_of_one_sample_is_unknown():
     assert np.isnan(Log(t=[3.0], signals={}).dt)
+
+
+def test_a_loop_asked_for_by_its_signals_keeps_what_is_noted_of_it():
+    noted = LoopSignals("PV", "OP", process="integrating", measurement="level")
+    log = Log(t=[0, 1], signals={"PV": [4, 5], "OP": [50, 51]}, loops={"LC1": noted})
+    assert (log.loop().process, log.loop().measurement) == ("integrating", "level")
+    assert log.loop(process="self_regulating").process == "self_regulating"
+    assert log.loop(name="LC1", process="self_regulating").process == "self_regulating"

@@ -232,11 +232,26 @@ def test_loops_that_share_an_oscillation_are_told_from_loops_of_the_same_period(
     periods = (120.0, 120.5, 120.2, 44.4)
     table = pl.DataFrame({
         "loop": list(waves), "probability": [0.2, 0.9, 0.5, 0.1], "period_s": periods, "hours": 2.0, "start": 0.0,
+        "source": "a",
         "phasors": [phasors(t, x, period) for x, period in zip(waves.values(), periods, strict=True)],
     })  # fmt: skip
     assert grouped(table) == ["B", "B", None, None]
     later = table.with_columns(start=pl.Series([0.0, 9000.0, 0.0, 0.0]))
     assert grouped(later) == [None] * 4  # not at the same time
+    no_clock = table.with_columns(start=pl.lit(None, pl.Float64))
+    assert grouped(no_clock) == ["B", "B", None, None]  # of one file
+    assert grouped(no_clock.with_columns(source=pl.Series(list("abcd")))) == [None] * 4  # seconds of different files
+
+
+def test_two_files_that_hold_no_clock_are_not_in_step(tmp_path: Path) -> None:
+    t = np.arange(2400.0)
+    for month in ("08", "11"):
+        lines = [f"{s:g},50,{50 + np.sin(s / 10):.6f},{40 + np.cos(s / 10):.6f}" for s in t]
+        (tmp_path / f"LIC1_{month}.csv").write_text("time,SP,PV,OP\n" + "\n".join(lines))
+    job = Job("file", tuple(str(tmp_path / f"LIC1_{month}.csv") for month in ("08", "11")))
+    table = ranked(table_of(judged(job, 0)))
+    assert table["period_s"].null_count() == 0
+    assert table["group"].to_list() == [None, None]
 
 
 def test_a_stick_that_was_seen_ranks_before_one_that_is_probable() -> None:
