@@ -37,6 +37,17 @@ class Block(ControlView):
     is copied, however many runs read it.  A block with a timetable and a kernel ``step`` takes a sample at each time.
     """
 
+    def __setattr__(self, key: str, value: Any) -> None:
+        """Set an attribute; an array becomes a read-only copy of its own.
+
+        What is written into it later would change the runs of every diagram with this block, past the checks of
+        ``with_params`` and ``starting_at``, while ``params`` says otherwise.
+        """
+        if isinstance(value, np.ndarray) and value.flags.writeable:
+            value = value.copy()
+            value.flags.writeable = False
+        super().__setattr__(key, value)
+
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
         if "__init__" in cls.__dict__:
@@ -120,7 +131,8 @@ class Block(ControlView):
         return state
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        for key, value in state.items():  # one by one: arrays come back writeable
+            setattr(self, key, value)
         self._make_kernels(self.name)
 
     def __copy__(self) -> Self:
@@ -233,8 +245,9 @@ class Block(ControlView):
         if mode not in self.modes:
             raise BlockError(f"block '{self.name}' has no mode '{mode}'; {nearest(mode, list(self.modes))}")
         other = self._copy()
-        other.d0 = self.d0.copy()
-        other.d0[0] = self.modes[mode]
+        memory = self.d0.copy()
+        memory[0] = self.modes[mode]
+        other.d0 = memory
         return other
 
     def starting_at(self, **values: float) -> Self:
@@ -246,15 +259,16 @@ class Block(ControlView):
             modes = ", ".join(f"{value:g} ({name})" for name, value in self.modes.items())
             raise BlockError(f"{self.name}: mode = {values['mode']!r}, but the modes are {modes}; give one of them")
         other = self._copy()
-        other.x0, other.d0 = self.x0.copy(), self.d0.copy()
+        states, memory = self.x0.copy(), self.d0.copy()
         for key, value in values.items():
             if key in self.state_names:
-                other.x0[self.state_names.index(key)] = number(self.name, key, value)
+                states[self.state_names.index(key)] = number(self.name, key, value)
             elif key in self.memory_names:
-                other.d0[self.memory_names.index(key)] = number(self.name, key, value)
+                memory[self.memory_names.index(key)] = number(self.name, key, value)
             else:
                 known = [*self.state_names, *self.memory_names]
                 raise BlockError(f"block '{self.name}' has no state '{key}'; {nearest(key, known)}")
+        other.x0, other.d0 = states, memory
         return other
 
     def holding(self, outputs: ArrayLike) -> Self:

@@ -64,11 +64,12 @@ class Pin(Block):
         units: Mapping[str, str] | None = None,
         spans: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
+        times, recorded, self.clock = samples(name, t, values)
         super().__init__(
             name=name,
             params={},
             memory={"offset": 0.0},
-            timetable=np.column_stack(samples(name, t, values)),
+            timetable=np.column_stack([times, recorded]),
             inputs=inputs,
             outputs=outputs,
             units=units,

@@ -10,6 +10,7 @@ See also: sources, periodic.
 """
 
 from collections.abc import Sequence
+from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 from blocks.block import Kernels
 from blocks.ports import BlockError, nearest, require
 from blocks.sources import Source
+from logs.arrays import seconds_and_start
+from logs.errors import LogError
 
 HOLDS = ("previous", "linear")
 
@@ -32,13 +35,18 @@ def _line_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     y[0] = p[1] + p[2] * (t - p[0]) if t > p[0] else p[1]
 
 
-def samples(name: str, t: ArrayLike, values: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return times [s] and values as arrays (n,).
+def samples(
+    name: str, t: ArrayLike, values: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64], datetime | None]:
+    """Return times [s] and values as arrays (n,), and the moment of time 0 where the times are moments.
 
     Raises ``BlockError`` unless both are finite numbers, n >= 1, and the times strictly increase.
     """
     try:
-        times, levels = np.asarray(t, dtype=float), np.asarray(values, dtype=float)
+        seconds, clock = seconds_and_start(t)
+        times, levels = np.asarray(seconds, dtype=float), np.asarray(values, dtype=float)
+    except LogError as fault:
+        raise BlockError(f"{name}: {fault}") from None
     except (TypeError, ValueError):
         raise BlockError(
             f"{name}: t = {t!r:.60}, values = {values!r:.60}, but both must be numbers; give an array for each"
@@ -60,11 +68,14 @@ def samples(name: str, t: ArrayLike, values: ArrayLike) -> tuple[NDArray[np.floa
             f"{name}: t[{back[0]}] = {times[back[0]]} is followed by {times[back[0] + 1]}, but times must "
             f"strictly increase; sort them and drop repeated ones"
         )
-    return times, levels
+    return times, levels, clock
 
 
 class Recorded(Source):
     """Recorded data: ``values`` at times ``t`` [s], joined by straight lines or held (``hold="previous"``).
+
+    Moments (datetime, datetime64, what pandas makes of them) count from the first of them; ``clock`` is then the moment
+    of time 0.  Durations (timedelta) become seconds.
 
     Raises ``BlockError`` unless t (n,) strictly increases and values (n,) are finite.
 
@@ -86,7 +97,7 @@ class Recorded(Source):
         name = name or signal
         if hold not in HOLDS:
             raise BlockError(f"{name}: hold = {hold!r}; {nearest(str(hold), HOLDS)}")
-        times, levels = samples(name, t, values)
+        times, levels, self.clock = samples(name, t, values)
         held = hold == "previous"
         slopes = np.append(np.diff(levels) / np.diff(times), 0.0)
         self.kernels = Kernels(out=_held_out if held else _line_out, feeds=False, timed=not held, linear=True)
@@ -97,8 +108,9 @@ class Recorded(Source):
 class Staircase(Recorded):
     """Levels one after the other: each ``dwell`` [s] long from ``start`` [s], or from given times ``at`` [s].
 
-    Before the first time the first level holds, after the last the last.  Raises ``BlockError`` for a dwell that
-    is not positive, or if both or neither of dwell and at are given.
+    ``at`` may hold moments or durations, as the times of ``Recorded`` may.  Before the first time the first level
+    holds, after the last the last.  Raises ``BlockError`` for a dwell that is not positive, or if both or neither of
+    dwell and at are given.
 
     ``levels``: the values [unit of the signal], one after the other.
 
@@ -113,7 +125,7 @@ class Staircase(Recorded):
         levels: Sequence[float],
         *,
         dwell: float | None = None,
-        at: Sequence[float] | None = None,
+        at: ArrayLike | None = None,
         start: float = 0.0,
         unit: str = "",
         name: str = "",
@@ -122,5 +134,5 @@ class Staircase(Recorded):
             raise BlockError(f"{name or signal}: give either dwell= (one length for all levels) or at= (their times)")
         if dwell is not None:
             require(dwell > 0.0, name or signal, "dwell", dwell, "it must be positive", "give dwell= in seconds")
-        times = start + np.arange(len(levels)) * dwell if dwell is not None else np.asarray(at, dtype=float)
-        super().__init__(signal, times, levels, hold="previous", unit=unit, name=name)
+            at = start + np.arange(len(levels)) * dwell
+        super().__init__(signal, at, levels, hold="previous", unit=unit, name=name)

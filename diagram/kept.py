@@ -13,6 +13,7 @@ from blocks.ports import nearest, number
 from diagram.wired import Wired
 from engine import snapshot
 from engine.table import Component
+from logs.arrays import seconds_and_start
 
 Floats = NDArray[np.float64]
 MEMORY_SHARE = 0.8  # of the machine's memory that the values may take
@@ -54,9 +55,18 @@ def log_times(
 
 def _asked(times: ArrayLike, t0: float, t_end: float) -> Floats:
     try:
-        grid = np.array(times, dtype=float).ravel()
+        seconds, moment = seconds_and_start(times)  # durations become seconds
+        grid = np.array(seconds, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"times = {times!r}, but log times are numbers of seconds; give an array of them") from None
+    if moment is not None:
+        raise ValueError(
+            f"times begin at {moment}, but a run counts seconds from t0 = {t0:g} and has no clock; "
+            "give (times - times[0]).total_seconds()"
+        )
+    if grid.ndim > 1:
+        raise ValueError(f"times has shape {grid.shape}, but log times stand in one row; give an array of shape (n,)")
+    grid = grid.ravel()
     rounding = 4.0 * np.spacing(max(abs(t0), abs(t_end)))
     inside = grid.size > 0 and grid[0] >= t0 - rounding and grid[-1] <= t_end + rounding
     if not (inside and (grid[1:] > grid[:-1]).all()):

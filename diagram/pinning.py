@@ -51,13 +51,15 @@ def pin_blocks(diagram: Wired, log: Log, names: Sequence[str]) -> tuple[dict[str
 @lru_cache(maxsize=SHARED)
 def _source(log: Log, signal: str, name: str) -> Recorded:
     """Return the source that plays a logged open input; the same one again for the next diagram."""
-    return Recorded(signal, *_samples(log, signal), hold="previous", name=name)
+    source = Recorded(signal, *_samples(log, signal), hold="previous", name=name)
+    source.clock = log.start
+    return source
 
 
 @lru_cache(maxsize=SHARED)
 def _pin(log: Log, s: str, driver: str, unit: str, span: tuple[float, float] | None) -> Pin:
     """Return the pin behind the driver of a signal; the same one again for the next diagram."""
-    return Pin(
+    pin = Pin(
         *_samples(log, s),
         name=f"{s} pin",
         inputs=[f"{s}:{driver}"],
@@ -65,6 +67,8 @@ def _pin(log: Log, s: str, driver: str, unit: str, span: tuple[float, float] | N
         units=dict.fromkeys(("r", "s", "offset"), unit),
         spans=None if span is None else {"s": span},
     )
+    pin.clock = log.start
+    return pin
 
 
 def logged(diagram: Wired, log: Log, signals: Sequence[str] | None) -> list[str]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from blocks.block import Block
+from blocks.pin import Pin
 from blocks.recorded import Recorded
 from diagram.wiring import WiringError
 from logs import Log
@@ -42,7 +43,9 @@ class Playback:
                 f"input '{signal}' is in [{unit}], but the log has '{column}' in [{known}]; convert it: "
                 f'log.with_signal("{column}", log["{column}"] * factor, unit="{unit}")'
             )
-        return Played(signal, self.log.t[good], self.log[column][good], self.log.t, self.hold, known, name)
+        played = Played(signal, self.log.t[good], self.log[column][good], self.log.t, self.hold, known, name)
+        played.clock = self.log.start
+        return played
 
 
 class Played(Recorded):
@@ -95,8 +98,20 @@ def is_table(given: Any) -> bool:
 
 
 def check_logged(blocks: Iterable[Block], t0: float, t_end: float) -> None:
-    """Raise ``ValueError`` if a run from ``t0`` to ``t_end`` [s] would go beyond a log that it plays back."""
+    """Raise ``ValueError`` if a run from ``t0`` to ``t_end`` [s] would go beyond a log that it plays back.
+
+    A run has one clock: recorded signals whose time 0 is not the same moment are refused too.
+    """
+    stamped: Recorded | Pin | None = None
     for block in blocks:
+        if isinstance(block, Recorded | Pin) and block.clock is not None:
+            stamped = stamped or block
+            if block.clock != stamped.clock:
+                raise ValueError(
+                    f"time 0 is {stamped.clock} for '{stamped.output_labels[0]}', but {block.clock} for "
+                    f"'{block.output_labels[0]}'; count both in seconds from one moment, e.g. "
+                    "(index - start).total_seconds()"
+                )
         if isinstance(block, Played):
             first, last, dt = block.logged
             if t0 < first - 1e-9 * abs(first) or t_end > last + 1.001 * dt:

@@ -126,7 +126,7 @@ def rosenbrock_step(I, W, t, h):  # type: ignore[no-untyped-def]
         W[y1 + i] = W[x + i] + W[last + i]
         scale = W[ATOL] + W[RTOL] * max(abs(W[y0 + i]), abs(W[y1 + i]))
         worst += (W[last + i] / scale) ** 2
-    worst = np.sqrt(worst / n)
+    worst = np.sqrt(worst / max(n, 1))  # without a state no step is wrong
     if not finite(W, y1, n):
         return np.inf
     if worst <= 1.0 and (I[N_EVENTS] > 0 or I[HAS_DELAYS] or W[NEXT_ROW] < t + h):
@@ -159,7 +159,7 @@ def _error_between(I, W, t, h):  # type: ignore[no-untyped-def]
     for i in range(n):
         scale = W[ATOL] + W[RTOL] * max(abs(W[y0 + i]), abs(W[y1 + i]))
         worst += (W[f + i] / scale) ** 2
-    return np.sqrt(worst / n)
+    return np.sqrt(worst / max(n, 1))
 
 
 @njit(cache=True, error_model="numpy")

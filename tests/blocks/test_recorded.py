@@ -1,6 +1,9 @@
 """Recorded data and staircases: exact at the knots, numpy's interpolation in between as the oracle."""
 
+from datetime import UTC, datetime, timedelta
+
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -88,3 +91,38 @@ def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
         make()
     for word in words:
         assert word in str(error.value)
+
+
+STAMPS = pd.date_range("2024-05-06 07:00", periods=3, freq="10s")
+LATER = pd.timedelta_range(0, periods=3, freq="10s")
+
+
+@pytest.mark.parametrize(
+    "t",
+    [STAMPS, STAMPS.tz_localize("Europe/Oslo"), STAMPS.to_numpy(), list(STAMPS.to_pydatetime()), pd.Series(STAMPS),
+     LATER, LATER.to_numpy(), [timedelta(seconds=s) for s in (0, 10, 20)]],
+    ids=lambda t: f"{type(t).__name__}-{getattr(t, 'dtype', type(t[0]).__name__)}",
+)  # fmt: skip
+def test_moments_and_durations_are_seconds_from_the_first(t):
+    for block in (Recorded("PV", t, [1.0, 2.0, 4.0], hold="previous"), Staircase("PV", [1.0, 2.0, 4.0], at=t)):
+        assert [at(block, s) for s in (0.0, 9.9, 10.0, 25.0)] == [1.0, 1.0, 2.0, 4.0]  # analytic
+
+
+def test_the_moment_of_time_zero_is_kept():
+    assert Recorded("PV", STAMPS, [1.0, 2.0, 4.0]).clock == datetime(2024, 5, 6, 7)
+    assert Recorded("PV", STAMPS.tz_localize("UTC"), [1.0, 2.0, 4.0]).clock == datetime(2024, 5, 6, 7, tzinfo=UTC)
+    assert Recorded("PV", LATER, [1.0, 2.0, 4.0]).clock is None
+
+
+def test_a_moment_that_is_none_is_refused():
+    with pytest.raises(BlockError, match=r"PV: t\[1\] is no time"):
+        Recorded("PV", STAMPS.where([True, False, True]), [1.0, 2.0, 4.0])
+
+
+def test_one_run_has_one_clock():
+    """Each table counts from its own first moment; beside each other that would shift one silently."""
+    a, b = Recorded("a", STAMPS, [1.0, 2.0, 4.0]), Recorded("b", STAMPS + pd.Timedelta("5s"), [1.0, 2.0, 4.0])
+    with pytest.raises(ValueError, match=r"time 0 is 2024-05-06 07:00:00 for 'a', but 2024-05-06 07:00:05 for 'b'"):
+        simulate(wire([a, b], outputs=["a", "b"]), 20.0)
+    run = simulate(wire([a, Recorded("b", STAMPS, [1.0, 2.0, 4.0])], outputs=["a", "b"]), 20.0)
+    np.testing.assert_array_equal(run.log["a"], run.log["b"])

@@ -1,14 +1,17 @@
 """What may be asked of ``simulate``: numbers of every kind, some signals, systems that stand alone; the refusals."""
 
 import math
+import pickle
 import warnings
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from blocks import PI, Constant, FirstOrder, Integrator, Noise, Step
+from blocks import PI, Constant, FirstOrder, Gain, Integrator, Noise, Sine, Step
 from blocks.block import Block, Kernels
 from blocks.ports import Port
+from blocks.recorded import Recorded
 from diagram import WiringError, simulate, wire
 from diagram.coarse import ToleranceWarning
 from diagram.ensembles import ensemble
@@ -203,3 +206,38 @@ def test_log_times_given_stay_the_callers_own():
     run = simulate(wire([Step("SP", 1.0)], outputs=["SP"]), 2.5, times=asked)
     asked[1] = 2.0
     assert run.log.t.tolist() == [0.0, 1.0, 2.5]
+
+
+@pytest.mark.parametrize("times", [[[0.0, 1.0], [2.0, 3.0]], pd.date_range("2024-05-06", periods=3, freq="1s")])
+def test_log_times_that_are_no_row_of_seconds_are_refused(times):
+    with pytest.raises(ValueError, match=r"shape \(2, 2\)|begin at 2024-05-06"):
+        simulate(wire([Step("MV"), FirstOrder(1.0, 2.0)]), 10.0, times=times)
+
+
+def test_log_times_may_be_durations():
+    run = simulate(wire([Step("MV"), FirstOrder(1.0, 2.0)]), 10.0, times=pd.timedelta_range(0, periods=3, freq="5s"))
+    assert run.log.t.tolist() == [0.0, 5.0, 10.0]
+
+
+@pytest.mark.parametrize("method", ["auto", "explicit", "stiff"])
+def test_systems_without_a_state_run_by_every_method(method):
+    run = simulate(wire([Sine("SP", 1.0, 8.0), Gain("g", "SP", 2.0)]), 6.0, every=2.0, method=method)
+    assert run.ok
+    np.testing.assert_allclose(run.log["g"], [0.0, 2.0, 0.0, -2.0], atol=1e-12)  # analytic
+
+
+def test_what_a_block_is_made_of_cannot_be_written_into():
+    """Written in place it would change later runs, while ``params`` says otherwise and no rule is checked."""
+    diagram = wire([Step("MV"), FirstOrder(K=3.0, tau=10.0)])
+    given = np.array([1.0, 2.0])
+    for block in (
+        diagram["process"],
+        pickle.loads(pickle.dumps(diagram["process"])),
+        diagram["process"].with_params(K=2),
+    ):
+        for array in (block.p, block.x0, block.d0, block.y0):
+            with pytest.raises(ValueError, match="read-only"):
+                array[...] = 1.0
+    source = Recorded("PV", [0.0, 1.0], given)
+    given[:] = 9.0  # the caller's own array stays writeable, and the block has its own
+    assert float(source.output(1.0, [], [])[0]) == 2.0
