@@ -130,9 +130,11 @@ class Staircase(Recorded):
         unit: str = "",
         name: str = "",
     ) -> None:
+        times = at
         if (dwell is None) == (at is None):
             raise BlockError(f"{name or signal}: give either dwell= (one length for all levels) or at= (their times)")
         if dwell is not None:
             require(dwell > 0.0, name or signal, "dwell", dwell, "it must be positive", "give dwell= in seconds")
-            at = start + np.arange(len(levels)) * dwell
-        super().__init__(signal, at, levels, hold="previous", unit=unit, name=name)
+            times = start + np.arange(len(levels)) * dwell
+        assert times is not None
+        super().__init__(signal, times, levels, hold="previous", unit=unit, name=name)

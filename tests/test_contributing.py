@@ -1,20 +1,26 @@
 """The templates of CONTRIBUTING run as they stand."""
 
 import doctest
+import importlib
 import re
 import sys
 import types
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from blocks import BlockError, Sensor, Sine
 from blocks.dry_run import dry_run
+from cases.stories import EXPORTS
+from detect import METHODS, compare, diagnose
 from diagram import drive, simulate, wire
 from gap.insertion.effect import EffectError
-from logs import LoopRecord
+from logs import LoopRecord, read_loop
+from stickslip.cli import cli
 
 TEMPLATES = re.findall(r"```python\n(.*?)```", (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(), re.S)
 
@@ -43,6 +49,31 @@ def test_the_detector_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
     assert method.detect(LoopRecord.from_arrays(t, pv=2.0 * wave, op=wave)).verdict == "stiction"
     assert method.detect(LoopRecord.from_arrays(t, pv=0.5 * wave, op=wave)).index == pytest.approx(0.5)
     assert method.detect(LoopRecord.from_arrays(t, pv=wave, op=0.0 * t)).code == "constant_signal"
+
+
+@pytest.fixture
+def ratio(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The detector's page as a stranger saves it."""
+    (tmp_path / "ratio.py").write_text(TEMPLATES[1])
+    monkeypatch.syspath_prepend(tmp_path)
+    yield tmp_path / "ratio.py"
+    sys.modules.pop("ratio", None)
+
+
+def test_the_detector_judges_loops_from_the_command_line(ratio: Path) -> None:
+    export = str(EXPORTS / "FIC101_pi_export.csv")
+    told = CliRunner().invoke(cli, ["table", export, "--method", f"{ratio}:detect", "--json", "-"])
+    assert told.exit_code in (0, 1), told.output
+    assert "The ratio is" in told.output
+
+
+def test_the_detector_stands_beside_the_methods_in_python(ratio: Path) -> None:
+    mine = importlib.import_module("ratio")
+    record = read_loop(EXPORTS / "FIC101_pi_export.csv")
+    by_itself = mine.detect(record)
+    assert by_itself.index == pytest.approx(np.nanstd(record.pv) / np.nanstd(record.op))  # analytic
+    assert [verdict.index for verdict in diagnose(record, [mine]).methods] == [by_itself.index]
+    assert [verdict.index for verdict in compare(record, [*METHODS, mine]).loops[0].verdicts][-1] == by_itself.index
 
 
 def test_the_effect_is_one(monkeypatch: pytest.MonkeyPatch) -> None:

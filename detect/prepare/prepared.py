@@ -33,6 +33,7 @@ from detect.prepare.harris import Harris, harris
 from detect.prepare.pieces import Pieces, pieces_of
 from detect.prepare.process_kind import Kind, kind_of_data, kind_of_tag
 from detect.prepare.recent import recent
+from detect.prepare.record_signals import RecordSignals
 from detect.prepare.smoothing import moving_average, noise_std
 from detect.prepare.stale import without_stale
 from logs import LoopRecord, read_loop
@@ -87,7 +88,7 @@ class HalfWave(NamedTuple):
     length: float
 
 
-class Prepared:
+class Prepared(RecordSignals):
     """A loop record with what methods ask of it; see the module.
 
     >>> t = np.arange(1000.0)
