@@ -22,6 +22,7 @@ from logs import LogError, LoopRecord, ReadError, read_loops
 from logs.files.frames import frame_kind
 from logs.hint import nearest
 from logs.processes import one_thread
+from logs.shown import Shown
 from logs.tags import Process
 
 if TYPE_CHECKING:
@@ -87,8 +88,8 @@ class Judged:
         ]
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Shown):
     """What ``compare`` gives.
 
     loops : tuple of Judged
@@ -98,6 +99,13 @@ class Comparison:
 
     loops: tuple[Judged, ...]
     skipped: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        told = ", ".join(f"{judged.loop} {WORDS[judged.combined].spoken}" for judged in self.loops)
+        methods = max((len(judged.verdicts) for judged in self.loops), default=0)
+        return f"{methods} methods on {len(self.loops)} loop{'s' * (len(self.loops) != 1)}: {told}"
 
     def rows(self) -> list[list[str]]:
         """One row of text a loop and method, as in ``COLUMNS``."""

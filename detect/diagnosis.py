@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
+from detect.chances import chance
 from detect.judge.answer import Amount, Answer, answer
 from detect.judge.combine import Combine
 from detect.judge.voted import beside, voted
@@ -19,6 +20,7 @@ from detect.verdict import Verdict
 from detect.words import WORDS, Word
 from logs import LoopRecord
 from logs.processes import one_thread
+from logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,8 +31,8 @@ SCHEMA = "stickslip.check/2"
 UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model tells more (docs/methods.md)
 
 
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis(Shown):
     """The answer on one loop.
 
     loop : str
@@ -80,6 +82,13 @@ class Diagnosis:
     period: float | None = None
     amplitude: float | None = None
     because: tuple[str, ...] = ()
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        sure = "" if self.probability is None else f" ({chance(self.probability)})"
+        sizes = "".join(f"; {name} {size}" for name, size in (self.amount or {}).items())
+        return f"{self.loop or 'loop'}: {WORDS[self.verdict].spoken}{sure}{sizes}"
 
     @property
     def unsure(self) -> bool:

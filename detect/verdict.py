@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.words import WORDS, Word
+from logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
@@ -47,8 +48,8 @@ class VerdictError(ValueError):
     """A verdict was built that contradicts itself."""
 
 
-@dataclass(frozen=True, eq=False)
-class Verdict:
+@dataclass(frozen=True, eq=False, repr=False)
+class Verdict(Shown):
     """The answer of one method on one loop.
 
     Parameters: ``method`` (str) Name of the method, which is the name of its module in ``detect``; ``verdict``
@@ -82,6 +83,11 @@ class Verdict:
     evidence: Evidence = field(default_factory=dict)
     draw: Draw | None = field(default=None, repr=False)
     experimental: bool = False
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        return f"{self.method}: {WORDS[self.verdict].spoken}. {self.reason}"
 
     def __post_init__(self) -> None:
         if self.verdict not in WORDS:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from logs.arrays import Mask, Values
 from logs.errors import LogError
 from logs.log import Log
+from logs.shown import Shown
 from logs.tags import Process, measurement_of
 
 if TYPE_CHECKING:
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["LoopRecord"]
 
 
-@dataclass(frozen=True, eq=False)
-class LoopRecord:
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopRecord(Shown):
     """A view of a log as one control loop, e = SP - PV.
 
     Parameters: ``log`` (Log) Holds the signals; ``name`` (str) Tag of the loop, for titles and reports; ``sp_name``,
@@ -118,11 +119,13 @@ class LoopRecord:
     def __len__(self) -> int:
         return len(self.log)
 
-    def __repr__(self) -> str:
+    @property
+    def headline(self) -> str:
+        """The record in one line."""
         known = "".join(f", {part}" for part in ("SP", "MV", "MODE") if self._logged(part))
         return (
-            f"<LoopRecord {self.name or '(unnamed)'}: {len(self)} samples, dt {self.dt:g} s, PV, OP{known}; "
-            f"{self.measurement or 'measurement unknown'}, {self.process}>"
+            f"{self.name or '(unnamed)'}: {len(self)} samples, dt {self.dt:g} s, PV, OP{known}; "
+            f"{self.measurement or 'measurement unknown'}, {self.process}"
         )
 
     def _logged(self, part: str) -> bool:

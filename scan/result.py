@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from logs.files.resumable import parquet, write
+from logs.shown import Shown
 from scan.changes import Change
 from scan.table import csv_bytes
 
@@ -20,8 +21,8 @@ __all__ = ["SCHEMA", "ScanResult"]
 SCHEMA = "stickslip.scan/1"
 
 
-@dataclass(frozen=True, eq=False)
-class ScanResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class ScanResult(Shown):
     """All loops of a scan, the valves to look at first on top.
 
     table : polars.DataFrame
@@ -37,6 +38,12 @@ class ScanResult:
     source: str
     notes: tuple[str, ...] = ()
     changes: tuple[Change, ...] = ()
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        told = ", ".join(f"{count} {word}" for word, count in self.counts.items())
+        return f"{len(self.table)} loops of {self.source}: {told}"
 
     @property
     def counts(self) -> dict[str, int]:

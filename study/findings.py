@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.ports import nearest
+from logs.shown import Shown
 from study.axes import Axis, StudyError
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ MOVES = 1e-3  # % of the operating point: a run whose signals move less, in the 
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Findings:
+class Findings(Shown):
     """The runs of a study with what was asked for, all that a picture needs; the fields as in ``StudyResult``."""
 
     table: "pl.DataFrame"
@@ -33,10 +34,12 @@ class Findings:
     def __len__(self) -> int:
         return len(self.table)
 
-    def __repr__(self) -> str:
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
         told = ", ".join(f"{count} {name}" for name, count in self.counts().items() if count)
         varied = ", ".join(axis.name for axis in self.varied()) or "nothing"
-        return f"<Study of '{self.request['subject']}' over {varied}: {told}>"
+        return f"'{self.request['subject']}' over {varied}: {told}"
 
     def counts(self) -> dict[str, int]:
         """Return how many runs are ok, infeasible, refused, failed."""

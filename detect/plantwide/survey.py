@@ -30,6 +30,7 @@ from detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips
 from detect.words import WORDS, Word
 from logs import Log, LogError, LoopRecord
 from logs.processes import one_thread
+from logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,8 +122,8 @@ class Group:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Survey:
+@dataclass(frozen=True, eq=False, repr=False)
+class Survey(Shown):
     """The answer on a log.
 
     Parameters: ``groups`` (tuple of Group) most tags first; ``suspects`` (tuple of Suspect) every loop whose OP moves,
@@ -134,6 +135,11 @@ class Survey:
     suspects: tuple[Suspect, ...]
     still: tuple[str, ...]
     log: Log = field(repr=False)
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        return self.words
 
     @property
     def words(self) -> str:

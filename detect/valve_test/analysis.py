@@ -26,6 +26,7 @@ from detect.methods import stem_play
 from detect.valve_test.routine import routine_steps
 from detect.valve_test.steps import Step, noise_of, steps_of
 from logs import LogError, LoopRecord
+from logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,8 +84,8 @@ class StepResponse:
     place_after: float
 
 
-@dataclass(frozen=True, eq=False)
-class ValveTest:
+@dataclass(frozen=True, eq=False, repr=False)
+class ValveTest(Shown):
     """What a step test, or the routine moves of a record, say of a valve.
 
     name : str
@@ -115,6 +116,11 @@ class ValveTest:
     steps: tuple[Step, ...] = field(repr=False)
     notes: tuple[str, ...]
     record: LoopRecord = field(repr=False)
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        return f"{self.name or 'valve'}: {' '.join(self.words)}"
 
     @property
     def words(self) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from engine.status import HINTS, Statistics, Status
 from logs import Log
 from logs.files.write import replacing
 from logs.loop_signals import within
+from logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +31,7 @@ def freeze(arrays: Iterable[NDArray[Any]]) -> None:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Ensemble:
+class Ensemble(Shown):
     """The outcome of ``ensemble``.
 
     Attributes: ``t`` (log times [s], (rows,), or (variants, rows) where variants have times of their own; see
@@ -66,10 +67,12 @@ class Ensemble:
     def __len__(self) -> int:
         return len(self.status)
 
-    def __repr__(self) -> str:
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
         codes, counts = np.unique(self.status, return_counts=True)
         told = ", ".join(f"{count} {Status(int(code)).name}" for code, count in zip(codes, counts, strict=True))
-        return f"<Ensemble of {len(self)} variants of '{self.variants.diagram.name}' over {self.duration:g} s: {told}>"
+        return f"{len(self)} variants of '{self.variants.diagram.name}' over {self.duration:g} s: {told}"
 
     @property
     def ok(self) -> NDArray[np.bool_]:
@@ -148,11 +151,14 @@ class Ensemble:
             settings=self.settings, branches=self.branches,
         )  # fmt: skip
 
-    def plot(self, signal: str) -> "Figure":
-        """Plot a signal over all variants that reached their end: median, 5 to 95 % band, some variants."""
+    def plot(self, signal: str = "") -> "Figure":
+        """Plot a signal over all variants that reached their end: 5 to 95 %, some variants, a typical one.
+
+        Without a ``signal`` it is PV, or the last one kept where none is called so.
+        """
         from diagram.figures.spread import plot_ensemble
 
-        return plot_ensemble(self, signal)
+        return plot_ensemble(self, signal or ("PV" if "PV" in self.values else list(self.values)[-1]))
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Write one row a variant: status, parameters, start values ``name(0)``, seed, summary, signals as arrays.

@@ -19,7 +19,10 @@ SOME = 12  # variants drawn as lines
 
 
 def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
-    """Return the spread of a signal over the variants that reached their end: median, 5 to 95 %, some variants.
+    """Return the spread of a signal over the variants that reached their end: 5 to 95 %, some variants, one of them.
+
+    The one has the median swing of all, and among equal swings the median mean.  The median at each time would be a
+    line that no variant follows, and flat where variants cycle out of step.
 
     Raises ``ValueError`` if the signal was not kept or no variant reached its end.
     """
@@ -33,7 +36,9 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     stride = -(-result.t.shape[-1] // POINTS)
     t, values = result.t[..., ::stride], result.values[signal][whole, ::stride]
     t = t if t.ndim == 1 else t[0] - t[0, 0]  # windows side by side: time since each began
-    low, middle, high = np.percentile(values, [5.0, 50.0, 95.0], axis=0)
+    low, high = np.percentile(values, [5.0, 95.0], axis=0)
+    later = values[:, values.shape[1] // 2 :]  # once started up
+    typical = int(np.lexsort((later.mean(axis=1), np.ptp(later, axis=1)))[len(later) // 2])
     scale, unit = time_unit(float(t[-1] - t[0]))
     figure = Picture(figsize=(9.5, 3.6), layout="constrained")
     ax = figure.subplots()
@@ -42,7 +47,8 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
     for k, i in enumerate(some):
         label = f"{len(some)} of {len(result)} variants" if k == 0 else None
         ax.plot(t / scale, result.values[signal][i, ::stride], color=PALE, linewidth=0.5, alpha=0.8, label=label)
-    ax.plot(t / scale, middle, color=CYCLE[0], linewidth=1.6, label="median")
+    label = f"variant {whole[typical]}, of median swing"
+    ax.plot(t / scale, values[typical], color=CYCLE[0], linewidth=1.2, label=label)
     finish_panel(ax, [low, high])
     ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, frameon=False, fontsize=8.5, borderpad=0.1)
     unit_y = result.variants.diagram.signal_units.get(signal, "")

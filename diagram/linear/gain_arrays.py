@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from logs.shown import Shown
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -21,8 +23,8 @@ Complex = NDArray[np.complex128]
 NEAR_ZERO = 1e-4  # of the slowest pole: where the steady limit is taken from, and again at half of it
 
 
-@dataclass(frozen=True)
-class Rga:
+@dataclass(frozen=True, repr=False)
+class Rga(Shown):
     """A relative gain array: ``values`` (n, n) complex, rows ``PVs``, columns ``OPs``, at ``frequency`` [rad/s].
 
     At frequency 0 the values are real.
@@ -33,6 +35,12 @@ class Rga:
     OPs: tuple[str, ...]
     frequency: float
     values: Complex
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        pairs = ", ".join(f"{PV} by {OP}" for PV, OP in zip(self.PVs, self.OPs, strict=True))
+        return f"{pairs} at {self.frequency:g} rad/s; RGA number {self.number:.3g}"
 
     @property
     def number(self) -> float:

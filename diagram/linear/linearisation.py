@@ -25,6 +25,7 @@ from diagram.linear.operating_points import held, residual, sizes
 from diagram.linear.poles import Pole, poles_of
 from diagram.linear.slopes import Slopes, slopes
 from diagram.wiring import WiringError
+from logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
 REST = 1e-6  # largest rate, relative to each state's own, that still counts as rest
 
 
-@dataclass(frozen=True)
-class Linear:
+@dataclass(frozen=True, repr=False)
+class Linear(Shown):
     """A linearised diagram; build one with ``linearise``.
 
     ``slopes`` block by block; ``at_rest`` whether the diagram rests there (else poles are those of a passing moment).
@@ -41,6 +42,12 @@ class Linear:
 
     slopes: Slopes
     at_rest: bool
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        where = "at rest" if self.at_rest else "not at rest"
+        return f"{self.slopes.diagram.name}, {where}, {len(self.states)} states"
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -15,6 +15,8 @@ import control as ct
 import numpy as np
 from numpy.typing import NDArray
 
+from logs.shown import Shown
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -22,14 +24,19 @@ Floats = NDArray[np.float64]
 PER_DECADE = 120
 
 
-@dataclass(frozen=True)
-class Loop:
+@dataclass(frozen=True, repr=False)
+class Loop(Shown):
     """The loop of ``controller``, from ``PV`` to ``OP``; ``L`` is a state space named from OP to OP."""
 
     controller: str
     PV: str
     OP: str
     L: ct.StateSpace
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        return f"{self.controller}, from {self.PV} to {self.OP}"
 
     def __call__(self, omega: float) -> complex:
         """Return L at the frequency ``omega`` [rad/s]."""

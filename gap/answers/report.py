@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from gap.answers.evidence import Evidence
 from gap.answers.seen import Seen
+from logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -78,7 +79,7 @@ class Shrinkage:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GapReport:
+class GapReport(Shown):
     """The outcome of ``diagnose``: words first (``print(report)``), ``plot()``, ``to_dict()``.
 
     ``gap`` whether there is one; ``where``, ``causes``, ``ranking``, ``shrinkage`` as named; ``words`` in sentences;
@@ -102,8 +103,10 @@ class GapReport:
     def __str__(self) -> str:
         return "\n".join([*self.words, *(f"  - {note}" for note in self.notes)])
 
-    def __repr__(self) -> str:
-        return f"<GapReport: {self.words[0]}>"
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        return self.words[0]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the report as plain values for JSON."""

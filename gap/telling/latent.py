@@ -25,6 +25,7 @@ from gap.records.model import read, silenced
 from gap.records.record import GapError, Record
 from gap.records.start import start_values
 from logs import Log
+from logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,7 +41,7 @@ LASTING = 0.25  # of a record: a response as long is that of an integral
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LatentInput:
+class LatentInput(Shown):
     """``values`` (rows,) [unit of ``signal``] that added to ``signal`` make the model give ``shown`` as it was logged.
 
     ``t`` (rows,) [s]; ``against`` what it may go with, name -> (rows,); ``shares`` name -> part of its variance that
@@ -53,6 +54,11 @@ class LatentInput:
     values: Floats
     against: Mapping[str, Floats] = field(default_factory=dict)
     shares: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def headline(self) -> str:
+        """The result in one line."""
+        return str(self)
 
     def __str__(self) -> str:
         best = max(self.shares, key=lambda name: self.shares[name])

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from blocks import PI, FirstOrder, Gain, Ramp, Step, StickSlip
+from blocks import PI, FirstOrder, Gain, Ramp, Sine, Step, StickSlip
 from diagram import simulate, wire
 from diagram.ensembles import ensemble
 from diagram.figures.panels import main_signals
@@ -172,17 +172,26 @@ def test_the_spread_is_that_of_the_variants():
     result = ensemble(wire([Step("F", 1.0), Gain("y", "F", 1.0)]), 10.0, params={"y.factor": gains}, every=1.0)
     ax = result.plot("y").axes[0]
     lines = drawn(ax)
-    assert np.allclose(lines["median"].get_ydata(), 50.0)  # analytic: percentiles of 0, 1, ..., 100
+    assert np.allclose(
+        lines["variant 50, of median swing"].get_ydata(), 50.0
+    )  # analytic: none swings, 50 is the middle
     band = ax.collections[0].get_paths()[0].get_extents()
     assert (band.y0, band.y1) == pytest.approx((5.0, 95.0))
     assert "12 of 101 variants" in lines
+
+
+def test_cycles_out_of_step_are_no_flat_line():
+    phases = 0.1 * np.arange(40.0)
+    result = ensemble(wire([Sine("y", 1.0, 4.0)], outputs=["y"]), 40.0, params={"y.phase": phases}, every=0.1)
+    shown = next(line for name, line in drawn(result.plot("y").axes[0]).items() if name.endswith("of median swing"))
+    assert np.ptp(shown.get_ydata()) == pytest.approx(2.0, rel=1e-2)  # analytic: each swings by 2, their median by none
 
 
 def test_failed_variants_are_not_in_the_spread():
     result = ensemble(LOOP, 600.0, params={"SP.after": [0.0, 0.5]}, every=1.0, max_steps=100)
     figure = plot_ensemble(result, "PV")
     assert figure.axes[0].get_title(loc="left").startswith("1 variants not shown")
-    assert np.array_equal(drawn(figure.axes[0])["median"].get_ydata(), np.zeros(601))
+    assert np.array_equal(drawn(figure.axes[0])["variant 0, of median swing"].get_ydata(), np.zeros(601))
     with pytest.raises(ValueError, match="did you mean 'PV'"):
         plot_ensemble(result, "pv")
     failed = ensemble(LOOP, 600.0, params={"SP.after": [0.5]}, every=1.0, max_steps=100)

@@ -121,7 +121,7 @@ def test_pickle_for_process_pools():
 
 def test_text_of_a_loop():
     assert repr(log().loop(name="FIC211")) == (
-        "<LoopRecord FIC211: 6 samples, dt 1 s, PV, OP, SP, MV, MODE; flow, unknown>"
+        "<LoopRecord: FIC211: 6 samples, dt 1 s, PV, OP, SP, MV, MODE; flow, unknown>"
     )
 
 
