@@ -3,6 +3,7 @@
 The file is executed, with all rights of the user: the commands that take one say so in their help.
 """
 
+import ast
 import contextlib
 import importlib.util
 import math
@@ -42,7 +43,7 @@ def function_of(given: str, option: str) -> Callable[..., Any]:
     """
     path, colon, function = given.rpartition(":")
     if not colon:
-        raise ValueError(f"{option} {given}: which function of the file? give {given}:FUNCTION")
+        raise ValueError(f"{option} {given}: which function of the file? {_functions(given)}")
     file = Path(path)
     if not file.is_file():
         raise ValueError(f"{option} {given}: there is no file '{path}'; give FILE.py:FUNCTION")
@@ -67,6 +68,20 @@ def function_of(given: str, option: str) -> Callable[..., Any]:
         known = [name for name, value in vars(module).items() if callable(value) and not name.startswith("_")]
         raise ValueError(f"{option} {given}: '{path}' has no function '{function}'; {nearest(function, known)}")
     return made  # type: ignore[no-any-return]  # callable(made) has been asked
+
+
+def _functions(path: str) -> str:
+    """Say which functions a file has; it is read and not executed."""
+    try:
+        statements = ast.parse(Path(path).read_bytes()).body
+    except OSError:
+        return f"there is no file '{path}'; give FILE.py:FUNCTION"
+    except (SyntaxError, ValueError) as fault:
+        return f"'{path}' is no Python ({fault}); mend the file"
+    names = [one.name for one in statements if isinstance(one, ast.FunctionDef) and not one.name.startswith("_")]
+    if not names:
+        return f"'{path}' defines none; write one that returns diagram.wire([...])"
+    return f"give {' or '.join(f'{path}:{name}' for name in names)}"
 
 
 def _called(given: str, option: str) -> Any:

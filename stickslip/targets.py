@@ -2,6 +2,7 @@
 
 import io
 import os
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -44,8 +45,7 @@ def check_targets(
             continue
         if not path.parent.is_dir():
             raise ValueError(f"{option} {path}: there is no folder '{path.parent}'; make it, or name another")
-        if not os.access(path.parent, os.W_OK):
-            raise ValueError(f"{option} {path}: no permission to write in '{path.parent}'; name another folder")
+        _try_to_write(path.parent, f"{option} {path}")
         real = os.path.realpath(path)
         if real in taken:
             raise ValueError(f"{option} {path} would overwrite {taken[real]}; name another file")
@@ -63,8 +63,17 @@ def check_folder(out: Path) -> None:
     nearest = next(path for path in (out, *out.absolute().parents) if path.exists())
     if not nearest.is_dir():
         raise ValueError(f"--out {out}: '{nearest}' is a file; name a folder")
-    if not os.access(nearest, os.W_OK | os.X_OK):
-        raise ValueError(f"--out {out}: no permission to write in '{nearest}'; name another folder")
+    _try_to_write(nearest, f"--out {out}")
+
+
+def _try_to_write(folder: Path, what: str) -> None:
+    """Refuse a folder in which nothing can be written; permissions alone do not tell, for root or a read-only disk."""
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as fault:
+        why = f"nothing can be written in '{folder}' ({fault.strerror})"
+        raise ValueError(f"{what}: {why}; name another folder") from None
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -70,7 +70,7 @@ def test_a_case_of_ones_own_is_simulated_linearised_and_studied(call, own, tmp_p
     ("arguments", "piece"),
     [
         (["simulate", "nowhere.py:loop"], "there is no file 'nowhere.py'; give FILE.py:FUNCTION"),
-        (["simulate", "{own}"], "which function of the file? give {own}:FUNCTION"),
+        (["simulate", "{own}"], "give {own}:loop or {own}:detect or {own}:five or {own}:broken"),
         (["simulate", "{own}:lop"], "has no function 'lop'; did you mean 'loop'"),
         (["simulate", "{own}:five"], "returned int; return diagram.wire([...]) or a cases.Case"),
         (["study", "{own}:broken"], "the function failed (RuntimeError: planted)"),

@@ -2,6 +2,7 @@
 
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
@@ -75,3 +76,12 @@ def test_two_names_of_one_file(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "data.csv")
     with pytest.raises(ValueError, match="link would overwrite the file that is read; name another"):
         check_targets({"--json": tmp_path / "link"}, source=tmp_path / "data.csv")
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="no /proc here: nothing is known that root cannot write to")
+def test_a_place_that_takes_no_files_is_refused_before_the_work(call):
+    """Permissions do not tell: root may write to /proc, and cannot."""
+    for arguments in (["demo", "--out", "/proc/page"], ["simulate", "ideal_high", "--out", "/proc/log.csv"]):
+        done = call(*arguments)
+        assert done.exit_code == 2 and "nothing can be written in '/proc'" in done.stderr
+        assert "compiling" not in done.stderr and not done.stdout
