@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from logs.errors import LogError, ReadError
 from logs.files.assemble import assemble, layout_of
-from logs.files.columns import loop_names
 from logs.files.form import Form, checked
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
-from logs.files.loops import Origin, check_span, loop_of, with_loops
+from logs.files.loops import Origin, check_span, loop_of, loops_of, with_loops
 from logs.files.packed import is_workbook, unpacked
 from logs.files.size import check_cells
 from logs.files.source import decoded, file_bytes, is_parquet
@@ -151,12 +150,12 @@ def read_loops(
         layout = layout_of(table, heading, form)
         origin = _origin(source, heading)
         noted = heading.loops if heading is not None else {}
-        found = (tuple(noted) or loop_names(layout.names)) if loops is None else tuple(loops)
+        found = (tuple(noted) or layout.columns.loops) if loops is None else tuple(loops)
         if len(found) == 0 and loops is not None:
             raise ReadError("loops names no loop; leave it out to read all, or name at least one")
         if loops is None and len(found) < 2:
             return (loop_of(layout, origin, process=process),)
-        return tuple(loop_of(layout, origin, loop=tag, process=process, beside=found) for tag in found)
+        return loops_of(layout, origin, found, process)
 
 
 @contextmanager
