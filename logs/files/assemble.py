@@ -82,11 +82,11 @@ class Layout:
         return found
 
     @cached_property
-    def noted(self) -> dict[str, dict[str, LoopSignals]]:
-        """PV -> the loops of it that the file itself notes."""
-        found: dict[str, dict[str, LoopSignals]] = {}
-        for tag, loop in (self.heading.loops if self.heading is not None else {}).items():
-            found.setdefault(loop.pv, {})[tag] = loop
+    def noted(self) -> dict[str, list[tuple[int, str, LoopSignals]]]:
+        """PV -> the loops of it that the file itself notes: place in the heading, tag, signals."""
+        found: dict[str, list[tuple[int, str, LoopSignals]]] = {}
+        for place, (tag, loop) in enumerate(self.heading.loops.items() if self.heading is not None else ()):
+            found.setdefault(loop.pv, []).append((place, tag, loop))
         return found
 
 
@@ -162,7 +162,7 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
         notes += about_sampling(t, guessed=layout.times.guessed)
     name_of = {name: signal for signal, name in (wanted or {name: name for name in values}).items()}
     units = layout.heading.units if layout.heading else layout.table.units
-    noted = {tag: loop for name in values for tag, loop in layout.noted.get(name, {}).items()}
+    noted = sorted((one for name in values for one in layout.noted.get(name, ())), key=lambda one: one[0])
     spans = layout.heading.spans if layout.heading else {}
     return Log(
         t=t,
@@ -172,7 +172,7 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
         quality={name_of[name]: mask for name, mask in good.items()},
         start=layout.heading.start if layout.heading else layout.times.start,
         notes=tuple(notes),
-        loops=renamed(within(noted, values), name_of),
+        loops=renamed(within({tag: loop for _, tag, loop in noted}, values), name_of),
     )
 
 

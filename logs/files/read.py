@@ -33,6 +33,8 @@ __all__ = ["ReadError", "read_log", "read_loop", "read_loops"]
 # A path, or a frame of any library: frames are known by what they can do, so no type names them all.
 Source: TypeAlias = Any
 
+_TOP = 200_000  # characters in which a comment is looked for
+
 
 def read_log(
     source: Source,
@@ -186,13 +188,20 @@ def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | Non
     else:
         text = decoded(raw)
     del raw
-    head = [line[1:].strip() for line in text[:200_000].split("\n") if line.startswith("#")]
-    heading = parse_heading(head)
+    heading = parse_heading(_comments(text))
     table = parse_table(text, separator, split_units=heading is None)
     if heading is not None:  # the time column of our own files says its unit
         first = table.frame.columns[0]
         table = replace(table, frame=table.frame.rename({first: "time"}), units={"time": "s"})
     return replace(table, notes=(*notes, *table.notes)), heading
+
+
+def _comments(text: str) -> list[str]:
+    """The comment lines on top, however many, and those not far below it."""
+    end = 0
+    while text.startswith("#", end) and end < len(text):
+        end = text.find("\n", end) + 1 or len(text)
+    return [line[1:].strip() for line in text[: max(end, _TOP)].split("\n") if line.startswith("#")]
 
 
 def _parquet(raw: bytes) -> tuple[Table, Heading | None]:
