@@ -15,8 +15,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from logs.compiled import njit
 
 __all__ = ["CONTROLLERS", "SIGNALS", "VALVES", "run"]
 

@@ -1,5 +1,3 @@
 """The compiled simulator: arrays and kernel addresses, no names."""
 
-from engine import place
-
-place.choose()
+import logs.compiled  # noqa: F401  (it chooses where compiled code is kept)

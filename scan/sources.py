@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from logs import LoopRecord, ReadError, read_log, read_loops
-from logs.files.columns import columns_of_loops
+from logs.files.grouping import columns_of_loops
 from logs.files.longform import LongColumns, find_long_form
 from logs.files.names import role_of
 from logs.files.size import check_cells

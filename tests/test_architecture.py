@@ -33,9 +33,7 @@ def room_of(module: str) -> str | None:
 HEAVY = {"control", "numba", "llvmlite"}
 MAY_IMPORT_HEAVY = {
     "control": {"blocks", "diagram", "benchmarks"},
-    # in detect: prepare/kernels.py and judge/features/convolutions.py, when first called; in calibration: sampled.py;
-    # in gap: filters/kalman.py and stems.py
-    "numba": {"engine", "benchmarks", "detect", "calibration", "gap"},
+    "numba": {"engine", "benchmarks", "logs"},  # in logs: compiled.py, from which all other rooms have njit
     "llvmlite": {"engine"},
 }
 PACKAGES = sorted({room.split("/")[0] for room in ROOMS})

@@ -7,9 +7,9 @@ samples, for which whole arrays are too dear.
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from detect.prepare.smoothing_kernels import averages
+from logs.compiled import njit
 
 __all__ = ["beat", "centred", "correlated", "levelled", "powers", "short_beat", "short_beat_without_drift", "swings"]
 

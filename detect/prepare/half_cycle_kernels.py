@@ -8,7 +8,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from logs.compiled import njit
 
 __all__ = ["FAULTS", "flips", "half_cycle", "half_cycles", "half_waves", "level", "mean_abs"]
 

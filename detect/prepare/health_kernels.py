@@ -6,7 +6,7 @@ and read several times.
 
 from typing import Any
 
-from numba import njit
+from logs.compiled import njit
 
 __all__ = ["drawn", "last_before", "long_stands", "longest_stand", "on_grid", "pair", "repeated", "spread", "steps"]
 

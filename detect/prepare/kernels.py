@@ -7,7 +7,8 @@ registers.  Compiled once per machine and kept beside the sources, as the engine
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from logs.compiled import njit
 
 __all__ = ["best_delays", "he_stems", "kano_stems", "lagged", "polygons", "sticks"]
 

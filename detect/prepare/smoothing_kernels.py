@@ -6,7 +6,8 @@ Loaded when first called.  Windows come in order, so that two walks along the po
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from logs.compiled import njit
 
 __all__ = ["averages", "off_cubic"]
 

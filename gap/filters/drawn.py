@@ -20,7 +20,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from gap.effects.deadband import Deadband
@@ -31,6 +30,7 @@ from gap.filters.scanned import Scanned
 from gap.filters.stems import EVEN, LOST, deviates, normal, stuck, summed, told_by
 from gap.floors.modes import CHARGE
 from gap.insertion.inserted import percent_in
+from logs.compiled import njit
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]

@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from logs.compiled import njit
 
 CLOSE = 4.0  # standard deviations from a limit within which it may be reached
 

@@ -23,11 +23,11 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from gap.filters.kalman import looked, spread
 from gap.filters.passing import along
 from gap.floors.modes import CHARGE
+from logs.compiled import njit
 
 EVEN = 0.5  # share of the stems that must count
 LOST = 5.0  # standard deviations by which even the best stem misses a row where none has the right mode

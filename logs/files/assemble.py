@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +15,9 @@ from logs.errors import ReadError
 from logs.files.carried import carried_over
 from logs.files.clean import decimal_mark, modes, numbers
 from logs.files.form import Form
+from logs.files.grouping import Columns
 from logs.files.heading import Heading
-from logs.files.longform import LongColumns, find_long_form, pivot
+from logs.files.longform import LongColumns, LongRows, find_long_form, pivot
 from logs.files.names import role_of
 from logs.files.order import about_sampling, ordered_times
 from logs.files.quality import bad_values, qualities, quality_columns
@@ -24,7 +26,7 @@ from logs.files.states import is_blank, is_state
 from logs.files.table import Table
 from logs.files.time_column import find_times, oldest_first
 from logs.log import Log
-from logs.loop_signals import renamed, within
+from logs.loop_signals import LoopSignals, renamed, within
 
 if TYPE_CHECKING:
     import polars as pl
@@ -36,17 +38,56 @@ _FIGURE = re.compile(r"[-+]?[\d.,]")
 
 @dataclass(frozen=True)
 class Layout:
-    """Times of the rows and the names of what can be taken as a signal (columns, or tags of a long table)."""
+    """Times of the rows and the names of what can be taken as a signal (columns, or tags of a long table).
+
+    What one loop after another asks of the whole file is worked out once.
+    """
 
     table: Table
     heading: Heading | None
     times: Times
     decimal: str
-    names: tuple[str, ...]
+    columns: Columns
     notes: tuple[str, ...]
     marks: Mapping[str, tuple[str, ...]]  # quality column -> signals whose quality it holds
     aside: Mapping[str, str]  # column that cannot be a signal -> why
     long: LongColumns | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The candidates for signals, in the order of the file."""
+        return self.columns.names
+
+    @cached_property
+    def clock(self) -> tuple[npt.NDArray[np.float64], str | None]:
+        """Times of the rows of a wide table [s], and what was repaired in them."""
+        t = self.times.t
+        return (t, None) if self.times.start is None else repaired_clock_change(t)
+
+    @cached_property
+    def long_rows(self) -> LongRows | None:
+        """The rows of each tag of a long table."""
+        return None if self.long is None else LongRows.of(self.table.frame, self.long)
+
+    @cached_property
+    def marks_of(self) -> dict[str, list[str]]:
+        """Signal -> the columns that hold its quality."""
+        if self.heading is not None:
+            there = set(self.table.frame.columns)
+            return {name: [column] for name, column in self.heading.quality.items() if column in there}
+        found: dict[str, list[str]] = {}
+        for column, signals in self.marks.items():
+            for name in signals:
+                found.setdefault(name, []).append(column)
+        return found
+
+    @cached_property
+    def noted(self) -> dict[str, list[tuple[int, str, LoopSignals]]]:
+        """PV -> the loops of it that the file itself notes: place in the heading, tag, signals."""
+        found: dict[str, list[tuple[int, str, LoopSignals]]] = {}
+        for place, (tag, loop) in enumerate(self.heading.loops.items() if self.heading is not None else ()):
+            found.setdefault(loop.pv, []).append((place, tag, loop))
+        return found
 
 
 def layout_of(table: Table, heading: Heading | None = None, form: Form | None = None) -> Layout:
@@ -84,7 +125,7 @@ def layout_of(table: Table, heading: Heading | None = None, form: Form | None = 
         names = [name for name in others if name not in marks]
     if not names:
         raise ReadError("there is no column beside the time; export at least one signal")
-    return Layout(table, heading, times, mark, tuple(names), tuple(notes), marks, aside, long)
+    return Layout(table, heading, times, mark, Columns(names), tuple(notes), marks, aside, long)
 
 
 def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[str] = ()) -> Log:
@@ -94,23 +135,20 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
     time falls, or one time has two rows.
     """
     for signal, name in (wanted or {}).items():
-        if name not in layout.names:
+        if name not in layout.columns:
             shown = ", ".join(repr(known) for known in layout.names[:20])
             raise ReadError(f"no column {name!r} for {signal!r}; the columns are {shown}")
     long = layout.long
     notes = list(layout.notes)
-    t, repair = layout.times.t, None
-    if layout.times.start is not None and long is None:
-        t, repair = repaired_clock_change(t)
-    notes += [repair] if repair else []
-    if long is not None:
-        times = Times(t, layout.times.start)
+    if long is not None and layout.long_rows is not None:
         frame, lines = layout.table.frame, layout.table.lines
         tags = list(wanted.values()) if wanted else _with_numbers(frame, long.tag, long.value, layout.names, notes)
-        result = pivot(frame, long, times, lines, layout.decimal, tags)
+        result = pivot(frame, long, layout.long_rows, layout.times, lines, layout.decimal, tags)
         t, values, notes = result.t, result.values, notes + list(result.notes)
         good = {tag: mask for tag, mask in result.good.items() if not (mask | np.isnan(values[tag])).all()}
     else:
+        t, repair = layout.clock
+        notes += [repair] if repair else []
         values, good = _columns(layout, wanted, mode, notes)
         if layout.heading is None:
             carried_over(t, values, good, notes)
@@ -124,17 +162,17 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
         notes += about_sampling(t, guessed=layout.times.guessed)
     name_of = {name: signal for signal, name in (wanted or {name: name for name in values}).items()}
     units = layout.heading.units if layout.heading else layout.table.units
-    loops = renamed(within(layout.heading.loops, values), name_of) if layout.heading else {}
+    noted = sorted((one for name in values for one in layout.noted.get(name, ())), key=lambda one: one[0])
     spans = layout.heading.spans if layout.heading else {}
     return Log(
         t=t,
         signals={name_of[name]: v for name, v in values.items()},
-        units={name_of[name]: unit for name, unit in units.items() if name in values},
-        spans={name_of[name]: span for name, span in spans.items() if name in values},
+        units={name_of[name]: units[name] for name in values if name in units},
+        spans={name_of[name]: spans[name] for name in values if name in spans},
         quality={name_of[name]: mask for name, mask in good.items()},
         start=layout.heading.start if layout.heading else layout.times.start,
         notes=tuple(notes),
-        loops=loops,
+        loops=renamed(within({tag: loop for _, tag, loop in noted}, values), name_of),
     )
 
 
@@ -160,18 +198,14 @@ def _columns(
         if layout.heading is None:
             notes += parsed.notes
         mask = parsed.good
-        if layout.heading is not None:
-            held = [column for column in (layout.heading.quality.get(name),) if column in frame.columns]
-        else:
-            held = [column for column, signals in layout.marks.items() if name in signals]
-        for column in held:
-            told_quality = qualities(frame[column], str(column), flags=own)
+        for column in layout.marks_of.get(name, ()):
+            told_quality = qualities(frame[column], column, flags=own)
             if told_quality is None:
-                unclear[str(column)] = f"The quality in {column!r} cannot be told and is not used."
+                unclear[column] = f"The quality in {column!r} cannot be told and is not used."
                 continue
             mask = told_quality if mask is None else mask & told_quality
             if not own:
-                notes += bad_values(name, str(column), told_quality, parsed.values)
+                notes += bad_values(name, column, told_quality, parsed.values)
         # Quality that says no more than "missing" is not worth keeping, except in a file of our own.
         if mask is not None and (layout.heading is not None or not mask.all()):
             good[name] = mask

@@ -5,6 +5,7 @@ None of these libraries is imported: their objects are known by what they can do
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -71,7 +72,7 @@ def _from_pandas(source: Any) -> pl.DataFrame:
         if unnamed:
             source = source.rename(columns={source.columns[0]: _free_name(source)})
     names = [_name(column) for column in source.columns]
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise ReadError(f"the frame names {', '.join(map(repr, twice))} more than once; rename one of them")
     return pl.DataFrame([_series(name, source.iloc[:, i]) for i, name in enumerate(names)])

@@ -54,11 +54,13 @@ class Heading:
 def heading_of(log: Signals) -> Heading:
     """The heading of ``log``, with a free column name for each quality mask."""
     quality: dict[str, str] = {}
+    taken: set[str] = set()
     for name in log.quality:
         column = f"{name}.good"
-        while column in log or column in quality.values():
+        while column in log or column in taken:
             column += "'"
         quality[name] = column
+        taken.add(column)
     return Heading(
         origin=log.origin,
         start=log.start,

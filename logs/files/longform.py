@@ -20,7 +20,7 @@ from logs.files.stamps import Times
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["LongColumns", "Pivot", "find_long_form", "pivot"]
+__all__ = ["LongColumns", "LongRows", "Pivot", "find_long_form", "pivot"]
 
 _TAGS = {
     "tag", "tagname", "name", "point", "pointname", "variable", "signal", "sensor", "tagid", "item", "path", "varname",
@@ -73,17 +73,32 @@ def find_long_form(columns: list[str]) -> LongColumns | None:
     return LongColumns(tag, value, next((plain[word] for word in plain if word in _QUALITIES), None))
 
 
-def _rows_of(tags: pl.Series) -> dict[str, npt.NDArray[np.intp]]:
-    """The rows of each tag, in their order."""
-    import polars as pl
+@dataclass(frozen=True)
+class LongRows:
+    """The rows of each tag, in their order, and True where the quality of a row is good, None where it is not told."""
 
-    which = tags.alias("tag").cast(pl.String).to_frame().with_row_index("row")
-    groups = which.group_by("tag", maintain_order=True).agg("row")
-    return {tag: rows.to_numpy().astype(np.intp) for tag, rows in zip(groups["tag"], groups["row"], strict=True)}
+    of_tag: dict[str, npt.NDArray[np.intp]]
+    good: npt.NDArray[np.bool_] | None
+
+    @classmethod
+    def of(cls, frame: pl.DataFrame, long: LongColumns) -> LongRows:
+        """The rows of a long table."""
+        import polars as pl
+
+        which = frame[long.tag].alias("tag").cast(pl.String).to_frame().with_row_index("row")
+        groups = which.group_by("tag", maintain_order=True).agg("row")
+        rows = {tag: rows.to_numpy().astype(np.intp) for tag, rows in zip(groups["tag"], groups["row"], strict=True)}
+        return cls(rows, None if long.quality is None else qualities(frame[long.quality], long.quality))
 
 
 def pivot(
-    frame: pl.DataFrame, long: LongColumns, times: Times, lines: list[int], decimal: str, tags: list[str]
+    frame: pl.DataFrame,
+    long: LongColumns,
+    rows_of: LongRows,
+    times: Times,
+    lines: list[int],
+    decimal: str,
+    tags: list[str],
 ) -> Pivot:
     """The signals of ``tags`` on the union of their times.
 
@@ -92,14 +107,13 @@ def pivot(
 
     Raises ReadError if one tag has two values at one time or its rows are not in time order.
     """
-    rows_of = _rows_of(frame[long.tag])
-    told = None if long.quality is None else qualities(frame[long.quality], long.quality)
+    told = rows_of.good
     series: dict[str, tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.bool_]]] = {}
     notes: list[str] = []
     if long.quality is not None and told is None:
         notes.append(f"The quality in {long.quality!r} cannot be told and is not used.")
     for tag in tags:
-        rows = rows_of[tag]
+        rows = rows_of.of_tag[tag]
         own_lines = [lines[row] for row in rows]
         part = frame[rows]
         role = role_of(tag)

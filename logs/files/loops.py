@@ -5,14 +5,16 @@ Everything that is guessed about a loop is guessed here, for one loop and for ma
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from heapq import merge
+from itertools import islice
 
 import numpy as np
 
 from logs.errors import ReadError
 from logs.files.assemble import Layout, assemble
-from logs.files.columns import Roles, choose_columns, loop_names
+from logs.files.columns import Roles, choose_columns, named_columns, why_unused
 from logs.files.names import plain, role_of
 from logs.hint import nearest
 from logs.log import Log
@@ -21,7 +23,7 @@ from logs.loop_signals import LoopSignals, within
 from logs.spans import guess_op_span
 from logs.tags import Process, measurement_of, process_of, tag_in
 
-__all__ = ["Origin", "check_span", "loop_of", "with_loops"]
+__all__ = ["Origin", "check_span", "loop_of", "loops_of", "with_loops"]
 
 _UNUSED_SHOWN = 15
 
@@ -40,6 +42,45 @@ class Origin:
         return replace(log, origin=self.text, notes=(*self.notes, *log.notes))
 
 
+class Others:
+    """The columns (or tags) of a file that a loop does not use; those of the other loops among ``tags`` need no note.
+
+    Worked out once for all loops of a file: what belongs to none of them, and what bears the tag of each.
+    """
+
+    def __init__(self, layout: Layout, tags: Iterable[str] = ()) -> None:
+        self._layout = layout
+        self._stray: dict[str, int] = {}  # column -> its place in the file
+        self._by_tag: dict[str | None, dict[str, int]] = {plain(tag): {} for tag in tags}
+        if layout.heading is None:
+            for place, column in enumerate(dict.fromkeys([*layout.aside, *layout.names, *layout.marks])):
+                for tag in {_tag_of(signal) for signal in layout.marks.get(column, (column,))}:
+                    self._by_tag.get(tag, self._stray)[column] = place
+
+    def about(self, roles: Roles) -> list[str]:
+        """The sentence that names the columns that no loop uses, each with the reason; none in a file of our own."""
+        used = set(roles.used.values())
+        used |= {column for signal in used for column in self._layout.marks_of.get(signal, ())}
+        own = {
+            column: place
+            for column, place in self._by_tag.get(plain(roles.loop), {}).items()
+            if column not in self._stray
+        }
+        count = sum(len(columns) - len(used & columns.keys()) for columns in (self._stray, own))
+        if not count:
+            return []
+        in_order = merge(self._stray.items(), own.items(), key=lambda item: item[1])
+        first = islice((column for column, _ in in_order if column not in used), _UNUSED_SHOWN)
+        shown = [f"{column!r} ({self._why(column, roles)})" for column in first]
+        rest = f" and {count - len(shown)} more" if count > len(shown) else ""
+        return [f"Columns not used: {', '.join(shown)}{rest}."]
+
+    def _why(self, column: str, roles: Roles) -> str:
+        if column in self._layout.marks:
+            return f"quality of {self._layout.marks[column][0]!r}"
+        return why_unused(column, roles) if column in self._layout.columns else self._layout.aside[column]
+
+
 def loop_of(
     layout: Layout,
     origin: Origin,
@@ -48,22 +89,21 @@ def loop_of(
     name: str | None = None,
     process: Process | None = None,
     op_span: tuple[float, float] | None = None,
-    beside: Collection[str] = (),
+    others: Others | None = None,
 ) -> LoopRecord:
-    """One loop of a table; ``beside`` names the loops whose columns need no note. Raises as ``read_loop`` does."""
+    """One loop of a table; ``others`` are the columns to give a note on. Raises as ``read_loop`` does."""
     tag, noted = _noted(layout, given, loop)
     if noted is None:
-        roles = choose_columns(layout.names, given, loop)
+        roles = choose_columns(layout.columns, given, loop)
     else:  # the file says which signals belong together; what the user names goes before it
         told = {part: column for part, column in (given or {}).items() if column is not None}
         parts = {part: noted.parts.get(part, "") for part in ("sp", "pv", "op", "mv", "mode")}
-        roles = replace(choose_columns(layout.names, parts | told), loop=tag)
-    columns = {"SP": roles.sp, "PV": roles.pv, "OP": roles.op, "MV": roles.mv, "MODE": roles.mode}
-    wanted = {part: column for part, column in columns.items() if column is not None}
+        roles = named_columns(layout.columns, parts | told, tag)
+    wanted = roles.used
     log = origin.on(assemble(layout, wanted, [roles.mode] if roles.mode else []))
     notes = [f"{c!r} is read as {part}." for part, c in wanted.items() if _differs(c, part, roles.loop)]
     notes += roles.notes
-    notes += _about_unused(layout, roles, beside)
+    notes += (others or Others(layout)).about(roles)
     if "MODE" in log and not np.isfinite(log["MODE"]).any():
         log = _without(log, "MODE")
     log, found = _with_spans(log, op_span, own=origin.own)
@@ -88,6 +128,13 @@ def loop_of(
     )
 
 
+def loops_of(layout: Layout, origin: Origin, tags: Iterable[str], process: Process | None) -> tuple[LoopRecord, ...]:
+    """The loops of these tags, none with a note on the columns of another. Raises as ``read_loops`` does."""
+    tags = tuple(tags)
+    others = Others(layout, tags)
+    return tuple(loop_of(layout, origin, loop=tag, process=process, others=others) for tag in tags)
+
+
 def with_loops(log: Log, layout: Layout) -> Log:
     """The log of a whole file with the loops that its tags tell, and the spans of their outputs.
 
@@ -96,34 +143,32 @@ def with_loops(log: Log, layout: Layout) -> Log:
     if layout.heading is not None:
         return log
     loops: dict[str, LoopSignals] = {}
-    for tag in filter(None, loop_names(layout.names)):
-        roles = choose_columns(layout.names, None, tag)
+    spans, units, notes = dict(log.spans), dict(log.units), list(log.notes)
+    for tag in filter(None, layout.columns.loops):
+        roles = choose_columns(layout.columns, None, tag)
         if roles.pv not in log or roles.op not in log:
             continue
         sp, mv, mode = (name if name in log else None for name in (roles.sp, roles.mv, roles.mode))
         measurement = measurement_of(tag) or measurement_of(roles.pv)
         loops[tag] = LoopSignals(roles.pv, roles.op, sp, mv, mode, process_of(measurement), measurement)
-        if roles.op not in log.spans:
-            span, unit, note = guess_op_span(log[roles.op][log.good(roles.op)], log.units.get(roles.op, ""))
+        if roles.op not in spans:
+            span, unit, note = guess_op_span(log[roles.op][log.good(roles.op)], units.get(roles.op, ""))
             if span is not None:
-                log = replace(
-                    log,
-                    spans={**log.spans, roles.op: span},
-                    units={**log.units, **({roles.op: unit} if unit else {})},
-                    notes=(*log.notes, *([note.replace("OP", roles.op, 1)] if note else [])),
-                )
-    return replace(log, loops=loops)
+                spans[roles.op] = span
+                units |= {roles.op: unit} if unit else {}
+                notes += [note.replace("OP", roles.op, 1)] if note else []
+    return replace(log, spans=spans, units=units, notes=tuple(notes), loops=loops)
 
 
 def _noted(layout: Layout, given: Mapping[str, str | None] | None, loop: str | None) -> tuple[str, LoopSignals | None]:
     """The tag and the signals of the loop asked for, where the file itself notes its loops; otherwise "" and None."""
     noted = layout.heading.loops if layout.heading is not None else {}
     if loop is not None:
-        if noted and loop not in noted and not loop_names(layout.names):
+        if noted and loop not in noted and not layout.columns.loops:
             raise ReadError(f"no loop {loop!r} in the file; {nearest(loop, list(noted))}")
         return loop, noted.get(loop)
     named = any((given or {}).get(part) for part in ("pv", "op"))
-    if not noted or named or {"PV", "OP"} <= set(layout.names):
+    if not noted or named or ("PV" in layout.columns and "OP" in layout.columns):
         return "", None
     if len(noted) > 1:
         raise ReadError(
@@ -132,23 +177,9 @@ def _noted(layout: Layout, given: Mapping[str, str | None] | None, loop: str | N
     return next(iter(noted.items()))
 
 
-def _about_unused(layout: Layout, roles: Roles, beside: Collection[str]) -> list[str]:
-    """The sentence that names the columns (or tags) that no loop among ``beside`` uses, each with the reason."""
-    reasons = {**layout.aside, **dict(roles.unused)}
-    for column in list(reasons):
-        told = role_of(column)
-        if told is not None and plain(told[0]) in {plain(tag) for tag in beside} - {plain(roles.loop)}:
-            del reasons[column]  # of another loop that is read, too
-    taken = {roles.pv, roles.op, roles.sp, roles.mv, roles.mode}
-    for column, signals in layout.marks.items():
-        if not taken & set(signals):
-            reasons[column] = f"quality of {signals[0]!r}"
-    if not reasons or layout.heading is not None:
-        return []
-    shown = [f"{column!r} ({why})" for column, why in list(reasons.items())[:_UNUSED_SHOWN]]
-    more = len(reasons) - len(shown)
-    rest = f" and {more} more" if more else ""
-    return [f"Columns not used: {', '.join(shown)}{rest}."]
+def _tag_of(column: str) -> str | None:
+    told = role_of(column)
+    return None if told is None else plain(told[0])
 
 
 def _differs(column: str, part: str, loop: str) -> bool:

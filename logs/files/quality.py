@@ -37,9 +37,12 @@ def quality_columns(columns: Iterable[str]) -> dict[str, tuple[str, ...]]:
     """
     names = list(columns)
     by_plain = {plain(name): name for name in names}
+    by_loop: dict[str, list[str]] = {}
+    for name in names:
+        by_loop.setdefault(_loop_of(name), []).append(name)
     found: dict[str, tuple[str, ...]] = {}
     for name in names:
-        targets = _targets(name, names, by_plain)
+        targets = _targets(name, names, by_plain, by_loop)
         if targets:
             found[name] = targets
     return {
@@ -49,7 +52,7 @@ def quality_columns(columns: Iterable[str]) -> dict[str, tuple[str, ...]]:
     }
 
 
-def _targets(name: str, names: list[str], by_plain: dict[str, str]) -> tuple[str, ...]:
+def _targets(name: str, names: list[str], by_plain: dict[str, str], by_loop: dict[str, list[str]]) -> tuple[str, ...]:
     folded = plain(name)
     if folded in _WORDS:
         return tuple(other for other in names if other != name)
@@ -60,7 +63,7 @@ def _targets(name: str, names: list[str], by_plain: dict[str, str]) -> tuple[str
             for value in _VALUES:
                 if rest + value in by_plain and by_plain[rest + value] != name:
                     return (by_plain[rest + value],)
-            own = tuple(other for other in names if other != name and _loop_of(other) == rest)
+            own = tuple(other for other in by_loop.get(rest, ()) if other != name)
             if own and word in _WORDS:  # a bare FIC1.Q may be a total
                 return own
     return ()

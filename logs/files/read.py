@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from logs.errors import LogError, ReadError
 from logs.files.assemble import assemble, layout_of
-from logs.files.columns import loop_names
 from logs.files.form import Form, checked
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
-from logs.files.loops import Origin, check_span, loop_of, with_loops
+from logs.files.loops import Origin, check_span, loop_of, loops_of, with_loops
 from logs.files.packed import is_workbook, unpacked
 from logs.files.size import check_cells
 from logs.files.source import decoded, file_bytes, is_parquet
@@ -33,6 +32,8 @@ __all__ = ["ReadError", "read_log", "read_loop", "read_loops"]
 
 # A path, or a frame of any library: frames are known by what they can do, so no type names them all.
 Source: TypeAlias = Any
+
+_TOP = 200_000  # characters in which a comment is looked for
 
 
 def read_log(
@@ -151,12 +152,12 @@ def read_loops(
         layout = layout_of(table, heading, form)
         origin = _origin(source, heading)
         noted = heading.loops if heading is not None else {}
-        found = (tuple(noted) or loop_names(layout.names)) if loops is None else tuple(loops)
+        found = (tuple(noted) or layout.columns.loops) if loops is None else tuple(loops)
         if len(found) == 0 and loops is not None:
             raise ReadError("loops names no loop; leave it out to read all, or name at least one")
         if loops is None and len(found) < 2:
             return (loop_of(layout, origin, process=process),)
-        return tuple(loop_of(layout, origin, loop=tag, process=process, beside=found) for tag in found)
+        return loops_of(layout, origin, found, process)
 
 
 @contextmanager
@@ -187,13 +188,20 @@ def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | Non
     else:
         text = decoded(raw)
     del raw
-    head = [line[1:].strip() for line in text[:200_000].split("\n") if line.startswith("#")]
-    heading = parse_heading(head)
+    heading = parse_heading(_comments(text))
     table = parse_table(text, separator, split_units=heading is None)
     if heading is not None:  # the time column of our own files says its unit
         first = table.frame.columns[0]
         table = replace(table, frame=table.frame.rename({first: "time"}), units={"time": "s"})
     return replace(table, notes=(*notes, *table.notes)), heading
+
+
+def _comments(text: str) -> list[str]:
+    """The comment lines on top, however many, and those not far below it."""
+    end = 0
+    while text.startswith("#", end) and end < len(text):
+        end = text.find("\n", end) + 1 or len(text)
+    return [line[1:].strip() for line in text[: max(end, _TOP)].split("\n") if line.startswith("#")]
 
 
 def _parquet(raw: bytes) -> tuple[Table, Heading | None]:

@@ -3,7 +3,8 @@
 import pytest
 
 from logs import ReadError, read_log, read_loop
-from logs.files.columns import choose_columns, loop_names
+from logs.files.columns import choose_columns
+from logs.files.grouping import Columns, loop_names
 from logs.files.names import role_of
 
 NAMES = {
@@ -86,7 +87,7 @@ def test_tags_that_differ_make_one_loop_if_alone(write):
 
 def test_tags_that_differ_are_not_mixed_up():
     with pytest.raises(ReadError, match=r"several columns may be the PV .*'FT1.PV', 'FT2.PV'"):
-        choose_columns(["FT1.PV", "FT2.PV", "FV9.OP"])
+        choose_columns(Columns(["FT1.PV", "FT2.PV", "FV9.OP"]))
 
 
 def test_interpreted_names_are_noted(write):

@@ -11,7 +11,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from logs.compiled import njit
 
 __all__ = ["POOLED", "TAPS", "averaged", "convolved", "pooled", "travelled"]
 

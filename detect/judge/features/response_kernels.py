@@ -8,7 +8,8 @@ A lane after the other would wait for its own last value; lanes side by side do 
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from logs.compiled import njit
 
 __all__ = ["tried"]
 

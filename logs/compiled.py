@@ -1,6 +1,7 @@
-"""Where compiled code is kept when neither installation nor home folder can be written: among temporary files.
+"""Numba's ``njit`` for every room, with a place for what it compiles.
 
-Numba refuses at import to keep code that it has no place for, so the place is chosen before the engine is loaded.
+Numba keeps compiled code beside the sources or in the home folder, and refuses at import where it can write neither.
+It is then kept among temporary files: the place is chosen as this file is loaded, before anything is compiled.
 """
 
 import os
@@ -8,14 +9,17 @@ import stat
 import tempfile
 from pathlib import Path
 
+from numba import njit
 from numba.core import config
 from numba.core.caching import FunctionCache
 
+__all__ = ["njit", "own_folder"]
 
-def choose() -> None:
+
+def _choose() -> None:
     """Point numba to a folder of this user's for temporary files, if it has no other place beside our sources."""
     try:
-        FunctionCache(choose)
+        FunctionCache(_choose)
     except RuntimeError:  # numba's word for a file that has no place
         config.CACHE_DIR = str(own_folder(Path(tempfile.gettempdir())))
 
@@ -28,3 +32,6 @@ def own_folder(parent: Path) -> Path:
     facts = folder.lstat()
     safe = stat.S_ISDIR(facts.st_mode) and (user is None or (facts.st_uid == user and not facts.st_mode & 0o022))
     return folder if safe else Path(tempfile.mkdtemp(prefix="stickslip-", dir=parent))
+
+
+_choose()
