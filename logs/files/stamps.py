@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from logs.errors import ReadError
+from logs.files.calendar_numbers import calendar_text, with_marks
 from logs.files.numeric_time import Times, times_from_numbers, told_unit
 
 if TYPE_CHECKING:
@@ -68,6 +69,11 @@ def parse_times(
 
     if column.dtype.is_temporal():
         return _from_datetimes(column, lines)
+    if not unit and time_unit is None and time_format is None:
+        calendar = calendar_text(column)
+        if calendar is not None:
+            times = _from_stamps(calendar, lines)
+            return Times(times.t, times.start, (f"Times such as {column[0]} are read as {calendar[0]}.",))
     if column.dtype.is_numeric():
         return _from_numbers(column, lines, unit, time_unit)
     text = column.cast(pl.String)
@@ -161,8 +167,7 @@ def _time_of_day(text: pl.Series) -> Times:
 
 
 def _from_stamps(text: pl.Series, lines: list[int]) -> Times:
-
-    text = text.str.replace(r"^(\d{4})(\d{2})(\d{2})[T ]?(\d{2}):?(\d{2}):?(\d{2})", "${1}-${2}-${3} ${4}:${5}:${6}")
+    text = with_marks(text)
     fits: dict[str, pl.Series] = {}
     for name, pattern in _DATES.items():
         if text.str.contains(pattern + _CLOCK).all():
