@@ -216,9 +216,23 @@ def _parquet(raw: bytes) -> tuple[Table, Heading | None]:
 
 
 def _typed(frame: pl.DataFrame) -> Table:
-    """The table in a frame whose columns have types; units are in their names, as in a file of text."""
+    """The table in a frame whose columns have types; units are in their names, as in a file of text.
+
+    Words are text however they are kept: as a dictionary (a category), as bytes, or none at all in a column of nulls.
+    """
+    import polars as pl
+
+    words = (pl.Null, pl.Categorical, pl.Enum, pl.Binary)
     names, units = names_and_units(frame.columns)
-    frame = frame.rename(dict(zip(frame.columns, names, strict=True)))
+    frame = pl.DataFrame(
+        [
+            column.cast(pl.String, strict=False).str.strip_chars()
+            if column.dtype in words or column.dtype == pl.String
+            else column
+            for column in frame.get_columns()
+        ]
+    )
+    frame.columns = names
     return Table(frame, list(range(1, frame.height + 1)), units)
 
 

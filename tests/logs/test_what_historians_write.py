@@ -69,3 +69,33 @@ def test_counts_stay_counts(read, first, step, unit):
 
 def test_a_unit_said_goes_before_the_calendar(read):
     assert read(table(clock("%Y%m%d%H%M%S")), time_unit="s").log.start is None
+
+
+def test_a_parquet_file_with_a_column_of_nulls_and_numbers_as_categories(tmp_path):
+    pl = pytest.importorskip("polars")
+    pv = [f"{4 + 0.1 * (i % 7):.1f}" for i in range(N)]
+    frame = pl.DataFrame(
+        {
+            "time": [float(10 * i) for i in range(N)],
+            "FIC101.PV": pl.Series(pv[:-1] + ["Bad Input"], dtype=pl.Categorical),
+            "FIC101.OP": pl.Series([f" {50 + i % 5}".encode() for i in range(N)], dtype=pl.Binary),
+            "FIC101.MV": pl.Series([None] * N, dtype=pl.Null),
+        }
+    )
+    path = tmp_path / "trend.parquet"
+    frame.write_parquet(path)
+    record = read_loop(path)
+    assert record.pv[:-1].tolist() == [float(cell) for cell in pv[:-1]] and np.isnan(record.pv[-1])
+    assert record.op.tolist() == [50.0 + i % 5 for i in range(N)]
+    assert said(record, "FIC101.MV", "40 cells are blank") and said(record, "Bad Input")
+
+
+def test_few_repeated_stamps_with_other_values_keep_the_later_row(read):
+    rows = table(clock(rows=750)).strip().split("\n")
+    last = rows[-1].split(",")
+    record = read("\n".join([*rows, f"{last[0]},9.5,{last[2]}"]))
+    assert len(record) == 750 and record.pv[-1] == 9.5
+    assert said(record, "line 752", "the later is kept")
+    many = [line for row in rows[1:] for line in (row, row.replace(",4", ",9"))]
+    with pytest.raises(ReadError, match="have the same time"):
+        read("\n".join([rows[0], *many[:60]]))
