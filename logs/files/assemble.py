@@ -13,13 +13,14 @@ import numpy.typing as npt
 from logs.errors import ReadError
 from logs.files.carried import carried_over
 from logs.files.clean import decimal_mark, modes, numbers
+from logs.files.clock_change import repaired_clock_change
 from logs.files.form import Form
 from logs.files.heading import Heading
 from logs.files.longform import LongColumns, find_long_form, pivot
 from logs.files.names import role_of
 from logs.files.order import about_sampling, ordered_times
 from logs.files.quality import bad_values, qualities, quality_columns
-from logs.files.stamps import Times, repaired_clock_change
+from logs.files.stamps import Times
 from logs.files.states import is_blank, is_state
 from logs.files.table import Table
 from logs.files.time_column import find_times, oldest_first
@@ -101,7 +102,7 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
     notes = list(layout.notes)
     t, repair = layout.times.t, None
     if layout.times.start is not None and long is None:
-        t, repair = repaired_clock_change(t)
+        t, repair = repaired_clock_change(t, layout.times.start)
     notes += [repair] if repair else []
     if long is not None:
         times = Times(t, layout.times.start)

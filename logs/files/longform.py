@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from logs.files.carried import carried, is_held
 from logs.files.clean import modes, numbers
+from logs.files.clock_change import repaired_in_tags
 from logs.files.names import role_of
 from logs.files.order import ordered_times
 from logs.files.quality import bad_values, qualities
@@ -95,7 +96,10 @@ def pivot(
     rows_of = _rows_of(frame[long.tag])
     told = None if long.quality is None else qualities(frame[long.quality], long.quality)
     series: dict[str, tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.bool_]]] = {}
-    notes: list[str] = []
+    clock, repair = times.t, None
+    if times.start is not None:
+        clock, repair = repaired_in_tags(clock, times.start, {tag: rows_of[tag] for tag in tags})
+    notes: list[str] = [repair] if repair else []
     if long.quality is not None and told is None:
         notes.append(f"The quality in {long.quality!r} cannot be told and is not used.")
     for tag in tags:
@@ -111,7 +115,7 @@ def pivot(
         if told is not None:
             good = good & told[rows]
             notes += bad_values(tag, str(long.quality), told[rows], parsed.values)
-        t, keep, found = ordered_times(times.t[rows], own_lines, [parsed.values, good.astype(float)], tag)
+        t, keep, found = ordered_times(clock[rows], own_lines, [parsed.values, good.astype(float)], tag)
         notes += [f"{tag}: {note}" for note in found]
         notes += parsed.notes
         series[tag] = (t, parsed.values[keep], good[keep])

@@ -96,6 +96,63 @@ def test_few_repeated_stamps_with_other_values_keep_the_later_row(read):
     record = read("\n".join([*rows, f"{last[0]},9.5,{last[2]}"]))
     assert len(record) == 750 and record.pv[-1] == 9.5
     assert said(record, "line 752", "the later is kept")
-    many = [line for row in rows[1:] for line in (row, row.replace(",4", ",9"))]
-    with pytest.raises(ReadError, match="have the same time"):
-        read("\n".join([rows[0], *many[:60]]))
+    few = rows[:100]
+    for i in (70, 50, 30):
+        few.insert(i, few[i].replace(",4", ",9"))
+    with pytest.raises(ReadError, match="lines 31 and 32 have the same time"):
+        read("\n".join(few))
+
+
+def spring(form="%Y-%m-%d %H:%M:%S", step=120, at=datetime(2024, 3, 31, 2), rows=80):
+    """Clock times of central Europe: at two o'clock of 31 March the clock shows three."""
+    moments = [at + timedelta(seconds=step * (i - 40)) for i in range(rows)]
+    return [(m + timedelta(hours=m >= at)).strftime(form) for m in moments]
+
+
+def autumn(step=120, start=datetime(2024, 10, 27, 2, 20), rows=80):
+    """Clock times of central Europe: at three o'clock of 27 October the clock shows two again."""
+    moments = [start + timedelta(seconds=step * i) for i in range(rows)]
+    return [(m - timedelta(hours=m.hour >= 3)).strftime("%Y-%m-%d %H:%M:%S") for m in moments]
+
+
+@pytest.mark.parametrize("step", [10, 120, 3600])
+def test_the_hour_that_spring_leaves_out_is_no_gap(read, step):
+    record = read(table(spring(step=step)))
+    assert np.ptp(np.diff(record.t)) == 0.0
+    assert said(record, "start of summer time") and not said(record, "gap")
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [
+        spring(at=datetime(2024, 3, 30, 2)),  # a Saturday
+        spring(at=datetime(2024, 6, 30, 2)),  # a Sunday in June
+        spring("%Y-%m-%dT%H:%M:%SZ"),  # UTC knows no summer time
+        spring(at=datetime(2024, 3, 31, 12)),  # nobody sets clocks at noon
+        [s for s in clock(step=120, start=datetime(2024, 3, 31, 1, 30), rows=80) if not "02:10" < s[11:16] <= "03:10"],
+    ],
+)
+def test_an_hour_without_rows_stays_a_gap_elsewhere(read, stamps):
+    record = read(table(stamps))
+    assert not said(record, "summer time") and said(record, "1 gap")
+
+
+def test_newest_first_across_the_hour_that_comes_twice(read):
+    head, *rows = table(autumn()).strip().split("\n")
+    forward, backward = read("\n".join([head, *rows])), read("\n".join([head, *rows[::-1]]))
+    assert np.array_equal(backward.t, 120.0 * np.arange(80)) and np.array_equal(forward.t, backward.t)
+    assert np.array_equal(forward.pv, backward.pv) and forward.log.start == backward.log.start
+    assert said(backward, "newest") and said(backward, "end of summer time")
+
+
+@pytest.mark.parametrize("stamps", [autumn(), spring()])
+@pytest.mark.parametrize("order", ["by time", "by tag", "newest first"])
+def test_the_change_of_the_clock_in_a_long_table(read, stamps, order):
+    pv = [(i, f"FIC101.PV,{stamp},{4 + i % 7}") for i, stamp in enumerate(stamps)]
+    op = [(i, f"FIC101.OP,{stamp},{50 + i % 5}") for i, stamp in enumerate(stamps)]
+    sp = [(i, f"FIC101.SP,{stamps[i]},{i}") for i in (0, 78)]  # reported before and after the change only
+    rows = [*pv, *op, *sp] if order == "by tag" else sorted([*pv, *op, *sp], reverse=order == "newest first")
+    record = read("\n".join(["tag,time,value", *(row for _, row in rows)]))
+    assert np.array_equal(record.t, 120.0 * np.arange(80))
+    assert record.pv.tolist() == [4 + i % 7 for i in range(80)]
+    assert record.sp.tolist() == [0.0] * 78 + [78.0] * 2
