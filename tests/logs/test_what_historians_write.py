@@ -156,3 +156,57 @@ def test_the_change_of_the_clock_in_a_long_table(read, stamps, order):
     assert np.array_equal(record.t, 120.0 * np.arange(80))
     assert record.pv.tolist() == [4 + i % 7 for i in range(80)]
     assert record.sp.tolist() == [0.0] * 78 + [78.0] * 2
+
+
+@pytest.mark.parametrize("cell", ["-999", "-9999", "-999.25", "9999999", "1e31", "-32768", "3.402823466e38"])
+def test_numbers_that_stand_for_no_number_are_missing(read, cell):
+    pv = [cell if i in (9, 10, 25) else 4 + 0.1 * (i % 7) for i in range(N)]
+    record = read(table(clock(), pv))
+    assert np.flatnonzero(np.isnan(record.pv)).tolist() == [9, 10, 25]
+    assert np.flatnonzero(~record.log.good("PV")).tolist() == [9, 10, 25]
+    assert said(record, "FIC101.PV: 3 values are", "missing, of bad quality")
+
+
+def test_two_such_numbers_in_one_typed_column():
+    pl = pytest.importorskip("polars")
+    pv = [{9: -9999.0, 10: -9999.0, 20: 1e31, 21: 1e31}.get(i, 4 + 0.1 * (i % 7)) for i in range(N)]
+    frame = pl.DataFrame({"time": [10.0 * i for i in range(N)], "PV": pv, "OP": [50.0 + i % 5 for i in range(N)]})
+    assert np.flatnonzero(np.isnan(read_loop(frame).pv)).tolist() == [9, 10, 20, 21]
+
+
+@pytest.mark.parametrize(
+    "pv",
+    [
+        [999 if i % 9 == 0 else 990 + i % 7 for i in range(N)],  # among the others
+        [999 if i % 9 == 0 else 100 + i % 7 for i in range(N)],  # a gauge at its end
+        [65535 if i % 9 == 0 else 60000 + i % 7 for i in range(N)],  # a converter at its end
+        [-999 if i % 9 == 0 else -900 - i % 7 for i in range(N)],
+        [-9999 if i == 9 else 4 + i % 7 for i in range(N)],  # once
+        [-9999] * N,  # there is nothing beside it
+        [123456 if i % 9 == 0 else 4 + i % 7 for i in range(N)],  # far, of no such form
+        [0 if i < 20 else 9999 for i in range(N)],  # off, then at a value
+    ],
+)
+def test_what_may_be_measured_is_kept(read, pv):
+    record = read(table(clock(), pv))
+    assert record.pv.tolist() == pv and not said(record, "no number")
+
+
+def test_a_mark_that_may_stand_between_thousands_is_said(read):
+    whole = [f"{1 + i % 3}.{100 * (i % 7):03d}" if i % 2 else str(900 + i) for i in range(N)]
+    record = read(table(clock(), whole))
+    assert record.pv[1] == 2.1 and said(record, "'2.100' beside whole numbers is read as 2.1", "--decimal")
+    told = read(table(clock(), whole).replace(",", ";"), decimal=",")
+    assert told.pv[1] == 2100 and not said(told, "beside whole numbers")
+
+
+@pytest.mark.parametrize(
+    "pv",
+    [
+        [f"{1 + 0.001 * i:.3f}" for i in range(N)],  # three decimals throughout
+        [f"{1 + 0.05 * i:g}" for i in range(N)],  # 1, 1.05, 1.1
+        [f"{i / 1000:.3f}" if i else "0" for i in range(N)],  # 0, 0.001
+    ],
+)
+def test_plain_decimals_are_not_doubted(read, pv):
+    assert not said(read(table(clock(), pv)), "beside whole numbers")
