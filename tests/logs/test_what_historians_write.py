@@ -5,7 +5,7 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
-from logs import ReadError, read_loop
+from logs import ReadError, read_loop, read_loops
 
 N = 40
 DAY = datetime(2024, 5, 6, 7)
@@ -210,3 +210,44 @@ def test_a_mark_that_may_stand_between_thousands_is_said(read):
 )
 def test_plain_decimals_are_not_doubted(read, pv):
     assert not said(read(table(clock(), pv)), "beside whole numbers")
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        ("时间,流量 [吨/时],阀门开度", "gbk"),
+        ("時刻,流量,バルブ開度", "cp932"),
+        ("Zeit,Größe [m³/h],Öffnung", "cp1252"),
+        ("Zeit,Temperatur [°C],Öffnung", "cp1252"),
+        ("heure,débit,régulé à 5 µm", "cp1252"),
+        ("hora,presión,posición ±1", "cp1252"),
+        ("tid,flöde,läge ÅÄÖ", "cp1252"),
+        ("Zeit,Größe,Stellung", "cp1252"),
+    ],
+)
+def test_text_is_read_in_its_own_encoding(read, words, code):
+    time, pv, op = words.split(",")
+    content = table(clock(), head=words).encode(code)
+    record = read(content, time=time, pv=pv.partition(" [")[0], op=op)
+    assert record.log.units.get("PV", "") == (pv.partition("[")[2].strip("]"))
+
+
+@pytest.mark.parametrize(
+    ("extra", "names"),
+    [
+        ("", [("FIC101", "PV"), ("FIC101", "OP"), ("LIC7", "PV"), ("LIC7", "OP")]),
+        ("", [("FIC101.PV", "value"), ("FIC101.OP", "value"), ("LIC7.PV", "value"), ("LIC7.OP", "value")]),
+        ("", [("unit 3", name) for name in ("FIC101.PV", "FIC101.OP", "LIC7.PV", "LIC7.OP")]),
+        ("tag", [("unit 3", *name) for name in (("PV", "FIC101"), ("OP", "FIC101"), ("PV", "LIC7"), ("OP", "LIC7"))]),
+    ],
+)
+def test_an_export_of_influx_names_its_measurements(tmp_path, extra, names):
+    rows = ["#group,false,false", ",result,table,_start,_stop,_time,_value,_measurement,_field" + f",{extra}" * bool(extra)]
+    span = "2024-05-06T07:00:00Z,2024-05-06T08:00:00Z"
+    for k, name in enumerate(names):
+        rows += [f",,{k},{span},{t},{10 * k + i % 7},{','.join(name)}" for i, t in enumerate(clock("%Y-%m-%dT%H:%M:%SZ"))]
+    path = tmp_path / "influx.csv"
+    path.write_text("\n".join(rows))
+    records = read_loops(path)
+    assert [record.name for record in records] == ["FIC101", "LIC7"]
+    assert records[1].pv[:3].tolist() == [20.0, 21.0, 22.0] and records[1].op[:3].tolist() == [30.0, 31.0, 32.0]
