@@ -3,43 +3,42 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from logs.files.longform import TAGS
 from logs.files.names import role_of
 from logs.files.table import Table
 
-if TYPE_CHECKING:
-    import polars as pl
-
 __all__ = ["with_fields_named"]
 
-_MEASUREMENT, _FIELD = "_measurement", "_field"
+_MEASUREMENT, _FIELD, _VALUE = "_measurement", "_field", "_value"
+_BETWEEN = "\x1f"  # in no name
 
 
-def with_fields_named(table: Table, tags: frozenset[str]) -> Table:
-    """The table whose fields carry the name of what was measured; ``tags`` are names of columns that hold tags.
+def with_fields_named(table: Table) -> Table:
+    """The table whose fields carry the name of what was measured, in front where they name no loop themselves.
 
-    A field that names a loop stays as it is; one that is called "value" throughout says nothing and is left out.
+    A tag beside the measurement goes before it: the measurement is then a kind, or a unit of the plant. Fields that are
+    called "value" throughout say nothing and are left out.
     """
     import polars as pl
 
     frame = table.frame
-    if _FIELD not in frame.columns or _MEASUREMENT not in frame.columns:
+    if not {_MEASUREMENT, _VALUE} <= set(frame.columns):
         return table
-    beside = [name for name in frame.columns if name.casefold() in tags]
+    if _FIELD not in frame.columns:
+        return replace(table, frame=frame.rename({_MEASUREMENT: _FIELD}))
+    beside = [name for name in frame.columns if name.casefold() in TAGS]
     owner = beside[0] if beside else _MEASUREMENT
-    pairs = frame.select(owner, _FIELD).unique(maintain_order=True)
-    fields = pairs[_FIELD].drop_nulls().unique().to_list()
-    alone = len(fields) == 1 and fields[0].casefold() in ("value", "val", "v")
-    named = [_named(*pair, alone=alone) for pair in pairs.iter_rows()]
-    key = pairs.with_columns(pl.Series("_name", named, dtype=pl.String))
-    joined = frame.join(key, on=[owner, _FIELD], how="left", nulls_equal=True, maintain_order="left")["_name"]
-    frame = frame.with_columns(joined.alias(_FIELD)).drop(_MEASUREMENT, *beside)
-    return replace(table, frame=frame)
+    both = frame.select(pl.concat_str(owner, _FIELD, separator=_BETWEEN)).to_series()
+    pairs = {key: key.split(_BETWEEN) for key in both.drop_nulls().unique().to_list()}
+    alone = {field.casefold() for _, field in pairs.values()} <= {"value", "val", "v"}
+    named = {key: _named(*pair, alone=alone) for key, pair in pairs.items()}
+    joined = both.replace_strict(named, default=None, return_dtype=pl.String).fill_null(frame[_FIELD])
+    return replace(table, frame=frame.with_columns(joined.alias(_FIELD)).drop(_MEASUREMENT, *beside))
 
 
-def _named(owner: str | None, field: str | None, *, alone: bool) -> str | None:
-    told = role_of(field) if field else None
-    if not owner or not field or (told is not None and told[0]):
+def _named(owner: str, field: str, *, alone: bool) -> str:
+    told = role_of(field)
+    if not owner or (told is not None and told[0]):
         return field
     return owner if alone else f"{owner}.{field}"

@@ -21,9 +21,9 @@ from logs.files.stamps import Times
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["LongColumns", "Pivot", "find_long_form", "pivot"]
+__all__ = ["TAGS", "LongColumns", "Pivot", "find_long_form", "pivot"]
 
-_TAGS = {
+TAGS = {
     "tag", "tagname", "name", "point", "pointname", "variable", "signal", "sensor", "tagid", "item", "path", "varname",
     "itemid", "datasource", "tagpath", "field", "nodeid", "pointid", "kks", "messstelle",
 }  # fmt: skip
@@ -67,7 +67,7 @@ def find_long_form(columns: list[str]) -> LongColumns | None:
     True
     """
     plain = {re.sub(r"[^a-z]", "", column.casefold()): column for column in columns}
-    tag = next((plain[word] for word in plain if word in _TAGS), None)
+    tag = next((plain[word] for word in plain if word in TAGS), None)
     value = next((plain[word] for word in plain if word in _VALUES), None)
     if tag is None or value is None:
         return None

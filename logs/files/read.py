@@ -16,6 +16,7 @@ from logs.files.columns import loop_names
 from logs.files.form import Form, checked
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
+from logs.files.influx import with_fields_named
 from logs.files.loops import Origin, check_span, loop_of, with_loops
 from logs.files.packed import is_workbook, unpacked
 from logs.files.size import check_cells
@@ -193,6 +194,8 @@ def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | Non
     if heading is not None:  # the time column of our own files says its unit
         first = table.frame.columns[0]
         table = replace(table, frame=table.frame.rename({first: "time"}), units={"time": "s"})
+    else:
+        table = with_fields_named(table)
     return replace(table, notes=(*notes, *table.notes)), heading
 
 
@@ -233,7 +236,7 @@ def _typed(frame: pl.DataFrame) -> Table:
         ]
     )
     frame.columns = names
-    return Table(frame, list(range(1, frame.height + 1)), units)
+    return with_fields_named(Table(frame, list(range(1, frame.height + 1)), units))
 
 
 def _origin(source: Source, heading: Heading | None) -> Origin:
