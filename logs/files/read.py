@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from logs.errors import LogError, ReadError
 from logs.files.assemble import assemble, layout_of
+from logs.files.cells import with_plain_cells
 from logs.files.columns import loop_names
 from logs.files.form import Form, checked
 from logs.files.frames import frame_kind, polars_frame
@@ -195,7 +196,7 @@ def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | Non
         first = table.frame.columns[0]
         table = replace(table, frame=table.frame.rename({first: "time"}), units={"time": "s"})
     else:
-        table = with_fields_named(table)
+        table = with_plain_cells(with_fields_named(table))
     return replace(table, notes=(*notes, *table.notes)), heading
 
 
@@ -236,7 +237,7 @@ def _typed(frame: pl.DataFrame) -> Table:
         ]
     )
     frame.columns = names
-    return with_fields_named(Table(frame, list(range(1, frame.height + 1)), units))
+    return with_plain_cells(with_fields_named(Table(frame, list(range(1, frame.height + 1)), units)))
 
 
 def _origin(source: Source, heading: Heading | None) -> Origin:

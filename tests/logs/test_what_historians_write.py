@@ -251,3 +251,48 @@ def test_an_export_of_influx_names_its_measurements(tmp_path, extra, names):
     records = read_loops(path)
     assert [record.name for record in records] == ["FIC101", "LIC7"]
     assert records[1].pv[:3].tolist() == [20.0, 21.0, 22.0] and records[1].op[:3].tolist() == [30.0, 31.0, 32.0]
+
+
+def test_numbers_that_carry_their_unit(read):
+    pv = [f"{40 + i % 7}.0 bar" if i != 9 else "Bad Input" for i in range(N)]
+    record = read(table(clock(), pv, [f"{45 + i % 5}.5%" for i in range(N)]))
+    assert record.pv[:3].tolist() == [40.0, 41.0, 42.0] and record.op[:2].tolist() == [45.5, 46.5]
+    assert (record.log.units["PV"], record.log.units["OP"]) == ("bar", "%") and np.isnan(record.pv[9])
+    assert said(record, "FIC101.PV", "'bar'")
+
+
+def test_a_decimal_comma_before_a_unit(read):
+    rows = [f"{stamp};{4 + i % 7},250 bar;{45 + i % 5},5 %" for i, stamp in enumerate(clock())]
+    record = read("\n".join(["time;FIC101.PV;FIC101.OP", *rows]))
+    assert record.pv[:2].tolist() == [4.25, 5.25] and record.op[0] == 45.5
+
+
+def test_units_of_the_tags_of_a_long_table(read):
+    rows = [
+        f"{tag},{stamp},{value}"
+        for i, stamp in enumerate(clock())
+        for tag, value in (("FIC101.PV", f"{4 + i % 7} m3/h"), ("FIC101.OP", f"{50 + i % 5} %"))
+    ]
+    record = read("\n".join(["tag,time,value", *rows]))
+    assert record.pv[:2].tolist() == [4.0, 5.0] and record.log.units["OP"] == "%"
+
+
+@pytest.mark.parametrize("minus", ["\u2212", "\u2013", "\uff0d"])
+def test_a_minus_of_print(read, minus):
+    pv = [f"{minus}{1 + i % 7}.5" for i in range(N)]
+    pv[3] = f"{minus}1.5e{minus}1"
+    record = read(table(clock(), pv))
+    assert record.pv[:4].tolist() == [-1.5, -2.5, -3.5, -0.15]
+
+
+@pytest.mark.parametrize(
+    ("pv", "head"),
+    [
+        ([f"{4 + i % 7} {'bar' if i < 20 else 'kPa'}" for i in range(N)], "time,FIC101.PV,FIC101.OP"),  # two units
+        ([f"{4 + i % 7} kPa" for i in range(N)], "time,FIC101.PV [bar],FIC101.OP"),  # not that of the header
+        ([f"{4 + i % 7} apples" for i in range(N)], "time,FIC101.PV,FIC101.OP"),
+    ],
+)
+def test_units_that_cannot_be_told_are_refused(read, pv, head):
+    with pytest.raises(ReadError, match="is not a number"):
+        read(table(clock(), pv, head=head))
