@@ -17,6 +17,7 @@ _MINUS = "[\u2212\u2013\ufe63\uff0d]"  # minus, en dash, small and full-width hy
 _SIGNED = rf"^{_MINUS}(\s*[\d.,])"
 _POWER = rf"([eE]){_MINUS}(\d)"
 _MEASURED = rf"^([-+]?[\d.,'’\s\u00a0\u202f]*\d[.,]?(?:[eE][-+]?\d+)?)\s*({PLAIN_UNIT})$"
+_LOOK = 200  # rows
 
 
 def with_plain_cells(table: Table) -> Table:
@@ -37,8 +38,8 @@ def with_plain_cells(table: Table) -> Table:
     for column in table.frame.get_columns():
         if column.dtype == pl.String:
             column = _with_minus(column)
-            # Only the last character is looked at first: nearly every column ends in figures.
-            if column.str.contains(r"[%A-Za-z³]$").any():
+            # Where a unit stands behind every number, it does in the first rows: nearly every column ends in figures.
+            if column.head(_LOOK).str.contains(r"[%A-Za-z³]$").any():
                 tags = table.frame[long.tag].cast(pl.String) if long is not None and column.name == long.value else None
                 column, found = _without_units(column, tags, units)
                 units |= found
@@ -48,12 +49,14 @@ def with_plain_cells(table: Table) -> Table:
 
 
 def _with_minus(column: pl.Series) -> pl.Series:
-    if not column.str.contains(f"{_MINUS}").any():
+    if column.str.len_bytes().sum() == column.str.len_chars().sum():  # nothing but ASCII
         return column
     return column.str.replace(_SIGNED, "-${1}").str.replace(_POWER, "${1}-${2}")
 
 
-def _without_units(column: pl.Series, tags: pl.Series | None, known: dict[str, str]) -> tuple[pl.Series, dict[str, str]]:
+def _without_units(
+    column: pl.Series, tags: pl.Series | None, known: dict[str, str]
+) -> tuple[pl.Series, dict[str, str]]:
     """The column without units behind its numbers, and the unit of each tag, or of the column itself."""
     import polars as pl
 

@@ -49,7 +49,8 @@ def repaired_clock_change(t: Values, start: datetime | None = None) -> tuple[Val
     for i in np.flatnonzero((steps > _HOUR) & (steps <= _HOUR + _USUAL * usual)).tolist():
         if _is_left_out(start, float(t[i]), float(t[i + 1])):
             return np.where(t > t[i], t - _HOUR, t), (
-                f"The clock steps ahead one hour after {t[i]:g} s (start of summer time): later times are one hour less."
+                f"The clock steps ahead one hour after {t[i]:g} s (start of summer time): "
+                "later times are one hour less."
             )
     return t, None
 

@@ -7,8 +7,8 @@ import re
 __all__ = ["encoding_of"]
 
 _LOOK = 1_000_000  # bytes that are looked at
-_COMMON = 0.8  # share of characters of daily use from which a text is in that encoding
-# Marks, full-width signs and the characters of daily use, which each of the two standards puts in front. A pair of
+_COMMON = 0.8  # share of letters of daily use from which a text is in that encoding
+# Full-width letters and the characters of daily use, which each of the two standards puts in front. A pair of
 # Western letters, such as those in "Größe", and a Western sign with the letter behind it, as in "°C", are none.
 _DAILY = {
     "gb18030": re.compile(rb"[\xa1-\xa3\xb0-\xd7][\xa1-\xfe]"),
@@ -29,10 +29,10 @@ def encoding_of(raw: bytes) -> str:
 
 
 def _share(raw: bytes, code: str) -> float:
-    """The share of characters of daily use among those beyond ASCII, 0.0 if the bytes are no text of that encoding."""
+    """The share of letters of daily use among those beyond ASCII, 0.0 if the bytes are no text of that encoding."""
     try:
         text = raw.decode(code)
     except UnicodeDecodeError:
         return 0.0
-    beyond = [char.encode(code) for char in set(text) if ord(char) > 127]
+    beyond = [char.encode(code) for char in set(text) if ord(char) > 127 and char.isalpha()]
     return sum(_DAILY[code].fullmatch(char) is not None for char in beyond) / len(beyond) if beyond else 0.0

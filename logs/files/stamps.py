@@ -6,7 +6,6 @@ from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from logs.errors import ReadError
 from logs.files.calendar_numbers import calendar_text, with_marks

@@ -77,7 +77,7 @@ def test_a_parquet_file_with_a_column_of_nulls_and_numbers_as_categories(tmp_pat
     frame = pl.DataFrame(
         {
             "time": [float(10 * i) for i in range(N)],
-            "FIC101.PV": pl.Series(pv[:-1] + ["Bad Input"], dtype=pl.Categorical),
+            "FIC101.PV": pl.Series([*pv[:-1], "Bad Input"], dtype=pl.Categorical),
             "FIC101.OP": pl.Series([f" {50 + i % 5}".encode() for i in range(N)], dtype=pl.Binary),
             "FIC101.MV": pl.Series([None] * N, dtype=pl.Null),
         }
@@ -242,10 +242,15 @@ def test_text_is_read_in_its_own_encoding(read, words, code):
     ],
 )
 def test_an_export_of_influx_names_its_measurements(tmp_path, extra, names):
-    rows = ["#group,false,false", ",result,table,_start,_stop,_time,_value,_measurement,_field" + f",{extra}" * bool(extra)]
+    rows = [
+        "#group,false,false",
+        ",result,table,_start,_stop,_time,_value,_measurement,_field" + f",{extra}" * bool(extra),
+    ]
     span = "2024-05-06T07:00:00Z,2024-05-06T08:00:00Z"
     for k, name in enumerate(names):
-        rows += [f",,{k},{span},{t},{10 * k + i % 7},{','.join(name)}" for i, t in enumerate(clock("%Y-%m-%dT%H:%M:%SZ"))]
+        rows += [
+            f",,{k},{span},{t},{10 * k + i % 7},{','.join(name)}" for i, t in enumerate(clock("%Y-%m-%dT%H:%M:%SZ"))
+        ]
     path = tmp_path / "influx.csv"
     path.write_text("\n".join(rows))
     records = read_loops(path)
