@@ -14,6 +14,7 @@ import numpy.typing as npt
 from logs.errors import ReadError
 from logs.files.carried import carried_over
 from logs.files.clean import decimal_mark, modes, numbers
+from logs.files.clock_change import repaired_clock_change, repaired_in_tags
 from logs.files.form import Form
 from logs.files.grouping import Columns
 from logs.files.heading import Heading
@@ -21,7 +22,7 @@ from logs.files.longform import LongColumns, LongRows, find_long_form, pivot
 from logs.files.names import role_of
 from logs.files.order import about_sampling, ordered_times
 from logs.files.quality import bad_values, qualities, quality_columns
-from logs.files.stamps import Times, repaired_clock_change
+from logs.files.stamps import Times
 from logs.files.states import is_blank, is_state
 from logs.files.table import Table
 from logs.files.time_column import find_times, oldest_first
@@ -60,9 +61,13 @@ class Layout:
 
     @cached_property
     def clock(self) -> tuple[npt.NDArray[np.float64], str | None]:
-        """Times of the rows of a wide table [s], and what was repaired in them."""
-        t = self.times.t
-        return (t, None) if self.times.start is None else repaired_clock_change(t)
+        """Times of the rows [s], and what was repaired in them."""
+        t, start = self.times.t, self.times.start
+        if start is None:
+            return t, None
+        if self.long_rows is not None:
+            return repaired_in_tags(t, start, self.long_rows.of_tag)
+        return repaired_clock_change(t, start)
 
     @cached_property
     def long_rows(self) -> LongRows | None:
@@ -140,15 +145,15 @@ def assemble(layout: Layout, wanted: Mapping[str, str] | None, mode: Collection[
             raise ReadError(f"no column {name!r} for {signal!r}; the columns are {shown}")
     long = layout.long
     notes = list(layout.notes)
+    t, repair = layout.clock
+    notes += [repair] if repair else []
     if long is not None and layout.long_rows is not None:
         frame, lines = layout.table.frame, layout.table.lines
         tags = list(wanted.values()) if wanted else _with_numbers(frame, long.tag, long.value, layout.names, notes)
-        result = pivot(frame, long, layout.long_rows, layout.times, lines, layout.decimal, tags)
+        result = pivot(frame, long, layout.long_rows, t, lines, layout.decimal, tags)
         t, values, notes = result.t, result.values, notes + list(result.notes)
         good = {tag: mask for tag, mask in result.good.items() if not (mask | np.isnan(values[tag])).all()}
     else:
-        t, repair = layout.clock
-        notes += [repair] if repair else []
         values, good = _columns(layout, wanted, mode, notes)
         if layout.heading is None:
             carried_over(t, values, good, notes)

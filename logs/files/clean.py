@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from logs.errors import ReadError
+from logs.files.placeholders import placeholders
 from logs.files.states import is_blank, is_state
 from logs.modes import MANUAL, mode_number, says_manual
 
@@ -81,8 +82,11 @@ def numbers(
         plainly = text.cast(pl.Float64, strict=False)
         if plainly.null_count() == 0 and plainly.is_finite().all():
             values = plainly.to_numpy().astype(np.float64)
-            return Numbers(values, None) if keep_infinite else _within_reach(values, name)
-    notes = []
+            if keep_infinite:
+                return Numbers(values, None)
+            near = _within_reach(values, name)
+            return Numbers(near.values, near.good, (*_doubtful_mark(text, decimal, name), *near.notes))
+    notes = [] if keep_infinite else _doubtful_mark(text, decimal, name)
     grouped = _grouped(text, decimal)
     if grouped.any():
         notes.append(f"{name}: '{text.filter(grouped)[0]}' and the like are read with a mark between the thousands.")
@@ -112,20 +116,27 @@ def numbers(
     if blanks:
         notes.append(f"{name}: {blanks} {'cell is' if blanks == 1 else 'cells are'} blank: missing.")
     near = Numbers(values, None) if keep_infinite else _within_reach(values, name)
+    good &= True if near.good is None else near.good
     return Numbers(near.values, None if good.all() else good, (*notes, *near.notes))
 
 
 def _within_reach(values: npt.NDArray[np.float64], name: str) -> Numbers:
-    """The values without those that are not finite or larger than any measurement, and a note on the latter."""
+    """The values without those that are not finite, larger than any measurement or a word in numbers, and notes."""
     size = np.abs(values)
     huge = np.isfinite(values) & (size > LARGEST)
     kept = np.where(np.isfinite(values) & ~huge, values, np.nan)
     kept = np.where(size < 1.0 / LARGEST, 0.0, kept)
-    count = int(huge.sum())
-    if not count:
-        return Numbers(kept, None)
-    which = "1 value is" if count == 1 else f"{count} values are"
-    return Numbers(kept, None, (f"{name}: {which} beyond {LARGEST:g}: missing, for no measurement is as large.",))
+    notes = []
+    if huge.any():
+        count = int(huge.sum())
+        which = "1 value is" if count == 1 else f"{count} values are"
+        notes.append(f"{name}: {which} beyond {LARGEST:g}: missing, for no measurement is as large.")
+    good = np.ones(len(kept), dtype=bool)
+    for number, count in placeholders(kept):
+        good &= kept != number
+        said = f"{name}: {count} values are {number:.10g}, far outside the others"
+        notes.append(f"{said}: missing, of bad quality, for systems write this where they have no number.")
+    return Numbers(np.where(good, kept, np.nan), None if good.all() else good, tuple(notes))
 
 
 def _grouped(text: pl.Series, decimal: str) -> pl.Series:
@@ -135,6 +146,25 @@ def _grouped(text: pl.Series, decimal: str) -> pl.Series:
     elsewhere = text.str.contains(rf"^[-+]?\d*{other}(\d{{0,2}}|\d{{4,}})$").any()
     marks = _GAP if elsewhere else other + _GAP
     return text.str.contains(rf"^[-+]?[1-9]\d{{0,2}}([{marks}]\d{{3}})+({mark}\d*)?$")
+
+
+def _doubtful_mark(text: pl.Series, decimal: str, name: str) -> list[str]:
+    """A sentence on cells such as 1.500 beside whole numbers: their mark may as well stand between thousands."""
+    mark = "," if decimal == "," else r"\."
+    head = text.head(1000)
+    if head.str.contains(rf"{mark}(\d{{0,2}}|\d{{4,}})$").any():  # nearly every column
+        return []
+    doubtful = text.str.contains(rf"^[-+]?[1-9]\d{{0,2}}{mark}\d{{3}}$")
+    if not doubtful.any() or not text.str.contains(r"^[-+]?\d+$").any():
+        return []
+    if (text.str.contains(rf"\d{mark}|{mark}\d") & ~doubtful).any():
+        return []
+    cell = text.filter(doubtful)[0]
+    other = "." if decimal == "," else ","
+    return [
+        f"{name}: {cell!r} beside whole numbers is read as {float(cell.replace(',', '.')):g}; if the mark stands "
+        f"between thousands, give decimal={other!r} (--decimal {other})."
+    ]
 
 
 def _says(count: int) -> str:

@@ -15,14 +15,13 @@ from logs.files.names import role_of
 from logs.files.order import ordered_times
 from logs.files.quality import bad_values, qualities
 from logs.files.size import check_cells
-from logs.files.stamps import Times
 
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["LongColumns", "LongRows", "Pivot", "find_long_form", "pivot"]
+__all__ = ["TAGS", "LongColumns", "LongRows", "Pivot", "find_long_form", "pivot"]
 
-_TAGS = {
+TAGS = {
     "tag", "tagname", "name", "point", "pointname", "variable", "signal", "sensor", "tagid", "item", "path", "varname",
     "itemid", "datasource", "tagpath", "field", "nodeid", "pointid", "kks", "messstelle",
 }  # fmt: skip
@@ -66,7 +65,7 @@ def find_long_form(columns: list[str]) -> LongColumns | None:
     True
     """
     plain = {re.sub(r"[^a-z]", "", column.casefold()): column for column in columns}
-    tag = next((plain[word] for word in plain if word in _TAGS), None)
+    tag = next((plain[word] for word in plain if word in TAGS), None)
     value = next((plain[word] for word in plain if word in _VALUES), None)
     if tag is None or value is None:
         return None
@@ -95,7 +94,7 @@ def pivot(
     frame: pl.DataFrame,
     long: LongColumns,
     rows_of: LongRows,
-    times: Times,
+    clock: npt.NDArray[np.float64],
     lines: list[int],
     decimal: str,
     tags: list[str],
@@ -125,7 +124,7 @@ def pivot(
         if told is not None:
             good = good & told[rows]
             notes += bad_values(tag, str(long.quality), told[rows], parsed.values)
-        t, keep, found = ordered_times(times.t[rows], own_lines, [parsed.values, good.astype(float)], tag)
+        t, keep, found = ordered_times(clock[rows], own_lines, [parsed.values, good.astype(float)], tag)
         notes += [f"{tag}: {note}" for note in found]
         notes += parsed.notes
         series[tag] = (t, parsed.values[keep], good[keep])

@@ -13,8 +13,8 @@ Values = npt.NDArray[np.float64]
 
 _GAP = 5.0  # a step longer than this many usual ones is a gap
 _SHARED = 0.2  # share of rows that share a stamp, from which rounding, not a mistake, explains them
-_LATE = 0.01  # share of rows that may come after a later one, or one row
-_LATE_FROM = 20  # rows of a table in which one late row is a slip
+_FEW = 0.01  # share of rows that may come after a later one, or correct the one before, or one row
+_FEW_FROM = 20  # rows of a table in which one such row is a slip
 _SHORTEST, _LONGEST = 0.05, 3600.0  # intervals [s] at which processes are logged, as a rule
 
 
@@ -23,9 +23,9 @@ def ordered_times(
 ) -> tuple[Values, npt.NDArray[np.intp], list[str]]:
     """Times that increase strictly, the rows kept, and sentences on what was done.
 
-    A few rows that come late are put in their places; stamps that a historian has rounded are evened out. A row is
-    dropped if it repeats the row before it, time and values alike. Raises ReadError if more rows come late, or the time
-    stands still while a value changes.
+    A few rows that come late are put in their places; stamps that a historian has rounded are evened out. Of rows with
+    one time the last is kept if they have the same values, or if few have others. Raises ReadError if more rows come
+    late, or the time stands still while a value changes.
 
     >>> t, keep, notes = ordered_times(np.array([0.0, 1, 2, 2, 4, 5]), list(range(6)), [np.arange(6.0)])
     >>> t.tolist()
@@ -37,7 +37,8 @@ def ordered_times(
     order = np.arange(len(t))
     late = t < np.maximum.accumulate(t)
     sorting: list[str] = []
-    if 0 < late.sum() <= max(1.0, _LATE * len(t)) and len(t) >= _LATE_FROM:
+    few = max(1.0, _FEW * len(t)) if len(t) >= _FEW_FROM else 0.0
+    if 0 < late.sum() <= few:
         order = np.argsort(t, kind="stable")
         t, lines, columns = t[order], [lines[row] for row in order], [values[order] for values in columns]
         count = int(late.sum())
@@ -52,18 +53,21 @@ def ordered_times(
         )
     t, notes = _evened(t)
     notes = sorting + notes
-    same = np.concatenate([[False], np.diff(t) == 0])
-    for values in columns:
-        changed = same & ~_equal(values, np.roll(values, 1))
-        if changed.any():
-            row = int(np.argmax(changed))
-            raise ReadError(
-                f"lines {lines[row - 1]} and {lines[row]}{of} have the same time ({t[row]:g} s) and different "
-                "values; export with a finer time stamp or give interval= (--interval) if the rows are evenly spaced"
-            )
-    if same.any():
-        count = int(same.sum())
-        notes.append(f"{count} repeated row{'s' * (count > 1)} dropped.")
+    same = np.append(np.diff(t) == 0, False)  # the row after it has the same time
+    changed = same & np.logical_or.reduce([~_equal(values, np.roll(values, -1)) for values in columns])
+    others, repeats = int(changed.sum()), int((same & ~changed).sum())
+    if others > few:
+        row = int(np.argmax(changed))
+        raise ReadError(
+            f"lines {lines[row]} and {lines[row + 1]}{of} have the same time ({t[row]:g} s) and different "
+            "values; export with a finer time stamp or give interval= (--interval) if the rows are evenly spaced"
+        )
+    if others:
+        which = "1 row has" if others == 1 else f"{others} rows have"
+        row = lines[int(np.argmax(changed)) + 1]
+        notes.append(f"{which} the time of the row before and other values (first in line {row}): the later is kept.")
+    if repeats:
+        notes.append(f"{repeats} repeated row{'s' * (repeats > 1)} dropped.")
     keep = np.flatnonzero(~same)
     return t[keep], order[keep], notes
 

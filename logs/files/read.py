@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
 from logs.errors import LogError, ReadError
 from logs.files.assemble import assemble, layout_of
+from logs.files.cells import with_plain_cells
 from logs.files.form import Form, checked
 from logs.files.frames import frame_kind, polars_frame
 from logs.files.heading import Heading, parse_heading
+from logs.files.influx import with_fields_named
 from logs.files.loops import Origin, check_span, loop_of, loops_of, with_loops
 from logs.files.packed import is_workbook, unpacked
 from logs.files.size import check_cells
@@ -193,6 +195,8 @@ def _opened(source: Source, separator: str | None) -> tuple[Table, Heading | Non
     if heading is not None:  # the time column of our own files says its unit
         first = table.frame.columns[0]
         table = replace(table, frame=table.frame.rename({first: "time"}), units={"time": "s"})
+    else:
+        table = with_plain_cells(with_fields_named(table))
     return replace(table, notes=(*notes, *table.notes)), heading
 
 
@@ -224,10 +228,24 @@ def _parquet(raw: bytes) -> tuple[Table, Heading | None]:
 
 
 def _typed(frame: pl.DataFrame) -> Table:
-    """The table in a frame whose columns have types; units are in their names, as in a file of text."""
+    """The table in a frame whose columns have types; units are in their names, as in a file of text.
+
+    Words are text however they are kept: as a dictionary (a category), as bytes, or none at all in a column of nulls.
+    """
+    import polars as pl
+
+    words = (pl.Null, pl.Categorical, pl.Enum, pl.Binary)
     names, units = names_and_units(frame.columns)
-    frame = frame.rename(dict(zip(frame.columns, names, strict=True)))
-    return Table(frame, list(range(1, frame.height + 1)), units)
+    frame = pl.DataFrame(
+        [
+            column.cast(pl.String, strict=False).str.strip_chars()
+            if column.dtype in words or column.dtype == pl.String
+            else column
+            for column in frame.get_columns()
+        ]
+    )
+    frame.columns = names
+    return with_plain_cells(with_fields_named(Table(frame, list(range(1, frame.height + 1)), units)))
 
 
 def _origin(source: Source, heading: Heading | None) -> Origin:

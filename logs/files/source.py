@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 from logs.errors import ReadError
+from logs.files.encodings import encoding_of
 from logs.files.size import check_text
 
 __all__ = ["decoded", "file_bytes", "is_parquet"]
@@ -51,7 +52,7 @@ def file_bytes(path: str | os.PathLike[str]) -> bytes:
 
 
 def decoded(raw: bytes) -> str:
-    """The text in ``raw``: UTF-8, UTF-16 with its mark, else Windows-1252; line ends become "\\n".
+    """The text in ``raw``: UTF-8, UTF-16 with its mark, else GBK, Shift-JIS or Windows-1252; line ends become "\\n".
 
     Raises ReadError for workbooks, archives, pictures, web pages and other files that are not tables of text.
 
@@ -70,7 +71,7 @@ def decoded(raw: bytes) -> str:
         try:
             text = raw.decode("utf-8-sig")
         except UnicodeDecodeError:
-            text = _decode(raw, "cp1252")
+            text = _decode(raw, encoding_of(raw))
     odd = sum(text[:4000].count(chr(code)) for code in range(32) if chr(code) not in "\t\n\v\f\r\x1a")
     if odd > 4:
         raise ReadError("the file holds control characters, so it is binary; " + _EXPORT)

@@ -6,15 +6,15 @@ from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from logs.errors import ReadError
+from logs.files.calendar_numbers import calendar_text, with_marks
 from logs.files.numeric_time import Times, times_from_numbers, told_unit
 
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["Times", "parse_times", "repaired_clock_change"]
+__all__ = ["Times", "parse_times"]
 
 _CLOCK = (
     r"(?:[T ,]+(?P<h>\d{1,2}):(?P<m>\d{2})(?::(?P<s>\d{2})(?:[.,:](?P<f>\d{1,9}))?)?"
@@ -68,6 +68,11 @@ def parse_times(
 
     if column.dtype.is_temporal():
         return _from_datetimes(column, lines)
+    if not unit and time_unit is None and time_format is None:
+        calendar = calendar_text(column)
+        if calendar is not None:
+            times = _from_stamps(calendar, lines)
+            return Times(times.t, times.start, (f"Times such as {column[0]} are read as {calendar[0]}.",))
     if column.dtype.is_numeric():
         return _from_numbers(column, lines, unit, time_unit)
     text = column.cast(pl.String)
@@ -161,8 +166,7 @@ def _time_of_day(text: pl.Series) -> Times:
 
 
 def _from_stamps(text: pl.Series, lines: list[int]) -> Times:
-
-    text = text.str.replace(r"^(\d{4})(\d{2})(\d{2})[T ]?(\d{2}):?(\d{2}):?(\d{2})", "${1}-${2}-${3} ${4}:${5}:${6}")
+    text = with_marks(text)
     fits: dict[str, pl.Series] = {}
     for name, pattern in _DATES.items():
         if text.str.contains(pattern + _CLOCK).all():
@@ -247,30 +251,3 @@ def _moments_of(text: pl.Series, pattern: str) -> pl.Series:
     micros = seconds * 1_000_000 + frame["us"]
     moments = text_date.cast(pl.Datetime("us")).dt.epoch("us") + micros
     return frame.select(pl.when(pl.col("valid")).then(moments).otherwise(None)).to_series().cast(pl.Datetime("us"))
-
-
-def repaired_clock_change(
-    t: npt.NDArray[np.float64],
-) -> tuple[npt.NDArray[np.float64], str | None]:
-    """Undo one step back of exactly one hour, the end of summer time in a file of local time.
-
-    The step is undone only if it is the single step back and an hour later it becomes an ordinary step,
-    at most five times the median one. Returns the times and the sentence to note, None if nothing was done.
-
-    >>> t, note = repaired_clock_change(np.array([0.0, 10.0, 20.0, -3570.0, -3560.0]))
-    >>> t.tolist()
-    [0.0, 10.0, 20.0, 30.0, 40.0]
-    """
-    steps = np.diff(t)
-    back = np.flatnonzero(steps < 0)
-    if len(back) != 1:
-        return t, None
-    i = int(back[0])
-    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else float("nan")
-    if not 0 < steps[i] + _HOUR <= 5.0 * usual:
-        return t, None
-    repaired = t.copy()
-    repaired[i + 1 :] += _HOUR
-    return repaired, (
-        f"The clock steps back one hour after {t[i]:g} s (end of summer time): later times are one hour added."
-    )

@@ -19,7 +19,7 @@ from logs.files.time_names import is_date_name, is_time_name
 if TYPE_CHECKING:
     import polars as pl
 
-__all__ = ["Table", "names_and_units", "parse_table", "split_unit"]
+__all__ = ["PLAIN_UNIT", "Table", "names_and_units", "parse_table", "split_unit"]
 
 _SEPARATORS = (";", "\t", "|", ",", " ")
 _SEPARATOR_NAMES = {";": "semicolon", "\t": "tab", "|": "bar", ",": "comma", " ": "space"}
@@ -28,9 +28,8 @@ _NUMBER = re.compile(r"^[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$")
 _STAMP = re.compile(r"\d{1,4}[-/. ](\d{1,2}|[A-Za-z]{3,9})[-/. ,]+\d{1,4}|\d{1,2}:\d{2}|^\d{8}[T ]?\d{4}")
 _UNIT = re.compile(r"^(?P<name>.*\S)\s*(?:[\[(](?P<unit>[^\[\]()]{0,20})[\])]|\u2028(?P<below>.{0,20}))$")
 # Behind a space and without brackets only what can be nothing else.
-_BARE_UNIT = re.compile(
-    r"^(?P<name>.*\S)\s+(?P<unit>%|°[CF]|m?barg?|[kM]?Pa|psig?|mA|(?:m3|m³|Nm3|k?g|t|l)/(?:h|min|s|d))$"
-)
+PLAIN_UNIT = r"%|°[CF]|m?barg?|[kM]?Pa|psig?|mA|(?:m3|m³|Nm3|k?g|t|l)/(?:h|min|s|d)"
+_BARE_UNIT = re.compile(rf"^(?P<name>.*\S)\s+(?P<unit>{PLAIN_UNIT})$")
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logs.errors import ReadError
+from logs.files.clock_change import repaired_clock_change
 from logs.files.form import Form
 from logs.files.stamps import Times, parse_times
 from logs.files.table import Table
@@ -153,10 +154,11 @@ def _could_be_time(column: pl.Series, decimal: str) -> bool:
 def oldest_first(table: Table, times: Times) -> tuple[Table, Times, list[str]]:
     """Table and times turned round if every row is older than the one before it, as some systems export.
 
-    Nothing else is sorted: rows in any other order are refused later.
+    The hour that comes twice at the end of summer time may lie between. Nothing else is sorted: rows in any other order
+    are refused later.
     """
     steps = np.diff(times.t)
-    if not (steps <= 0).all() or (steps < 0).sum() < 2:
+    if (steps < 0).sum() < 2 or (np.diff(repaired_clock_change(times.t[::-1])[0]) < 0).any():
         return table, times, []
     t, start = times.t[::-1], times.start
     if start is not None:

@@ -64,7 +64,7 @@ FILES = [
     ("one column for two", GOOD, {"pv": "OP", "op": "OP"}, ["'OP'", "two signals"]),
     ("text in numbers", "time,PV,OP\n0,4,50\n1,four,51\n", {}, ["line 3", "'PV'", "'four'"]),
     ("marks between two digits", 'time,PV,OP\n0,"1,23,4.5",50\n1,4,51\n', {}, ["line 2", "'PV'", "1,23,4.5"]),
-    ("unit in the cells", "time,PV,OP\n0,4,50 %\n1,4,51 %\n", {}, ["line 2", "'OP'", "'50 %'"]),
+    ("two units in the cells", "time,PV,OP\n0,4,50 %\n1,4,51 mA\n", {}, ["line 2", "'OP'", "'50 %'"]),
     ("falling time", "time,PV,OP\n0,4,50\n2,4,51\n1,4,52\n", {}, ["line 4", "earlier", "sort"]),
     ("same time, other values", "time,PV,OP\n0,4,50\n1,4,51\n1,9,51\n", {}, ["lines 3 and 4", "same time"]),
     ("time not finite", "time,PV,OP\n0,4,50\nnan,4,51\n2,4,52\n", {}, ["line 3", "not finite"]),

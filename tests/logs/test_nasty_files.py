@@ -80,7 +80,7 @@ def link_to_itself(path):
         ("a.csv", lambda p: p.write_text(TEXT.replace(",4", ",٤")), "is not a number"),
         ("a.parquet", lambda p: frame().clear().write_parquet(p), "no rows"),
         ("a.parquet", lambda p: frame().select("time", pl.struct("PV", "OP").alias("v")).write_parquet(p), "'v'"),
-        ("a.parquet", lambda p: frame().with_columns(pl.lit(None).alias("OP")).write_parquet(p), "not numbers"),
+        ("a.parquet", lambda p: frame().with_columns(pl.concat_list("OP").alias("OP")).write_parquet(p), "not numbers"),
         (
             "a.csv",
             lambda p: p.write_text("time," + ",".join(f"T{i}" for i in range(10_000)) + "\n" + "0" + ",1" * 10_000),

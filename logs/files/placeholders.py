@@ -1,0 +1,49 @@
+"""Numbers that stand where there is no number: -999, -9999, 9999999, the ends of a computer's number, 1e31."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["placeholders"]
+
+Values = npt.NDArray[np.float64]
+
+_NINES = np.array([10.0**n - 1.0 for n in range(3, 16)])
+# Null values of logged data (LAS), and nines with decimals.
+_OTHERS = np.array([999.25, 9999.25, 999.9, 999.99, 9999.9, 9999.99, 99999.99])
+_ENDS = np.array([2.0**n for n in (15, 31, 63)] + [2.0**n - 1.0 for n in (15, 16, 31, 32)])
+_KNOWN = np.unique(np.concatenate([_NINES, _OTHERS, _ENDS]))
+_HUGE = 1e20  # no measurement is as large, in any unit
+_BELOW = 2.0  # times the largest of the other values, for a negative number where none of these is negative
+_FAR = 20.0  # times the largest of the other values, otherwise
+
+
+def placeholders(values: Values) -> list[tuple[float, int]]:
+    """Numbers of such a form that are repeated exactly and lie far outside the other values, and how often they come.
+
+    What lies nearer may be measured, as a gauge at its end is; so may what comes once.
+
+    >>> placeholders(np.array([4.0, 5.0, -999.0, 4.5, -999.0, 1e31]))
+    [(-999.0, 2)]
+    >>> placeholders(np.array([900.0, 950.0, 999.0, 999.0]))
+    []
+    """
+    size = np.abs(values)
+    known = size >= 999.0
+    if not known.any():  # nearly every column
+        return []
+    known &= np.isin(size, _KNOWN) | (size >= _HUGE)
+    if not known.any():
+        return []
+    rest = values[np.isfinite(values) & ~known]
+    if len(rest) == 0:
+        return []
+    largest, negative = float(np.abs(rest).max()), bool((rest < 0).any())
+    found = []
+    for number, count in zip(*np.unique(values[known], return_counts=True), strict=True):
+        opposite = number < 0 and not negative
+        far = abs(number) >= (_BELOW if opposite else _FAR) * largest and (largest > 0 or opposite)
+        if count > 1 and (far or abs(number) >= _HUGE):
+            found.append((float(number), int(count)))
+    return found
