@@ -8,7 +8,7 @@ import ast
 import inspect
 import math
 from collections.abc import Mapping, Sequence
-from types import FunctionType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -115,7 +115,7 @@ def generated(lines: Sequence[str], function: Function | None = None, output: Fu
     """Return the kernel with these lines, in which ``function`` and ``output`` are known by these names.
 
     The same kernel is returned for the same functions, so that it is compiled once: for one object, or for functions
-    made by one line of source without values from around it.
+    made by one line of source that reach the same values.
     """
     key = (*_same(function), *_same(output), *lines)
     if key not in _made:
@@ -146,8 +146,23 @@ def _compiled(lines: Sequence[str], known: dict[str, Any], name: str, file: str,
     return made
 
 
-def _same(function: Function | None) -> tuple[object, ...]:
-    """Return what two functions have in common if they do the same."""
-    if isinstance(function, FunctionType) and function.__closure__ is None:
-        return function.__code__, id(function.__globals__)
+def _same(function: Function | None, within: frozenset[FunctionType] = frozenset()) -> tuple[object, ...]:
+    """Return what two functions have in common if they do the same: code, and the values that it reaches."""
+    if isinstance(function, FunctionType) and function.__closure__ is None and function not in within:
+        codes, known = [function.__code__], function.__globals__
+        for code in codes:  # those of functions inside it are appended
+            codes += [const for const in code.co_consts if isinstance(const, CodeType)]
+        used = sorted({name for code in codes for name in code.co_names} & known.keys())
+        reached = tuple((name, _value(known[name], within | {function})) for name in used)
+        return function.__code__, id(known), reached
     return (function,)
+
+
+def _value(value: Any, within: frozenset[FunctionType]) -> object:
+    if isinstance(value, FunctionType):
+        return *_same(value, within), repr(value.__defaults__)
+    if isinstance(value, np.ndarray):
+        return str(value.dtype), value.shape, value.tobytes()
+    if isinstance(value, ModuleType):
+        return value.__name__
+    return type(value), repr(value)

@@ -155,3 +155,16 @@ def test_refusals(what):
         attempt()
     for word in words:
         assert word in str(caught.value), str(caught.value)
+
+
+def test_a_function_that_reaches_another_value_is_another_function():
+    found = []
+    for k in (1.0, 2.0, 3.0):
+        LOOP["k"] = k
+        block = Equations("lag", der=eval(LOOP_CODE, LOOP), states={"y": 0.0}, inputs="u")
+        found.append(drive(block, 40.0, every=40.0, rtol=1e-9, u=1.0).log["y"][-1])
+    np.testing.assert_allclose(found, [1.0, 2.0, 3.0], atol=1e-6)  # analytic: the gain k
+
+
+LOOP: dict = {}
+LOOP_CODE = compile("lambda y, u: k * u - y", "a_script", "eval")
