@@ -8,7 +8,7 @@ import ast
 import inspect
 import math
 from collections.abc import Mapping, Sequence
-from types import CodeType, FunctionType, ModuleType
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -114,10 +114,9 @@ def copied(places: Mapping[str, str], outputs: Sequence[str]) -> list[str]:
 def generated(lines: Sequence[str], function: Function | None = None, output: Function | None = None) -> Kernel:
     """Return the kernel with these lines, in which ``function`` and ``output`` are known by these names.
 
-    The same kernel is returned for the same functions, so that it is compiled once: for one object, or for functions
-    made by one line of source that reach the same values.
+    The same kernel is returned for the same functions, so that it is tried once.
     """
-    key = (*_same(function), *_same(output), *lines)
+    key = (function, output, *lines)
     if key not in _made:
         _made[key] = _compiled(lines, {"function": function, "output": output, "np": np}, "kernel", "<string>", 1)
         _made[key].may_run_in_python = True  # type: ignore[attr-defined]
@@ -145,24 +144,3 @@ def _compiled(lines: Sequence[str], known: dict[str, Any], name: str, file: str,
     made: Kernel = known[name]
     return made
 
-
-def _same(function: Function | None, within: frozenset[FunctionType] = frozenset()) -> tuple[object, ...]:
-    """Return what two functions have in common if they do the same: code, and the values that it reaches."""
-    if isinstance(function, FunctionType) and function.__closure__ is None and function not in within:
-        codes, known = [function.__code__], function.__globals__
-        for code in codes:  # those of functions inside it are appended
-            codes += [const for const in code.co_consts if isinstance(const, CodeType)]
-        used = sorted({name for code in codes for name in code.co_names} & known.keys())
-        reached = tuple((name, _value(known[name], within | {function})) for name in used)
-        return function.__code__, id(known), reached
-    return (function,)
-
-
-def _value(value: Any, within: frozenset[FunctionType]) -> object:
-    if isinstance(value, FunctionType):
-        return *_same(value, within), repr(value.__defaults__)
-    if isinstance(value, np.ndarray):
-        return str(value.dtype), value.shape, value.tobytes()
-    if isinstance(value, ModuleType):
-        return value.__name__
-    return type(value), repr(value)
