@@ -143,4 +143,3 @@ def _compiled(lines: Sequence[str], known: dict[str, Any], name: str, file: str,
     exec(compile(tree, file, "exec"), known)
     made: Kernel = known[name]
     return made
-

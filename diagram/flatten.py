@@ -82,7 +82,9 @@ def _shape(diagram: Wired) -> tuple[bool, ...]:
 
 def _fits(known: Plan, diagram: Wired, records: int) -> bool:
     shaped = known.shape == _shape(diagram) and known.records >= records
-    return shaped and all(address(kernel) == place for kernel, place in known.code.items())  # they follow what they reach
+    return shaped and all(
+        address(kernel) == place for kernel, place in known.code.items()
+    )  # they follow what they reach
 
 
 def _make(diagram: Wired, records: int, in_cells: bool) -> Plan:

@@ -7,9 +7,10 @@ kept under a fingerprint of all that it reaches at the time of the run, in this 
 import dis
 import hashlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
 from functools import partial
+from operator import is_
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 from uuid import uuid4
@@ -35,7 +36,7 @@ class Reached:
     """
 
     def __init__(self, kernel: FunctionType) -> None:
-        self._names: list[tuple[Callable[[str], Any], str, Any]] = []  # where, under which name, what stood there
+        self._names: list[tuple[Callable[[str], Any], Sequence[str], list[Any]]] = []  # where, names, what stood there
         self._held: list[tuple[Any, str]] = []  # what can change in place, and its contents
         self._seen: dict[tuple[int, frozenset[str]], int] = {}
         self.fingerprint = _digest(self._function(kernel))
@@ -43,17 +44,16 @@ class Reached:
     def changed(self) -> bool:
         """Return whether a name stands for another object now, or one of them has changed in place."""
         try:
-            for where, name, value in self._names:
-                if where(name) is not value:
-                    return True
+            if not all(all(map(is_, map(where, names), values)) for where, names, values in self._names):
+                return True
         except (AttributeError, ValueError):  # it is there no more
             return True
         return any(_digest(_contents(value)) != before for value, before in self._held)
 
-    def _look(self, where: Callable[[str], Any], name: str) -> Any:
-        value = where(name)
-        self._names.append((where, name, value))
-        return value
+    def _look(self, where: Callable[[str], Any], *names: str) -> list[Any]:
+        values = [*map(where, names)]
+        self._names.append((where, names, values))
+        return values
 
     def _facts(self, value: Any, names: frozenset[str]) -> Iterator[str | bytes]:
         """Yield what there is to know of a value; ``names``: the attributes that may be taken from it."""
@@ -78,22 +78,25 @@ class Reached:
         return ()
 
     def _attributes(self, value: Any, names: frozenset[str]) -> Iterator[str | bytes]:
-        for name in sorted(names & set(dir(value))):
+        there = sorted(names & set(dir(value)))
+        for name, part in zip(there, self._look(partial(getattr, value), *there), strict=True):
             yield name
-            yield from self._facts(self._look(partial(getattr, value), name), names)
+            yield from self._facts(part, names)
 
     def _function(self, function: FunctionType) -> Iterator[str | bytes]:
-        code = self._look(partial(getattr, function), "__code__")
-        yield from _code(code)
-        names = names_in(code)
-        for name in sorted(names):
-            if (value := self._look(function.__globals__.get, name)) is not None:
+        given = self._look(partial(getattr, function), "__code__", "__defaults__", "__kwdefaults__")
+        yield from _code(given[0])
+        names = names_in(given[0])
+        used = sorted(names)
+        for name, value in zip(used, self._look(function.__globals__.get, *used), strict=True):
+            if value is not None:
                 yield name
                 yield from self._facts(value, names)
         for cell in function.__closure__ or ():
-            yield from self._facts(self._look(partial(getattr, cell), "cell_contents"), names)
-        for given in ("__defaults__", "__kwdefaults__"):
-            for default in self._look(partial(getattr, function), given) or ():
+            yield from self._facts(*self._look(partial(getattr, cell), "cell_contents"), names)
+        for name, defaults in zip(("positional", "by name"), given[1:], strict=True):
+            yield f"{name} {len(defaults or ())}"
+            for default in defaults.values() if isinstance(defaults, dict) else defaults or ():
                 yield from self._facts(default, names)
 
 
