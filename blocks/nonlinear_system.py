@@ -190,8 +190,7 @@ def _with_tuple(function: Function, params: dict[str, float]) -> Function:
     code = _compiled_code(made, function.__code__.co_freevars)
     cells = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
     around = tuple(cells[name] for name in code.co_freevars)  # what it reaches is looked up where the function does
-    rewritten = FunctionType(code, function.__globals__, function.__name__, function.__defaults__, around)
-    return rewritten
+    return FunctionType(code, function.__globals__, function.__name__, function.__defaults__, around)
 
 
 def _compiled_code(made: ast.FunctionDef | ast.Lambda, around: Sequence[str]) -> CodeType:

@@ -140,7 +140,7 @@ def _make(diagram: Wired, records: int, in_cells: bool) -> Plan:
         shape=shape,
         records=records,
         links=tuple(Link(*row[out], *row[into]) for out, into in pairs),
-        code={kernel: address(kernel) for block in flat for kernel in block.kernels},
+        code={kernel: address(kernel) for kernel in {kernel for block in flat for kernel in block.kernels}},
     )
 
 

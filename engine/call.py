@@ -94,6 +94,7 @@ class _Compiled(CFunc):
     """A compiled kernel."""
 
     _pyfunc: Any
+    _compiler: Any
     trusted = False  # True: allocating arrays, which could fail for want of memory, is allowed
 
     def __init__(self, kernel: Kernel, reached: Reached) -> None:

@@ -21,7 +21,8 @@ def frozen(kernel: FunctionType, compiled: Callable[[FunctionType], Any]) -> Fun
     >>> copy(1.0), kernel(1.0)
     (3.0, 4.0)
     """
-    return _copy(kernel, lambda copy: copy, compiled, {})
+    copy: FunctionType = _copy(kernel, lambda copy: copy, compiled, {})
+    return copy
 
 
 def _copy(

@@ -7,10 +7,9 @@ kept under a fingerprint of all that it reaches at the time of the run, in this 
 import dis
 import hashlib
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from enum import Enum
 from functools import partial
-from operator import is_
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 from uuid import uuid4
@@ -36,7 +35,7 @@ class Reached:
     """
 
     def __init__(self, kernel: FunctionType) -> None:
-        self._names: list[tuple[Callable[[str], Any], Sequence[str], list[Any]]] = []  # where, names, what stood there
+        self._names: list[tuple[Callable[[str], Any], str, Any]] = []  # where, under which name, what stood there
         self._held: list[tuple[Any, str]] = []  # what can change in place, and its contents
         self._seen: dict[tuple[int, frozenset[str]], int] = {}
         self.fingerprint = _digest(self._function(kernel))
@@ -44,15 +43,16 @@ class Reached:
     def changed(self) -> bool:
         """Return whether a name stands for another object now, or one of them has changed in place."""
         try:
-            if not all(all(map(is_, map(where, names), values)) for where, names, values in self._names):
-                return True
+            for where, name, value in self._names:
+                if where(name) is not value:
+                    return True
         except (AttributeError, ValueError):  # it is there no more
             return True
         return any(_digest(_contents(value)) != before for value, before in self._held)
 
     def _look(self, where: Callable[[str], Any], *names: str) -> list[Any]:
         values = [*map(where, names)]
-        self._names.append((where, names, values))
+        self._names += [(where, *found) for found in zip(names, values, strict=True)]
         return values
 
     def _facts(self, value: Any, names: frozenset[str]) -> Iterator[str | bytes]:
@@ -93,7 +93,8 @@ class Reached:
                 yield name
                 yield from self._facts(value, names)
         for cell in function.__closure__ or ():
-            yield from self._facts(*self._look(partial(getattr, cell), "cell_contents"), names)
+            (value,) = self._look(partial(getattr, cell), "cell_contents")
+            yield from self._facts(value, names)
         for name, defaults in zip(("positional", "by name"), given[1:], strict=True):
             yield f"{name} {len(defaults or ())}"
             for default in defaults.values() if isinstance(defaults, dict) else defaults or ():
