@@ -6,9 +6,9 @@ Every argument of ``der`` and ``out`` is the name of a state, an input, a parame
 with a default is a parameter.  ``der`` returns one rate per state, ``out`` one value per output, as a number or as a
 tuple.  Without ``out`` the outputs are states.  If ``out`` takes an input, the outputs follow it at once.
 
-The functions are compiled for the engine and may use numbers, ``math``, ``numpy`` and other such functions; numbers
-from outside are taken as they are at the first run.  A function that cannot be compiled is called in Python instead,
-and ``run.in_python`` says how often, for how long and why.
+The functions are compiled for the engine and may use numbers, ``math``, ``numpy`` and other such functions; what they
+reach outside, such as numbers, arrays and helpers, is taken as it is when a run begins.  A function that cannot be
+compiled is called in Python instead, and ``run.in_python`` says how often, for how long and why.
 
 Valid for equations that do not switch; not for events (subclass ``Block`` with ``zc`` and ``jump`` for those).
 See also: sampled_function (a function called every dt), state_space, transfer_function.

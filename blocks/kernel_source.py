@@ -114,10 +114,9 @@ def copied(places: Mapping[str, str], outputs: Sequence[str]) -> list[str]:
 def generated(lines: Sequence[str], function: Function | None = None, output: Function | None = None) -> Kernel:
     """Return the kernel with these lines, in which ``function`` and ``output`` are known by these names.
 
-    The same kernel is returned for the same functions, so that it is compiled once: for one object, or for functions
-    made by one line of source without values from around it.
+    The same kernel is returned for the same functions, so that it is tried once.
     """
-    key = (*_same(function), *_same(output), *lines)
+    key = (function, output, *lines)
     if key not in _made:
         _made[key] = _compiled(lines, {"function": function, "output": output, "np": np}, "kernel", "<string>", 1)
         _made[key].may_run_in_python = True  # type: ignore[attr-defined]
@@ -144,10 +143,3 @@ def _compiled(lines: Sequence[str], known: dict[str, Any], name: str, file: str,
     exec(compile(tree, file, "exec"), known)
     made: Kernel = known[name]
     return made
-
-
-def _same(function: Function | None) -> tuple[object, ...]:
-    """Return what two functions have in common if they do the same."""
-    if isinstance(function, FunctionType) and function.__closure__ is None:
-        return function.__code__, id(function.__globals__)
-    return (function,)

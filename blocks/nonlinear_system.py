@@ -19,7 +19,7 @@ import dis
 import inspect
 import math
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import CodeType, FunctionType
 from typing import Any
@@ -187,16 +187,21 @@ def _with_tuple(function: Function, params: dict[str, float]) -> Function:
         return function
     made = _source(function)
     _Params(function.__code__.co_varnames[3], params).visit(made)
-    if isinstance(made, ast.Lambda):
-        tree = ast.Module([ast.Assign([ast.Name("function", ast.Store())], made)], [])
-    else:
-        made.name = "function"
-        tree = ast.Module([made], [])
-    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
-    known = {**function.__globals__, **{name: cell.cell_contents for name, cell in cells}}
-    exec(compile(ast.fix_missing_locations(tree), f"<{function.__qualname__}>", "exec"), known)
-    rewritten: Function = known["function"]
-    return rewritten
+    code = _compiled_code(made, function.__code__.co_freevars)
+    cells = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
+    around = tuple(cells[name] for name in code.co_freevars)  # what it reaches is looked up where the function does
+    return FunctionType(code, function.__globals__, function.__name__, function.__defaults__, around)
+
+
+def _compiled_code(made: ast.FunctionDef | ast.Lambda, around: Sequence[str]) -> CodeType:
+    """Return the code of a function that stands inside another, with the variables of that one around it."""
+    body: list[ast.stmt] = [made] if isinstance(made, ast.FunctionDef) else [ast.Expr(made)]
+    shell = ast.parse(f"def around({', '.join(around)}): pass")
+    shell.body[0].body = body  # type: ignore[attr-defined]
+    code = compile(ast.fix_missing_locations(shell), "<parameters by number>", "exec")
+    for _ in range(2):
+        code = next(const for const in code.co_consts if isinstance(const, CodeType))
+    return code
 
 
 def _source(function: FunctionType) -> ast.FunctionDef | ast.Lambda:
@@ -318,12 +323,24 @@ def _python_kernels(
 ) -> tuple[Kernel, Kernel, Kernel]:
     n, m, q = system.nstates or 0, system.ninputs, system.noutputs
     lock = threading.Lock()  # a system keeps the parameters of its last call
+    whole = {key for key in names if isinstance(system.params.get(key), int | np.integer)}
+
+    def given_as(key: str, value: float) -> float:
+        return int(value) if key in whole and value.is_integer() else value
 
     def ask(what: Function, t: float, x: Any, u: Any, p: Any) -> Any:
-        params = {**system.params, **{key: p[i] for i, key in enumerate(names)}}
+        params = {**system.params, **{key: given_as(key, float(p[i])) for i, key in enumerate(names)}}
         state, given = np.array([x[i] for i in range(n)]), np.array([u[j] for j in range(m)])
-        with lock:
-            return np.asarray(what(t, state, given, params=params), dtype=float).reshape(-1)
+        try:
+            with lock:
+                return np.asarray(what(t, state, given, params=params), dtype=float).reshape(-1)
+        except Exception as error:
+            broken = [f"{key} = {params[key]!r}" for key in whole if isinstance(params[key], float)]
+            remedy = (
+                f": {', '.join(broken)}, but the system has an integer there; give a whole number" if broken else ""
+            )
+            error.add_note(f"in a function of '{system.name}'{remedy}")
+            raise
 
     def der(t: float, x: Any, d: Any, u: Any, p: Any, out: Any) -> None:
         for i, rate in enumerate(ask(system.dynamics, t, x, u, p).tolist()):

@@ -12,6 +12,7 @@ import numpy as np
 from blocks.block import Block
 from diagram.cells import cut, driver_of, smooth_outputs, watched
 from diagram.wired import Wired
+from engine.call import Kernel, address
 from engine.cells import Link
 from engine.flat import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED, FlatBlock, Floats
 from engine.snapshot import Snapshot
@@ -36,6 +37,7 @@ class Plan:
     shape: tuple[bool, ...]
     records: int = field(default=DELAY_RECORDS)
     links: tuple[Link, ...] = ()
+    code: Mapping[Kernel, int] = field(default_factory=dict)  # the addresses of all kernels
 
     def fill(self, run: Snapshot, blocks: tuple[Block, ...]) -> None:
         """Write parameters, start states, modes, memories and held outputs of the blocks into the arrays of a run.
@@ -79,7 +81,10 @@ def _shape(diagram: Wired) -> tuple[bool, ...]:
 
 
 def _fits(known: Plan, diagram: Wired, records: int) -> bool:
-    return known.shape == _shape(diagram) and known.records >= records
+    shaped = known.shape == _shape(diagram) and known.records >= records
+    return shaped and all(
+        address(kernel) == place for kernel, place in known.code.items()
+    )  # they follow what they reach
 
 
 def _make(diagram: Wired, records: int, in_cells: bool) -> Plan:
@@ -135,6 +140,7 @@ def _make(diagram: Wired, records: int, in_cells: bool) -> Plan:
         shape=shape,
         records=records,
         links=tuple(Link(*row[out], *row[into]) for out, into in pairs),
+        code={kernel: address(kernel) for kernel in {kernel for block in flat for kernel in block.kernels}},
     )
 
 

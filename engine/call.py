@@ -8,18 +8,20 @@ The same Python function runs interpreted, with numpy arrays in place of the poi
 import re
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from llvmlite import ir
-from numba import types
+from numba import njit, types
 from numba.core import cgutils
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
 from engine.callback import Callback
+from engine.frozen import frozen
 from engine.loading import ReadyCache
-from engine.reach import fingerprint, make_callable, raises
+from engine.reach import Reached, raises
 from engine.stamp import locked
 
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
@@ -28,7 +30,8 @@ _POINTER = types.CPointer(types.float64)
 SIGNATURE = types.void(types.float64, _POINTER, _POINTER, _POINTER, _POINTER, _POINTER)
 BACK_TO_PYTHON = "numba_gil_ensure"  # what compiled code calls first on its way back into Python
 OPTIONS = {"error_model": "numpy", "forceinline": True}
-_compiled: dict[Kernel, Any] = {}
+_known: dict[Kernel, "_Known"] = {}
+_made: dict[str, "_Compiled | str"] = {}  # by fingerprint: what was compiled, or why it cannot be
 
 
 class KernelError(ValueError):
@@ -46,40 +49,83 @@ def address(kernel: Kernel | None) -> int:
     """
     if kernel is None:
         return 0
-    if kernel not in _compiled and hasattr(kernel, "may_run_in_python"):
-        _compiled[kernel] = _compiled_if_possible(kernel)
-    if kernel not in _compiled:
-        make_callable(kernel)
-        made = _Compiled(kernel, (SIGNATURE.args, SIGNATURE.return_type), {}, dict(OPTIONS))
-        try:
-            made.enable_caching()
-        except (RuntimeError, OSError):  # defined at a prompt, or nowhere to keep the cache
-            made.compile()
-        else:
-            made.compile_under_lock()
-        _compiled[kernel] = made
-    return int(_compiled[kernel].address)
+    known = _known.get(kernel)
+    if known is None or known.changed():
+        known = _known[kernel] = _prepared(kernel)
+    return int(known.made.address)
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A kernel ready to be called, and what it reached when it was compiled."""
+
+    made: Any  # compiled, or a callback
+    reached: Reached | None = None  # None: Python evaluates it afresh, whatever it reaches
+
+    def changed(self) -> bool:
+        return self.reached is not None and self.reached.changed()
+
+
+def _prepared(kernel: Kernel) -> _Known:
+    optional = getattr(kernel, "may_run_in_python", False)
+    if isinstance(optional, str):
+        return _Known(Callback(kernel, optional))
+    reached = Reached(kernel)  # type: ignore[arg-type]
+    key = f"{reached.fingerprint} {optional}"
+    if key not in _made:
+        made = _Compiled(kernel, reached)
+        _made[key] = made.or_why_not() if optional else made.loaded()
+    found = _made[key]
+    return _Known(Callback(kernel, found)) if isinstance(found, str) else _Known(found, reached)
 
 
 class _Cache(ReadyCache):
     """Keeps compiled code under a fingerprint of all it was made from."""
 
-    def __init__(self, kernel: Any) -> None:
+    def __init__(self, kernel: Any, made_from: str) -> None:
         super().__init__(kernel)
-        self.made_from = fingerprint(kernel)
+        self.made_from = made_from
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        return (*super()._index_key(sig, codegen), self.made_from)
+        return sig, codegen.magic_tuple(), self.made_from
 
 
 class _Compiled(CFunc):
     """A compiled kernel."""
 
     _pyfunc: Any
+    _compiler: Any
     trusted = False  # True: allocating arrays, which could fail for want of memory, is allowed
 
+    def __init__(self, kernel: Kernel, reached: Reached) -> None:
+        super().__init__(kernel, (SIGNATURE.args, SIGNATURE.return_type), {}, dict(OPTIONS))
+        self.reached = reached
+
     def enable_caching(self) -> None:
-        self._cache = _Cache(self._pyfunc)
+        self._cache = _Cache(self._pyfunc, self.reached.fingerprint)
+
+    def loaded(self) -> Self:
+        """Return it loaded from the cache, or compiled and kept there where that can be."""
+        try:
+            self.enable_caching()
+        except (RuntimeError, OSError):  # defined at a prompt, or nowhere to keep the cache
+            self.compile()
+        else:
+            self.compile_under_lock()
+        return self
+
+    def or_why_not(self) -> Self | str:
+        """Return it compiled, or the reason why it cannot be."""
+        if raises(self._pyfunc):
+            return "it can raise an error or print, which compiled code cannot"
+        self.trusted = True
+        try:
+            with warnings.catch_warnings(action="ignore"):
+                self.compile()
+        except Exception as error:  # whatever the compiler has against it, Python can run it
+            cause = error.__cause__
+            return f"it cannot be compiled: {_in_short(cause if isinstance(cause, Exception) else error)}"
+        return self
 
     def compile_under_lock(self) -> None:
         """Compile or load; processes that start together wait for the first one."""
@@ -93,6 +139,7 @@ class _Compiled(CFunc):
     def _compile_uncached(self) -> Any:
         code = self._pyfunc.__code__
         told = f"kernel '{code.co_name}' ({Path(code.co_filename).name}, line {code.co_firstlineno})"
+        self._compiler.py_func = frozen(self._pyfunc, njit(error_model=OPTIONS["error_model"]))
         try:
             made = super()._compile_uncached()  # type: ignore[misc]
         except Exception as error:  # numba's own errors, and plain ones for what it did not expect
@@ -126,26 +173,8 @@ def any_in_python() -> bool:
 
 def in_python(kernel: Kernel | None) -> Callback | None:
     """Return what is known of a kernel that the engine calls in Python, None for a compiled one."""
-    found = _compiled.get(kernel) if kernel is not None else None
-    return found if isinstance(found, Callback) else None
-
-
-def _compiled_if_possible(kernel: Kernel) -> Any:
-    reason = kernel.may_run_in_python  # type: ignore[attr-defined]
-    if isinstance(reason, str):
-        return Callback(kernel, reason)
-    if raises(kernel):
-        return Callback(kernel, "it can raise an error or print, which compiled code cannot")
-    try:
-        make_callable(kernel)
-        made = _Compiled(kernel, (SIGNATURE.args, SIGNATURE.return_type), {}, dict(OPTIONS))
-        made.trusted = True
-        with warnings.catch_warnings(action="ignore"):
-            made.compile()
-    except Exception as error:  # whatever the compiler has against it, Python can run it
-        cause = error.__cause__
-        return Callback(kernel, f"it cannot be compiled: {_in_short(cause if isinstance(cause, Exception) else error)}")
-    return made
+    known = _known.get(kernel) if kernel is not None else None
+    return known.made if known is not None and isinstance(known.made, Callback) else None
 
 
 def _in_short(error: Exception) -> str:

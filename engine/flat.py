@@ -51,3 +51,9 @@ class FlatBlock:
     listed: int = 0  # numbers in a row of its timetable; 0: it has none
     capacity: int = 0  # of the delay ring
     host: Any = None
+
+    @property
+    def kernels(self) -> tuple[Kernel, ...]:
+        """Return its kernels, those that it has."""
+        found = (self.out, self.der, self.zc, self.jump, self.step, self.next_time)
+        return tuple(kernel for kernel in found if kernel is not None)

@@ -1,47 +1,125 @@
 """What the code of a kernel depends on besides its own text: helpers and constants, wherever they stand.
 
-Compiled code has the values of global names frozen in, and those of the helpers it calls.  Numba notices a change in
-the file of the kernel only; a constant from another file would keep its old value, in this and in all later processes.
-So compiled kernels are kept under a fingerprint of all they reach.
+Compiled code has the values of global names frozen in, and those of the helpers it calls.  So a compiled kernel is
+kept under a fingerprint of all that it reaches at the time of the run, in this process and on disk.
 """
 
 import dis
 import hashlib
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator
+from enum import Enum
+from functools import partial
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
+from uuid import uuid4
 
 import numba
 import numpy as np
-from numba.extending import register_jitable
 
 OUTSIDE = {"numpy", "numba", "llvmlite", "scipy", *sys.stdlib_module_names}  # they change with their version only
 VERSIONS = f"{numba.__version__} {np.__version__} {sys.version}"
-_callable: set[FunctionType] = set()
+PLAIN = (int, float, complex, str, bytes, type(None), type(...), np.generic, np.dtype, np.ufunc, Enum)
+PROCESS = uuid4().hex  # what is known by its address only is known in this process only
 
 
-def fingerprint(kernel: FunctionType) -> str:
-    """Return a fingerprint of a function and of every helper and constant that it reaches, by name or by module.
+class Reached:
+    """What a function and every helper reach, by name, by module or from around them, as it is found now.
 
     >>> from blocks.limited_pi import limited_output
-    >>> fingerprint(limited_output) == fingerprint(limited_output) != fingerprint(fingerprint)
+    >>> found = Reached(limited_output)
+    >>> found.fingerprint == Reached(limited_output).fingerprint != Reached(outside).fingerprint
     True
+    >>> found.changed()
+    False
     """
-    digest = hashlib.sha256(VERSIONS.encode())
-    for fact in _facts(kernel, frozenset(), set()):
-        digest.update(fact.encode() if isinstance(fact, str) else fact)
-        digest.update(b";")
-    return digest.hexdigest()
+
+    def __init__(self, kernel: FunctionType) -> None:
+        self._names: list[tuple[Callable[[str], Any], str, Any]] = []  # where, under which name, what stood there
+        self._held: list[tuple[Any, str]] = []  # what can change in place, and its contents
+        self._seen: dict[tuple[int, frozenset[str]], int] = {}
+        self.fingerprint = _digest(self._function(kernel))
+
+    def changed(self) -> bool:
+        """Return whether a name stands for another object now, or one of them has changed in place."""
+        try:
+            for where, name, value in self._names:
+                if where(name) is not value:
+                    return True
+        except (AttributeError, ValueError):  # it is there no more
+            return True
+        return any(_digest(_contents(value)) != before for value, before in self._held)
+
+    def _look(self, where: Callable[[str], Any], *names: str) -> list[Any]:
+        values = [*map(where, names)]
+        self._names += [(where, *found) for found in zip(names, values, strict=True)]
+        return values
+
+    def _facts(self, value: Any, names: frozenset[str]) -> Iterator[str | bytes]:
+        """Yield what there is to know of a value; ``names``: the attributes that may be taken from it."""
+        value = getattr(value, "py_func", value)  # what numba has compiled already
+        if outside(value):
+            yield f"{_home(value)}.{getattr(value, '__qualname__', getattr(value, '__name__', ''))}"
+        elif isinstance(value, FunctionType):
+            yield from self._once(value, frozenset()) or self._function(value)
+        elif isinstance(value, ModuleType | type):
+            yield from self._once(value, names) or self._attributes(value, names)
+        else:
+            yield from _contents(value)
+            if not isinstance(value, PLAIN):
+                self._held.append((value, _digest(_contents(value))))
+
+    def _once(self, value: Any, names: frozenset[str]) -> tuple[str, ...]:
+        """Return the number of what has been told already, nothing for what is new."""
+        key = (id(value), names)
+        if key in self._seen:
+            return (f"again {self._seen[key]}",)
+        self._seen[key] = len(self._seen)
+        return ()
+
+    def _attributes(self, value: Any, names: frozenset[str]) -> Iterator[str | bytes]:
+        there = sorted(names & set(dir(value)))
+        for name, part in zip(there, self._look(partial(getattr, value), *there), strict=True):
+            yield name
+            yield from self._facts(part, names)
+
+    def _function(self, function: FunctionType) -> Iterator[str | bytes]:
+        given = self._look(partial(getattr, function), "__code__", "__defaults__", "__kwdefaults__")
+        yield from _code(given[0])
+        names = names_in(given[0])
+        used = sorted(names)
+        for name, value in zip(used, self._look(function.__globals__.get, *used), strict=True):
+            if value is not None:
+                yield name
+                yield from self._facts(value, names)
+        for cell in function.__closure__ or ():
+            (value,) = self._look(partial(getattr, cell), "cell_contents")
+            yield from self._facts(value, names)
+        for name, defaults in zip(("positional", "by name"), given[1:], strict=True):
+            yield f"{name} {len(defaults or ())}"
+            for default in defaults.values() if isinstance(defaults, dict) else defaults or ():
+                yield from self._facts(default, names)
 
 
-def make_callable(function: Any) -> None:
-    """Let compiled code call the plain Python functions of its module, or from around it, that ``function`` names."""
-    for helper in _helpers(function):
-        if helper not in _callable:
-            _callable.add(helper)
-            register_jitable(helper)
-            make_callable(helper)
+def outside(value: Any) -> bool:
+    """Return whether a function, class or module belongs to a library that changes with its version only."""
+    known = callable(value) or isinstance(value, ModuleType)
+    return known and not isinstance(value, np.ufunc) and _home(value).partition(".")[0] in OUTSIDE
+
+
+def names_in(code: CodeType) -> frozenset[str]:
+    """Return the names, of globals and attributes, that a function and those inside it use."""
+    return frozenset(name for part in _codes(code) for name in part.co_names)
+
+
+def helpers(function: Any) -> Iterator[tuple[str, FunctionType]]:
+    """Yield the plain functions that a function names, of its module and from around it, with their names."""
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    around = {name: cell.cell_contents for name, cell in cells}
+    for name in sorted(names_in(function.__code__) | around.keys()):
+        helper = around[name] if name in around else function.__globals__.get(name)
+        if isinstance(helper, FunctionType) and not outside(helper):
+            yield name, helper
 
 
 def raises(function: Any, _seen: frozenset[FunctionType] = frozenset()) -> bool:
@@ -49,63 +127,41 @@ def raises(function: Any, _seen: frozenset[FunctionType] = frozenset()) -> bool:
 
     >>> def f(x):
     ...     assert x > 0.0
-    >>> raises(f), raises(make_callable)
+    >>> raises(f), raises(outside)
     (True, False)
     """
     steps = list(dis.get_instructions(function))
     if any(step.opname == "RAISE_VARARGS" or step.argval == "print" for step in steps):
         return True
-    return any(raises(helper, _seen | {function}) for helper in _helpers(function) if helper not in _seen | {function})
+    seen = _seen | {function}
+    return any(raises(helper, seen) for _, helper in helpers(function) if helper not in seen)
 
 
-def _helpers(function: Any) -> Iterator[FunctionType]:
-    """Yield the plain functions that a function names, of its module and from around it."""
-    cells = (cell.cell_contents for cell in function.__closure__ or ())
-    around = dict(zip(function.__code__.co_freevars, cells, strict=True))
-    for name in (*function.__code__.co_names, *around):
-        helper = around[name] if name in around else function.__globals__.get(name)
-        if isinstance(helper, FunctionType):
-            yield helper
+def _home(value: Any) -> str:
+    return value.__name__ if isinstance(value, ModuleType) else str(getattr(value, "__module__", None))
 
 
-def _facts(value: Any, names: frozenset[str], seen: set[int]) -> Iterator[str | bytes]:
-    """Yield what there is to know of a value; ``names``: the attributes that may be taken from it."""
-    value = getattr(value, "py_func", value)  # what numba has compiled already
-    home = value.__name__ if isinstance(value, ModuleType) else str(getattr(value, "__module__", None))
-    if home.partition(".")[0] in OUTSIDE and (callable(value) or isinstance(value, ModuleType)):
-        yield f"{home}.{getattr(value, '__qualname__', getattr(value, '__name__', ''))}"
-    elif isinstance(value, FunctionType):
-        if id(value) not in seen:
-            seen.add(id(value))
-            yield from _function(value, seen)
-    elif isinstance(value, ModuleType | type):
-        for name in sorted(names & set(dir(value))):
-            yield name
-            yield from _facts(getattr(value, name), names, seen)
-    elif isinstance(value, np.ndarray):
-        yield f"{value.dtype} {value.shape}"
+def _contents(value: Any) -> Iterator[str | bytes]:
+    """Yield what a value is: numbers and text by their value, arrays and lists by what they hold."""
+    kind = type(value).__qualname__
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        yield f"{kind} {value.dtype} {value.shape}"
         yield np.ascontiguousarray(value).tobytes()
     elif isinstance(value, tuple | list):
-        yield f"{type(value).__name__} {len(value)}"
+        yield f"{kind} {len(value)}"
         for item in value:
-            yield from _facts(item, names, seen)
+            yield from _contents(item)
+    elif isinstance(value, PLAIN):
+        yield f"{kind} {value!r}"
     else:
-        yield repr(value)
+        yield f"{kind} {id(value)} {PROCESS}"
 
 
-def _function(function: FunctionType, seen: set[int]) -> Iterator[str | bytes]:
-    codes = list(_codes(function.__code__))
-    names = frozenset(name for code in codes for name in code.co_names)
-    for code in codes:
-        yield code.co_code
-        yield repr((code.co_argcount, code.co_names, code.co_varnames, code.co_freevars))
-        yield repr([const for const in code.co_consts if not isinstance(const, CodeType)])
-    for name in sorted(names & function.__globals__.keys()):
-        yield name
-        yield from _facts(function.__globals__[name], names, seen)
-    held: Iterable[Any] = [cell.cell_contents for cell in function.__closure__ or ()]
-    for given in (*held, *(function.__defaults__ or ())):
-        yield from _facts(given, names, seen)
+def _code(code: CodeType) -> Iterator[str | bytes]:
+    for part in _codes(code):
+        yield part.co_code
+        yield repr((part.co_argcount, part.co_names, part.co_varnames, part.co_freevars))
+        yield repr([const for const in part.co_consts if not isinstance(const, CodeType)])
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:
@@ -114,3 +170,11 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
     for const in code.co_consts:
         if isinstance(const, CodeType):
             yield from _codes(const)
+
+
+def _digest(facts: Iterator[str | bytes]) -> str:
+    digest = hashlib.sha256(VERSIONS.encode())
+    for fact in facts:
+        told = fact.encode() if isinstance(fact, str) else fact
+        digest.update(b"%d:" % len(told) + told)
+    return digest.hexdigest()

@@ -135,6 +135,26 @@ def test_parameters_are_read_by_name_and_can_be_varied():
         assert many.values["x"][:, -1] == pytest.approx([3.0, 1.5], abs=1e-5)  # analytic: rests at F/k
 
 
+@pytest.mark.parametrize("later", [False, True])
+def test_a_parameter_may_be_an_integer(later):
+    def stages(t, x, u, params):
+        total = 0.0
+        for _ in range(params["n"]):
+            total = total + u[0]
+        return [total - x[0]]
+
+    system = ct.nlsys(stages, None, inputs=["u"], outputs=["y"], states=["y"], params={"n": 2}, name="stages")
+    diagram = wire([system], inputs=["u"])
+    if later:
+        diagram = diagram.with_params({"stages.n": 3})
+    run = simulate(diagram, 40.0, every=40.0, inputs={"u": 1.0})
+    assert run.log["y"][-1] == pytest.approx(3.0 if later else 2.0, abs=1e-6)  # analytic: rests at n u
+    with pytest.raises(TypeError) as caught:
+        simulate(diagram, 1.0, inputs={"u": 1.0}, params={"stages.n": 2.5})
+    told = " ".join(caught.value.__notes__)
+    assert "'stages'" in told and "n = 2.5" in told and "whole number" in told
+
+
 def test_an_output_that_does_not_mention_the_input_does_not_follow_it_at_once():
     feeds = {name: as_block(system).kernels.feeds for name, system in {**COMPILED, **IN_PYTHON}.items()}
     assert feeds == {

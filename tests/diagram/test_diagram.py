@@ -77,12 +77,12 @@ def test_nothing_changes_a_diagram():
 
 def test_nothing_is_compiled_twice():
     simulate(loop(), 1.0)
-    signatures, kernels = len(advance.signatures), len(call._compiled)
+    signatures, kernels = len(advance.signatures), len(call._known)
     simulate(loop(1750.0), 1.0)
     simulate(wire([Step("SP", 0.1), open_loop("a"), open_loop("b")]), 1.0, rtol=1e-8, method="stiff")
     simulate(loop(theta=1.0), 1.0, params={"process.K": 2.0})
     assert len(advance.signatures) == signatures == 1
-    assert len(call._compiled) == kernels
+    assert len(call._known) == kernels
 
 
 def test_linearised_loops():

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from engine.call import KernelError, address
-from engine.reach import fingerprint
+from engine.reach import Reached
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -104,21 +104,21 @@ def _plain(t, x, d, u, p, y):
 
 
 def test_a_fingerprint_follows_constants_and_helpers_and_nothing_else(monkeypatch):
-    before = fingerprint(_plain)
+    before = Reached(_plain).fingerprint
     monkeypatch.setitem(globals(), "ONE", "not reached")
-    assert fingerprint(_plain) == before
+    assert Reached(_plain).fingerprint == before
     monkeypatch.setitem(globals(), "FACTOR", 3.0)
-    changed = fingerprint(_plain)
+    changed = Reached(_plain).fingerprint
     assert changed != before
     monkeypatch.setitem(globals(), "_helper", lambda x: x)
-    assert fingerprint(_plain) not in (before, changed)
+    assert Reached(_plain).fingerprint not in (before, changed)
 
 
 def test_a_second_process_compiles_nothing():
     code = (
         "from blocks import FirstOrder; from engine import call; der = FirstOrder(1.0, 1.0).kernels.der;"
         "call.address(der);"
-        "print(call._compiled[der].cache_hits)"
+        "print(call._known[der].made.cache_hits)"
     )
     runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT) for _ in range(2)]
     assert runs[1].stdout == "1\n", runs[1].stderr
