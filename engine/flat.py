@@ -51,3 +51,9 @@ class FlatBlock:
     listed: int = 0  # numbers in a row of its timetable; 0: it has none
     capacity: int = 0  # of the delay ring
     host: Any = None
+
+    @property
+    def unforeseen(self) -> bool:
+        """Whether it follows the time in a way that nothing but its values tells."""
+        announced = self.next_time is not None or self.listed > 0
+        return self.kind == CONTINUOUS and self.timed and not self.linear and not announced
