@@ -1,4 +1,4 @@
-"""How to integrate, as one value: tolerances, method, step budget and largest step, which all that simulates takes alike.
+"""How to integrate, as one value: tolerances, method, budget and bound of steps, which all that simulates takes alike.
 
 ``settings=Settings(rtol=1e-8)`` says it for many calls; for one, the fields can be given by name, ``rtol=1e-8``.
 """

@@ -142,11 +142,11 @@ def simulate(
     number, ``(t, values)`` (straight lines), log or table (held; ``diagram.playback``) or source block, or a log or
     table alone for all open inputs that it has; ``params`` as in ``Diagram.with_params``; ``start`` as in
     ``Diagram.starting_at``; ``settings`` how to integrate, or its fields by name: ``rtol``, ``atol`` local error per
-    step, ``method`` "auto", "explicit" or "stiff", ``max_steps`` budget (20 000 000),
-    ``max_step`` the largest step [s] (None: what functions of the time need is found by trying them, and noted;
-    ``math.inf``: no bound); ``t0`` [s] when the run begins; ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
-    ends the run with status INTERRUPTED, and what is simulated so far is kept; ``branches`` of a diagram pinned to a
-    log: modes to try where it does not fit (``diagram.branches``).
+    step, ``method`` "auto", "explicit" or "stiff", ``max_steps`` budget (20 000 000), ``max_step`` the largest step [s]
+    (None: functions of the time are tried before the run, and what bounds the steps is noted; ``math.inf``: no bound);
+    ``t0`` [s] when the run begins; ``on_progress`` called every few thousand steps with the time reached; a
+    ``KeyboardInterrupt``, its own or Ctrl-C's, ends the run with status INTERRUPTED, and what is simulated so far is
+    kept; ``branches`` of a diagram pinned to a log: modes to try where it does not fit (``diagram.branches``).
 
     A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
 
@@ -236,7 +236,8 @@ def _run(
 
     And the bounds on the steps that functions of the time need.
     """
-    starts, bounds = [], []
+    starts = []
+    bounds: list[Bound] = []
     for component in laid.components:
         I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
         start = Snapshot(component, I, W)

@@ -21,9 +21,9 @@ _PAUSE = 5000  # steps after which the run comes back to Python
 
 @dataclass(frozen=True)
 class Settings:
-    """How to integrate: relative and absolute tolerance, method ("auto", "explicit", "stiff"), step budget, largest step.
+    """How to integrate: relative and absolute tolerance, method ("auto", "explicit", "stiff"), step budget.
 
-    ``max_step`` [s]: None bounds the steps only where functions of the time need it (``engine.probing``).
+    ``max_step`` [s], the largest step: None bounds the steps only where functions of the time need it (``engine.probing``).
     """
 
     rtol: float = 1e-6

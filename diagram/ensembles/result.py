@@ -183,7 +183,8 @@ class Ensemble(Shown):
         heading = {
             "origin": f"simulated: {self.variants.diagram.name}", "duration [s]": self.duration,
             "units": self.variants.diagram.signal_units, "rtol": self.settings.rtol, "atol": self.settings.atol,
-            "method": self.settings.method, "max_step [s]": self.settings.max_step, "notes": self.notes, "time [s]": self.t.tolist(),
+            "method": self.settings.method, "max_step [s]": self.settings.max_step, "notes": self.notes,
+            "time [s]": self.t.tolist(),
         }  # fmt: skip
         with replacing(path) as part:
             pl.DataFrame(columns).write_parquet(part, metadata={"stickslip": json.dumps(heading)})
