@@ -23,7 +23,7 @@ _PAUSE = 5000  # steps after which the run comes back to Python
 class Settings:
     """How to integrate: relative and absolute tolerance, method ("auto", "explicit", "stiff"), step budget.
 
-    ``max_step`` [s], the largest step: None bounds the steps only where functions of the time need it (``engine.probing``).
+    ``max_step`` [s]: None bounds the steps only where functions of the time need it (``engine.probing``).
     """
 
     rtol: float = 1e-6
