@@ -114,7 +114,7 @@ def test_each_variant_of_an_ensemble_is_bounded_by_its_own_parameters() -> None:
         alone = simulate(loop, 50.0, params={"source.f": f}, every=0.5)
         assert np.array_equal(alone.log["PV"], some.values["PV"][i])
     assert alone.notes == some.notes  # the shortest of all
-    assert not ensemble(loop, 50.0, max_step=0.01, every=0.5).notes
+    assert not ensemble(loop, 50.0, params={"source.f": [1.0]}, max_step=0.01, every=0.5).notes
 
 
 def test_what_gives_no_numbers_at_the_start_is_guessed_and_said() -> None:
