@@ -10,6 +10,9 @@ The functions are compiled for the engine and may use numbers, ``math``, ``numpy
 reach outside, such as numbers, arrays and helpers, is taken as it is when a run begins.  A function that cannot be
 compiled is called in Python instead, and ``run.in_python`` says how often, for how long and why.
 
+Where ``out`` or ``der`` take ``t``, a run tries them at 256 instants before it begins, bounds its steps by how fast
+they change, and says so in ``run.notes``.  What lasts less than a 256th of the run needs ``max_step=`` [s].
+
 Valid for equations that do not switch; not for events (subclass ``Block`` with ``zc`` and ``jump`` for those).
 See also: sampled_function (a function called every dt), state_space, transfer_function.
 """

@@ -10,6 +10,8 @@ The functions are compiled where that is possible: if they use numbers, arrays, 
 ``params`` only as ``params["m"]`` or ``params.get("m", ...)``.  If not, and always for ``ct.interconnect``, the engine
 calls them in Python, and ``run.in_python`` says how often, for how long and why.
 
+Functions that read ``t`` are tried before a run, and bound its steps (see equations).
+
 An output counts as following the inputs at once if ``h`` mentions them.  The states start at 0 unless
 ``start={"name.state": ...}`` says otherwise.  See also: equations (the same without python-control).
 """

@@ -1,4 +1,4 @@
-"""How to integrate, as one value: tolerances, method and step budget, which all that simulates takes alike.
+"""How to integrate, as one value: tolerances, method, budget and bound of steps, which all that simulates takes alike.
 
 ``settings=Settings(rtol=1e-8)`` says it for many calls; for one, the fields can be given by name, ``rtol=1e-8``.
 """
@@ -18,22 +18,25 @@ NAMES = tuple(field.name for field in fields(Settings))
 
 
 class Changes(TypedDict, total=False):
-    """Fields of ``Settings`` given by name: ``rtol``, ``atol`` [-], [unit of each state], ``method``, ``max_steps``."""
+    """Fields of ``Settings`` given by name: ``rtol``, ``atol`` [-], [unit of each state], ``method``, ``max_steps``,
+    ``max_step`` [s].
+    """
 
     rtol: float
     atol: float
     method: str
     max_steps: int
+    max_step: float | None
 
 
 def settings_of(called: Callable[..., Any], given: Settings | None, changes: Mapping[str, Any]) -> Settings:
     """Return the settings ``given`` to a function (None: the default ones) with some fields changed, checked.
 
     Raises ``TypeError`` for a name that is neither a field nor an argument of the function ``called``, ``ValueError``
-    for tolerances, methods and budgets that make no sense.
+    for tolerances, methods, budgets and steps that make no sense.
 
     >>> settings_of(settings_of, None, {"rtol": 1e-8})
-    Settings(rtol=1e-08, atol=1e-09, method='auto', max_steps=20000000)
+    Settings(rtol=1e-08, atol=1e-09, method='auto', max_steps=20000000, max_step=None)
     """
     for name in changes:
         if name not in NAMES:
@@ -58,4 +61,10 @@ def _checked(s: Settings) -> Settings:
             f"rtol = {rtol!r}, atol = {atol!r}, but 1e-13 <= rtol <= 0.1 and a finite atol > 0 are "
             "needed; leave them out for 1e-6 and 1e-9"
         )
-    return Settings(rtol, atol, s.method, int(min(budget, 2.0**62)))
+    longest = None if s.max_step is None else number("simulate", "max_step", s.max_step)
+    if longest is not None and not longest > 0.0:
+        raise ValueError(
+            f"max_step = {s.max_step!r}, but the largest step is above 0 s; leave it out to let functions of time "
+            "be probed, or give math.inf for no bound"
+        )
+    return Settings(rtol, atol, s.method, int(min(budget, 2.0**62)), longest)

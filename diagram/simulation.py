@@ -22,9 +22,11 @@ from diagram.kept import log_times, logging_only, wanted_signals
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.settings import Changes, Settings, settings_of
+from diagram.strides import bounded
 from diagram.wiring import WiringError
 from engine.branching import Branching, Kept, run_branching
 from engine.cells import run_windows
+from engine.probing import Bound, bound_steps
 from engine.run import Outcome, prepare, run
 from engine.snapshot import Snapshot, total
 from engine.status import HINTS, Statistics, Status
@@ -55,7 +57,7 @@ class Run:
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
     ``raw_events`` (events, 4) are the changes of mode in order of time: t, block, value before, value after; ``events``
-    names them.  ``notes`` say what to doubt in a run that is OK (``diagram.coarse``).
+    names them.  ``notes`` say what to doubt in a run that is OK (``diagram.coarse``, ``diagram.strides``).
     ``final`` is the diagram at the end of the run: simulate it, changed or not, with ``t0`` = that time to go on (only
     blocks that run in Python begin anew).  ``ends`` are the engine's arrays there; they are lost in a pickle.
     ``taken`` tells where another mode was put in place of the run's own (``diagram.branches``).
@@ -140,10 +142,11 @@ def simulate(
     number, ``(t, values)`` (straight lines), log or table (held; ``diagram.playback``) or source block, or a log or
     table alone for all open inputs that it has; ``params`` as in ``Diagram.with_params``; ``start`` as in
     ``Diagram.starting_at``; ``settings`` how to integrate, or its fields by name: ``rtol``, ``atol`` local error per
-    step, ``method`` "auto", "explicit" or "stiff", ``max_steps`` budget (20 000 000); ``t0`` [s] when the run begins;
-    ``on_progress`` called every few thousand steps with the time reached; a ``KeyboardInterrupt``, its own or Ctrl-C's,
-    ends the run with status INTERRUPTED, and what is simulated so far is kept; ``branches`` of a diagram pinned to a
-    log: modes to try where it does not fit (``diagram.branches``).
+    step, ``method`` "auto", "explicit" or "stiff", ``max_steps`` budget (20 000 000), ``max_step`` the largest step [s]
+    (None: functions of the time are tried before the run, and what bounds the steps is noted; ``math.inf``: no bound);
+    ``t0`` [s] when the run begins; ``on_progress`` called every few thousand steps with the time reached; a
+    ``KeyboardInterrupt``, its own or Ctrl-C's, ends the run with status INTERRUPTED, and what is simulated so far is
+    kept; ``branches`` of a diagram pinned to a log: modes to try where it does not fit (``diagram.branches``).
 
     A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
 
@@ -174,7 +177,7 @@ def simulate(
         laid = ready.plan_in_cells(records) if in_cells else ready.plan(records)
         if len(wanted) < len(ready.signals):
             laid = replace(laid, components=tuple(logging_only(c, ready, wanted) for c in laid.components))
-        outcomes, kept = _run(laid, ready, settings, grid, t0, t_end, on_progress, past, choice)
+        outcomes, kept, bounds = _run(laid, ready, settings, grid, t0, t_end, on_progress, past, choice)
         if any(o.status is Status.DELAY_FULL for o in outcomes):
             records *= 4
         elif any(o.status is Status.TIGHT for o in outcomes):
@@ -183,7 +186,7 @@ def simulate(
             run = _collect(ready, laid, outcomes, grid, wanted, spent(ready, before))
             if choice is not None and kept is not None:
                 run = replace(run, taken=taken(ready, choice, kept))
-            return _noted(run, settings.atol)
+            return _noted(run, settings.atol, bounds)
 
 
 def _words_for(given: Any) -> str:
@@ -228,18 +231,24 @@ def _run(
     on_progress: Callable[[float], None] | None,
     past: Past | None,
     choice: Branching | None,
-) -> tuple[list[Outcome], Kept | None]:
-    """Return what came out of each component, one after the other or cells together, and which branches were kept."""
+) -> tuple[list[Outcome], Kept | None, list[Bound]]:
+    """Return what came out of each component, one after the other or cells together, and which branches were kept.
+
+    And the bounds on the steps that functions of the time need.
+    """
     starts = []
+    bounds: list[Bound] = []
     for component in laid.components:
         I, W = prepare(component, settings, t0, -np.inf if past is None else past.t)
         start = Snapshot(component, I, W)
         laid.fill(start, diagram.blocks)
         if past is not None:
             past.put_back(diagram.blocks, laid.delays, start)
+        if settings.max_step is None and component.unforeseen:
+            bounds += bound_steps(component, I, W, t_end)
         starts.append((I, W))
     if laid.links:
-        return run_windows(laid.components, laid.links, starts, grid, t_end, on_progress), None
+        return run_windows(laid.components, laid.links, starts, grid, t_end, on_progress), None, bounds
     outcomes: list[Outcome] = []
     kept = None
     for component, (I, W) in zip(laid.components, starts, strict=True):
@@ -248,7 +257,7 @@ def _run(
             outcomes.append(outcome)
         else:
             outcomes.append(run(component, laid.flat, I, W, grid, t_end, on_progress))
-    return outcomes, kept
+    return outcomes, kept, bounds
 
 
 def _collect(
@@ -283,8 +292,13 @@ def _collect(
     )
 
 
-def _noted(run: Run, atol: float) -> Run:
-    """Return the run with a note, and warn, if its absolute tolerance is too large for some of its blocks."""
+def _noted(run: Run, atol: float, bounds: Sequence[Bound]) -> Run:
+    """Return the run with notes: what bounds its steps, and an absolute tolerance too large for some of its blocks.
+
+    Warns of the latter.
+    """
+    if bounds:
+        run = replace(run, notes=bounded(run.diagram.blocks, bounds))
     if not run.ok:
         return run
     blocks, states = run.diagram.blocks, {}
@@ -301,7 +315,7 @@ def _noted(run: Run, atol: float) -> Run:
     if not note:
         return run
     warnings.warn(note, ToleranceWarning, stacklevel=3)
-    return replace(run, notes=(note,))
+    return replace(run, notes=(*run.notes, note))
 
 
 def _verdict(diagram: Diagram, laid: Plan, outcomes: Sequence[Outcome], ends: Ends) -> tuple[Status, str]:

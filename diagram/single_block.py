@@ -4,6 +4,7 @@ from typing import Any
 
 from blocks.block import Block
 from diagram.diagram import Diagram
+from diagram.settings import Settings
 from diagram.simulation import Run, simulate
 
 
@@ -15,6 +16,7 @@ def drive(
     rtol: float = 1e-6,
     atol: float = 1e-9,
     method: str = "auto",
+    max_step: float | None = None,
     **inputs: Any,
 ) -> Run:
     """Simulate one block on given input signals, named by their labels; see ``simulate`` for what they may be.
@@ -27,4 +29,5 @@ def drive(
     if not isinstance(block, Block):
         raise ValueError(f"{block!r:.60} is no block; drive() runs one block alone, simulate(diagram, ...) a diagram")
     diagram = Diagram([block], list(block.input_labels), name=block.name)
-    return simulate(diagram, duration, every=every, inputs=inputs, rtol=rtol, atol=atol, method=method)
+    how = Settings(rtol, atol, method, max_step=max_step)
+    return simulate(diagram, duration, every=every, inputs=inputs, settings=how)

@@ -8,6 +8,8 @@ import ctypes
 import math
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 _FLOATS = ctypes.POINTER(ctypes.c_double)
@@ -40,6 +42,15 @@ class Callback:
             _kept.error = error
             out[0] = math.nan
         self.seconds += time.perf_counter() - begin
+
+
+@contextmanager
+def pardoned() -> Iterator[None]:
+    """Let kernels fail: an error leaves NaN and is forgotten; Ctrl-C is not."""
+    yield
+    error, _kept.error = getattr(_kept, "error", None), None
+    if error is not None and not isinstance(error, Exception):
+        raise error
 
 
 def raise_kept() -> None:

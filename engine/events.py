@@ -26,6 +26,7 @@ from engine.layout import (
     KIND,
     L_INSTANTS,
     LOGGED,
+    LONGEST,
     MAX_CHAIN,
     MAX_STEP,
     N_BLOCKS,
@@ -240,10 +241,10 @@ def stop_at(I, W, at):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def next_stop(I, W, t_end):  # type: ignore[no-untyped-def]
-    """Find the next instant not to be stepped over and the largest step that the sources allow."""
+    """Find the next instant not to be stepped over and the largest step that the run and its sources allow."""
     W[T_LEFT] = W[T_STOP] = t_end
     I[SMOOTH_STOP] = 0
-    largest = np.inf
+    largest = W[LONGEST]
     for k in range(I[N_INSTANTS]):
         row = I[I[L_INSTANTS] + k]
         if I[row + TAKES] or I[row + TABLE] != 0:

@@ -57,3 +57,9 @@ class FlatBlock:
         """Return its kernels, those that it has."""
         found = (self.out, self.der, self.zc, self.jump, self.step, self.next_time)
         return tuple(kernel for kernel in found if kernel is not None)
+
+    @property
+    def unforeseen(self) -> bool:
+        """Whether it follows the time in a way that nothing but its values tells."""
+        announced = self.next_time is not None or self.listed > 0
+        return self.kind == CONTINUOUS and self.timed and not self.linear and not announced

@@ -187,7 +187,8 @@ MAX_STEP = 5
 T_LEFT = 6  # latest time at which kernels may be evaluated in this step (left limit of T_STOP)
 SEEN = 7  # samples up to this time were taken before the run began (when it continues another)
 NEXT_ROW = 8  # time of the first log row not yet written
-HF = 9
+LONGEST = 9  # largest step of the whole run [s]
+HF = 10
 
 # --- delay record ---------------------------------------------------------------------------------------
 D_T = 0  # start of the step

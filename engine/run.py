@@ -21,12 +21,16 @@ _PAUSE = 5000  # steps after which the run comes back to Python
 
 @dataclass(frozen=True)
 class Settings:
-    """How to integrate: relative and absolute tolerance, method ("auto", "explicit", "stiff"), step budget."""
+    """How to integrate: relative and absolute tolerance, method ("auto", "explicit", "stiff"), step budget.
+
+    ``max_step`` [s]: None bounds the steps only where functions of the time need it (``engine.probing``).
+    """
 
     rtol: float = 1e-6
     atol: float = 1e-9
     method: str = "auto"
     max_steps: int = 20_000_000
+    max_step: float | None = None
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,7 @@ def prepare(component: Component, settings: Settings, t0: float, seen: float = -
     I[at.METHOD_WISH] = METHODS[settings.method]
     I[at.MAX_STEPS] = settings.max_steps
     W[at.SEEN] = seen
+    W[at.LONGEST] = np.inf if settings.max_step is None else settings.max_step
     return I, W
 
 

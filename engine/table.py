@@ -22,7 +22,8 @@ class Component:
     """The arrays of one independent part of a diagram, at the start of a run.
 
     ``params[b]`` and ``states[b]`` are the offsets in ``W`` of block ``b``'s parameters and initial states;
-    ``memory[b]`` those of its modes; ``columns`` the diagram signals in the order of the component's log.
+    ``memory[b]`` those of its modes; ``columns`` the diagram signals in the order of the component's log;
+    ``unforeseen`` the blocks that follow the time and announce no steps, with how many parameters they have.
     """
 
     I: Ints
@@ -34,6 +35,7 @@ class Component:
     signals: dict[int, int]
     columns: tuple[int, ...]
     hosted: tuple[int, ...] = field(default=())
+    unforeseen: dict[int, int] = field(default_factory=dict)
 
 
 def build(
@@ -56,6 +58,7 @@ def build(
         signals={signal: int(table.header[at.O_S]) + place for signal, place in table.local.items()},
         columns=tuple(columns),
         hosted=tuple(b for b in chosen if blocks[b].kind == at.HOSTED),
+        unforeseen={b: len(blocks[b].p) for b in chosen if blocks[b].unforeseen},
     )
 
 
@@ -258,6 +261,6 @@ class _Table:
         W = np.zeros(self.size)
         for start, value in self.values:
             W[start : start + len(value)] = value
-        W[at.T_LEFT] = W[at.MAX_STEP] = W[at.T_STOP] = np.inf
+        W[at.T_LEFT] = W[at.MAX_STEP] = W[at.T_STOP] = W[at.LONGEST] = np.inf
         W[at.SEEN] = -np.inf
         return W

@@ -41,7 +41,7 @@ class Ensemble(Shown):
     ``troubles`` ((variants,) what the blocks say where a variant's model ended, else "".); ``variants``, ``settings``,
     ``duration`` (what was asked for, see ``params``, ``start``, ``seeds``.); ``raw_events`` (per variant (events, 4):
     t, block, value before, value after; see ``events``.); ``branches``, ``taken`` (as in ``simulate`` and ``Run``, per
-    variant).
+    variant); ``notes`` (on the steps that functions of the time allow, the shortest of all variants).
     """
 
     t: Floats
@@ -58,6 +58,7 @@ class Ensemble(Shown):
     raw_events: tuple[Floats, ...]
     branches: Branches | None = None
     taken: tuple[tuple[Taken, ...], ...] = ()
+    notes: tuple[str, ...] = ()
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Make the arrays read-only again, which a pickle forgets."""
@@ -182,7 +183,8 @@ class Ensemble(Shown):
         heading = {
             "origin": f"simulated: {self.variants.diagram.name}", "duration [s]": self.duration,
             "units": self.variants.diagram.signal_units, "rtol": self.settings.rtol, "atol": self.settings.atol,
-            "method": self.settings.method, "time [s]": self.t.tolist(),
+            "method": self.settings.method, "max_step [s]": self.settings.max_step, "notes": self.notes,
+            "time [s]": self.t.tolist(),
         }  # fmt: skip
         with replacing(path) as part:
             pl.DataFrame(columns).write_parquet(part, metadata={"stickslip": json.dumps(heading)})

@@ -32,7 +32,9 @@ from diagram.playback import check_logged
 from diagram.progress import Progress, reporting
 from diagram.settings import Changes, Settings, settings_of
 from diagram.simulation import in_order, set_up, troubles
+from diagram.strides import bounded
 from engine.branching import Branching, run_branching
+from engine.probing import Bound, bound_steps
 from engine.run import Outcome, prepare, run
 from engine.snapshot import COUNTERS, Snapshot, total
 from engine.status import Status
@@ -195,6 +197,7 @@ class _Runs:
         self.events: list[Floats] = [np.empty((0, 4))] * n
         self.summaries: list[Mapping[str, float]] = [{}] * n
         self.troubles = [""] * n
+        self.bounds: list[Bound] = []
         shapes, self.shape_of = np.unique(variants.shapes(), axis=0, return_inverse=True)
         self.shape_of = self.shape_of.ravel()
         self.pasts = _pasts(variants)
@@ -258,6 +261,8 @@ class _Runs:
             self.variants.point_to_tables(begun, i)
             if past is not None:
                 past.put_back(self.variants.diagram.blocks, layout.laid.delays, begun)
+            if self.settings.max_step is None and part.component.unforeseen:
+                self.bounds += bound_steps(part.component, I, W, t_end)
             if choice is not None and choice.block in part.component.blocks:
                 outcome, kept = run_branching(part.component, I, W, self.times(i), t_end, choice, self._listen)
                 outcomes.append(outcome)
@@ -319,6 +324,7 @@ class _Runs:
             event_counts=self.counts[:, -1], troubles=tuple(self.troubles), statistics=cost,
             variants=self.variants, settings=self.settings, duration=self.duration, raw_events=tuple(self.events),
             branches=self.branches, taken=tuple(self.taken),
+            notes=bounded(self.variants.diagram.blocks, self.bounds),
         )  # fmt: skip
 
 

@@ -83,6 +83,8 @@ def command(
     cost = run.statistics
     reached = span if run.ok else _reached(run.log)
     say(f"{reached:g} s simulated, {len(run.log)} rows, {cost.steps} steps, {len(run.events)} mode changes")
+    for note in run.notes:
+        say.paragraph(note, "note: ")
     if out is not None:
         _write(run.log, out)
         say(f"log: {out}")
@@ -106,6 +108,7 @@ def command(
             "title": chosen.title,
             "status": run.status.name.lower(),
             "hint": run.hint,
+            "notes": list(run.notes),
             "duration_s": reached,
             "rows": len(run.log),
             "mode_changes": len(run.events),
