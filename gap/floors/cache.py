@@ -18,7 +18,7 @@ from gap.floors.floor import Floor, settling_rows, skipped_rows
 from gap.records.record import Record, switches
 from logs.files.write import replacing
 
-VERSION = 4  # of what a floor is
+VERSION = 5  # of what a floor is
 
 
 def folder() -> Path:
