@@ -1,12 +1,13 @@
 """Floors that are known already: kept in a file for each model, set of logged signals, interval and rounding.
 
-A floor depends on the model with its nuisances and on how its log is written, hardly on the set points and the length;
-its score is kept for each row.  (That of a large diagram is made again where a log is much shorter or longer, or has
+A floor depends on the model with its nuisances and on how its log is written, hardly on the set points and the length,
+but where the model has little noise on how far its signals range (by powers of two); its score is kept for each row.  (That of a large diagram is made again where a log is much shorter or longer, or has
 the first switches.)  Files appear whole or not at all; one that cannot be read is made again.
 """
 
 import contextlib
 import hashlib
+import math
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from diagram.diagram import Diagram
-from gap.floors.floor import Floor, settling_rows, skipped_rows
+from gap.floors.floor import SMALLEST, Floor, settling_rows, sharpest, skipped_rows
 from gap.records.record import Record, switches
 from logs.files.write import replacing
 
@@ -33,6 +34,8 @@ def digest(model: Diagram, record: Record) -> str:
     if record.filter is not None:  # whose floor has many numbers, of rows behind switches too
         switching = any(switches(record.log, s) for s in record.played)
         told.append((len(record.log).bit_length(), switching))
+    else:  # what a model without noise is judged by follows from the record's own ranges
+        told.append([round(math.log2(max(sharpest(model, record, s), SMALLEST))) for s in record.pinned])
     told.append({s: float(f"{step:.3g}") for s, step in record.steps.items()})
     for block in model.blocks:
         labels = list(block.input_labels), list(block.output_labels)

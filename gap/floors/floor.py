@@ -43,7 +43,7 @@ EXACT = Settings(rtol=1e-8, atol=1e-11)  # of runs of a large diagram, whose row
 LARGEST = 1e9  # loss
 NUMERICAL = 1e-7  # of a signal's range: what is left of a start after ten time scales is below it
 MECHANICAL = 1e-4  # share of its travel to which a stem's position is known
-FORETOLD = 1e-3  # share of its range to which laws of friction agree on a signal that a stem drives
+FORETOLD = 3e-3  # share of its range to which laws of friction (Coulomb's, Stribeck's) agree on what a stem drives
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,15 +259,13 @@ def sharpest(model: Diagram, record: Record, signal: str) -> float:
 
     The log's rounding, of which a model that only hands a signal on shows nothing; where it is not rounded the last
     digits that a simulation and a start are good for; of a valve, whose stem no law foretells to the last digit of
-    a log, a ten-thousandth of the travel; and of what a valve drives a thousandth of its range, because friction of
-    one S and J takes its own time to slip and lags by its own viscosity as it slides.
+    a log, a ten-thousandth of the travel; and of what a valve drives three thousandths of its range, because laws of
+    one S and J slip in times of their own and lag by viscosities of their own.
     """
-    rounding = record.steps[signal] / float(np.sqrt(12.0))
-    known = record.known(signal)
-    driven = [model.blocks[model.driven[s][0]] for s in made_of(model, signal) if s in model.driven]
-    by_valve = any(block.role is Role.VALVE for block in driven)
-    sharp = max(rounding, (FORETOLD if by_valve else NUMERICAL) * float(np.ptp(known)))
-    if model.blocks[model.driven[signal][0]].role is not Role.VALVE:
-        return sharp
-    low, high = model.signal_spans.get(signal, (float(known.min()), float(known.max())))
-    return max(sharp, MECHANICAL * (high - low))
+    rounding, known = record.steps[signal] / float(np.sqrt(12.0)), record.known(signal)
+    drivers = [model.blocks[model.driven[s][0]] for s in made_of(model, signal) if s in model.driven]
+    if drivers[0].role is Role.VALVE:
+        low, high = model.signal_spans.get(signal, (float(known.min()), float(known.max())))
+        return max(rounding, NUMERICAL * float(np.ptp(known)), MECHANICAL * (high - low))
+    by_valve = any(block.role is Role.VALVE for block in drivers)
+    return max(rounding, (FORETOLD if by_valve else NUMERICAL) * float(np.ptp(known)))

@@ -1,0 +1,76 @@
+"""The README's own valve, known from OP and PV: friction of the program's other laws, in logs with noise and without."""
+
+import numpy as np
+import pytest
+
+from blocks import PI, FirstOrder, IdealValve, QuasiStaticStem, SampledSensor, Square, StickSlip, StribeckStem
+from diagram import simulate, wire
+from gap.diagnosis import diagnose, prepared
+from gap.effects import effect
+from gap.floors.floor import FORETOLD, MECHANICAL
+from logs import Log
+
+F_S, F_C, SPRING = 2250.0, 1250.0, 52500.0  # [N], [N], [N/travel]: StickSlip's own
+S, J = 100.0 * (F_S + F_C) / SPRING, 100.0 * (F_S - F_C) / SPRING  # analytic [% OP]: 6.67 and 1.90
+ONES = [effect(name) for name in ("stiction", "deadband", "process_gain", "process_time_constant", "sensor_lag")]
+STEMS = {
+    "StickSlip": lambda: StickSlip(F_S, F_C, start=0.5),
+    "StribeckStem": lambda: StribeckStem(F_S, F_C, start=0.5),
+    "QuasiStaticStem": lambda: QuasiStaticStem(S / 100.0, J / 100.0, start=0.5),
+}
+
+
+def loop(valve, noise=0.0):
+    return wire(
+        [
+            Square("SP", 0.15, 600.0, mean=1.5),
+            PI(K_p=0.4, T_i=10.0, start_op=0.5),
+            valve,
+            FirstOrder(K=3.0, tau=10.0, start=1.5, outputs="y"),
+            SampledSensor(1.0, sd=noise, start=1.5, seed=1, inputs="y", outputs="PV"),
+        ]
+    )
+
+
+def log_of(valve, *signals, noise=0.0):
+    run = simulate(loop(valve, noise), 3600.0, every=1.0)
+    return Log(run.log.t, {s: np.asarray(run.log[s]) for s in ("SP", "OP", "PV", *signals)})
+
+
+def told(log, noise=0.0):
+    """Name, place and values of the first cause."""
+    cause = diagnose(loop(IdealValve(), noise), log, catalogue=ONES).causes[0]
+    return cause.effect, cause.place, {key: one.value for key, one in cause.parameters.items()}
+
+
+@pytest.mark.parametrize("stem", STEMS)
+def test_a_log_without_noise_names_the_stem(stem):
+    name, place, values = told(log_of(STEMS[stem]()))
+    assert (name, place) == ("stiction", "valve")
+    assert values["S"] == pytest.approx(S, rel=0.05) and values["J"] == pytest.approx(J, rel=0.1)
+
+
+def test_a_log_with_noise_names_it_too():
+    name, place, values = told(log_of(StickSlip(F_S, F_C, start=0.5), noise=0.004), 0.004)
+    assert (name, place) == ("stiction", "valve")
+    assert values["S"] == pytest.approx(S, rel=0.05) and values["J"] == pytest.approx(J, rel=0.1)
+
+
+def test_a_logged_stem_is_no_play_as_wide_as_its_breakaway():
+    name, place, values = told(log_of(StickSlip(F_S, F_C, start=0.5), "MV"))
+    assert (name, place) == ("stiction", "valve")
+    assert values["S"] == pytest.approx(S, rel=0.05) and values["J"] == pytest.approx(J, rel=0.1)
+
+
+def test_a_log_of_the_model_itself_without_noise_has_no_gap():
+    report = diagnose(loop(IdealValve()), log_of(IdealValve()), catalogue=ONES)
+    assert not report.gap and not report.causes
+
+
+def test_only_what_a_valve_drives_is_judged_by_laws_of_friction():
+    log = log_of(IdealValve(), "MV")
+    floor = prepared(loop(IdealValve()), log).floor
+    OP, MV, PV = floor.L.diagonal()
+    assert PV == pytest.approx(FORETOLD * np.ptp(log["PV"]))
+    assert MV == pytest.approx(MECHANICAL * np.ptp(log["MV"]))
+    assert OP < 1e-6 * np.ptp(log["OP"])  # a controller is known to the last digit
