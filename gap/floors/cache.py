@@ -1,8 +1,9 @@
 """Floors that are known already: kept in a file for each model, set of logged signals, interval and rounding.
 
 A floor depends on the model with its nuisances and on how its log is written, hardly on the set points and the length,
-but where the model has little noise on how far its signals range (by powers of two); its score is kept for each row.  (That of a large diagram is made again where a log is much shorter or longer, or has
-the first switches.)  Files appear whole or not at all; one that cannot be read is made again.
+but where the model has little noise on how far its signals range (by powers of two); its score is kept for each row.
+(That of a large diagram is made again where a log is much shorter or longer, or has the first switches.)  Files appear
+whole or not at all; one that cannot be read is made again.
 """
 
 import contextlib
