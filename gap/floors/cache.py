@@ -8,7 +8,6 @@ whole or not at all; one that cannot be read is made again.
 
 import contextlib
 import hashlib
-import math
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from diagram.diagram import Diagram
-from gap.floors.floor import SMALLEST, Floor, settling_rows, sharpest, skipped_rows
+from gap.floors.floor import Floor, foretold, settling_rows, sharpest, skipped_rows
 from gap.records.record import Record, switches
 from logs.files.write import replacing
 
@@ -36,7 +35,8 @@ def digest(model: Diagram, record: Record) -> str:
         switching = any(switches(record.log, s) for s in record.played)
         told.append((len(record.log).bit_length(), switching))
     else:  # what a model without noise is judged by follows from the record's own ranges
-        told.append([round(math.log2(max(sharpest(model, record, s), SMALLEST))) for s in record.pinned])
+        least = [max(sharpest(model, record, s), foretold(model, record, s)) for s in record.pinned]
+        told.append([float(f"{one:.3g}") for one in least])
     told.append({s: float(f"{step:.3g}") for s, step in record.steps.items()})
     for block in model.blocks:
         labels = list(block.input_labels), list(block.output_labels)

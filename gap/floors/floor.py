@@ -11,6 +11,7 @@ Where loads are not measured the residuals are coloured, and the A_j make of the
 would give; where sensor noise and rounding are all there is, no A_j is needed and none is used.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -44,6 +45,7 @@ LARGEST = 1e9  # loss
 NUMERICAL = 1e-7  # of a signal's range: what is left of a start after ten time scales is below it
 MECHANICAL = 1e-4  # share of its travel to which a stem's position is known
 FORETOLD = 3e-3  # share of its range to which laws of friction (Coulomb's, Stribeck's) agree on what a stem drives
+SILENT = 3.0  # of the least scale of a signal: what a model without noise leaves of its own rounded runs
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,6 +253,11 @@ def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: in
     # level says nothing, however well the model keeps it.
     integrating = [model.blocks[model.driven[s][0]].role in (Role.CONTROLLER, Role.VALVE) for s in record.pinned]
     least = [sharpest(model, record, s) for s in record.pinned]
+    left = np.sqrt(np.nanmean(found**2, axis=(0, 1)))
+    least = [
+        max(sharp, foretold(model, record, s)) if own <= SILENT * sharp else sharp
+        for s, sharp, own in zip(record.pinned, least, left.tolist(), strict=True)
+    ]
     return floor_of(found, settling_rows(model, record), integrating, least=least), logs
 
 
@@ -258,14 +265,28 @@ def sharpest(model: Diagram, record: Record, signal: str) -> float:
     """Return the least scale that residuals of a signal are judged by [its unit].
 
     The log's rounding, of which a model that only hands a signal on shows nothing; where it is not rounded the last
-    digits that a simulation and a start are good for; of a valve, whose stem no law foretells to the last digit of
-    a log, a ten-thousandth of the travel; and of what a valve drives three thousandths of its range, because laws of
-    one S and J slip in times of their own and lag by viscosities of their own.
+    digits that a simulation and a start are good for; and of a valve, whose stem no law foretells to the last digit of
+    a log, a ten-thousandth of the travel.
     """
-    rounding, known = record.steps[signal] / float(np.sqrt(12.0)), record.known(signal)
-    drivers = [model.blocks[model.driven[s][0]] for s in made_of(model, signal) if s in model.driven]
-    if drivers[0].role is Role.VALVE:
-        low, high = model.signal_spans.get(signal, (float(known.min()), float(known.max())))
-        return max(rounding, NUMERICAL * float(np.ptp(known)), MECHANICAL * (high - low))
-    by_valve = any(block.role is Role.VALVE for block in drivers)
-    return max(rounding, (FORETOLD if by_valve else NUMERICAL) * float(np.ptp(known)))
+    rounding, ranged = record.steps[signal] / float(np.sqrt(12.0)), _ranged(record.known(signal))
+    if model.blocks[model.driven[signal][0]].role is Role.VALVE:
+        low, high = model.signal_spans.get(signal, (0.0, ranged))
+        return max(rounding, NUMERICAL * ranged, MECHANICAL * (high - low))
+    return max(rounding, NUMERICAL * ranged)
+
+
+def foretold(model: Diagram, record: Record, signal: str) -> float:
+    """Return to what a signal can be foretold by a model without noise [its unit]: 0 for one that no valve drives.
+
+    Laws of friction with one S and J slip in times of their own and lag by viscosities of their own, so what a valve
+    drives is not judged finer than by three thousandths of its range.
+    """
+    drivers = [model.blocks[model.driven[s][0]].role for s in made_of(model, signal) if s in model.driven]
+    driven = Role.VALVE in drivers and drivers[0] is not Role.VALVE
+    return FORETOLD * _ranged(record.known(signal)) if driven else 0.0
+
+
+def _ranged(known: Floats) -> float:
+    """Return how far a signal ranges as the nearest power of two: records alike have one floor."""
+    far = float(np.ptp(known))
+    return 2.0 ** round(math.log2(far)) if far > 0.0 else 0.0
