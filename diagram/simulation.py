@@ -29,7 +29,7 @@ from engine.run import Outcome, prepare, run
 from engine.snapshot import Snapshot, total
 from engine.status import HINTS, Statistics, Status
 from logs import Log
-from logs.loop_signals import within
+from logs.loop_signals import LoopsLater, within
 
 if TYPE_CHECKING:
     import polars as pl
@@ -267,7 +267,7 @@ def _collect(
         units={s: u for s, u in diagram.signal_units.items() if u and s in kept},
         spans={s: span for s, span in diagram.signal_spans.items() if s in kept},
         origin=f"simulated: {diagram.name}",
-        loops=within(diagram.loops, kept),
+        loops=LoopsLater(lambda: within(diagram.loops, kept)),
     )
     ends = tuple(Snapshot(component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
     status, hint = _verdict(diagram, laid, outcomes, ends)

@@ -17,7 +17,7 @@ from engine.run import Settings
 from engine.status import HINTS, Statistics, Status
 from logs import Log
 from logs.files.write import replacing
-from logs.loop_signals import within
+from logs.loop_signals import LoopsLater, within
 from logs.shown import Shown
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ class Ensemble(Shown):
             units={s: diagram.signal_units[s] for s in self.values if diagram.signal_units.get(s)},
             spans={s: span for s, span in diagram.signal_spans.items() if s in self.values},
             origin=f"simulated: {diagram.name}, variant {i}: {self.described(i)}",
-            loops=within(diagram.loops, self.values),
+            loops=LoopsLater(lambda: within(diagram.loops, self.values)),
         )
 
     def events(self, i: int) -> tuple[Event, ...]:
