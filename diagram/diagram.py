@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from blocks.block import Block
 from diagram import changes, cuts
 from diagram.cells import MANY
-from diagram.loops import loops_of
 from diagram.wired import Wired
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
     from diagram.flatten import Plan
     from diagram.segments import Segment
-    from logs import Log, LoopSignals
+    from logs import Log
 
 
 class Diagram(Wired):
@@ -43,22 +42,6 @@ class Diagram(Wired):
         return image(self.plot())
 
     # --- look ---------------------------------------------------------------------------------------------
-    @property
-    def loops(self) -> "dict[str, LoopSignals]":
-        """Name of the controller -> its signals and the kind of its process, told by the linearised diagram.
-
-        Where that does not tell it, the unit of PV does.
-
-        >>> from plant.loops import integrating_loop
-        >>> integrating_loop().loops["controller"].process
-        'integrating'
-        """
-        if self._loops is None:
-            from diagram.linear.kinds import process_kinds
-
-            self._loops = loops_of(self.blocks, self.signal_units, process_kinds(self))
-        return self._loops
-
     def plan(self, records: int = 0) -> "Plan":
         """Return how the diagram is laid out for the engine, made once and shared by all that differ only in values.
 

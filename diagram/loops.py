@@ -5,16 +5,13 @@ from collections.abc import Iterable, Mapping
 from blocks.block import Block
 from blocks.role import Role
 from logs import LoopSignals
-from logs.tags import Process, measurement_in, process_of
+from logs.tags import measurement_in, process_of
 
 
-def loops_of(
-    blocks: Iterable[Block], units: Mapping[str, str] | None = None, kinds: Mapping[str, Process] | None = None
-) -> dict[str, LoopSignals]:
+def loops_of(blocks: Iterable[Block], units: Mapping[str, str] | None = None) -> dict[str, LoopSignals]:
     """Return name of the controller -> its signals, for every controller with a PV and an OP.
 
-    ``units`` (signal -> unit) tell what is measured, and with it the usual kind of process: levels integrate.  ``kinds``
-    (controller -> kind) are those that the process itself tells, and go before.
+    ``units`` (signal -> unit) tell what is measured, and with it the kind of process: levels integrate.
 
     >>> from blocks import PI, QuasiStaticStem
     >>> loops_of([PI(1.0, 10.0, name="FIC1"), QuasiStaticStem(0.02, 0.01)])["FIC1"].parts
@@ -32,8 +29,7 @@ def loops_of(
         if block.role is not Role.CONTROLLER or pv is None or op is None:
             continue
         measured = measurement_in((units or {}).get(pv) or "")
-        kind = (kinds or {}).get(block.name, process_of(measured))
         found[block.name] = LoopSignals(
-            pv, op, block.loop_signal("SP"), stems.get(op), process=kind, measurement=measured
+            pv, op, block.loop_signal("SP"), stems.get(op), process=process_of(measured), measurement=measured
         )
     return found

@@ -18,9 +18,9 @@ from blocks.dry_run import dry_run
 from blocks.parameters import Parametrised
 from blocks.ports import nearest, shortened
 from diagram.connections import ConnectionMap, own_params
+from diagram.loops import loops_of
 from diagram.past import Past
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
-from logs import LoopSignals
 
 D = TypeVar("D", bound="Wired")
 
@@ -53,7 +53,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.signal_units = {signal: units[signal] for signal in self.driven}
         self.input_units = {signal: units[signal] for signal in self.open_inputs}
         self.signal_spans = spans(self.blocks)
-        self._loops: dict[str, LoopSignals] | None = None
+        self.loops = loops_of(self.blocks, self.signal_units)
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._past: Past | None = None
@@ -125,7 +125,6 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         other = self._copy()
         other.blocks = tuple(blocks)
         other.syslist = seen
-        other._loops = None
         other._fix_params(_all_params(seen))
         return other
 

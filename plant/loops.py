@@ -47,8 +47,8 @@ def integrating_loop(
 ) -> Diagram:
     """Return the loop of eq. 7.4: process K / (T s), controller K_p (T_i s + 1) / (T_i s), stem eqs 4.4-4.5.
 
-    Units as in ``self_regulating_loop``.  OP and MV are deviations from mid travel, so that
-    they span -0.5 to 0.5; negative travel is allowed, as in the thesis.
+    Units as in ``self_regulating_loop``.  OP and MV are deviations from mid travel, so that they span
+    -0.5 to 0.5; negative travel is allowed, as in the thesis.
     """
     return wire(
         [

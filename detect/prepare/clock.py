@@ -9,7 +9,7 @@ the ratio grows with the number of cycles as n / 15.  Of random walks 5 % lie be
 and 1.6 with 60; of clocks 5 % lie above 0.74, 0.67 and 0.61 (normal steps, 2,000 draws each).
 
 It says nothing of a wave that repeats exactly, as far as its samples tell: a noise-free limit cycle does so, too.  Nor
-of any other record without noise (``free_of_noise``): what shifts its beginnings is no chance, so that neither law holds.
+of any other record without noise (``free_of_noise``): what shifts its beginnings is no chance, and neither law holds.
 It speaks one way only: an oscillation that another loop's valve makes loses its phase too, and so does one of a process
 that is moved by noise.  A sticky valve that a periodic disturbance drives keeps the time of the disturbance.
 

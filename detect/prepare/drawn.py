@@ -10,9 +10,9 @@ Nor is anything drawn where the controller worked on these very samples.  Betwee
     dOP = K_p (de + e dt/T_i)         e the mean of the two
 
 and the part of e makes a curve of OP where PV is a line, and a line of OP where PV is a curve of one shape only.  Lines
-drawn into either lose it.  K_p, K_p/T_i and a constant are fitted by least squares to the samples at which OP moves, and
-again to the half that fits best; what is left there must be 1e-3 of the swing of the part of e.  A controller without
-that part never shows it.  The limits are ours.
+drawn into either lose it.  K_p, K_p/T_i and a constant are fitted by least squares to the samples at which OP moves,
+and again to the half that fits best; half of what is left there must be below 1e-3 of the standard deviation of the
+part of e.  A controller without that part never shows it.  The limits are ours.
 """
 
 from __future__ import annotations

@@ -8,7 +8,18 @@ from typing import Any
 
 from logs.compiled import njit
 
-__all__ = ["bends", "curving", "last_before", "long_stands", "longest_stand", "on_grid", "pair", "repeated", "spread", "steps"]
+__all__ = [
+    "bends",
+    "curving",
+    "last_before",
+    "long_stands",
+    "longest_stand",
+    "on_grid",
+    "pair",
+    "repeated",
+    "spread",
+    "steps",
+]
 
 SUMS = {"reassoc", "contract"}  # sums may be added up in any order
 
@@ -117,11 +128,7 @@ def curving(bend: Any, out: Any) -> None:
     for i in range(n):
         here = bend[i]
         before, after = bend[i - 1] if i > 0 else here, bend[i + 1] if i < n - 1 else here
-        out[i] = (
-            here != 0.0
-            and 0.5 <= before / here <= 2.0
-            and 0.5 <= after / here <= 2.0
-        )
+        out[i] = here != 0.0 and 0.5 <= before / here <= 2.0 and 0.5 <= after / here <= 2.0
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from diagram.branches import Branches, Taken
 from diagram.diagram import Diagram
 from diagram.ensembles.variants import Floats, Variants
+from diagram.kinds import known_loops
 from diagram.simulation import Event, Run, named_events, simulate
 from engine.run import Settings
 from engine.status import HINTS, Statistics, Status
@@ -131,7 +132,7 @@ class Ensemble(Shown):
             units={s: diagram.signal_units[s] for s in self.values if diagram.signal_units.get(s)},
             spans={s: span for s, span in diagram.signal_spans.items() if s in self.values},
             origin=f"simulated: {diagram.name}, variant {i}: {self.described(i)}",
-            loops=LoopsLater(lambda: within(diagram.loops, self.values)),
+            loops=LoopsLater(lambda: within(known_loops(diagram), self.values)),
         )
 
     def events(self, i: int) -> tuple[Event, ...]:
