@@ -19,6 +19,7 @@ from diagram.flatten import DELAY_RECORDS, Ends, Plan
 from diagram.in_python import InPython, counts, spent
 from diagram.inputs import Inputs, close
 from diagram.kept import log_times, logging_only, wanted_signals
+from diagram.kinds import known_loops
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.settings import Changes, Settings, settings_of
@@ -31,7 +32,7 @@ from engine.run import Outcome, prepare, run
 from engine.snapshot import Snapshot, total
 from engine.status import HINTS, Statistics, Status
 from logs import Log
-from logs.loop_signals import within
+from logs.loop_signals import LoopsLater, within
 
 if TYPE_CHECKING:
     import polars as pl
@@ -276,7 +277,7 @@ def _collect(
         units={s: u for s, u in diagram.signal_units.items() if u and s in kept},
         spans={s: span for s, span in diagram.signal_spans.items() if s in kept},
         origin=f"simulated: {diagram.name}",
-        loops=within(diagram.loops, kept),
+        loops=LoopsLater(lambda: within(known_loops(diagram), kept)),
     )
     ends = tuple(Snapshot(component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
     status, hint = _verdict(diagram, laid, outcomes, ends)
