@@ -6,7 +6,7 @@ import blocks
 from diagram import simulate, wire
 from diagram.reference import simulate_reference
 
-SWITCHING = {  # behind a = 5, b = 1: the block, and its output (analytic); in the mode it is built with it gives another
+SWITCHING = {  # behind a = 5, b = 1: the block, and its output (analytic); as built it gives another
     "min": (lambda: blocks.MinSelect("m", ["a", "b"]), 1.0),
     "max": (lambda: blocks.MaxSelect("m", ["b", "a"]), 5.0),
     "dead_zone": (lambda: blocks.DeadZone("m", "a", -1.0, 2.0), 3.0),
