@@ -9,7 +9,7 @@ from numba import njit
 from engine.call import pointer_to
 from engine.crossing import crossing_ahead
 from engine.dense import interpolate
-from engine.events import begin_instant, fire_waiting, next_stop, settle
+from engine.events import begin_instant, fire_waiting, next_stop, settle, watch_rates
 from engine.floats import copy, finite
 from engine.layout import (
     CHAIN,
@@ -163,6 +163,7 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
     if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
         signals(I, W, W[T])
         begin_instant(I, W)
+        watch_rates(I, W)
     if not settle(I, W, EV):
         return CHATTERING
     copy(W, I[O_X], I[O_Y0], n)

@@ -76,3 +76,13 @@ def test_a_block_in_python_samples_the_mode_that_is_right():
     seen = blocks.SampledFunction("f", lambda m: m, dt=0.5, inputs="m", outputs="y")
     log = simulate(wire([*sources(), blocks.MinSelect("m", ["a", "b"]), seen]), 1.0, times=[0.0, 1.0]).log
     assert log["y"].tolist() == [1.0, 1.0]
+
+
+@pytest.mark.parametrize("run", [simulate, simulate_reference])
+def test_a_massless_stem_that_slips_at_the_start_still_feels_its_op_turn(run):
+    # analytic: f_s = 0.04, f_c = 0.02; it slips to 0.35 at once, which a sample of that instant sees; OP turns at 0.777
+    stem = blocks.QuasiStaticStem(0.06, 0.02, inputs="OP", outputs="MV")
+    loop = wire([blocks.Sine("OP", 0.407, 8.0, mean=0.37), stem, blocks.ZeroOrderHold("y", "MV", 10.0)])
+    log = run(loop, 2.5, times=[0.0, 1.0, 2.5]).log
+    assert log["MV"] == pytest.approx([0.35, 0.35 + 0.407 * 0.5**0.5, 0.757], abs=1e-6)
+    assert log["y"] == pytest.approx([0.35] * 3)
