@@ -2,8 +2,10 @@
 
 A block with modes starts in the one it was built with.  What follows it must not see that mode, but the one that its
 inputs call for.  So blocks are taken one after the other, each behind all that its inputs depend on at this instant,
-blocks that pass signals on only by jumps (a relay) included: first its transitions, then its sample.  In a ring that
-such blocks close, they come last: a ring begins with the modes that its relays start in.
+blocks that pass signals on only by jumps (a relay) included: first its transitions, then its sample.  A sample at the
+start thus sees what the log has there, behind a massless stem that slips at once too; later it sees a stem before it
+slips at the same instant.  In a ring that such blocks close, they come last: a ring begins with the modes that its
+relays start in.
 """
 
 from collections.abc import Sequence

@@ -213,8 +213,8 @@ class Interpreter:
             self.signals_at(self.t, self.x)
             u = self._input(b, self.t).copy()
             slopes = np.zeros(len(u))
-            positive = np.flatnonzero(self._zc(b, self.t, self.x, u, slopes) > 0.0) if self.n_events[b] else []
-            if not len(positive):
+            positive = np.flatnonzero(self._zc(b, self.t, self.x, u, slopes) > 0.0)
+            if not positive.size:
                 return True
             self._fire(b, int(positive[0]), u, slopes)
         return False
