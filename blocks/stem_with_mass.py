@@ -13,11 +13,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
+import numpy as np
+
+from blocks.block import Block, Floats
+from blocks.declared import STUCK_MODE
 from blocks.ports import Port, require
-from blocks.quasi_static_stem import STUCK, check_stops, started_between
+from blocks.quasi_static_stem import check_stops, started_between
 from blocks.role import Role
 from blocks.rules import not_negative, positive
+from blocks.seen_stem import IDEAL, STUCK, braked, seen_mode
 
 
 class StemWithMass(Block):
@@ -57,6 +61,23 @@ class StemWithMass(Block):
             memory={"mode": self.at_rest},
             **labels,
         )
+
+    def seen_memory(self, x: Floats, u: Floats) -> Floats:
+        """Return the mode, shape (1,), in which python-control sees a stem that sticks; "ideal" it stays.
+
+        A stem whose bristles bend has no stuck mode; its modes are the stops.
+        """
+        if STUCK_MODE not in self.modes or self.d0[0] == IDEAL:
+            return self.d0
+        k, F_s, low, high = (float(self._p_now[self.param_index(key)]) for key in ("k", "F_s", "low", "high"))
+        return np.array([seen_mode(x[0], x[1], k * (u[0] - x[0]), F_s, low, high)])
+
+    def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
+        rates = super()._rhs(t, x, u)
+        if STUCK_MODE in self.modes and not rates[0]:
+            k, M = self._p_now[self.param_index("k")], self._p_now[self.param_index("M")]
+            rates[1] += braked(x[1], math.sqrt(k / M))
+        return rates
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
