@@ -164,18 +164,3 @@ def test_any_method_that_streams_can_be_wired(method):
     batch = method.detect(record)
     assert len(log.t) == 900 and log["verdict"][-1] == WORDS[batch.verdict].number
     assert log["index"][-1] == pytest.approx(batch.index, rel=1e-9)
-
-
-def test_python_control_gets_the_offline_verdict():
-    loop = wire(
-        [Step("SP", 0.5), PI(K_p=0.4, T_i=10.0), StickSlip.high(), FirstOrder(K=3.0, tau=10.0)]
-        + [DetectorBlock(area_ratio, dt=1.0, verdict_every=10)]
-    )
-    t = np.linspace(0.0, 600.0, 601)
-    theirs = ct.input_output_response(loop, t, 0, loop.x0, solve_ivp_kwargs={"rtol": 1e-6, "atol": 1e-9})
-    rows = {name: theirs.outputs[i] for i, name in enumerate(loop.output_labels)}
-    ours = simulate(loop, 600.0, every=1.0).log
-    assert rows["verdict"][-1] == ours["verdict"][-1] > 0.0
-    assert rows["index"][-1] == pytest.approx(ours["index"][-1], rel=1e-3)
-    seen = LoopRecord(t=t, op=rows["OP"], pv=rows["PV"], sp=rows["SP"])
-    assert rows["verdict"][-1] == WORDS[area_ratio.detect(seen).verdict].number

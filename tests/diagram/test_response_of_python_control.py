@@ -4,7 +4,7 @@ import control as ct
 import numpy as np
 import pytest
 
-from blocks import PI, Deadband, FirstOrder, Positioner, QuasiStaticStem, Step, StickSlip, StribeckStem
+from blocks import PI, Deadband, FirstOrder, Positioner, QuasiStaticStem, Step, StickSlip
 from cases import find
 from diagram import simulate, wire
 from plant import production_plant
@@ -20,12 +20,12 @@ def rows_of(loop, t, method="RK45", **solver):
 
 @pytest.mark.parametrize(("method", "solver"), [("RK45", {}), ("RK45", CLOSE), ("LSODA", CLOSE)])
 def test_the_thesis_loop(method, solver):
-    loop = find("ideal_high").loop()
+    loop = find("ideal_high").build()
     ours = simulate(loop, 600.0, every=0.1, rtol=1e-8).log
     theirs = rows_of(loop, ours.t, method, **solver)
     errors = (theirs["SP"] - theirs["PV"]) - (ours["SP"] - ours["PV"])
     assert np.ptp(theirs["MV"]) == pytest.approx(np.ptp(ours["MV"]), abs=1e-3)
-    assert np.ptp(ours["MV"]) > 0.17  # published in the issue: 0.177
+    assert np.ptp(ours["MV"]) > 0.17  # snapshot of our engine: 0.176
     assert np.abs(errors).max() < 1e-3
 
 
@@ -35,12 +35,11 @@ def test_the_thesis_loop(method, solver):
         [StickSlip.high()],
         [QuasiStaticStem()],
         [Deadband(0.05)],
-        [StribeckStem(v_s=0.01)],
         [Positioner(G=2.0, band=0.005), StickSlip(F_s=1750.0, inputs="p")],
     ],
-    ids=["StickSlip", "QuasiStaticStem", "Deadband", "StribeckStem", "Positioner"],
+    ids=["StickSlip", "QuasiStaticStem", "Deadband", "Positioner"],
 )
-def test_every_stem_moves(valve):
+def test_stems_move(valve):
     loop = wire([Step("SP", 0.5), PI(0.4, 10.0), *valve, FirstOrder(3.0, 10.0)])
     ours = simulate(loop, 100.0, every=0.1, rtol=1e-8).log
     theirs = rows_of(loop, ours.t, "LSODA", **CLOSE)
@@ -67,7 +66,7 @@ def test_the_plant_from_its_default_start():
 
 
 def test_a_run_is_a_response():
-    run = simulate(find("ideal_high").loop(), 10.0, every=1.0)
+    run = simulate(find("ideal_high").build(), 10.0, every=1.0)
     response = run.response()
     assert isinstance(response, ct.TimeResponseData)
     np.testing.assert_array_equal(response.outputs[response.output_labels.index("PV")], run.log["PV"])
