@@ -27,6 +27,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
     memory_names: tuple[str, ...]
     x0: Floats
     _p_now: Floats
+    keeps_mode = False  # of a stem, when slopes are taken of it
 
     def _owner(self) -> str:
         return str(self.name)
@@ -57,6 +58,10 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         Python-control knows no events: unless a block says otherwise it stays as it starts.
         """
         return self.d0
+
+    def out_now(self, t: float, x: Floats, u: Floats) -> Floats:
+        """Return the outputs with the parameters that python-control gave last."""
+        return self._out(t, x, u)
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take parameters as ``block.name``, and by their own name where no other system can mean them.

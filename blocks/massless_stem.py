@@ -35,8 +35,7 @@ class MasslessStem(Block):
         own = {key: value for key, value in values.items() if key != "v"}
         return self._with_seen_states(super().starting_at(**own))
 
-    @staticmethod
-    def _with_seen_states(other: Self) -> Self:
+    def _with_seen_states(self, other: Self) -> Self:
         other.set_states(list(other.seen_states()))
         return other
 
@@ -45,7 +44,7 @@ class MasslessStem(Block):
             return np.zeros(0)
         S, J, low, high = self._p_now
         pull = u[0] - x[0]
-        mode = seen_mode(x[0], x[1], pull, 0.5 * (S + J), low, high)
+        mode = self.d0[0] if self.keeps_mode else seen_mode(x[0], x[1], pull, 0.5 * (S + J), low, high)
         if mode == STUCK:
             return np.array([0.0, braked(x[1], DAMPING / MASS)])
         return np.array([x[1], (pull - mode * 0.5 * (S - J) - DAMPING * x[1]) / MASS])

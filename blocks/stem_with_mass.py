@@ -67,14 +67,14 @@ class StemWithMass(Block):
 
         A stem whose bristles bend has no stuck mode; its modes are the stops.
         """
-        if STUCK_MODE not in self.modes or self.d0[0] == IDEAL:
+        if self.keeps_mode or STUCK_MODE not in self.modes or self.d0[0] == IDEAL:
             return self.d0
         k, F_s, low, high = (float(self._p_now[self.param_index(key)]) for key in ("k", "F_s", "low", "high"))
         return np.array([seen_mode(x[0], x[1], k * (u[0] - x[0]), F_s, low, high)])
 
     def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
         rates = super()._rhs(t, x, u)
-        if STUCK_MODE in self.modes and not rates[0]:
+        if STUCK_MODE in self.modes and not rates[0] and not self.keeps_mode:
             k, M = self._p_now[self.param_index("k")], self._p_now[self.param_index("M")]
             rates[1] += braked(x[1], math.sqrt(k / M))
         return rates

@@ -161,7 +161,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
         for b in self._seen_order:
             taken[b] = read(b)
-            given[b] = np.ravel(self.syslist[b]._out(t, x[starts[b] : starts[b + 1]], taken[b]))
+            given[b] = np.ravel(self.syslist[b].out_now(t, x[starts[b] : starts[b + 1]], taken[b]))
             values.update(zip(self.blocks[b].output_labels, given[b], strict=True))
         taken = [read(b) for b in range(len(self.blocks))]  # those that do not act at once came first
         ulist = np.concatenate([np.zeros(0), *taken])
