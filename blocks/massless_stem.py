@@ -1,8 +1,9 @@
 """What stems without mass share: python-control, which knows no jumps, sees them with a little mass.
 
-    dx/dt = v,   dv/dt = (OP - x - mode (S - J)/2 - c v)/m          mode of ``seen_stem``, breakaway (S + J)/2
+    dx/dt = v,   dv/dt = r^2 (OP - x - mode (S - J)/2) - 2 r v      mode of ``seen_stem``, breakaway (S + J)/2
 
-m = M/k and c = F_v/k of the thesis's stem (table A.1), so that a slip takes some 0.1 s.  Mode "ideal" is MV = OP.
+Critically damped: it lags by 2/r and does not overshoot.  A jump has to be over soon, for what OP does meanwhile moves
+where the stem stands next; a stem that cannot jump may be slower, which is less stiff.  Mode "ideal" is MV = OP.
 """
 
 from typing import Self
@@ -12,7 +13,7 @@ import numpy as np
 from blocks.block import Block, Floats
 from blocks.seen_stem import IDEAL, STUCK, braked, seen_mode
 
-MASS, DAMPING = 1.36 / 52500.0, 612.0 / 52500.0  # [s2], [s]
+JUMPING, SLIDING = 1000.0, 200.0  # r [1/s] of a stem with J > 0, and without: lags of 2 and 10 ms
 
 
 class MasslessStem(Block):
@@ -43,11 +44,11 @@ class MasslessStem(Block):
         if self.d0[0] == IDEAL:
             return np.zeros(0)
         S, J, low, high = self._p_now
-        pull = u[0] - x[0]
+        pull, pace = u[0] - x[0], JUMPING if J > 0.0 else SLIDING
         mode = self.d0[0] if self.keeps_mode else seen_mode(x[0], x[1], pull, 0.5 * (S + J), low, high)
         if mode == STUCK:
-            return np.array([0.0, braked(x[1], DAMPING / MASS)])
-        return np.array([x[1], (pull - mode * 0.5 * (S - J) - DAMPING * x[1]) / MASS])
+            return np.array([0.0, braked(x[1], pace)])
+        return np.array([x[1], pace * (pace * (pull - mode * 0.5 * (S - J)) - 2.0 * x[1])])
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
         return np.array([u[0] if self.d0[0] == IDEAL else x[0]])

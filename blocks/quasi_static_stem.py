@@ -17,7 +17,7 @@ towards rest; the sampled models of Kano and Choudhury stick there and need J mo
 sampled controller), the stem sticks where it was before the jump and then sees the new OP.
 
 At a stop the stem rests (stuck) until OP pulls it away by more than f_s.  Mode "ideal" is MV = OP, without stops.
-Python-control, which knows no jumps, sees it with the thesis's mass and damping (``seen_stem``): MV is then a state.
+Python-control, which knows no jumps, sees it with a little mass (``massless_stem``): MV is then a state.
 A breakaway needs f_s plus 1e-12 of travel, so that rounding cannot free the stem, and 1e-9 where f_s = f_c.
 See also: stick_slip (with mass), deadband (J = 0).
 """

@@ -21,7 +21,7 @@ from blocks.ports import Port, require
 from blocks.quasi_static_stem import check_stops, started_between
 from blocks.role import Role
 from blocks.rules import not_negative, positive
-from blocks.seen_stem import IDEAL, STUCK, braked, seen_mode
+from blocks.seen_stem import IDEAL, STUCK, braked, halted, seen_mode
 
 
 class StemWithMass(Block):
@@ -74,9 +74,14 @@ class StemWithMass(Block):
 
     def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
         rates = super()._rhs(t, x, u)
-        if STUCK_MODE in self.modes and not rates[0] and not self.keeps_mode:
-            k, M = self._p_now[self.param_index("k")], self._p_now[self.param_index("M")]
-            rates[1] += braked(x[1], math.sqrt(k / M))
+        if STUCK_MODE not in self.modes or self.keeps_mode or self.d0[0] == IDEAL:
+            return rates
+        k, M, F_v, F_s = (float(self._p_now[self.param_index(key)]) for key in ("k", "M", "F_v", "F_s"))
+        pace = 2.0 * (math.sqrt(k / M) + F_v / M)  # faster than the stem would come to rest by itself
+        if not rates[0]:
+            rates[1] += braked(x[1], pace)
+        elif k * abs(u[0] - x[0]) <= F_s:
+            rates[1] = halted(x[1], rates[1], pace)
         return rates
 
     @staticmethod
