@@ -19,6 +19,9 @@ NO_APPEND = (
 class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     """A block as python-control calls it (``updfcn``, ``outfcn``): nothing is kept, so a call never changes it.
 
+    One view keeps something: that of a block that runs in Python (``hosted_view``) keeps the samples it took, for its
+    state is no number; it forgets those behind the time at which it is called.
+
     Python-control knows neither events nor samples: a block is seen in the mode that ``seen_memory`` gives, a sampled
     one with its memories as states.
     """

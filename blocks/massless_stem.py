@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from blocks.block import Block, Floats
-from blocks.seen_stem import IDEAL, STUCK, braked, seen_mode
+from blocks.seen_stem import IDEAL, STUCK, braked, halted, seen_mode
 
 JUMPING, SLIDING = 1000.0, 200.0  # r [1/s] of a stem with J > 0, and without: lags of 2 and 10 ms
 
@@ -48,7 +48,8 @@ class MasslessStem(Block):
         mode = self.d0[0] if self.keeps_mode else seen_mode(x[0], x[1], pull, 0.5 * (S + J), low, high)
         if mode == STUCK:
             return np.array([0.0, braked(x[1], pace)])
-        return np.array([x[1], pace * (pace * (pull - mode * 0.5 * (S - J)) - 2.0 * x[1])])
+        rate = pace * (pace * (pull - mode * 0.5 * (S - J)) - 2.0 * x[1])
+        return np.array([x[1], halted(x[1], rate, 2.0 * pace) if abs(pull) <= 0.5 * (S + J) else rate])
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
         return np.array([u[0] if self.d0[0] == IDEAL else x[0]])

@@ -168,8 +168,13 @@ def test_any_method_that_streams_can_be_wired(method):
 
 def test_python_control_gets_the_offline_verdict():
     loop = wire(
-        [Step("SP", 0.55), PI(K_p=0.6, T_i=8.0, start_op=0.42), StickSlip.from_bands(S=0.06, J=0.03, start=0.40)]
-        + [FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52), DetectorBlock(harmonics, dt=1.0, verdict_every=100)]
+        [
+            Step("SP", 0.55),
+            PI(K_p=0.6, T_i=8.0, start_op=0.42),
+            StickSlip.from_bands(S=0.06, J=0.03, start=0.4),
+            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
+            DetectorBlock(harmonics, dt=1.0, verdict_every=100),
+        ]
     )
     ours = simulate(loop, 600.0, every=1.0).log
     theirs = ct.input_output_response(loop, ours.t, 0, loop.x0)
