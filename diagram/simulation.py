@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Unpack
 
+import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -94,6 +95,21 @@ class Run:
     def to_pandas(self) -> Any:
         """Return the log as a pandas data frame; see ``Log.to_pandas``."""
         return self.log.to_pandas()
+
+    def response(self) -> ct.TimeResponseData:
+        """Return the log as python-control's response: signals (p, n) as outputs, with labels; no inputs or states.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> response = simulate(self_regulating_loop(), 10.0, every=5.0).response()
+        >>> response.output_labels, response.outputs.shape
+        (['SP', 'OP', 'MV', 'PV'], (4, 3))
+        """
+        names = list(self.log.names)
+        return ct.TimeResponseData(
+            self.log.t, np.array([self.log[name] for name in names]).reshape(len(names), -1),
+            output_labels=names, issiso=False, sysname=self.diagram.name, title=f"Simulation of {self.diagram.name}",
+            success=self.ok, message=None if self.ok else self.hint,
+        )  # fmt: skip
 
     def to_polars(self) -> "pl.DataFrame":
         """Return the log as a polars data frame; see ``Log.to_polars``."""
