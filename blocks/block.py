@@ -198,6 +198,12 @@ class Block(ControlView):
         """Return a copy in the mode "ideal" if the block has one, else the block itself."""
         return self.in_mode(FREE_MODE) if FREE_MODE in self.modes else self
 
+    def as_it_starts(self) -> Self:
+        """Return a copy to take slopes of: a stem keeps the mode in which it starts, whatever pulls at it."""
+        other = self._copy()
+        other.keeps_mode = True
+        return other
+
     def with_params(self, **changes: float) -> Self:
         """Return a copy with other parameter values.
 

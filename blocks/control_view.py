@@ -19,6 +19,9 @@ NO_APPEND = (
 class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     """A block as python-control calls it (``updfcn``, ``outfcn``): nothing is kept, so a call never changes it.
 
+    One view keeps something: that of a block that runs in Python (``hosted_view``) keeps the samples it took, for its
+    state is no number; it forgets those behind the time at which it is called.
+
     Python-control knows neither events nor samples: a block is seen in the mode that ``seen_memory`` gives, a sampled
     one with its memories as states.
     """
@@ -27,6 +30,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
     memory_names: tuple[str, ...]
     x0: Floats
     _p_now: Floats
+    keeps_mode = False  # of a stem, when slopes are taken of it
 
     def _owner(self) -> str:
         return str(self.name)
@@ -57,6 +61,10 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         Python-control knows no events: unless a block says otherwise it stays as it starts.
         """
         return self.d0
+
+    def out_now(self, t: float, x: Floats, u: Floats) -> Floats:
+        """Return the outputs with the parameters that python-control gave last."""
+        return self._out(t, x, u)
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take parameters as ``block.name``, and by their own name where no other system can mean them.

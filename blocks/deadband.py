@@ -15,13 +15,14 @@ Textbook model; its describing function is in any text on nonlinear control.  Se
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
+from blocks.massless_stem import MasslessStem
 from blocks.ports import Port, require
-from blocks.quasi_static_stem import STUCK, QuasiStaticStem, started_between
+from blocks.quasi_static_stem import QuasiStaticStem, started_between
 from blocks.role import Role
+from blocks.seen_stem import STUCK
 
 
-class Deadband(Block):
+class Deadband(MasslessStem):
     """Backlash of the given ``width`` [fraction of OP]; raises ``BlockError`` for a negative one.
 
     ``start``: MV at the start [unit of OP].

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from datetime import datetime
 
 from blocks.kernels import Floats, Host, Kernels
 from blocks.ports import BlockError, Port, nearest
@@ -33,6 +34,7 @@ class Declared:
     limit_params: tuple[str, str] | None = None
     host: Host | None = None
     tolerances: Mapping[str, float] = {}
+    clock: datetime | None = None  # the moment of time 0, of a block that plays recorded moments
 
     name: str
     input_labels: list[str]

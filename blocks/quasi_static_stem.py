@@ -17,6 +17,7 @@ towards rest; the sampled models of Kano and Choudhury stick there and need J mo
 sampled controller), the stem sticks where it was before the jump and then sees the new OP.
 
 At a stop the stem rests (stuck) until OP pulls it away by more than f_s.  Mode "ideal" is MV = OP, without stops.
+Python-control, which knows no jumps, sees it with a little mass (``massless_stem``): MV is then a state.
 A breakaway needs f_s plus 1e-12 of travel, so that rounding cannot free the stem, and 1e-9 where f_s = f_c.
 See also: stick_slip (with mass), deadband (J = 0).
 """
@@ -25,11 +26,12 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Block, Kernels
+from blocks.block import Kernels
+from blocks.massless_stem import MasslessStem
 from blocks.ports import BlockError, Port, require
 from blocks.role import Role
+from blocks.seen_stem import DOWN, IDEAL, STUCK, UP
 
-STUCK, UP, DOWN, IDEAL = 0.0, 1.0, -1.0, 2.0
 ROUNDING = 1e-12  # of travel
 CREEP = 1e-8  # OP that moves slower than this [1/s] stands still: what a dead time gives of a held OP is not so exact
 NOISE = 1e-9  # of travel: so little beyond the band may be the integration's error, while OP is on its way back
@@ -72,7 +74,7 @@ def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
         d[0] = STUCK
 
 
-class QuasiStaticStem(Block):
+class QuasiStaticStem(MasslessStem):
     """A massless valve stem with the bands ``S`` and ``J``; defaults are the thesis's high stiction.
 
     ``start``: where the stem rests at the start [fraction of travel].

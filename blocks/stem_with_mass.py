@@ -13,11 +13,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
+import numpy as np
+
+from blocks.block import Block, Floats
+from blocks.declared import STUCK_MODE
 from blocks.ports import Port, require
-from blocks.quasi_static_stem import STUCK, check_stops, started_between
+from blocks.quasi_static_stem import check_stops, started_between
 from blocks.role import Role
 from blocks.rules import not_negative, positive
+from blocks.seen_stem import IDEAL, STUCK, braked, halted, seen_mode
 
 
 class StemWithMass(Block):
@@ -57,6 +61,28 @@ class StemWithMass(Block):
             memory={"mode": self.at_rest},
             **labels,
         )
+
+    def seen_memory(self, x: Floats, u: Floats) -> Floats:
+        """Return the mode, shape (1,), in which python-control sees a stem that sticks; "ideal" it stays.
+
+        A stem whose bristles bend has no stuck mode; its modes are the stops.
+        """
+        if self.keeps_mode or STUCK_MODE not in self.modes or self.d0[0] == IDEAL:
+            return self.d0
+        k, F_s, low, high = (float(self._p_now[self.param_index(key)]) for key in ("k", "F_s", "low", "high"))
+        return np.array([seen_mode(x[0], x[1], k * (u[0] - x[0]), F_s, low, high)])
+
+    def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
+        rates = super()._rhs(t, x, u)
+        if STUCK_MODE not in self.modes or self.keeps_mode or self.d0[0] == IDEAL:
+            return rates
+        k, M, F_v, F_s = (float(self._p_now[self.param_index(key)]) for key in ("k", "M", "F_v", "F_s"))
+        pace = 2.0 * (math.sqrt(k / M) + F_v / M)  # faster than the stem would come to rest by itself
+        if not rates[0]:
+            rates[1] += braked(x[1], pace)
+        elif k * abs(u[0] - x[0]) <= F_s:
+            rates[1] = halted(x[1], rates[1], pace)
+        return rates
 
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:

@@ -38,8 +38,9 @@ from typing import Any, Self
 
 from blocks.block import Kernels
 from blocks.ports import number, require
-from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP, QuasiStaticStem
+from blocks.quasi_static_stem import QuasiStaticStem
 from blocks.rules import not_negative
+from blocks.seen_stem import DOWN, IDEAL, STUCK, UP
 from blocks.stem_with_mass import StemWithMass
 
 TIE = 1e-6  # with F_s = F_c a stem comes to rest exactly at breakaway, where rounding would start it again and again;

@@ -29,8 +29,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Kernels
-from blocks.quasi_static_stem import DOWN, IDEAL, STUCK, UP
 from blocks.rules import positive
+from blocks.seen_stem import DOWN, IDEAL, STUCK, UP
 from blocks.stem_with_mass import StemWithMass
 from blocks.stick_slip import TIE, StickSlip
 

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from blocks.block import Block
-from blocks.pin import Pin
 from blocks.recorded import Recorded
 from diagram.wiring import WiringError
 from logs import Log
@@ -102,9 +101,9 @@ def check_logged(blocks: Iterable[Block], t0: float, t_end: float) -> None:
 
     A run has one clock: recorded signals whose time 0 is not the same moment are refused too.
     """
-    stamped: Recorded | Pin | None = None
+    stamped: Block | None = None
     for block in blocks:
-        if isinstance(block, Recorded | Pin) and block.clock is not None:
+        if block.clock is not None:
             stamped = stamped or block
             if block.clock != stamped.clock:
                 raise ValueError(

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Unpack
 
+import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -19,6 +20,7 @@ from diagram.flatten import DELAY_RECORDS, Ends, Plan
 from diagram.in_python import InPython, counts, spent
 from diagram.inputs import Inputs, close
 from diagram.kept import log_times, logging_only, wanted_signals
+from diagram.kinds import known_loops
 from diagram.past import Past, resumed
 from diagram.playback import check_logged
 from diagram.settings import Changes, Settings, settings_of
@@ -31,7 +33,7 @@ from engine.run import Outcome, prepare, run
 from engine.snapshot import Snapshot, total
 from engine.status import HINTS, Statistics, Status
 from logs import Log
-from logs.loop_signals import within
+from logs.loop_signals import LoopsLater, within
 
 if TYPE_CHECKING:
     import polars as pl
@@ -93,6 +95,21 @@ class Run:
     def to_pandas(self) -> Any:
         """Return the log as a pandas data frame; see ``Log.to_pandas``."""
         return self.log.to_pandas()
+
+    def response(self) -> ct.TimeResponseData:
+        """Return the log as python-control's response: signals (p, n) as outputs, with labels; no inputs or states.
+
+        >>> from plant.loops import self_regulating_loop
+        >>> response = simulate(self_regulating_loop(), 10.0, every=5.0).response()
+        >>> response.output_labels, response.outputs.shape
+        (['SP', 'OP', 'MV', 'PV'], (4, 3))
+        """
+        names = list(self.log.names)
+        return ct.TimeResponseData(
+            self.log.t, np.array([self.log[name] for name in names]).reshape(len(names), -1),
+            output_labels=names, issiso=False, sysname=self.diagram.name, title=f"Simulation of {self.diagram.name}",
+            success=self.ok, message=None if self.ok else self.hint,
+        )  # fmt: skip
 
     def to_polars(self) -> "pl.DataFrame":
         """Return the log as a polars data frame; see ``Log.to_polars``."""
@@ -276,7 +293,7 @@ def _collect(
         units={s: u for s, u in diagram.signal_units.items() if u and s in kept},
         spans={s: span for s, span in diagram.signal_spans.items() if s in kept},
         origin=f"simulated: {diagram.name}",
-        loops=within(diagram.loops, kept),
+        loops=LoopsLater(lambda: within(known_loops(diagram), kept)),
     )
     ends = tuple(Snapshot(component, o.I, o.W) for component, o in zip(laid.components, outcomes, strict=True))
     status, hint = _verdict(diagram, laid, outcomes, ends)

@@ -57,6 +57,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.order = tuple(flow_order(self.blocks, self.driven))
         self.signals = tuple(self.driven)
         self._past: Past | None = None
+        self._seen_order: tuple[int, ...] | None = None
         seen = [block.smooth() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
         super().__init__(
@@ -124,7 +125,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
             return other
         other = self._copy()
         other.blocks = tuple(blocks)
-        other.syslist = seen
+        other.syslist, other._seen_order = seen, None
         other._fix_params(_all_params(seen))
         return other
 
@@ -136,6 +137,35 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""
         super()._update_params(own_params(self, params or {}))
+
+    def _compute_static_io(self, t: float, x: Any, u: Any) -> tuple[Any, Any]:
+        """Return what all inputs and outputs of the blocks are: each block once, in the order of signal flow.
+
+        Python-control sweeps all blocks until no signal changes.  A signal that is no number never settles so, and was
+        called an algebraic loop.  Where continuous twins act at once in a circle it still has to.
+        """
+        if self._seen_order is None:
+            try:
+                self._seen_order = tuple(flow_order(self.syslist, self.driven))
+            except WiringError:
+                self._seen_order = ()
+        if not self._seen_order:
+            return super()._compute_static_io(t, x, u)  # type: ignore[no-any-return]
+        values = dict(zip(self.open_inputs, np.ravel(u), strict=False))
+        given: list[Any] = [None] * len(self.blocks)
+        taken: list[Any] = [None] * len(self.blocks)
+        starts = np.cumsum([0, *(block.nstates for block in self.syslist)])
+
+        def read(b: int) -> NDArray[np.float64]:
+            return np.array([values.get(s, 0.0) for s in self.blocks[b].input_labels], dtype=float)
+
+        for b in self._seen_order:
+            taken[b] = read(b)
+            given[b] = np.ravel(self.syslist[b].out_now(t, x[starts[b] : starts[b + 1]], taken[b]))
+            values.update(zip(self.blocks[b].output_labels, given[b], strict=True))
+        taken = [read(b) for b in range(len(self.blocks))]  # those that do not act at once came first
+        ulist = np.concatenate([np.zeros(0), *taken])
+        return ulist, np.concatenate([np.zeros(0), *given, ulist])
 
     def _update(self, t: float, x: Any, u: Any, params: Any) -> Any:
         self._update_params(params)

@@ -9,7 +9,7 @@ from numba import njit
 from engine.call import pointer_to
 from engine.crossing import crossing_ahead
 from engine.dense import interpolate
-from engine.events import begin_instant, fire_waiting, next_stop, settle
+from engine.events import begin_instant, fire_waiting, next_stop, settle, watch_rates
 from engine.floats import copy, finite
 from engine.layout import (
     CHAIN,
@@ -59,6 +59,7 @@ from engine.pinning import sample_and_pin
 from engine.record import arrive, limit_by_delays, store_delays
 from engine.rows import write_rows_inside, write_rows_now
 from engine.sampling import sample
+from engine.starting import start
 from engine.step import prepare_dense, step
 from engine.sweep import clock, evaluate_events, play, rates, resolution, signals
 
@@ -151,7 +152,10 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
     if I[FRESH] == 1:
         begin_instant(I, W)
         copy(W, I[O_Y0], I[O_X], n)
-        if I[N_PINS] > 0:
+        if I[EVENTS_SEEN] < 0:
+            if not start(I, W, EV):
+                return CHATTERING
+        elif I[N_PINS] > 0:
             if not sample_and_pin(I, W, EV):
                 return CHATTERING
         elif I[N_SAMPLED] > 0:
@@ -159,6 +163,7 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
     if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
         signals(I, W, W[T])
         begin_instant(I, W)
+        watch_rates(I, W)
     if not settle(I, W, EV):
         return CHATTERING
     copy(W, I[O_X], I[O_Y0], n)

@@ -218,7 +218,6 @@ def begin_instant(I, W):  # type: ignore[no-untyped-def]
     """Look at the present from its right side: keep the signals before it, lift the left limit."""
     if I[EVENTS_SEEN] == -1:
         begin_run(I, W)
-        watch_rates(I, W)
     s, s0 = I[O_S], I[O_S0]
     for i in range(I[N_SIGNALS]):
         W[s0 + i] = W[s + i]

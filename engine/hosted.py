@@ -8,7 +8,9 @@ from engine.call import pointer_to
 from engine.delay import happens
 from engine.events import begin_instant
 from engine.flat import FlatBlock, Floats, Ints
+from engine.layout import T
 from engine.sampling import publish, take, turn_tables
+from engine.starting import start_block
 from engine.sweep import resolution, signals
 from engine.table import Component
 
@@ -26,6 +28,14 @@ def open_instant(ints, floats):  # type: ignore[no-untyped-def]
 def take_sample(ints, floats, row):  # type: ignore[no-untyped-def]
     """Take the sample of one block if it is due, called from Python with the arrays themselves."""
     take(pointer_to(ints), pointer_to(floats), row)
+
+
+@njit(cache=True, error_model="numpy")
+def start_one(ints, floats, buffer, row):  # type: ignore[no-untyped-def]
+    """Let one block begin its run, called from Python with the arrays themselves; the signals need not be current."""
+    I, W = pointer_to(ints), pointer_to(floats)
+    signals(I, W, W[T])
+    start_block(I, W, pointer_to(buffer), row)
 
 
 @njit(cache=True, error_model="numpy")
@@ -66,14 +76,22 @@ class Hosts:
     def next_due(self, W: Floats) -> float:
         return min(self._due(b, W) for b in self.rows)
 
-    def sample(self, I: Ints, W: Floats) -> None:
-        """Take all samples of the present instant in flow order, compiled and hosted ones alike."""
+    def sample(self, I: Ints, W: Floats, buffer: Floats) -> None:
+        """Take all samples of the present instant in flow order, compiled and hosted ones alike.
+
+        As the run begins, modes are settled too, in the order of ``starting``, and noted in the event ``buffer``.
+        """
         now = self.next_due(W)
         open_instant(I, W)
         hosted = {row: b for b, row in self.rows.items()}
-        for row in range(at.H, at.H + at.R * int(I[at.N_BLOCKS]), at.R):
+        begins = I[at.EVENTS_SEEN] < 0
+        starting = I[I[at.L_STARTING] : I[at.L_STARTING] + I[at.N_STARTING]].tolist()
+        for row in starting if begins else range(at.H, at.H + at.R * int(I[at.N_BLOCKS]), at.R):
             if row not in hosted:
-                take_sample(I, W, row)
+                if begins:
+                    start_one(I, W, buffer, row)
+                else:
+                    take_sample(I, W, row)
                 continue
             b = hosted[row]
             if self._due(b, W) > now + resolution(now):

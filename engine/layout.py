@@ -101,7 +101,9 @@ N_INSTANTS = 91
 O_AFFINE = 92  # W: 1 + the modes for which it holds (0: unknown), then how signals follow states and time (``rows``)
 AFFINE = 93  # 1: all signals that move between instants are affine in states and time in each mode
 O_AGAIN = 94  # W: a step that comes again and again, as ``series`` keeps it
-H = 95
+L_STARTING = 95  # where in I the rows stand of blocks with transitions or samples, in the order of ``starting``
+N_STARTING = 96
+H = 97
 
 CHUNK = 32  # log rows evaluated together
 RESTARTS = 16

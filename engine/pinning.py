@@ -13,7 +13,7 @@ from numba import njit
 from engine import layout as at
 from engine.events import settle
 from engine.flat import FlatBlock
-from engine.layout import CURRENT, EVENTS_SEEN, L_INSTANTS, LATE, N_EVENTS, N_INSTANTS, N_SIGNALS, O_S, O_S0, T
+from engine.layout import CURRENT, L_INSTANTS, LATE, N_EVENTS, N_INSTANTS, T
 from engine.sampling import due, publish, take_all, take_swept, turn_tables
 from engine.sweep import clock, signals
 
@@ -52,7 +52,4 @@ def settled(I, W, EV):  # type: ignore[no-untyped-def]
     if not I[CURRENT]:
         signals(I, W, W[T])
     I[CURRENT] = 1
-    if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
-        for i in range(I[N_SIGNALS]):
-            W[I[O_S0] + i] = W[I[O_S] + i]
     return I[N_EVENTS] == 0 or settle(I, W, EV)

@@ -92,7 +92,7 @@ def run(
             if on_progress is not None and (status is Status.PAUSED or (status is Status.OK and target >= t_end)):
                 on_progress(float(W[at.T]))
             if hosts is not None and hosted and status is Status.OK:
-                hosts.sample(I, W)
+                hosts.sample(I, W, buffer)
             elif status is not Status.PAUSED:
                 break
     except KeyboardInterrupt:

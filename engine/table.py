@@ -14,6 +14,7 @@ from engine.flat import FlatBlock, Floats, Ints
 from engine.pinning import late
 from engine.program import Programs
 from engine.series import again_size, model_size
+from engine.starting import start_order
 from engine.structure import analyse
 
 
@@ -223,6 +224,8 @@ class _Table:
         header[at.TIMED] = self.shape.timed
         instants = [i for i, b in enumerate(blocks) if b.step is not None or b.listed or b.next_time is not None]
         header[at.L_INSTANTS], header[at.N_INSTANTS] = self.keep(at.H + i * at.R for i in instants), len(instants)
+        order = start_order(blocks)
+        header[at.L_STARTING], header[at.N_STARTING] = self.keep(at.H + i * at.R for i in order), len(order)
         header[at.HAS_RATES] = any(b.rates and b.n_events for b in blocks)
         leaving, delays, entering = (
             [at.H + i * at.R for i, b in enumerate(blocks) if b.kind == kind]

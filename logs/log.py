@@ -16,7 +16,7 @@ import numpy.typing as npt
 from logs.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array, seconds_and_start
 from logs.errors import LogError
 from logs.hint import nearest
-from logs.loop_signals import LoopSignals, renamed
+from logs.loop_signals import LoopSignals, LoopsLater, renamed
 
 if TYPE_CHECKING:
     import polars as pl
@@ -77,8 +77,10 @@ class Log:
             for name in mapping:
                 if name not in signals:
                     raise LogError(f"{kind} name a signal {name!r} that is not logged; {nearest(name, signals)}")
-        for tag, loop in self.loops.items():
-            for part, signal in loop.parts.items():
+        loops = self.loops
+        if not isinstance(loops, LoopsLater):  # what is worked out later is not known yet
+            loops = MappingProxyType(dict(loops))
+            for tag, part, signal in [(tag, *part) for tag, loop in loops.items() for part in loop.parts.items()]:
                 if signal not in signals:
                     raise LogError(
                         f"{part} of loop {tag!r} is {signal!r}, which is not logged; {nearest(signal, signals)}"
@@ -91,7 +93,7 @@ class Log:
         set_field(self, "spans", MappingProxyType({n: checked_span(n, s) for n, s in self.spans.items()}))
         set_field(self, "quality", MappingProxyType({n: checked_mask(n, q, len(t)) for n, q in self.quality.items()}))
         set_field(self, "notes", tuple(self.notes))
-        set_field(self, "loops", MappingProxyType(dict(self.loops)))
+        set_field(self, "loops", loops)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Read-only mappings cannot be pickled; process pools need logs that can.

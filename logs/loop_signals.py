@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any, Self, get_args
 
 from logs.errors import LogError
 from logs.tags import Process
 
-__all__ = ["LoopSignals", "renamed", "within"]
+__all__ = ["LoopSignals", "LoopsLater", "renamed", "within"]
 
 PARTS = ("sp", "pv", "op", "mv", "mode")
 
@@ -93,3 +94,27 @@ def renamed(loops: Mapping[str, LoopSignals], names: Mapping[str, str]) -> dict[
         tag: loop.with_parts({part: names.get(signal, signal) for part, signal in loop.parts.items()})
         for tag, loop in loops.items()
     }
+
+
+class LoopsLater(Mapping[str, LoopSignals]):
+    """Loops worked out when somebody first asks for one, by a function without arguments.
+
+    >>> LoopsLater(lambda: {"FIC1": LoopSignals("p", "u")})["FIC1"].op
+    'u'
+    """
+
+    def __init__(self, make: Callable[[], Mapping[str, LoopSignals]]) -> None:
+        self._make = make
+
+    @cached_property
+    def _made(self) -> Mapping[str, LoopSignals]:
+        return self._make()
+
+    def __getitem__(self, tag: str) -> LoopSignals:
+        return self._made[tag]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._made)
+
+    def __len__(self) -> int:
+        return len(self._made)

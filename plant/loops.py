@@ -47,12 +47,13 @@ def integrating_loop(
 ) -> Diagram:
     """Return the loop of eq. 7.4: process K / (T s), controller K_p (T_i s + 1) / (T_i s), stem eqs 4.4-4.5.
 
-    Units as in ``self_regulating_loop``.  Negative travel is allowed, as in the thesis.
+    Units as in ``self_regulating_loop``.  OP and MV are deviations from mid travel, so that they span
+    -0.5 to 0.5; negative travel is allowed, as in the thesis.
     """
     return wire(
         [
             Step("SP", after=setpoint),
-            PI(K_p=K_p, T_i=T_i, low=float("-inf"), high=float("inf"), spans={"OP": (0.0, 1.0)}),
+            PI(K_p=K_p, T_i=T_i, low=float("-inf"), high=float("inf"), spans={"OP": (-0.5, 0.5)}),
             StickSlip(F_s=F_s, low=float("-inf"), high=float("inf")),
             Integrator(K=K, T=T),
         ],

@@ -29,19 +29,16 @@ KINDS: dict[str, tuple[str, ...]] = {  # in the order of oracle.c, with the para
     "StickSlip": ("k", "M", "F_v", "F_c", "F_s", "low", "high", "v_stop"), "QuasiStaticStem": ("S", "J", "low", "high"),
     "SampledPI": PI, "Noise": ("mean", "sd", "correlation_time"),
     "SampledSensor": (*SENSOR, "sd", "correlation_time", "step"), "KanoValve": ("S", "J", "low", "high"),
+    "MinSelect": (), "MaxSelect": (), "DeadZone": ("low", "high"), "Lookup1D": (), "Quantiser": ("step",),
+    "Switch": ("switch_on", "switch_off"), "Relay": ("switch_on", "switch_off", "high", "low"),
+    "RateLimiter": ("up", "down"), "ResetIntegrator": ("rate", "threshold", "to"), "ZeroOrderHold": (),
+    "SampledFilter": ("tau",), "VariableDelay": ("longest",),
 }  # fmt: skip
 FEEDS = {
-    "Sum",
-    "Gain",
-    "Saturation",
-    "PI",
-    "PID",
-    "QuasiStaticStem",
-    "Deadband",
-    "SampledPI",
-    "SampledSensor",
-    "KanoValve",
-}
+    "Sum", "Gain", "Saturation", "PI", "PID", "QuasiStaticStem", "Deadband", "SampledPI", "SampledSensor", "KanoValve",
+    "MinSelect", "MaxSelect", "DeadZone", "Lookup1D", "Quantiser", "Switch", "RateLimiter", "ZeroOrderHold",
+    "SampledFilter", "VariableDelay",
+}  # fmt: skip
 ANTI_WINDUP = {"none": 0, "back_calculation": 1, "conditional": 2}
 
 
@@ -109,6 +106,14 @@ def _line(block: Block, number: dict[str, int]) -> str:
         place = memory["z"]
     elif kind == "KanoValve":
         place = memory["MV"]
+    elif kind == "Lookup1D":
+        values = block.p.tolist()
+    elif kind == "VariableDelay":
+        values.append(memory["u_0"])
+    elif kind == "SampledFilter":
+        place = memory["y"]
+    elif kind in ("RateLimiter", "Relay"):
+        place = memory["mode"]
     if kind in ("QuasiStaticStem", "SampledSensor"):
         place = memory["x"]
     theta = float(params.get("theta", 0.0))

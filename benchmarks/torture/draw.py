@@ -23,6 +23,7 @@ from diagram import Diagram, wire
 ROWS = 150
 SLOW = 8  # every so many diagrams may have a PI with conditional integration, which only diagram.reference knows
 SCANS = (0.1, 0.25, 0.3, 0.5, 0.7, 1.0, 2.0)
+ODD = (0.1701, 0.3703, 0.9707)  # scans that meet no others, nor a step, but at the start
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,10 @@ def _loop(rng: np.random.Generator, n: int, read: list[str], measured: bool, con
     if rng.random() < 0.2:
         made.append(blocks.DeadTime(float(rng.uniform(0.3, 3.0)), inputs=signal, outputs="late"))
         signal = "late"
+    if rng.random() < 0.5:
+        switched = _switching(rng, signal, read)
+        made += switched
+        signal = switched[-1].output_labels[0]
     if rng.random() < 0.6:
         made.append(_valve(rng, signal))
         signal = "MV"
@@ -141,6 +146,53 @@ def _controller(rng: np.random.Generator, inputs: dict[str, str], conditional: b
     anti_windup = str(rng.choice(["none", "back_calculation", "conditional"]))
     offset = float(rng.choice([0.0, 0.05]))
     return blocks.SampledPI(K_p, T_i, dt=float(rng.choice(SCANS)), offset=offset, anti_windup=anti_windup, **common)
+
+
+def _switching(rng: np.random.Generator, signal: str, read: list[str]) -> list[Block]:
+    """Return one or two blocks that switch, and one behind them that samples, latches or limits rates."""
+    made: list[Block] = []
+    here = signal
+    for k in range(int(rng.integers(1, 3))):
+        others = [s for s in dict.fromkeys([signal, *read]) if s != here]
+        made.append(_switch(rng, f"mode{k}", here, [str(s) for s in rng.permutation(others)]))
+        here = f"mode{k}"
+    dt, start, level = float(rng.choice(ODD)), float(rng.uniform(-0.5, 1.0)), float(rng.uniform(0.0, 0.6))
+    kind = int(rng.integers(0, 6))
+    if kind == 0:
+        return [*made, blocks.ZeroOrderHold("taken", here, dt, start=start)]
+    if kind == 1:
+        return [*made, blocks.SampledFilter("taken", here, float(rng.uniform(0.0, 3.0)), dt, start=start)]
+    if kind == 2:
+        return [*made, blocks.VariableDelay("taken", here, read[0], dt=dt, longest=3.0, start=start)]
+    if kind == 3:
+        latch = float(rng.choice([-9.0, level - 0.2]))
+        return [*made, blocks.Relay("taken", here, level, latch, high=start, low=0.1, on=bool(rng.random() < 0.2))]
+    if kind == 4:
+        to = float(rng.uniform(0.0, 0.5))
+        return [*made, blocks.ResetIntegrator("taken", signal, here, rate=0.05, threshold=level, to=to)]
+    first = None if rng.random() < 0.7 else start
+    limited = blocks.RateLimiter("slow", here, float(rng.uniform(0.02, 0.3)), start=first)
+    return [*made, limited, blocks.ZeroOrderHold("taken", "slow", dt)]
+
+
+def _switch(rng: np.random.Generator, name: str, signal: str, others: list[str]) -> Block:
+    """Return a block whose mode follows its input; it may have to leave the one it is built with at the start."""
+    low, high = float(rng.uniform(-0.3, 0.2)), float(rng.uniform(0.3, 0.6))
+    kind = int(rng.integers(0, 7))
+    if kind <= 1:
+        pair = [signal, others[0]] if rng.random() < 0.5 else [others[0], signal]
+        return blocks.MinSelect(name, pair) if kind == 0 else blocks.MaxSelect(name, pair)
+    if kind <= 2:
+        return blocks.DeadZone(name, signal, low, high)
+    if kind == 3:
+        table = rng.uniform(-0.5, 1.0, 4).tolist()
+        beyond = str(rng.choice(["hold", "extend"]))
+        return blocks.Lookup1D(name, signal, [low - 0.2, low, high, high + 0.4], table, beyond=beyond)
+    if kind == 4:
+        return blocks.Quantiser(name, signal, float(rng.uniform(0.05, 0.3)))
+    if kind == 5 and len(others) > 1:
+        return blocks.Switch(name, others[0], above=signal, below=others[1], switch_on=high, switch_off=low)
+    return blocks.Relay(name, signal, high, low, high=float(rng.uniform(0.4, 1.0)), low=float(rng.uniform(-0.3, 0.2)))
 
 
 def _valve(rng: np.random.Generator, signal: str) -> Block:

@@ -12,7 +12,8 @@
 #include <string.h>
 
 enum { CONSTANT, STEP, RAMP, SINE, SQUARE, SUM, GAIN, LIMIT, FIRST, SECOND, INTEGRATOR, DEADTIME, PI_, PID_, SENSOR,
-       STEM, MASSLESS, SAMPLED_PI, NOISE, SAMPLED_SENSOR, KANO };
+       STEM, MASSLESS, SAMPLED_PI, NOISE, SAMPLED_SENSOR, KANO, LOWEST, HIGHEST, ZONE, LOOKUP, QUANTISER, SWITCH, RELAY,
+       RATES, RESET, HOLD, FILTER, VARIABLE };
 #define MAXP 24
 #define SAME 1e-9 /* instants closer than this are one [s] */
 #define MOST_STEPS 60000000L
@@ -21,7 +22,8 @@ typedef struct {
     int kind, np, nu, in[8], out, nx, x, feeds, sampled, region;
     double p[MAXP], start[2], theta, before, dt, offset, fast;
     long taken;
-    double mode, place, old_u;      /* stems: 0 stuck, +-1 sliding; massless: where it stands */
+    double mode, place, old_u;      /* stems: 0 stuck, +-1 sliding; massless: where it stands; switch, relay, reset:
+                                       1 on; limited rate: 0 follows, +-1; quantiser: whence it came, and multiple */
     double u_s, last;               /* Kano: where OP stood when it stuck, and at the last sample */
     double memory, w;               /* sampled PI: z; sensor: lag; noise: coloured value */
     long long r[6];                 /* MRG32k3a */
@@ -61,6 +63,30 @@ static double free_output(const Block *b, const double *x, double t) { /* before
     return p[0] * p[5] * (p[8] * sp - pv + p[6] / Tf * (p[9] * sp - pv - x[b->x + 1])) + x[b->x];
 }
 
+static int segment(const Block *b, double u) { /* points of a table at or below u; p: n extend x.. y.. */
+    int k = 0;
+    while (k < (int)b->p[0] && b->p[2 + k] <= u) k++;
+    return k;
+}
+
+static int extreme(const Block *b) { /* which input is the lowest, or the highest */
+    int best = 0;
+    for (int i = 1; i < b->nu; i++)
+        if (b->kind == LOWEST ? s[b->in[i]] < s[b->in[best]] : s[b->in[i]] > s[b->in[best]]) best = i;
+    return best;
+}
+
+static double looked_up(const Block *b, double u) {
+    int n = (int)b->p[0], k = segment(b, u) - 1;
+    const double *x = b->p + 2, *y = x + n;
+    if (b->p[1] == 0) { /* held beyond the ends */
+        if (k < 0) return y[0];
+        if (k >= n - 1) return y[n - 1];
+    }
+    k = k < 0 ? 0 : k > n - 2 ? n - 2 : k;
+    return y[k] + (y[k + 1] - y[k]) * (u - x[k]) / (x[k + 1] - x[k]);
+}
+
 static double sensed(const Block *b, const double *x, double t) {
     const double *p = b->p; /* tau factor bias drift low high */
     return p[0] > 0 ? x[b->x] : p[1] * s[b->in[0]] + p[2] + p[3] * t;
@@ -90,12 +116,19 @@ static void signals(double t, const double *x) {
         case SUM: y = p[0]; for (int i = 0; i < b->nu; i++) y += p[1 + i] * s[b->in[i]]; break;
         case GAIN: y = p[1] + p[0] * u; break;
         case LIMIT: y = clip(u, p[0], p[1]); break;
-        case FIRST: case SECOND: case INTEGRATOR: case STEM: y = x[b->x]; break;
+        case FIRST: case SECOND: case INTEGRATOR: case STEM: case RESET: y = x[b->x]; break;
         case DEADTIME: y = u; break;
         case PI_: case PID_: y = clip(free_output(b, x, t), p[2], p[3]); break;
         case SENSOR: y = clip(sensed(b, x, t), p[4], p[5]); break;
         case MASSLESS: /* S J low high */
             y = b->mode == 0 ? b->place : clip(u - b->mode * 0.5 * (p[0] - p[1]), p[2], p[3]); break;
+        case LOWEST: case HIGHEST: y = s[b->in[extreme(b)]]; break;
+        case ZONE: y = u - clip(u, p[0], p[1]); break;
+        case LOOKUP: y = looked_up(b, u); break;
+        case QUANTISER: y = p[0] * b->place; break;
+        case SWITCH: y = b->mode ? s[b->in[1]] : s[b->in[2]]; break;
+        case RELAY: y = b->mode ? p[2] : p[3]; break;
+        case RATES: y = b->mode ? x[b->x] : u; break;
         }
         s[b->out] = y;
     }
@@ -118,6 +151,8 @@ static void rates(double t, const double *x, double *f) {
             g[0] = p[0] * p[5] * (s[b->in[0]] - s[b->in[1]]) / p[1] + (s[b->out] - free_output(b, x, t)) / track;
             if (b->kind == PID_) g[1] = (p[9] * s[b->in[0]] - s[b->in[1]] - v[1]) / (p[6] / p[7]);
             break;
+        case RATES: g[0] = b->mode > 0 ? p[0] : b->mode < 0 ? -p[1] : 0; break;
+        case RESET: g[0] = p[0] * u; break;
         case STEM: /* k M F_v F_c F_s low high v_stop */
             g[0] = g[1] = 0;
             if (b->mode != 0) { g[0] = v[1]; g[1] = (p[0] * (u - v[0]) - p[3] * b->mode - p[2] * v[1]) / p[1]; }
@@ -153,14 +188,17 @@ static double u_rate(const Block *b, double t, const double *x) { /* d(input)/dt
 
 static int region_of(const Block *b, double t, const double *x) {
     double v, low, high;
-    if (b->kind == LIMIT) { v = s[b->in[0]]; low = b->p[0]; high = b->p[1]; }
+    if (b->kind == LOWEST || b->kind == HIGHEST) return extreme(b);
+    if (b->kind == LOOKUP) return segment(b, s[b->in[0]]);
+    if (b->kind == LIMIT || b->kind == ZONE) { v = s[b->in[0]]; low = b->p[0]; high = b->p[1]; }
     else if (b->kind == PI_ || b->kind == PID_) { v = free_output(b, x, t); low = b->p[2]; high = b->p[3]; }
     else if (b->kind == SENSOR) { v = sensed(b, x, t); low = b->p[4]; high = b->p[5]; }
     else return 0;
     return v > high ? 1 : v < low ? -1 : 0;
 }
 
-/* what a stem would do at (t, x), whose signals are computed: 0 nothing, 1 break away, 2 stick, 3 stop */
+/* what a block would do at (t, x), whose signals are computed: 0 nothing; stems: 1 break away, 2 stick, 3 stop; limited
+   rate: 1 let go, 2 meet; quantiser: 1 up, 2 down; others: 1 change over */
 static int wish(const Block *b, double t, const double *x, int reversals) {
     const double *p = b->p;
     double u = s[b->in[0]];
@@ -182,6 +220,20 @@ static int wish(const Block *b, double t, const double *x, int reversals) {
         if (b->mode > 0 ? stem > p[3] : stem < p[2]) return 3;
         if (reversals && b->mode * u_rate(b, t, x) < -1e-9) return 2;
     }
+    if (b->kind == SWITCH || b->kind == RELAY) return b->mode ? u < p[1] : u > p[0];
+    if (b->kind == RESET) return b->mode ? s[b->in[1]] < p[1] : s[b->in[1]] > p[1];
+    if (b->kind == QUANTISER) {
+        double above = u - p[0] * b->place, tie = 1e-12 * (p[0] + fabs(u));
+        if (above > 0.5 * p[0] + (b->mode < 0 ? 0.01 * p[0] : tie)) return 1;
+        if (-above > 0.5 * p[0] + (b->mode > 0 ? 0.01 * p[0] : tie)) return 2;
+    }
+    if (b->kind == RATES) { /* up down */
+        if (b->mode) return b->mode * (x[b->x] - u) > 0 ? 2 : 0;
+        if (reversals) {
+            double rate = u_rate(b, t, x);
+            return rate > p[0] * (1 + 1e-6) || rate < -p[1] * (1 + 1e-6);
+        }
+    }
     return 0;
 }
 
@@ -192,23 +244,39 @@ static int anything(double t, const double *x) { /* has a step to here passed an
     return 0;
 }
 
-static int transitions(double t, double *x, int reversals) { /* all that stems do now; how many did anything */
+static void act(Block *b, int what, double t, double *x) { /* let a block do what it would */
+    const double *p = b->p;
+    double u = s[b->in[0]];
+    switch (b->kind) {
+    case STEM:
+        if (what == 3) x[b->x] = b->mode > 0 ? p[6] : p[5];
+        else if (what == 2 && b->mode * p[0] * (u - x[b->x]) > p[3]) /* it would creep on, to where forces balance */
+            x[b->x] = clip(u - b->mode * p[3] / p[0], p[5], p[6]);
+        b->mode = what == 1 ? (u > x[b->x] ? 1 : -1) : 0;
+        x[b->x + 1] = 0;
+        break;
+    case MASSLESS:
+        if (what == 1) b->mode = u > b->place ? 1 : -1;
+        else { b->place = clip(u - b->mode * 0.5 * (p[0] - p[1]), p[2], p[3]); b->mode = 0; }
+        break;
+    case QUANTISER: b->place = floor(u / p[0] + 0.5); b->mode = what == 1 ? 1 : -1; break;
+    case RATES:
+        if (what == 1) { b->mode = u_rate(b, t, x) > 0 ? 1 : -1; x[b->x] = u; }
+        else {
+            double gap = u - x[b->x];
+            b->mode = gap > 1e-9 ? 1 : gap < -1e-9 ? -1 : 0;
+        }
+        break;
+    case RESET: if (!b->mode) x[b->x] = p[2]; /* fall through */
+    default: b->mode = !b->mode;
+    }
+}
+
+static int transitions(double t, double *x, int reversals) { /* all that blocks do now; how many did anything */
     int done = 0;
     for (int k = 0; k < NB; k++) {
-        Block *b = &B[k];
-        int what = wish(b, t, x, reversals);
-        const double *p = b->p;
-        double u = s[b->in[0]];
-        if (!what) continue;
-        done++;
-        if (b->kind == STEM) {
-            if (what == 3) x[b->x] = b->mode > 0 ? p[6] : p[5];
-            else if (what == 2 && b->mode * p[0] * (u - x[b->x]) > p[3]) /* it would creep on, to where forces balance */
-                x[b->x] = clip(u - b->mode * p[3] / p[0], p[5], p[6]);
-            b->mode = what == 1 ? (u > x[b->x] ? 1 : -1) : 0;
-            x[b->x + 1] = 0;
-        } else if (what == 1) b->mode = u > b->place ? 1 : -1;
-        else { b->place = clip(u - b->mode * 0.5 * (p[0] - p[1]), p[2], p[3]); b->mode = 0; }
+        int what = wish(&B[k], t, x, reversals);
+        if (what) { act(&B[k], what, t, x); done++; }
     }
     return done;
 }
@@ -257,6 +325,21 @@ static double kano(Block *b, double op) {
 
 static void sample(Block *b, double t) {
     const double *p = b->p;
+    if (b->kind == HOLD) { s[b->out] = s[b->in[0]]; return; }
+    if (b->kind == FILTER) {
+        b->memory += (p[0] > 0 ? 1 - exp(-b->dt / p[0]) : 1) * (s[b->in[0]] - b->memory);
+        s[b->out] = b->memory;
+        return;
+    }
+    if (b->kind == VARIABLE) { /* longest, value before the start; lines between the samples */
+        if (b->n_hist == b->room) b->hist = realloc(b->hist, (b->room = 2 * b->room + 1024) * sizeof(double));
+        b->hist[b->n_hist++] = s[b->in[0]];
+        double age = clip(s[b->in[1]], 0, p[0]) / b->dt;
+        long i = b->n_hist - 1 - (long)age;
+        double newer = i >= 0 ? b->hist[i] : p[1], older = i >= 1 ? b->hist[i - 1] : p[1];
+        s[b->out] = newer + (age - (long)age) * (older - newer);
+        return;
+    }
     if (b->kind == KANO) { s[b->out] = kano(b, s[b->in[0]]); return; }
     if (b->kind == SAMPLED_PI) { /* K_p T_i low high T_t action, then 1 for back-calculation, 2 for conditional */
         double e = p[5] * (s[b->in[0]] - s[b->in[1]]), v = p[0] * e + b->memory, op = clip(v, p[2], p[3]);
@@ -331,6 +414,14 @@ static int settle(double t) { /* samples, then transitions, until nothing happen
                 b->mode = 0;
             }
         }
+        for (int k = 0; k < NB; k++) { /* and one that jumps leaves a limited rate behind */
+            Block *b = &B[k];
+            double jump = b->kind == RATES ? s[b->in[0]] - b->old_u : 0;
+            if (b->mode == 0 && fabs(jump) > 1e-11 * (1 + fabs(b->old_u))) {
+                X[b->x] = b->old_u;
+                b->mode = jump > 0 ? 1 : -1;
+            }
+        }
         signals(t, X);
         for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
         if (!transitions(t, X, 0)) {
@@ -356,6 +447,7 @@ static int read_diagram(void) {
         ok &= scanf("%lf %lf %d %lf %lf %d", &b->theta, &b->before, &b->sampled, &b->dt, &b->offset, &b->feeds) == 6;
         ok &= scanf("%lf %lf %lf", &b->place, &b->w, &s[b->out]) == 3;
         b->memory = b->u_s = b->last = b->place;
+        if (b->kind == RATES || b->kind == RELAY) b->mode = b->place;
         for (int i = 0; i < 6; i++) ok &= scanf("%lld", &b->r[i]) == 1;
         ok &= scanf("%lf", &b->fast) == 1;
         if (!ok) return 0;
@@ -370,6 +462,34 @@ static int read_diagram(void) {
             if (ready) { done[k] = 1; order[n++] = k; }
         }
         if (n == before) return 0;
+    }
+    return 1;
+}
+
+static int begin(void) { /* a block starts once all have that decide now what it reads: its mode, then its first sample */
+    int driver[400], done[400] = {0}, left = NB;
+    for (int k = 0; k < NB; k++) driver[B[k].out] = k;
+    while (left) {
+        int before = left;
+        for (int k = 0; k < NB; k++) {
+            Block *b = &B[k];
+            int ready = !done[k], chain = 0, what = 1;
+            for (int i = 0; i < b->nu; i++) {
+                const Block *from = &B[driver[b->in[i]]];
+                int decides = from->feeds || from->sampled || from->kind == RELAY || from->kind == RESET;
+                ready &= done[driver[b->in[i]]] || !decides;
+            }
+            if (!ready) continue;
+            for (; what && chain < 50; chain++) {
+                signals(0, X);
+                if ((what = wish(b, 0, X, 0))) act(b, what, 0, X);
+            }
+            if (what) return 0;
+            if (b->sampled && b->offset <= SAME) { sample(b, 0); b->taken = 1; }
+            done[k] = 1;
+            left--;
+        }
+        if (left == before) return 0; /* a ring: not for this program */
     }
     return 1;
 }
@@ -402,13 +522,7 @@ int main(void) {
     for (long i = 0; i < rows; i++) if (scanf("%lf", &grid[i]) != 1) return 2;
     if (!read_diagram()) return 2;
     t_left = INFINITY;
-    signals(0, X);
-    for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
-    /* the first samples are what the run begins with: nothing jumps there */
-    for (int k = 0; k < NB; k++) {
-        Block *b = &B[order[k]];
-        if (b->sampled && b->offset <= SAME) { signals(0, X); sample(b, 0); b->taken = 1; }
-    }
+    if (!begin()) { puts("failed"); return 1; }
     signals(0, X);
     for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
     note(0, 0);

@@ -6,8 +6,8 @@
 
 The block takes a sample every ``dt`` seconds, first at t = 0, and asks the method for a verdict every
 ``verdict_every`` samples, because a verdict costs far more than a sample.  Its answer follows its inputs at once,
-so a loop that is closed over it needs a lag.  Python-control, which runs no Python between samples, sees it as a
-block that always answers 0.
+so a loop that is closed over it needs a lag.  Under python-control it takes its samples at the solver's own steps
+(``blocks.hosted_view``), and its index is 0 while there is none.
 """
 
 from dataclasses import dataclass
@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks import Block, Kernels, Labels, Port
+from blocks.hosted_view import HostedView
 from blocks.ports import BlockError, require
 from blocks.role import Role
 from detect.stream import LoopFacts, Sample
@@ -73,20 +74,6 @@ class DetectorHost:
         return DetectorState(inner, taken, said), said
 
 
-def _silent(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = 0.0
-    y[1] = 0.0
-
-
-class _Silent(Block):
-    """What python-control sees of a detector."""
-
-    role = Role.DETECTOR
-    ports_in = (Port("SP"), Port("PV"), Port("OP"))
-    ports_out = (Port("index"), Port("verdict"))
-    kernels = Kernels(out=_silent, feeds=False)
-
-
 def _check_method(method: Any) -> None:
     """Refuse what is no detector, and a detector that cannot take one sample after the other."""
     if not hasattr(method, "CARD"):
@@ -121,8 +108,8 @@ class DetectorBlock(Block):
     """
 
     role = Role.DETECTOR
-    ports_in = _Silent.ports_in
-    ports_out = _Silent.ports_out
+    ports_in = (Port("SP"), Port("PV"), Port("OP"))
+    ports_out = (Port("index"), Port("verdict"))
     kernels = Kernels()  # the answer depends on the sample taken at the same instant
     period_param = "dt"
 
@@ -152,8 +139,8 @@ class DetectorBlock(Block):
         require(params["dt"] > 0.0, name, "dt", params["dt"], "a sampling period must be positive", "give seconds")
 
     def smooth(self) -> Block:
-        """Return a block that always answers 0."""
-        return _Silent(name=self.name, params={}, inputs=list(self.input_labels), outputs=list(self.output_labels))
+        """Return the detector sampling at python-control's own steps; its index is 0 where it has none."""
+        return HostedView(self, feeds=True)
 
     def seen_states(self) -> tuple[str, ...]:
         """Python-control sees no states."""

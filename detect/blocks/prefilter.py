@@ -7,7 +7,8 @@
 Every ``dt`` seconds one sample is taken.  Noise and liveliness are estimated from the last ``window`` samples,
 once the window is full and again each time it has been renewed; a window that is half bad or at rest changes
 nothing.  Until the first estimate, and always if ``window`` is 0, the filter uses ``noise_std`` and ``q`` as
-given.  Python-control sees the filter as a wire: PV_f = PV.
+given.  Under python-control it takes its samples at the solver's own steps (``blocks.hosted_view``); linearised, at
+its first sample, it is a wire.
 """
 
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks import Block, Kernels, Labels, Port
+from blocks.hosted_view import HostedView
 from blocks.ports import require
 from blocks.role import Role
 from detect.prepare import prefilter
@@ -64,20 +66,6 @@ class PrefilterHost:
         return prefilter.estimate(t, z)
 
 
-def _wire(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    y[0] = u[0]
-    y[1] = 0.0
-
-
-class _Wire(Block):
-    """What python-control sees of the prefilter."""
-
-    role = Role.FILTER
-    ports_in = (Port("PV"),)
-    ports_out = (Port("PV_f"), Port("noise"))
-    kernels = Kernels(out=_wire)
-
-
 class PrefilterBlock(Block):
     """The noise prefilter, sampled every ``dt`` [s]; see the module docstring.
 
@@ -90,8 +78,8 @@ class PrefilterBlock(Block):
     """
 
     role = Role.FILTER
-    ports_in = _Wire.ports_in
-    ports_out = _Wire.ports_out
+    ports_in = (Port("PV"),)
+    ports_out = (Port("PV_f"), Port("noise"))
     kernels = Kernels()
     period_param = "dt"
 
@@ -118,8 +106,8 @@ class PrefilterBlock(Block):
         require(params["dt"] > 0.0, name, "dt", params["dt"], "a sampling period must be positive", "give seconds")
 
     def smooth(self) -> Block:
-        """Return a wire."""
-        return _Wire(name=self.name, params={}, inputs=list(self.input_labels), outputs=list(self.output_labels))
+        """Return the filter sampling at python-control's own steps; at its first sample it is a wire."""
+        return HostedView(self, feeds=True)
 
     def seen_states(self) -> tuple[str, ...]:
         """Python-control sees no states."""

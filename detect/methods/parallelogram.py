@@ -65,6 +65,8 @@ CARD = Card(
     needs=("unsaturated", "fine_pv"),
 )
 
+AT_ONCE = 64  # sticks that are made together: each takes as much memory as the record
+
 
 @dataclass(frozen=True)
 class Params:
@@ -181,7 +183,9 @@ def sizes_of(u: Values, y: Values, found: Width) -> Sizes:
                 np.clip(np.linspace(start - reach[2], start + reach[2], 5), -1.0, 1.0),
             )
         )
-        rho = _correlate(stick(u, s, j * s, a), y, lags, drop)[0]
+        rows = np.arange(0, len(s), AT_ONCE)[1:]
+        sticks = zip(*(np.split(one, rows) for one in (s, j * s, a)), strict=True)
+        rho = np.concatenate([_correlate(stick(u, *some), y, lags, drop)[0] for some in sticks])
         k = int(np.argmax(rho))
         S, share, start = float(s[k]), float(j[k]), float(a[k])
         tried.append(s)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from detect.prepare.drawn import controlled_as_logged, drawn
 from detect.prepare.fact import Fact
 from detect.prepare.in_charge import asleep, copied, untracked
 from detect.prepare.order import percentile
@@ -194,35 +195,34 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
 def compressed(record: LoopRecord, limit: float = 0.5) -> Fact:
     """Share of samples that a historian has drawn, not measured: on the line between their neighbours, or held.
 
-    A sample is drawn when its second difference vanishes (below 1e-6 of the peak-to-peak). A clean
-    simulated wave of straight pieces looks the same; then the corners are all there is to see either way.
+    What curves, and what the logged OP was worked out from, was not drawn (``drawn``).
     """
-    from detect.prepare.health_kernels import drawn
-
     x, t = _good(record, record.pv), _good(record, record.t)
-    swing = float(np.ptp(x)) if len(x) else 0.0
-    if len(x) < 5 or swing == 0.0:
+    if len(x) < 5 or np.ptp(x) == 0.0:
         return Fact("compressed", False, 0.0, limit, "PV is too short to look for compression.")
-    share = drawn(t, x, 1e-6 * swing) / (len(x) - 2)
+    share = float(np.mean(drawn(t, x)))
     text = f"{share:.0%} of the PV samples lie on straight lines between others ({limit:.0%} allowed)."
-    return Fact("compressed", share > limit, share, limit, text, "Log raw values: exception and compression off.")
+    found = share > limit and not controlled_as_logged(record)
+    if share > limit and not found:
+        text = f"{text.removesuffix('.')}, but the controller worked on these very samples."
+    return Fact("compressed", found, share, limit, text, "Log raw values: exception and compression off.")
 
 
 def drawn_op(record: LoopRecord, limit: float = 0.5) -> Fact:
     """Share of samples of OP on a sloping line between their neighbours while PV moves on: a historian has drawn them.
 
-    No controller with integral action draws a line while its error moves.  Steps are left out: OP may be held between
-    two scans.
+    A controller with integral action draws a line only while its error moves in one way, which the logged PV then shows
+    (``drawn``).  Steps are left out: OP may be held between two scans.
     """
-    op, pv = _good(record, record.op), _good(record, record.pv)
+    op, pv, t = (_good(record, x) for x in (record.op, record.pv, record.t))
     remedy = "Log OP raw: exception and compression off."
     if len(op) < 5 or np.ptp(op) == 0.0 or np.ptp(pv) == 0.0:
         return Fact("compressed", False, 0.0, limit, "OP is too short to look for compression.", remedy)
-    step, moves = np.diff(op), np.abs(np.diff(pv)) > 1e-6 * np.ptp(pv)
-    straight = (np.abs(np.diff(step)) < 1e-6 * np.ptp(op)) & (np.abs(step[1:]) > 1e-6 * np.ptp(op))
-    share = float(np.mean(straight & moves[1:] & moves[:-1]))
+    step, moves = np.abs(np.diff(op)), np.abs(np.diff(pv)) > 1e-6 * np.ptp(pv)
+    sloping = drawn(t, op) & (step[1:] > 1e-6 * np.ptp(op))
+    share = float(np.mean(sloping & moves[1:] & moves[:-1]))
     text = f"{share:.0%} of the OP samples lie on straight lines between others while PV moves ({limit:.0%} allowed)."
-    return Fact("compressed", share > limit, share, limit, text, remedy)
+    return Fact("compressed", share > limit and not controlled_as_logged(record), share, limit, text, remedy)
 
 
 def _good(record: LoopRecord, x: Values) -> Values:

@@ -8,7 +8,18 @@ from typing import Any
 
 from logs.compiled import njit
 
-__all__ = ["drawn", "last_before", "long_stands", "longest_stand", "on_grid", "pair", "repeated", "spread", "steps"]
+__all__ = [
+    "bends",
+    "curving",
+    "last_before",
+    "long_stands",
+    "longest_stand",
+    "on_grid",
+    "pair",
+    "repeated",
+    "spread",
+    "steps",
+]
 
 SUMS = {"reassoc", "contract"}  # sums may be added up in any order
 
@@ -104,14 +115,20 @@ def on_grid(x: Any, step: float, near: float, share: float) -> bool:
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def drawn(t: Any, x: Any, near: float) -> int:
-    """How many samples of x (n,) lie within ``near`` of the line between their neighbours."""
-    count = 0
+def bends(t: Any, x: Any, out: Any) -> None:
+    """How far each sample of x (n,), n >= 3, lies off the line between its neighbours, into out (n - 2,)."""
     for i in range(1, len(x) - 1):
-        between = x[i - 1] + (x[i + 1] - x[i - 1]) * (t[i] - t[i - 1]) / (t[i + 1] - t[i - 1])
-        if abs(x[i] - between) < near:
-            count += 1
-    return count
+        out[i - 1] = x[i] - x[i - 1] - (x[i + 1] - x[i - 1]) * ((t[i] - t[i - 1]) / (t[i + 1] - t[i - 1]))
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def curving(bend: Any, out: Any) -> None:
+    """True into out (n,) where the bend (n,) has the sign of its two neighbours, and half to twice their size."""
+    n = len(bend)
+    for i in range(n):
+        here = bend[i]
+        before, after = bend[i - 1] if i > 0 else here, bend[i + 1] if i < n - 1 else here
+        out[i] = here != 0.0 and 0.5 <= before / here <= 2.0 and 0.5 <= after / here <= 2.0
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]

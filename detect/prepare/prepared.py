@@ -26,6 +26,7 @@ from detect.prepare.causality import causality
 from detect.prepare.clock import Clock, clock_of
 from detect.prepare.conditions import drawn_op, examine
 from detect.prepare.cycles import Cycles, Refusal, cut
+from detect.prepare.drawn import free_of_noise
 from detect.prepare.fact import Fact
 from detect.prepare.gaps import bridgeable, split
 from detect.prepare.half_cycles import crossings
@@ -178,8 +179,11 @@ class Prepared(RecordSignals):
 
     @cached_property
     def clock(self) -> Clock:
-        """Whether the wave of OP keeps time, as one from outside may; none is counted where nothing oscillates."""
-        return clock_of(self.stretch.t, self.wave("OP")) if math.isfinite(self.period) else Clock(math.nan, 0)
+        """Whether the wave of OP keeps time, as one from outside may; none is counted where no noise or wave is."""
+        grid = self.stretch
+        if not math.isfinite(self.period) or free_of_noise(grid.t, grid.pv):
+            return Clock(math.nan, 0)
+        return clock_of(grid.t, self.wave("OP"))
 
     @cached_property
     def op_drawn(self) -> Fact:

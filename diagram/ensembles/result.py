@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from diagram.branches import Branches, Taken
 from diagram.diagram import Diagram
 from diagram.ensembles.variants import Floats, Variants
+from diagram.kinds import known_loops
 from diagram.simulation import Event, Run, named_events, simulate
 from engine.run import Settings
 from engine.status import HINTS, Statistics, Status
 from logs import Log
 from logs.files.write import replacing
-from logs.loop_signals import within
+from logs.loop_signals import LoopsLater, within
 from logs.shown import Shown
 
 if TYPE_CHECKING:
@@ -132,7 +133,7 @@ class Ensemble(Shown):
             units={s: diagram.signal_units[s] for s in self.values if diagram.signal_units.get(s)},
             spans={s: span for s, span in diagram.signal_spans.items() if s in self.values},
             origin=f"simulated: {diagram.name}, variant {i}: {self.described(i)}",
-            loops=within(diagram.loops, self.values),
+            loops=LoopsLater(lambda: within(known_loops(diagram), self.values)),
         )
 
     def events(self, i: int) -> tuple[Event, ...]:

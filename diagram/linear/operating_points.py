@@ -102,7 +102,9 @@ def operating_point(
         raise NoOperatingPoint(_why(point, t, ended or f"after {settled:g} s"))
     states = dict(zip(found.states, found.x.tolist(), strict=True))
     signals = dict(zip(found.signals, found.s.tolist(), strict=True))
-    return OperatingPoint(_placed(closed, states, signals), states, signals, residual(found), held(found), settled)
+    placed = _placed(closed, states, signals)
+    here = dict(zip(placed.state_labels, placed.x0.tolist(), strict=True)) | states  # of stems with friction too
+    return OperatingPoint(placed, here, signals, residual(found), held(found), settled)
 
 
 # --- the diagram to solve -----------------------------------------------------------------------------------

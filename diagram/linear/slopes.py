@@ -75,7 +75,7 @@ def slopes(diagram: Diagram, t: float = 0.0) -> Slopes:
     x = diagram.x0
     signals = (*diagram.signals, *diagram.open_inputs)
     place = {name: i for i, name in enumerate(signals)}
-    blocks: list[Block] = list(diagram.syslist)
+    blocks: list[Block] = [block.as_it_starts() for block in diagram.syslist]
     s = _signals(diagram, blocks, place, x, t)
     if not np.all(np.isfinite(s)):
         why = [block.trouble() for block in diagram.blocks if block.trouble()]

@@ -17,13 +17,14 @@ from blocks.ports import nearest, number
 from diagram.diagram import Diagram
 from diagram.inputs import Inputs
 from diagram.kept import log_times
+from diagram.kinds import known_loops
 from diagram.past import resumed
 from diagram.playback import check_logged
 from diagram.reference.interpreter import Interpreter
 from diagram.simulation import Run, in_order, set_up
 from engine.status import HINTS, Statistics, Status
 from logs import Log
-from logs.loop_signals import within
+from logs.loop_signals import LoopsLater, within
 
 Floats = NDArray[np.float64]
 SCIPY = ("LSODA", "Radau", "BDF", "DOP853", "RK45")
@@ -114,7 +115,7 @@ def simulate_reference(
         units={s: u for s, u in ready.signal_units.items() if u},
         spans=ready.signal_spans,
         origin=f"reference ({backend}): {ready.name}",
-        loops=within(ready.loops, ready.signals),
+        loops=LoopsLater(lambda: within(known_loops(ready), ready.signals)),
     )
     statistics = Statistics(steps=settings.steps, rhs=world.n_rates, events=world.n_fired, components=1)
     return Run(log, in_order([np.array(world.events).reshape(-1, 4)]), status, HINTS[status], statistics, ready, ())

@@ -174,11 +174,53 @@ class Interpreter:
     def settle(self) -> bool:
         """Do all that happens at the present instant; return False if transitions never end."""
         self.t_left = math.inf
-        if not self._sample():
+        if not (self._begin() if self.first else self._sample()):
             return False
         done = self._transitions()
         self.first = False
         return done
+
+    def _begin(self) -> bool:
+        """Let each block find its mode, then take its sample, once all that decides its inputs has done so."""
+        for b in self.order:
+            if b in self.taken and not self.blocks[b].kernels.feeds and self.blocks[b].host is None and self._is_due(b):
+                keep = self.d[b].copy()
+                self._step(b)
+                self.d[b] = keep
+        n = len(self.blocks)
+        above = np.zeros((n, n), dtype=bool)  # [a, b]: what a does now changes an input of b now
+        for b, wires in enumerate(self.wires):
+            for a in range(n):
+                at_once = a not in self.dead and (self.blocks[a].kernels.feeds or self.blocks[a].kernels.jumps)
+                above[a, b] = at_once and bool(np.isin(self.places[a], wires).any())
+        for k in range(n):
+            above |= np.outer(above[:, k], above[k])
+        left = list(self.order)
+        while left:  # those above which nothing is left, or nothing but a ring of which they are part
+            free = [b for b in left if all(above[b, a] for a in left if above[a, b])]
+            b = next((b for b in free if self.blocks[b].kernels.feeds), free[0])
+            left.remove(b)
+            if not self._find_mode(b):
+                return False
+            if b in self.taken and self._is_due(b):
+                self.signals_at(self.t, self.x)
+                self._step(b)
+                self.taken[b] += 1
+        return True
+
+    def _find_mode(self, b: int) -> bool:
+        for _ in range(20 + 10 * self.n_events[b]):
+            self.signals_at(self.t, self.x)
+            u = self._input(b, self.t).copy()
+            slopes = np.zeros(len(u))
+            positive = np.flatnonzero(self._zc(b, self.t, self.x, u, slopes) > 0.0)
+            if not positive.size:
+                return True
+            self._fire(b, int(positive[0]), u, slopes)
+        return False
+
+    def _is_due(self, b: int) -> bool:
+        return self._due(b) <= self.t + self.rounding(self.t)
 
     def _transitions(self) -> bool:
         if self.first:
@@ -253,7 +295,7 @@ class Interpreter:
         return float(offset + self.taken[b] * block.period)
 
     def _sample(self) -> bool:
-        due = [b for b in self.order if b in self.taken and self._due(b) <= self.t + self.rounding(self.t)]
+        due = [b for b in self.order if b in self.taken and self._is_due(b)]
         self.signals_at(self.t, self.x)
         for b in due:
             if not self.blocks[b].kernels.feeds and self.blocks[b].host is None:

@@ -11,7 +11,30 @@ import pytest
 from benchmarks.torture import judge as judging
 from benchmarks.torture.c_program import NoCompiler, covers, program, solve
 from benchmarks.torture.draw import Drawn, draw
-from blocks import DeadTime, FirstOrder, Gain, Noise, QuasiStaticStem, Recorded, SampledPI, SecondOrder, Step, StickSlip
+from blocks import (
+    Constant,
+    DeadTime,
+    DeadZone,
+    FirstOrder,
+    Gain,
+    Lookup1D,
+    MaxSelect,
+    MinSelect,
+    Noise,
+    Quantiser,
+    QuasiStaticStem,
+    RateLimiter,
+    Recorded,
+    Relay,
+    ResetIntegrator,
+    SampledPI,
+    SecondOrder,
+    Step,
+    StickSlip,
+    Switch,
+    VariableDelay,
+    ZeroOrderHold,
+)  # fmt: skip
 from blocks.sources import Ramp
 from diagram import simulate, wire
 
@@ -69,6 +92,27 @@ def test_the_c_program_scans():
     assert c(loop, np.arange(12) + 0.3)["OP"] == pytest.approx(op, abs=1e-12)
 
 
+def test_the_c_program_begins_with_the_modes_that_the_inputs_call_for():
+    # analytic, at 0.25 s: a = 5, b = 1, held by h since 0 s; each switch as its docstring says
+    switches = {
+        "low": (MinSelect("low", ["a", "b"]), 1.0),
+        "high": (MaxSelect("high", ["b", "a"]), 5.0),
+        "zone": (DeadZone("zone", "a", -1.0, 2.0), 3.0),
+        "table": (Lookup1D("table", "a", [0.0, 1.0, 4.0, 6.0], [0.0, 9.0, 3.0, 1.0]), 2.0),
+        "steps": (Quantiser("steps", "a", 2.0), 6.0),
+        "chosen": (Switch("chosen", "a", above="b", below="c", switch_on=2.0), 1.0),
+        "relay": (Relay("relay", "a", 2.0, high=1.0, low=9.0), 1.0),
+    }
+    for name, (switch, value) in switches.items():
+        made = [ResetIntegrator("r", "b", name, threshold=0.5, to=-7.0), Relay("latch", name, 4.0, -99.0)]
+        made += [RateLimiter("slow", name, 0.1), VariableDelay("late", name, "c", dt=0.5, longest=3.0)]
+        sources = [Constant("a", 5.0), Constant("b", 1.0), Constant("c", 0.0)]
+        read = [Gain(f"{s}_2", s, 1.0) for s in "abc"]
+        found = c(wire([*made, ZeroOrderHold("h", name, 0.5), *read, switch, *sources]), np.array([0.25]))
+        assert [found[s][0] for s in (name, "h", "slow", "late")] == pytest.approx([value] * 4)
+        assert found["latch"][0] == (value > 4.0) and found["r"][0] == pytest.approx(-7.0 + 0.25)
+
+
 def test_seeds_draw_the_same_diagrams_again_and_every_kind_of_block():
     kinds: set[str] = set()
     for seed in range(40):
@@ -79,7 +123,8 @@ def test_seeds_draw_the_same_diagrams_again_and_every_kind_of_block():
     assert kinds >= {
         "Constant", "Step", "Ramp", "Sine", "Square", "Noise", "Sum", "Gain", "Saturation", "DeadTime", "FirstOrder",
         "SecondOrder", "Integrator", "PI", "PID", "SampledPI", "StickSlip", "QuasiStaticStem", "Deadband", "KanoValve",
-        "Sensor", "SampledSensor",
+        "Sensor", "SampledSensor", "MinSelect", "MaxSelect", "DeadZone", "Lookup1D", "Quantiser", "Switch", "Relay",
+        "RateLimiter", "ResetIntegrator", "ZeroOrderHold", "SampledFilter", "VariableDelay",
     }  # fmt: skip
 
 

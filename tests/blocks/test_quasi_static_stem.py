@@ -144,7 +144,7 @@ def test_sampled_controller_sticks_at_the_old_position():
 def test_linear_views():
     ideal, held = QuasiStaticStem().in_mode("ideal"), QuasiStaticStem(start=0.3)
     assert float(ideal.output(0.0, [], [0.7])[0]) == 0.7
-    assert float(held.output(0.0, [], [0.7])[0]) == 0.3
+    assert float(held.output(0.0, held.seen_start(), [0.7])[0]) == 0.3
 
 
 def test_misuse_is_explained():

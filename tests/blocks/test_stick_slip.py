@@ -173,7 +173,7 @@ def test_behind_a_scanning_controller_rounding_does_not_decide_whether_a_loop_cy
     op=st.floats(-0.5, 1.5),
 )
 def test_power_balance(mode, x, v, op):
-    valve = StickSlip.high().in_mode(mode)
+    valve = StickSlip.high().in_mode(mode).as_it_starts()
     v = -v if mode == "sliding down" else v
     rate = valve.dynamics(0.0, [x, v], [op])
     stored = M * v * rate[1] + K * (x - op) * rate[0]  # d/dt (M v^2/2 + k (x - OP)^2/2) at held OP

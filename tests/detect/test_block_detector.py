@@ -92,7 +92,7 @@ def test_python_control_sees_the_diagram():
     ours = simulate(loop, 40.0, every=1.0).log
     rows = {name: theirs.outputs[i] for i, name in enumerate(loop.output_labels)}
     np.testing.assert_allclose(rows["PV"], ours["PV"], rtol=0, atol=1e-3)
-    np.testing.assert_array_equal(rows["verdict"], 0.0)  # as its documentation says
+    np.testing.assert_array_equal(rows["verdict"], ours["verdict"])
 
 
 def loop_that_steps_aside(feedback):
@@ -164,3 +164,27 @@ def test_any_method_that_streams_can_be_wired(method):
     batch = method.detect(record)
     assert len(log.t) == 900 and log["verdict"][-1] == WORDS[batch.verdict].number
     assert log["index"][-1] == pytest.approx(batch.index, rel=1e-9)
+
+
+def test_python_control_gets_the_offline_verdict():
+    loop = wire(
+        [
+            Step("SP", 0.55),
+            PI(K_p=0.6, T_i=8.0, start_op=0.42),
+            StickSlip.from_bands(S=0.06, J=0.03, start=0.4),
+            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
+            DetectorBlock(harmonics, dt=1.0, verdict_every=100),
+        ]
+    )
+    ours = simulate(loop, 600.0, every=1.0).log
+    theirs = ct.input_output_response(loop, ours.t, 0, loop.x0)
+    rows = {name: theirs.outputs[i] for i, name in enumerate(loop.output_labels)}
+    head = slice(0, 600)  # the last verdict falls at sample 600
+    seen = LoopRecord.from_arrays(
+        ours.t[head], pv=rows["PV"][head], op=rows["OP"][head], sp=rows["SP"][head], op_span=(0.0, 1.0),
+        process="self_regulating",
+    )  # fmt: skip
+    offline = harmonics.detect(seen)
+    assert offline.verdict == "stiction"
+    assert rows["verdict"][-1] == ours["verdict"][-1] == WORDS["stiction"].number
+    assert rows["index"][-1] == pytest.approx(offline.index, rel=1e-9)

@@ -15,7 +15,7 @@ def plant(tmp_path):
 
     folder = tmp_path / "plant"
     folder.mkdir()
-    specs = [replace(one("cycling", (21, k)), samples=400) for k in (3, 4)]
+    specs = [replace(one("cycling", (21, k)), samples=400) for k in (5, 6)]
     for k, (record, _) in enumerate(simulate(specs)):
         record.log.to_parquet(folder / f"FIC{k}.parquet")
     (folder / "FIC9.csv").write_text("time,PV,OP\n" + "".join(f"{i},4,50\n" for i in range(300)))

@@ -26,7 +26,8 @@ def test_document(call):
     result = call("simulate", "ideal_high", "--json", "-")
     answer = json.loads(result.stdout, parse_constant=lambda word: pytest.fail(word))
     assert list(answer) == [
-        "schema", "case", "title", "status", "hint", "duration_s", "rows", "mode_changes", "steps", "final", "numbers",
+        "schema", "case", "title", "status", "hint", "notes", "duration_s", "rows", "mode_changes", "steps", "final",
+        "numbers",
     ]  # fmt: skip
     assert answer["schema"] == "stickslip.simulate/1" and answer["status"] == "ok"
     assert (answer["duration_s"], answer["rows"], answer["numbers"]) == (600.0, 6001, [])
