@@ -1,0 +1,61 @@
+"""Members: runs of one component that leave the same instant in states of their own, for filters that spread a state.
+
+A member is given by the numbers that stand in certain ``places`` of the floats: states, memories, held outputs, and
+parameters that hold a noise in force.  Everything else, clocks and counters included, is that of the run it leaves.
+"""
+
+import numpy as np
+from numba import njit
+
+from engine.advance import advance
+from engine.call import pointer_to
+from engine.events import watch_rates
+from engine.floats import copy
+from engine.layout import CURRENT, EVENTS_SEEN, FRESH, HOLD, N_SIGNALS, O_S, O_S0, O_X, O_Y0, N_STATES, T
+from engine.sweep import signals
+
+
+@njit(cache=True, error_model="numpy")
+def restore(ints, floats, kept_ints, kept_floats):  # type: ignore[no-untyped-def]
+    """Set a run back to what was kept of it: its first integers, and its first floats."""
+    ints[: len(kept_ints)] = kept_ints
+    floats[: len(kept_floats)] = kept_floats
+
+
+@njit(cache=True, error_model="numpy")
+def put(ints, floats, places, z):  # type: ignore[no-untyped-def]
+    """Let a run stand at ``z``.  What changes so is a better guess of the present, no jump that a block could see."""
+    I, W = pointer_to(ints), pointer_to(floats)
+    for i in range(len(places)):
+        W[places[i]] = z[i]
+    if I[EVENTS_SEEN] == -1:  # the run has not begun
+        return
+    if I[FRESH] == 1:  # samples of this instant are still to be taken
+        return
+    copy(W, I[O_Y0], I[O_X], I[N_STATES])
+    signals(I, W, W[T])
+    for i in range(I[N_SIGNALS]):
+        W[I[O_S0] + i] = W[I[O_S] + i]
+    watch_rates(I, W)
+    I[CURRENT], I[FRESH] = 1, 2
+
+
+@njit(cache=True, error_model="numpy")
+def read(floats, places, z):  # type: ignore[no-untyped-def]
+    """Write to ``z`` where a run stands."""
+    for i in range(len(places)):
+        z[i] = floats[places[i]]
+
+
+@njit(cache=True, error_model="numpy")
+def arrive(ints, floats, buffer, no_rows, t):  # type: ignore[no-untyped-def]
+    """Advance a run to an instant, before anything happens there; return a status."""
+    ints[HOLD] = 1
+    return advance(ints, floats, buffer, no_rows[0], no_rows, t, False)
+
+
+@njit(cache=True, error_model="numpy")
+def pass_instant(ints, floats, buffer, no_rows):  # type: ignore[no-untyped-def]
+    """Let everything happen that is due at the present instant; return a status."""
+    ints[HOLD] = 0
+    return advance(ints, floats, buffer, no_rows[0], no_rows, floats[T], False)

@@ -1,0 +1,46 @@
+"""A dead time as scan values: what a filter can spread, which it cannot do with the records of a delay.
+
+    y_k = (1 - w) u_(k-j) + w u_(k-j-1),   theta = (j + w) dt,   0 <= w < 1
+
+Between scans y is held; a held input is delayed exactly by multiples of dt.
+"""
+
+import math
+from typing import Any
+
+from blocks.block import Block, Kernels
+from blocks.ports import Port
+from blocks.role import Role
+
+
+def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    n = int(p[2])
+    back = min(max(p[0] / p[1], 0.0), n - 1.0)
+    j = int(math.floor(back))
+    w = back - j
+    for i in range(n - 1, 0, -1):
+        d[i] = d[i - 1]
+    d[0] = u[0]
+    y[0] = (1.0 - w) * d[j] + (w * d[j + 1] if w > 0.0 else 0.0)
+
+
+class Late(Block):
+    """What enters arrives later by ``theta`` [s], in scans of ``dt`` [s], at most ``longest`` [s].
+
+    >>> from diagram import drive
+    >>> drive(Late(2.0, dt=1.0, longest=4.0), [0.0, 1.0, 2.0, 3.0], every=1.0).log["out"].tolist()
+    [0.0, 0.0, 0.0, 1.0]
+    """
+
+    role = Role.PROCESS
+    ports_in = (Port("in"),)
+    ports_out = (Port("out"),)
+    kernels = Kernels(step=_step)
+    period_param = "dt"
+
+    def __init__(self, theta: float, *, dt: float, longest: float, start: float = 0.0, name: str = "late") -> None:
+        scans = int(math.ceil(longest / dt - 1e-9)) + 2
+        super().__init__(
+            name=name, params={"theta": theta, "dt": dt, "scans": float(scans)},
+            memory={f"u_{i}": start for i in range(scans)}, start_output=[start],
+        )  # fmt: skip

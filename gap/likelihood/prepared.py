@@ -1,0 +1,122 @@
+"""A model made ready for a filter: noise as inputs that are held, dead times as scan values, one component."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.arithmetic import Sum
+from blocks.noise import Noise, seeded
+from blocks.recorded import Recorded
+from blocks.sources import Constant
+from diagram.diagram import Diagram
+from diagram.inputs import close
+from engine import layout as at
+from engine.run import Settings, prepare
+from engine.snapshot import Snapshot
+from engine.table import Component
+from gap.likelihood.late import Late
+from gap.records.model import Nuisance, nuisances, silenced
+from gap.records.record import Record
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
+TIED = "filter:tied"
+NOT_SMOOTH = {"mode", *seeded(0)}
+BUDGET = 2_000_000_000  # steps of the engine
+
+
+class NoFilter(ValueError):
+    """A diagram that the filter cannot follow."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """``diagram`` closed and tied, its ``component``; ``noise`` the sources of random numbers by the block that holds
+    them; ``late`` dead-time parameters by their new names.
+    """
+
+    diagram: Diagram
+    component: Component
+    noise: tuple[tuple[Nuisance, str, float, float], ...]
+    late: Mapping[str, str]
+    signals: tuple[str, ...]
+
+    @cached_property
+    def states(self) -> tuple[tuple[str, int], ...]:
+        """Names and places of the state."""
+        found: list[tuple[str, int]] = []
+        c, d = self.component, self.diagram
+        plan = d.plan()
+        for b in c.blocks:
+            if b >= len(d.blocks):
+                raise NoFilter("a dead time is left")
+            block = d.blocks[b]
+            found += [(f"{block.name}.{s}", c.states[b] + i) for i, s in enumerate(block.state_names)]
+            found += [
+                (f"{block.name}.{s}", c.memory[b] + i)
+                for i, s in enumerate(block.memory_names) if s not in NOT_SMOOTH
+            ]
+            if block.sampled:
+                first = plan.flat[b].first_signal
+                found += [
+                    (f"{block.name}={s}", c.signals[first + j]) for j, s in enumerate(block.output_labels)
+                ]
+        for _, holder, _, _ in self.noise:
+            b = d.block_index(holder)
+            found.append((f"{holder}.value", c.params[b] + d.blocks[b].param_index("value")))
+        return tuple(found)
+
+    def place(self, key: str) -> int:
+        """Return where a parameter ``block.name`` stands."""
+        block, _, name = self.late.get(key, key).rpartition(".")
+        b = self.diagram.block_index(block)
+        return self.component.params[b] + self.diagram.blocks[b].param_index(name)
+
+    def fresh(self, t0: float) -> tuple[Whole, Floats]:
+        """Return the arrays of a run that has not begun."""
+        I, W = prepare(self.component, Settings(max_steps=BUDGET), t0)
+        self.diagram.plan().fill(Snapshot(self.component, I, W), self.diagram.blocks)
+        I[at.PAUSE_AT] = np.iinfo(np.int64).max
+        return I, W
+
+
+def prepared(model: Diagram, record: Record, scan: float) -> Prepared:
+    """Return a model, with its nuisances, ready for a filter of a record; ``scan`` [s] of what is late."""
+    quiet = silenced(model)
+    noise: list[tuple[Nuisance, str, float, float]] = []
+    for one in nuisances(model):
+        block = model[one.block]
+        signal = str(block.output_labels[0])
+        holder = f"{one.block}:noise"
+        quiet = quiet.insert(
+            signal, Sum(signal, {signal: 1.0, holder: 1.0}, name=f"{one.block}:noisy"), inputs=[holder]
+        )
+        quiet = close(quiet, {holder: Constant(holder, 0.0, name=holder)})
+        noise.append((one, holder, float(block.period), float(block.params.get("offset", 0.0))))
+    late: dict[str, str] = {}
+    for block in list(quiet.blocks):
+        if block.dead_time_param and block.dead_time > 0.0:
+            theta = block.dead_time
+            quiet = quiet.with_params({f"{block.name}.{block.dead_time_param}": 0.0})
+            for j, s in enumerate(block.input_labels):
+                new = Late(theta, dt=scan, longest=4.0 * theta, start=block.value_before, name=f"{block.name}:late{j}")
+                quiet = quiet.insert(str(s), new, readers=block.name)
+                late[f"{block.name}.{block.dead_time_param}"] = f"{new.name}.theta"
+    log = record.log
+    given = {s: Recorded(s, *record.as_played(s), hold="previous", name=f"{s}:played") for s in record.played}
+    quiet = close(quiet, given) if given else quiet
+    shown = [s for s in record.pinned]
+    blocks = [*quiet.blocks, Sum(TIED, dict.fromkeys(shown, 1.0), name=TIED)]
+    from diagram import wire
+
+    tied = wire(blocks, outputs=[TIED])
+    plan = tied.plan()
+    component = next(c for c in plan.components if tied.block_index(TIED) in c.blocks)
+    if component.hosted:
+        raise NoFilter("a block runs in Python")
+    inside = {tied.blocks[b].name for b in component.blocks if b < len(tied.blocks)}
+    return Prepared(tied, component, tuple(n for n in noise if n[1] in inside), late, tuple(shown))
