@@ -1,12 +1,13 @@
 """The filter: how a state and its spread go from stop to stop, and what each row of a log says of them.
 
-    between stops     z = f(z),  D = [d_j],  d_j = (f(z + w L_j) - f(z - w L_j)) / 2w       P = L L' = D D'
-    noise             a column sd sqrt(1 - phi^2) for each source that draws anew at the stop
-    at a row          e = (y - h(z)) / sqrt(s),   s = H H' + r,   K = D H' / s,   z = z + K sqrt(s) e,
-                      D = D - K H sqrt(s) / (sqrt(s) + sqrt(r))                     one signal after the other
+    between stops     z' = f(z),   A = df/dz,   H = dy/dz           differences across the run of the diagram itself
+    noise             z' += B w,   y += G w,    w ~ N(0, sd^2 (1 - phi^2)) for each source, drawn at the stop
+    spread            D = [A L, B sd sqrt(1 - phi^2)],  Y = [H L, G sd sqrt(1 - phi^2)],     P = L L', P' = D D'
+    at a row          e = (y - y(z)) / sqrt(s),  s = Y Y' + r,  K = D Y' / s,  z' += K sqrt(s) e,
+                      D -= K Y s / (s + sqrt(s r))                     one signal after the other
 
-f is the run of the diagram itself, so the mean follows every nonlinearity and every limit, and the spread is that of
-differences across it (w = sqrt 3, the third moment of a normal state).  H are the differences of a logged signal.
+The mean follows every nonlinearity, since f is the run of the diagram; differences go over sqrt 3 standard deviations
+of each state, which keeps the third moment.  A, B, H and G are kept: with them other sizes of noise need no run.
 Source: the extended filter of Anderson and Moore, Optimal Filtering (1979), section 8.2, in the square root form of
 Potter (Maybeck, Stochastic Models, Estimation and Control 1 (1979), section 7.3).
 """
@@ -20,6 +21,8 @@ from engine.members import arrive, pass_instant, put, read, restore
 
 WIDE = math.sqrt(3.0)
 DROPPED = 1e-13  # share of its size below which what is left of a state's variance is rounding
+NARROWEST = 1e-7  # of a state's size: the least difference that shows a slope
+STALE = 0.1  # of the rounding's variance, below which a value that did not change says nothing new
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,49 +61,127 @@ def compressed(D, columns, size, L):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def through(I, W, buffer, no_rows, places, shown, noisy, phi, t, z, y):  # type: ignore[no-untyped-def]
-    """Advance one member to a stop and through it; write its state and what it shows there; return a status."""
-    status = arrive(I, W, buffer, no_rows, t)
-    if status != 0:
-        return status
-    for q in range(len(noisy)):
-        W[noisy[q]] *= phi[q]
-    status = pass_instant(I, W, buffer, no_rows)
-    if status != 0:
-        return status
-    read(W, places, z)
-    read(W, shown, y)
+def spread_to(A, B, H, G, sd, L, columns, D, Y):  # type: ignore[no-untyped-def]
+    """Write the spread behind a stop, of the state to ``D`` and of signals to ``Y``; return how many columns it has."""
+    n, m, q = len(A), len(H), len(sd)
+    for j in range(columns):
+        for i in range(n):
+            s = 0.0
+            for k in range(n):
+                s += A[i, k] * L[k, j]
+            D[i, j] = s
+        for i in range(m):
+            s = 0.0
+            for k in range(n):
+                s += H[i, k] * L[k, j]
+            Y[i, j] = s
+    width = columns
+    for j in range(q):
+        if sd[j] > 0.0:
+            for i in range(n):
+                D[i, width] = B[i, j] * sd[j]
+            for i in range(m):
+                Y[i, width] = G[i, j] * sd[j]
+            width += 1
+    return width
+
+
+@njit(cache=True, error_model="numpy")
+def taken_in(values, before, r, width, D, Y, z, y, gains, e, S):  # type: ignore[no-untyped-def]
+    """Let a row of a log set the state right, one signal after the other; ``before`` the values of the row before."""
+    n, m = len(z), len(y)
+    own = np.empty(width)
+    for i in range(m):
+        if not values[i] == values[i]:
+            continue
+        s = 0.0
+        for j in range(width):
+            s += Y[i, j] * Y[i, j]
+        if values[i] == before[i] and s < STALE * r[i]:
+            continue
+        s += r[i]
+        off = values[i] - y[i]
+        e[i], S[i] = off / math.sqrt(s), s
+        less = 1.0 / (1.0 + math.sqrt(r[i] / s))
+        for j in range(width):
+            own[j] = Y[i, j]
+        for p in range(n):
+            g = 0.0
+            for j in range(width):
+                g += D[p, j] * own[j]
+            g /= s
+            z[p] += g * off
+            gains[p, i] = g
+            for j in range(width):
+                D[p, j] -= less * g * own[j]
+        for p in range(m):
+            g = 0.0
+            for j in range(width):
+                g += Y[p, j] * own[j]
+            g /= s
+            y[p] += g * off
+            gains[n + p, i] = g
+            for j in range(width):
+                Y[p, j] -= less * g * own[j]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def followed(  # type: ignore[no-untyped-def]
+    I, W, buffer, places, shown, noisy, times, row_of, phi, values, gains, z, at_rows,
+):  # fmt: skip
+    """Follow the mean alone, set right by known ``gains`` (rows, n + m, m); write what it shows to ``at_rows``."""
+    n, m = len(places), len(shown)
+    no_rows, y = np.empty((1, 0)), np.empty(m)
+    for k in range(len(times)):
+        put(I, W, places, z)
+        status = arrive(I, W, buffer, no_rows, times[k])
+        if status != 0:
+            return status
+        for j in range(len(noisy)):
+            W[noisy[j]] *= phi[k, j]
+        status = pass_instant(I, W, buffer, no_rows)
+        if status != 0:
+            return status
+        read(W, places, z)
+        row = row_of[k]
+        if row >= 0:
+            read(W, shown, y)
+            at_rows[row] = y
+            for i in range(m):
+                if values[row, i] == values[row, i]:
+                    off = values[row, i] - y[i]
+                    for p in range(n):
+                        z[p] += gains[row, p, i] * off
+                    for p in range(m):
+                        y[p] += gains[row, n + p, i] * off
     return 0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def filtered(  # type: ignore[no-untyped-def]
-    I, W, buffer, kept, saved, places, shown, noisy, at, size, times, row_of, phi, spread, Y, r, held, order,
-    z, L, columns, gains, given, e, S,
+def extended(  # type: ignore[no-untyped-def]
+    I, W, buffer, kept, saved, places, shown, noisy, at, size, times, row_of, phi, sd, values, r,
+    z, L, columns, A, B, H, G, gains, e, S,
 ):  # fmt: skip
-    """Write innovations ``e`` of unit variance and their variances ``S``, (rows, signals); return a status.
+    """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
     ``kept`` integers and ``saved`` floats make a run; ``places`` (n,) of the state, ``shown`` (m,) of logged signals,
     ``noisy`` (q,) of the noises in force, which stand ``at`` (q,) in the state; ``size`` (n,) of states.
-    ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``spread`` (k, q) how
-    much of a noise stays at a stop, and the standard deviation of what is drawn.  ``Y`` (rows, m), ``r`` (m,) variance
-    of rounding; ``held`` whether a value that says nothing new is skipped; ``order`` (m,) in which signals are taken.
-    ``z`` (n,), ``L`` (n, n) of which ``columns`` count: the state before the first stop.  ``gains`` (rows, n + m, m) of state and signals are
-    written, or used where ``given``: then only the mean is followed, and ``S`` is what it was.
+    ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
+    of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
+    of rounding.  ``z`` (n,), ``L`` (n, n) of which ``columns`` count: the state before the first stop.  Written are
+    the slopes ``A`` (k, n, n), ``B`` (k, n, q), ``H`` (k, m, n), ``G`` (k, m, q), and the ``gains`` (rows, n + m, m).
     """
     n, m, q = len(places), len(shown), len(noisy)
-    no_rows = np.empty((1, 0))
+    no_rows, nothing = np.empty((1, 0)), np.full(m, np.nan)
     base_I, base_W = I[:kept].copy(), W[:saved].copy()
     next_I, next_W = I[:kept].copy(), W[:saved].copy()
     stop_I, stop_W = I[:kept].copy(), W[:saved].copy()
-    D, H = np.empty((n, n + q)), np.empty((m, n + q))
-    up, down, at_stop, mean = np.empty(n), np.empty(n), np.empty(n), z.copy()
-    y, y_up, y_down = np.empty(m), np.empty(m), np.empty(m)
-    member = np.empty(n)
+    D, Y = np.empty((n, n + q)), np.empty((m, n + q))
+    up, down, at_stop, y_up, y_down = np.empty(n), np.empty(n), np.empty(n), np.empty(m), np.empty(m)
+    y, member = np.empty(m), np.empty(n)
     for k in range(len(times)):
-        # the mean, kept at the stop and behind it
         restore(I, W, base_I, base_W)
-        put(I, W, places, mean)
+        put(I, W, places, z)
         status = arrive(I, W, buffer, no_rows, times[k])
         if status != 0:
             return status
@@ -112,90 +193,103 @@ def filtered(  # type: ignore[no-untyped-def]
         if status != 0:
             return status
         next_I[:], next_W[:] = I[:kept], W[:saved]
-        row = row_of[k]
-        read(W, shown, y)
-        if given:
-            read(W, places, mean)
-        else:
+        for i in range(n):
+            variance = 0.0
             for j in range(columns):
-                for way in range(2):
-                    for i in range(n):
-                        member[i] = mean[i] + (WIDE if way == 0 else -WIDE) * L[i, j]
-                    restore(I, W, base_I, base_W)
-                    put(I, W, places, member)
-                    status = through(
-                        I, W, buffer, no_rows, places, shown, noisy, phi[k], times[k],
-                        up if way == 0 else down, y_up if way == 0 else y_down,
-                    )  # fmt: skip
-                    if status != 0:
-                        return status
-                for i in range(n):
-                    D[i, j] = (up[i] - down[i]) / (2.0 * WIDE)
-                for i in range(m):
-                    H[i, j] = (y_up[i] - y_down[i]) / (2.0 * WIDE)
-            width = columns
-            for j in range(q):
-                if spread[k, j] > 0.0:
-                    for way in range(2):
-                        restore(I, W, stop_I, stop_W)
-                        W[noisy[j]] = at_stop[at[j]] + (WIDE if way == 0 else -WIDE) * spread[k, j]
-                        status = pass_instant(I, W, buffer, no_rows)
-                        if status != 0:
-                            return status
-                        read(W, places, up if way == 0 else down)
-                        read(W, shown, y_up if way == 0 else y_down)
-                    for i in range(n):
-                        D[i, width] = (up[i] - down[i]) / (2.0 * WIDE)
-                    for i in range(m):
-                        H[i, width] = (y_up[i] - y_down[i]) / (2.0 * WIDE)
-                    width += 1
-            restore(I, W, next_I, next_W)
-            read(W, places, mean)
+                variance += L[i, j] ** 2
+            if variance == 0.0:
+                A[k, :, i] = 0.0
+                H[k, :, i] = 0.0
+                continue
+            far = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
+            for way in range(2):
+                member[:] = z
+                member[i] += far if way == 0 else -far
+                restore(I, W, base_I, base_W)
+                put(I, W, places, member)
+                status = arrive(I, W, buffer, no_rows, times[k])
+                if status == 0:
+                    for j in range(q):
+                        W[noisy[j]] *= phi[k, j]
+                    status = pass_instant(I, W, buffer, no_rows)
+                if status != 0:
+                    return status
+                read(W, places, up if way == 0 else down)
+                read(W, shown, y_up if way == 0 else y_down)
+            A[k, :, i] = (up - down) / (2.0 * far)
+            H[k, :, i] = (y_up - y_down) / (2.0 * far)
+        for j in range(q):
+            if not sd[k, j] > 0.0:
+                B[k, :, j] = 0.0
+                G[k, :, j] = 0.0
+                continue
+            far = WIDE * sd[k, j]
+            for way in range(2):
+                restore(I, W, stop_I, stop_W)
+                W[noisy[j]] = at_stop[at[j]] + (far if way == 0 else -far)
+                status = pass_instant(I, W, buffer, no_rows)
+                if status != 0:
+                    return status
+                read(W, places, up if way == 0 else down)
+                read(W, shown, y_up if way == 0 else y_down)
+            B[k, :, j] = (up - down) / (2.0 * far)
+            G[k, :, j] = (y_up - y_down) / (2.0 * far)
+        width = spread_to(A[k], B[k], H[k], G[k], sd[k], L, columns, D, Y)
+        restore(I, W, next_I, next_W)
+        read(W, places, z)
+        row = row_of[k]
         if row >= 0:
-            if given:
-                for i in order:
-                    if Y[row, i] == Y[row, i] and S[row, i] > 0.0:
-                        e[row, i] = (Y[row, i] - y[i]) / math.sqrt(S[row, i])
-                        off = Y[row, i] - y[i]
-                        for p in range(n):
-                            mean[p] += gains[row, p, i] * off
-                        for p in range(m):
-                            y[p] += gains[row, n + p, i] * off
-            else:
-                for i in order:
-                    if not Y[row, i] == Y[row, i]:
-                        continue
-                    s = 0.0
-                    for j in range(width):
-                        s += H[i, j] * H[i, j]
-                    if held[i] and row > 0 and Y[row, i] == Y[row - 1, i] and s < 0.1 * r[i]:
-                        continue
-                    s += r[i]
-                    if not s > 0.0:
-                        continue
-                    off = Y[row, i] - y[i]
-                    e[row, i], S[row, i] = off / math.sqrt(s), s
-                    less = 1.0 / (1.0 + math.sqrt(r[i] / s))
-                    for p in range(n):
-                        g = 0.0
-                        for j in range(width):
-                            g += D[p, j] * H[i, j]
-                        g /= s
-                        mean[p] += g * off
-                        gains[row, p, i] = g
-                        for j in range(width):
-                            D[p, j] -= less * g * H[i, j]
-                    own = H[i].copy()
-                    for p in range(m):
-                        g = 0.0
-                        for j in range(width):
-                            g += H[p, j] * own[j]
-                        g /= s
-                        y[p] += g * off
-                        gains[row, n + p, i] = g
-                        for j in range(width):
-                            H[p, j] -= less * g * own[j]
-        if not given:
-            columns = compressed(D, width, size, L)
+            read(W, shown, y)
+            before = values[row - 1] if row > 0 else nothing
+            taken_in(values[row], before, r, width, D, Y, z, y, gains[row], e[row], S[row])
+        columns = compressed(D, width, size, L)
         base_I[:], base_W[:] = next_I, next_W
     return 0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def otherwise(  # type: ignore[no-untyped-def]
+    at, size, row_of, phi, other_phi, other_sd, values, r, L, columns, A, B, H, G, shown, gains, other_gains, e, S,
+):  # fmt: skip
+    """Filter a log with other noise along the path of a known filter, in its slopes: see ``extended``.
+
+    ``phi`` and ``gains`` are those of the known filter, ``shown`` (rows, m) what its mean showed at each row.
+    """
+    n, m, q = A.shape[1], values.shape[1], len(at)
+    nothing = np.full(m, np.nan)
+    D, Y = np.empty((n, n + q)), np.empty((m, n + q))
+    a, h = np.empty((n, n)), np.empty((m, n))
+    aside, moved, y, known = np.zeros(n), np.empty(n), np.empty(m), np.empty(m)
+    for k in range(len(row_of)):
+        a[:], h[:] = A[k], H[k]
+        for j in range(q):
+            more = other_phi[k, j] - phi[k, j]
+            for i in range(n):
+                a[i, at[j]] += more * B[k, i, j]
+            for i in range(m):
+                h[i, at[j]] += more * G[k, i, j]
+        width = spread_to(a, B[k], h, G[k], other_sd[k], L, columns, D, Y)
+        for i in range(n):
+            s = 0.0
+            for j in range(n):
+                s += a[i, j] * aside[j]
+            moved[i] = s
+        row = row_of[k]
+        if row >= 0:
+            for i in range(m):
+                s = shown[row, i]
+                for j in range(n):
+                    s += h[i, j] * aside[j]
+                y[i] = s
+            before = values[row - 1] if row > 0 else nothing
+            taken_in(values[row], before, r, width, D, Y, moved, y, other_gains[row], e[row], S[row])
+            known[:] = shown[row]
+            for i in range(m):
+                if values[row, i] == values[row, i]:
+                    off = values[row, i] - known[i]
+                    for p in range(n):
+                        moved[p] -= gains[row, p, i] * off
+                    for p in range(m):
+                        known[p] += gains[row, n + p, i] * off
+        aside[:] = moved
+        columns = compressed(D, width, size, L)

@@ -1,6 +1,5 @@
 """A model made ready for a filter: noise as inputs that are held, dead times as scan values, one component."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +11,7 @@ from blocks.arithmetic import Sum
 from blocks.noise import Noise, seeded
 from blocks.recorded import Recorded
 from blocks.sources import Constant
+from diagram import wire
 from diagram.diagram import Diagram
 from diagram.inputs import close
 from engine import layout as at
@@ -76,10 +76,10 @@ class Prepared:
         b = self.diagram.block_index(block)
         return self.component.params[b] + self.diagram.blocks[b].param_index(name)
 
-    def fresh(self, t0: float) -> tuple[Whole, Floats]:
-        """Return the arrays of a run that has not begun."""
+    def fresh(self, t0: float, diagram: Diagram | None = None) -> tuple[Whole, Floats]:
+        """Return the arrays of a run that has not begun; ``diagram`` the same one with other parameters."""
         I, W = prepare(self.component, Settings(max_steps=BUDGET), t0)
-        self.diagram.plan().fill(Snapshot(self.component, I, W), self.diagram.blocks)
+        self.diagram.plan().fill(Snapshot(self.component, I, W), (diagram or self.diagram).blocks)
         I[at.PAUSE_AT] = np.iinfo(np.int64).max
         return I, W
 
@@ -111,8 +111,6 @@ def prepared(model: Diagram, record: Record, scan: float) -> Prepared:
     quiet = close(quiet, given) if given else quiet
     shown = [s for s in record.pinned]
     blocks = [*quiet.blocks, Sum(TIED, dict.fromkeys(shown, 1.0), name=TIED)]
-    from diagram import wire
-
     tied = wire(blocks, outputs=[TIED])
     plan = tied.plan()
     component = next(c for c in plan.components if tied.block_index(TIED) in c.blocks)

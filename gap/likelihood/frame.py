@@ -1,0 +1,129 @@
+"""What every hypothesis of one record shares: rows and stops, what the log rounds, what is free in every fit."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.role import Role
+from diagram.diagram import Diagram
+from gap.records.model import Nuisance, known_within, nuisances, silenced
+from gap.records.record import Record, rounding
+
+Floats = NDArray[np.float64]
+SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
+WHITE, LOAD, TIME = 3.0, 4.0, 5.0  # factors within which noise, loads and their time constants are fitted
+DRAWS = 20  # of a noise from row to row, at most
+SAME = 1e-6  # of an interval: stops nearer to each other are one
+FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is known to
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """``model`` with its nuisances, started as the record starts, its logged sources open; ``record`` of its signals."""
+
+    model: Diagram
+    record: Record
+
+    @cached_property
+    def quiet(self) -> Diagram:
+        """The model without random numbers."""
+        return silenced(self.model)
+
+    @cached_property
+    def noise(self) -> tuple[Nuisance, ...]:
+        """Sources of random numbers."""
+        return nuisances(self.model)
+
+    @cached_property
+    def ops(self) -> tuple[str, ...]:
+        """The logged outputs of controllers."""
+        given = {str(b.output_labels[0]) for b in self.model.blocks if b.role is Role.CONTROLLER}
+        return tuple(s for s in self.record.pinned if s in given)
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """Logged signals in the order in which they are taken in: measurements first, then outputs of controllers."""
+        return tuple(sorted(self.record.pinned, key=lambda s: s in self.ops))
+
+    @cached_property
+    def Y(self) -> Floats:
+        """Logged values, (rows, signals); NaN where they are not good."""
+        log = self.record.log
+        return np.stack([np.where(log.good(s), log[s], np.nan) for s in self.signals], axis=1)
+
+    @cached_property
+    def r(self) -> Floats:
+        """Variance of the log's rounding of each signal."""
+        found = []
+        for j in range(len(self.signals)):
+            known = self.Y[:, j][np.isfinite(self.Y[:, j])]
+            step = self.record.computed.get(self.signals[j], 0.0) or rounding(known)
+            found.append(max(step**2 / 12.0, (FINEST * float(np.std(known))) ** 2, 1e-300))
+        return np.array(found)
+
+    @cached_property
+    def skipped(self) -> int:
+        """Rows at the beginning that do not count."""
+        return min(SKIPPED, len(self.Y) // 4)
+
+    @cached_property
+    def counted(self) -> NDArray[np.bool_]:
+        """Which rows count."""
+        return np.arange(len(self.Y)) >= self.skipped
+
+    @cached_property
+    def free(self) -> dict[str, tuple[float, float]]:
+        """What is fitted with every hypothesis, block.parameter -> (low, high): tolerances, noise and loads."""
+        found = {}
+        for one in self.noise:
+            by = LOAD if one.correlation_time > 0.0 else WHITE
+            found[f"{one.block}.sd"] = (one.sd / by, one.sd * by)
+            if one.correlation_time > 0.0:
+                found[f"{one.block}.correlation_time"] = (one.correlation_time / TIME, one.correlation_time * TIME)
+        return found | known_within(self.quiet)
+
+    @cached_property
+    def stated(self) -> dict[str, float]:
+        """What the model states of all that is free, block.parameter -> value."""
+        parts = [(key, *key.rpartition(".")[::2]) for key in self.free]
+        return {key: float(self.model[block].params[name]) for key, block, name in parts}
+
+    @cached_property
+    def scan(self) -> float:
+        """The interval in which dead times are followed [s]: that of the fastest scan, or a fifth of a row's."""
+        scans = [b.period for b in self.model.blocks if b.sampled and b.role is not Role.HISTORIAN]
+        return min(scans, default=0.2 * self.record.log.dt)
+
+    @cached_property
+    def stops(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Times at which the filter stops [s], and the row of the log at each, -1 for none."""
+        t = self.record.log.t
+        times = [t]
+        for one in self.noise:
+            block = self.model[one.block]
+            if one.correlation_time == 0.0:
+                offset = float(block.params.get("offset", 0.0))
+                every = block.period * max(1, math.ceil(self.record.log.dt / block.period / DRAWS))
+                first = offset + every * math.ceil((t[0] - offset) / every - 1e-9)
+                times.append(np.arange(first, t[-1] + 1e-9, every))
+        every_time = np.sort(np.concatenate(times))
+        apart = np.concatenate([[True], np.diff(every_time) > SAME * self.record.log.dt])
+        stops = every_time[apart]
+        row_of = np.full(len(stops), -1)
+        near = np.clip(np.searchsorted(stops, t - SAME * self.record.log.dt), 0, len(stops) - 1)
+        row_of[near] = np.arange(len(t))
+        return stops, row_of
+
+    def drawn(self, noise: Nuisance) -> NDArray[np.bool_]:
+        """Return at which stops a source of white noise draws."""
+        stops, _ = self.stops
+        block = self.model[noise.block]
+        offset = float(block.params.get("offset", 0.0))
+        turns = (stops - offset) / block.period
+        at = np.abs(turns - np.round(turns)) * block.period < 1e-6
+        at[0] = True
+        found: NDArray[np.bool_] = at
+        return found

@@ -1,0 +1,250 @@
+"""A hypothesis of a record, an effect at a place or none, and the innovations that its filter leaves."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from diagram.diagram import Diagram
+from engine import layout as at
+from gap.insertion.effect import Effect
+from gap.likelihood.filtering import extended, followed, otherwise
+from gap.likelihood.frame import Frame
+from gap.likelihood.prepared import Prepared, prepared
+
+Floats = NDArray[np.float64]
+Whole = NDArray[np.int64]
+UNSURE = 0.02  # of its size: what is not known of a state at the start
+LEAST = 1e-3  # size of a state that starts at less
+EVENTS = 4096  # that one interval may hold
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """An ``effect`` at a ``place``, or none."""
+
+    frame: Frame
+    effect: Effect | None = None
+    place: str = ""
+
+    @cached_property
+    def changed(self) -> Diagram:
+        """The model with the blocks of the effect."""
+        f = self.frame
+        if self.effect is None or self.effect.of_log:
+            return f.model
+        return self.effect.started(self.effect.put(f.model, self.place), self.place, f.record.first)
+
+    @cached_property
+    def prepared(self) -> Prepared:
+        """The changed model ready for the filter."""
+        return prepared(self.changed, self.frame.record, self.frame.scan)
+
+    @cached_property
+    def own(self) -> tuple[str, ...]:
+        """Parameters of the effect."""
+        return tuple(p.name for p in self.effect.parameters) if self.effect else ()
+
+    @cached_property
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Parameter -> (low, high): those of the effect, then what is free in every fit."""
+        own = dict(self.effect.bounds(self.frame.model, self.place)) if self.effect else {}
+        return own | self.frame.free
+
+    @cached_property
+    def nominal(self) -> dict[str, float]:
+        """Parameter -> its value without the effect."""
+        own = self.effect.nominal(self.frame.model, self.place) if self.effect else {}
+        return own | self.frame.stated
+
+    def settings(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the parameters of blocks that these values stand for."""
+        found = {key: values[key] for key in self.frame.free}
+        if self.effect is not None:
+            own = {name: values[name] for name in self.own}
+            found |= self.effect.settings(self.frame.model, self.place, **own)
+        return found
+
+    def filtered(self, values: Mapping[str, float], near: "Innovations | None" = None) -> "Innovations":
+        """Return what a filter of these values leaves; with the gains of ``near``, which is quicker, only the mean moves.
+
+        Raises ``ArithmeticError`` where a run of the diagram fails.
+        """
+        f, p = self.frame, self.prepared
+        full = {**self.nominal, **values}
+        I, W = p.fresh(float(f.stops[0][0]), self._diagram(full))
+        phi, sd = self._noise(full)
+        z = W[self._places].copy()
+        n, m, q = len(z), len(f.signals), len(p.noise)
+        times, row_of = f.stops
+        buffer = np.empty((EVENTS, 4))
+        if near is not None:
+            gains, shown = self._gains(near), np.empty(f.Y.shape)
+            status = followed(I, W, buffer, self._places, self._shown, self._places[self._where], times, row_of, phi,
+                              f.Y, gains, z, shown)  # fmt: skip
+            _complain(status)
+            e = sequential(f.Y, shown, gains[:, n:]) / np.sqrt(near.S)
+            return Innovations(self, full, e, near.S, gains, shown)
+        size, L, columns = self._start(z)
+        e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
+        gains = np.zeros((len(f.Y), n + m, m))
+        slopes = tuple(np.empty((len(times), *shape)) for shape in ((n, n), (n, q), (m, n), (m, q)))
+        status = extended(
+            I, W, buffer, len(I), int(I[at.SAVED]), self._places, self._shown, self._places[self._where], self._where,
+            size, times, row_of, phi, sd, f.Y, f.r, z.copy(), L, columns, *slopes, gains, e, S,
+        )  # fmt: skip
+        _complain(status)
+        return Innovations(self, full, e, S, gains, None, Path(z, phi, slopes))
+
+    def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
+        """Return what is left with other noise, in the slopes of a known filter of the same path."""
+        f = self.frame
+        full = {**known.values, **values}
+        path = known.path
+        assert path is not None
+        phi, sd = self._noise(full)
+        size, L, columns = self._start(path.z)
+        e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
+        gains = np.zeros_like(known.gains)
+        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, L, columns, *path.slopes, known.shown,
+                  known.gains, gains, e, S)  # fmt: skip
+        return Innovations(self, full, e, S, gains)
+
+    def _diagram(self, values: Mapping[str, float]) -> Diagram:
+        """Return the prepared diagram with these values."""
+        p = self.prepared
+        others = {p.late.get(k, k): v for k, v in self.settings(values).items() if k not in self._noise_keys}
+        return p.diagram.with_params(others) if others else p.diagram
+
+    @cached_property
+    def _noise_keys(self) -> frozenset[str]:
+        return frozenset(f"{one.block}.{key}" for one, *_ in self.prepared.noise for key in ("sd", "correlation_time"))
+
+    def _noise(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """Return how much of each noise stays at each stop, and the standard deviation of what is drawn there."""
+        f, settings = self.frame, self.settings(values)
+        times, _ = f.stops
+        gap = np.diff(times, prepend=times[0])
+        phi, drawn = np.ones((len(times), len(self.prepared.noise))), np.zeros((len(times), len(self.prepared.noise)))
+        for j, (one, *_) in enumerate(self.prepared.noise):
+            sd = settings.get(f"{one.block}.sd", one.sd)
+            T = settings.get(f"{one.block}.correlation_time", one.correlation_time)
+            phi[:, j] = np.exp(-gap / T) if T > 0.0 else np.where(f.drawn(one), 0.0, 1.0)
+            drawn[:, j] = sd * np.sqrt(np.maximum(1.0 - phi[:, j] ** 2, 0.0))
+            drawn[0, j] = sd
+        return phi, drawn
+
+    def _start(self, z: Floats) -> tuple[Floats, Floats, int]:
+        """Return the size of each state, and a factor of what is not known of it at the start."""
+        size = np.maximum(np.abs(z), LEAST)
+        L, columns = np.zeros((len(z), len(z))), 0
+        for i in range(len(z)):
+            if i not in self._where:
+                L[i, columns] = UNSURE * size[i]
+                columns += 1
+        return size, L, columns
+
+    def _gains(self, near: "Innovations") -> Floats:
+        """Return the gains of another filter for the states that both have; other states are not set right."""
+        mine, theirs = self._names, near.hypothesis._names
+        if mine == theirs:
+            return near.gains
+        n, m = len(mine), len(self.frame.signals)
+        gains = np.zeros((len(self.frame.Y), n + m, m))
+        both = [(i, theirs.index(name)) for i, name in enumerate(mine) if name in theirs]
+        here, there = (np.array(side, dtype=np.int64) for side in zip(*both, strict=True))
+        gains[:, here], gains[:, n:] = near.gains[:, there], near.gains[:, len(theirs) :]
+        return gains
+
+    @cached_property
+    def _names(self) -> list[str]:
+        return [name for name, _ in self.prepared.states]
+
+    @cached_property
+    def _places(self) -> Whole:
+        return np.array([place for _, place in self.prepared.states], dtype=np.int64)
+
+    @cached_property
+    def _where(self) -> Whole:
+        """Where in the state the noises in force stand."""
+        return np.array([self._names.index(f"{holder}.value") for _, holder, *_ in self.prepared.noise], dtype=np.int64)
+
+    @cached_property
+    def _shown(self) -> Whole:
+        p = self.prepared
+        return np.array([p.component.signals[p.diagram.signals.index(s)] for s in self.frame.signals], dtype=np.int64)
+
+
+def _complain(status: int) -> None:
+    if status != 0:
+        raise ArithmeticError(f"a run of the diagram failed, with status {status}")
+
+
+def sequential(values: Floats, shown: Floats, gains: Floats) -> Floats:
+    """Return what each signal of a row misses when those before it are known, (rows, m); ``gains`` (rows, m, m)."""
+    y, missed = shown.copy(), np.full(values.shape, np.nan)
+    for i in range(values.shape[1]):
+        missed[:, i] = values[:, i] - y[:, i]
+        y += np.nan_to_num(gains[:, :, i] * missed[:, i : i + 1])
+    return missed
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Where a filter began, ``z``; how much of each noise stayed, ``phi``; its ``slopes`` at each stop (``extended``)."""
+
+    z: Floats
+    phi: Floats
+    slopes: tuple[Floats, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Innovations:
+    """What a hypothesis with certain ``values`` leaves: ``e`` (rows, signals) of unit variance if it is right, their
+    variances ``S``, and the ``gains`` of the filter; ``means`` what its mean showed at each row if that is known, and
+    the ``path`` that it took.
+    """
+
+    hypothesis: Hypothesis
+    values: Mapping[str, float]
+    e: Floats
+    S: Floats
+    gains: Floats
+    means: Floats | None = None
+    path: Path | None = None
+
+    @cached_property
+    def shown(self) -> Floats:
+        """What the mean of the filter showed at each row before the row set it right, (rows, signals)."""
+        if self.means is not None:
+            return self.means
+        m = self.e.shape[1]
+        n = self.gains.shape[1] - m
+        missed, off = np.nan_to_num(self.missed), np.zeros(self.e.shape)
+        for i in range(m):  # what a signal misses once those before it are known is less by their part
+            off[:, i] = missed[:, i] + sum(self.gains[:, n + i, j] * missed[:, j] for j in range(i))
+        return np.where(np.isfinite(self.hypothesis.frame.Y), self.hypothesis.frame.Y - off, np.nan)
+
+    @cached_property
+    def losses(self) -> Floats:
+        """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]."""
+        return np.asarray(0.5 * (np.nansum(self.e**2, axis=1) + np.nansum(np.log(self.S), axis=1)))
+
+    @cached_property
+    def nll(self) -> float:
+        """Negative logarithm of the likelihood of the rows that count [nats]."""
+        value = float(self.losses[self.hypothesis.frame.counted].sum())
+        return value if math.isfinite(value) else math.inf
+
+    @cached_property
+    def missed(self) -> Floats:
+        """Innovations in the units of their signals, (rows, signals)."""
+        return np.asarray(self.e * np.sqrt(self.S))
+
+    @cached_property
+    def judged(self) -> Floats:
+        """The innovations that count."""
+        return self.e[self.hypothesis.frame.skipped :]
