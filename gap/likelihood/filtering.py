@@ -160,7 +160,7 @@ def followed(  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, shown, noisy, at, size, times, row_of, phi, sd, values, r,
-    z, L, columns, A, B, H, G, gains, e, S,
+    z, L, columns, A, B, H, G, force, gains, e, S,
 ):  # fmt: skip
     """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
@@ -169,7 +169,8 @@ def extended(  # type: ignore[no-untyped-def]
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
     of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
     of rounding.  ``z`` (n,), ``L`` (n, n) of which ``columns`` count: the state before the first stop.  Written are
-    the slopes ``A`` (k, n, n), ``B`` (k, n, q), ``H`` (k, m, n), ``G`` (k, m, q), and the ``gains`` (rows, n + m, m).
+    the slopes ``A`` (k, n, n), ``B`` (k, n, q), ``H`` (k, m, n), ``G`` (k, m, q), the noise that was in ``force`` before
+    each stop (k, q), and the ``gains`` (rows, n + m, m).
     """
     n, m, q = len(places), len(shown), len(noisy)
     no_rows, nothing = np.empty((1, 0)), np.full(m, np.nan)
@@ -186,6 +187,7 @@ def extended(  # type: ignore[no-untyped-def]
         if status != 0:
             return status
         for j in range(q):
+            force[k, j] = W[noisy[j]]
             W[noisy[j]] *= phi[k, j]
         stop_I[:], stop_W[:] = I[:kept], W[:saved]
         read(W, places, at_stop)
@@ -249,11 +251,12 @@ def extended(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def otherwise(  # type: ignore[no-untyped-def]
-    at, size, row_of, phi, other_phi, other_sd, values, r, L, columns, A, B, H, G, shown, gains, other_gains, e, S,
+    at, size, row_of, phi, other_phi, other_sd, values, r, L, columns, A, B, H, G, force, shown, gains, other_gains,
+    e, S,
 ):  # fmt: skip
     """Filter a log with other noise along the path of a known filter, in its slopes: see ``extended``.
 
-    ``phi`` and ``gains`` are those of the known filter, ``shown`` (rows, m) what its mean showed at each row.
+    ``phi``, ``force`` and ``gains`` are those of the known filter, ``shown`` (rows, m) what its mean showed at each row.
     """
     n, m, q = A.shape[1], values.shape[1], len(at)
     nothing = np.full(m, np.nan)
@@ -273,6 +276,8 @@ def otherwise(  # type: ignore[no-untyped-def]
             s = 0.0
             for j in range(n):
                 s += a[i, j] * aside[j]
+            for j in range(q):
+                s += (other_phi[k, j] - phi[k, j]) * B[k, i, j] * force[k, j]
             moved[i] = s
         row = row_of[k]
         if row >= 0:
@@ -280,6 +285,8 @@ def otherwise(  # type: ignore[no-untyped-def]
                 s = shown[row, i]
                 for j in range(n):
                     s += h[i, j] * aside[j]
+                for j in range(q):
+                    s += (other_phi[k, j] - phi[k, j]) * G[k, i, j] * force[k, j]
                 y[i] = s
             before = values[row - 1] if row > 0 else nothing
             taken_in(values[row], before, r, width, D, Y, moved, y, other_gains[row], e[row], S[row])

@@ -91,7 +91,7 @@ class Hypothesis:
         size, L, columns = self._start(z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
         gains = np.zeros((len(f.Y), n + m, m))
-        slopes = tuple(np.empty((len(times), *shape)) for shape in ((n, n), (n, q), (m, n), (m, q)))
+        slopes = tuple(np.empty((len(times), *shape)) for shape in ((n, n), (n, q), (m, n), (m, q), (q,)))
         status = extended(
             I, W, buffer, len(I), int(I[at.SAVED]), self._places, self._shown, self._places[self._where], self._where,
             size, times, row_of, phi, sd, f.Y, f.r, z.copy(), L, columns, *slopes, gains, e, S,
@@ -113,14 +113,20 @@ class Hypothesis:
                   known.gains, gains, e, S)  # fmt: skip
         return Innovations(self, full, e, S, gains)
 
+    @property
+    def filtering(self) -> Frame:
+        """What the hypotheses of a record share."""
+        return self.frame
+
     def _diagram(self, values: Mapping[str, float]) -> Diagram:
         """Return the prepared diagram with these values."""
         p = self.prepared
-        others = {p.late.get(k, k): v for k, v in self.settings(values).items() if k not in self._noise_keys}
+        others = {p.late.get(k, k): v for k, v in self.settings(values).items() if k not in self.noise_keys}
         return p.diagram.with_params(others) if others else p.diagram
 
     @cached_property
-    def _noise_keys(self) -> frozenset[str]:
+    def noise_keys(self) -> frozenset[str]:
+        """The parameters that only make the random numbers of the model larger, or slower."""
         return frozenset(f"{one.block}.{key}" for one, *_ in self.prepared.noise for key in ("sd", "correlation_time"))
 
     def _noise(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
@@ -215,6 +221,15 @@ class Innovations:
     gains: Floats
     means: Floats | None = None
     path: Path | None = None
+
+    def again(self) -> "Innovations":
+        """Return the same values with slopes and a path of their own."""
+        return self.hypothesis.filtered(self.values)
+
+    @property
+    def explanation(self) -> Hypothesis:
+        """The hypothesis."""
+        return self.hypothesis
 
     @cached_property
     def shown(self) -> Floats:
