@@ -17,11 +17,15 @@ import math
 import numpy as np
 from numba import njit
 
+from engine.layout import COUNT, EVENTS, N_BLOCKS, R
+from engine.layout import H as H0
 from engine.members import arrive, pass_instant, put, read, restore
 
 WIDE = math.sqrt(3.0)
 DROPPED = 1e-13  # share of its size below which what is left of a state's variance is rounding
 NARROWEST = 1e-7  # of a state's size: the least difference that shows a slope
+BENT = 0.05  # share of its spread by which a stop may lie off the slopes of another that stand for its own
+KINDS = 8  # of stops whose slopes are kept
 STALE = 0.1  # of the rounding's variance, below which a value that did not change says nothing new
 
 
@@ -157,6 +161,105 @@ def followed(  # type: ignore[no-untyped-def]
     return 0
 
 
+@njit(cache=True, error_model="numpy")
+def slopes_at(  # type: ignore[no-untyped-def]
+    I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, L, columns,
+    A, B, H, G,
+):  # fmt: skip
+    """Write the slopes of what a stretch and the stop behind it make of the state, and of a noise drawn there."""
+    n, m = len(places), len(shown)
+    no_rows = np.empty((1, 0))
+    up, down, y_up, y_down, member = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
+    for i in range(n):
+        variance = 0.0
+        for j in range(columns):
+            variance += L[i, j] ** 2
+        far = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
+        for way in range(2):
+            member[:] = z
+            member[i] += far if way == 0 else -far
+            restore(I, W, base_I, base_W)
+            put(I, W, places, member)
+            status = arrive(I, W, buffer, no_rows, t)
+            if status == 0:
+                for j in range(len(noisy)):
+                    W[noisy[j]] *= phi[j]
+                status = pass_instant(I, W, buffer, no_rows)
+            if status != 0:
+                return status
+            read(W, places, up if way == 0 else down)
+            read(W, shown, y_up if way == 0 else y_down)
+        A[:, i] = (up - down) / (2.0 * far)
+        H[:, i] = (y_up - y_down) / (2.0 * far)
+    for j in range(len(noisy)):
+        B[:, j] = 0.0
+        G[:, j] = 0.0
+        if sd[j] > 0.0:
+            far = WIDE * sd[j]
+            for way in range(2):
+                restore(I, W, stop_I, stop_W)
+                W[noisy[j]] = at_stop[at[j]] + (far if way == 0 else -far)
+                status = pass_instant(I, W, buffer, no_rows)
+                if status != 0:
+                    return status
+                read(W, places, up if way == 0 else down)
+                read(W, shown, y_up if way == 0 else y_down)
+            B[:, j] = (up - down) / (2.0 * far)
+            G[:, j] = (y_up - y_down) / (2.0 * far)
+    return 0
+
+
+@njit(cache=True, error_model="numpy")
+def same_kind(base, behind, kinds, known, times, phi, sd, k):  # type: ignore[no-untyped-def]
+    """Return the slot of stops like this one, by what sampled on the way; -1 for one with events, or for none left."""
+    if k == 0 or behind[EVENTS] != base[EVENTS]:
+        return -1
+    for slot in range(len(known)):
+        if known[slot] < 0:
+            for b in range(kinds.shape[1]):
+                kinds[slot, b] = behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
+            return slot
+        other = known[slot]
+        alike = abs((times[k] - times[k - 1]) - (times[other] - times[other - 1])) < 1e-9 * times[k]
+        for j in range(phi.shape[1]):
+            alike = alike and abs(phi[k, j] - phi[other, j]) < 1e-9 and sd[k, j] == sd[other, j]
+        for b in range(kinds.shape[1]):
+            alike = alike and kinds[slot, b] == behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
+        if alike:
+            return slot
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def reused(k, other, z, behind, y, from_z, to_z, to_y, sd, L, columns, size, A, B, H, G, D, Y):  # type: ignore[no-untyped-def]
+    """Take the slopes of another stop if they foretell this one within a small part of its spread; else return -1.
+
+    Else return how many columns the spread has.
+    """
+    n, m = len(z), len(y)
+    width = spread_to(A[other], B[other], H[other], G[other], sd[k], L, columns, D, Y)
+    for i in range(n):
+        off = behind[i] - to_z[i]
+        for j in range(n):
+            off -= A[other, i, j] * (z[j] - from_z[j])
+        variance = 0.0
+        for j in range(width):
+            variance += D[i, j] ** 2
+        if off**2 > BENT**2 * variance + (NARROWEST * size[i]) ** 2:
+            return -1
+    for i in range(m):
+        off = y[i] - to_y[i]
+        for j in range(n):
+            off -= H[other, i, j] * (z[j] - from_z[j])
+        variance = 0.0
+        for j in range(width):
+            variance += Y[i, j] ** 2
+        if off**2 > BENT**2 * variance + (NARROWEST * abs(y[i])) ** 2:
+            return -1
+    A[k], B[k], H[k], G[k] = A[other], B[other], H[other], G[other]
+    return width
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, shown, noisy, at, size, times, row_of, phi, sd, values, r,
@@ -178,8 +281,9 @@ def extended(  # type: ignore[no-untyped-def]
     next_I, next_W = I[:kept].copy(), W[:saved].copy()
     stop_I, stop_W = I[:kept].copy(), W[:saved].copy()
     D, Y = np.empty((n, n + q)), np.empty((m, n + q))
-    up, down, at_stop, y_up, y_down = np.empty(n), np.empty(n), np.empty(n), np.empty(m), np.empty(m)
-    y, member = np.empty(m), np.empty(n)
+    at_stop, behind, y = np.empty(n), np.empty(n), np.empty(m)
+    kinds, known = np.zeros((KINDS, I[N_BLOCKS]), dtype=np.int64), np.full(KINDS, -1)
+    from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
     for k in range(len(times)):
         restore(I, W, base_I, base_W)
         put(I, W, places, z)
@@ -195,53 +299,28 @@ def extended(  # type: ignore[no-untyped-def]
         if status != 0:
             return status
         next_I[:], next_W[:] = I[:kept], W[:saved]
-        for i in range(n):
-            variance = 0.0
-            for j in range(columns):
-                variance += L[i, j] ** 2
-            if variance == 0.0:
-                A[k, :, i] = 0.0
-                H[k, :, i] = 0.0
-                continue
-            far = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
-            for way in range(2):
-                member[:] = z
-                member[i] += far if way == 0 else -far
-                restore(I, W, base_I, base_W)
-                put(I, W, places, member)
-                status = arrive(I, W, buffer, no_rows, times[k])
-                if status == 0:
-                    for j in range(q):
-                        W[noisy[j]] *= phi[k, j]
-                    status = pass_instant(I, W, buffer, no_rows)
-                if status != 0:
-                    return status
-                read(W, places, up if way == 0 else down)
-                read(W, shown, y_up if way == 0 else y_down)
-            A[k, :, i] = (up - down) / (2.0 * far)
-            H[k, :, i] = (y_up - y_down) / (2.0 * far)
-        for j in range(q):
-            if not sd[k, j] > 0.0:
-                B[k, :, j] = 0.0
-                G[k, :, j] = 0.0
-                continue
-            far = WIDE * sd[k, j]
-            for way in range(2):
-                restore(I, W, stop_I, stop_W)
-                W[noisy[j]] = at_stop[at[j]] + (far if way == 0 else -far)
-                status = pass_instant(I, W, buffer, no_rows)
-                if status != 0:
-                    return status
-                read(W, places, up if way == 0 else down)
-                read(W, shown, y_up if way == 0 else y_down)
-            B[k, :, j] = (up - down) / (2.0 * far)
-            G[k, :, j] = (y_up - y_down) / (2.0 * far)
-        width = spread_to(A[k], B[k], H[k], G[k], sd[k], L, columns, D, Y)
         restore(I, W, next_I, next_W)
-        read(W, places, z)
+        read(W, places, behind)
+        read(W, shown, y)
+        slot = same_kind(base_I, next_I, kinds, known, times, phi, sd, k)
+        width = -1
+        if slot >= 0 and known[slot] >= 0:
+            width = reused(k, known[slot], z, behind, y, from_z[slot], to_z[slot], to_y[slot], sd, L, columns, size,
+                           A, B, H, G, D, Y)  # fmt: skip
+        if width < 0:
+            status = slopes_at(
+                I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],
+                z, at_stop, L, columns, A[k], B[k], H[k], G[k],
+            )  # fmt: skip
+            if status != 0:
+                return status
+            width = spread_to(A[k], B[k], H[k], G[k], sd[k], L, columns, D, Y)
+            if slot >= 0:
+                known[slot] = k
+                from_z[slot], to_z[slot], to_y[slot] = z, behind, y
+        z[:] = behind
         row = row_of[k]
         if row >= 0:
-            read(W, shown, y)
             before = values[row - 1] if row > 0 else nothing
             taken_in(values[row], before, r, width, D, Y, z, y, gains[row], e[row], S[row])
         columns = compressed(D, width, size, L)

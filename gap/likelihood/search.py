@@ -1,0 +1,252 @@
+"""Which effect explains a record: every effect at every place by its score, the likeliest by a fit of their own.
+
+    gain of a size  =  (e . d)^2 / (2 |d|^2)       d: what the size changes in the innovations, less its projection on
+                                                   what the free parameters of the model change
+
+The score is that of the model's own filter, so each size costs one run.  The effects of the highest scores get filters
+of their own and are fitted with all that is free in the model.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.arithmetic import Sum
+from blocks.recorded import Recorded
+from diagram import wire
+from diagram.progress import Progress, reporting
+from gap.fits.loads import is_load, planned
+from gap.insertion.effect import Effect
+from gap.likelihood.fit import Fit, refined, tried
+from gap.likelihood.frame import Frame
+from gap.likelihood.hypothesis import Hypothesis, Innovations
+
+Floats = NDArray[np.float64]
+TRIED, FINISHED = 8, 3  # effects that are fitted; those of them that are fitted to the end
+FIRST = 2  # rounds of a first fit
+FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
+SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
+SIZES = 5  # of a size whose neutral value is none at all
+CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
+STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
+CALM = 4.0  # innovations beyond are cut before they are compared with anything
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """The best first size of an effect: ``looked`` with the gains of the model, the ``gain`` of its score [nats], and
+    the ``direction`` of what it changes, (rows, signals), of unit length.
+    """
+
+    looked: Innovations
+    gain: float
+    direction: Floats
+
+
+def model_alone(frame: Frame) -> Fit:
+    """Return the model without an effect, all that is free in it fitted.
+
+    Raises ``ArithmeticError`` where the model cannot be run along the record.
+    """
+    one = Hypothesis(frame)
+    best = known = one.filtered({})
+    for load in (n for n in frame.noise if n.correlation_time > 0.0):
+        near = best.values
+        for by_sd in STARTS:
+            for by_time in STARTS:
+                other = {f"{load.block}.sd": near[f"{load.block}.sd"] * by_sd,
+                         f"{load.block}.correlation_time": near[f"{load.block}.correlation_time"] * by_time}  # fmt: skip
+                found = one.noisier(known, {**best.values, **other})
+                best = found if found.nll < best.nll else best
+    if best is not known:
+        best = best.again()
+    noise = [name for name in frame.free if name in one.noise_keys]
+    return refined(refined(best, noise).best, tuple(frame.free))
+
+
+def legal(frame: Frame, catalogue: Iterable[Effect]) -> list[Hypothesis]:
+    """Return the hypotheses that a catalogue has for a record."""
+    return [
+        Hypothesis(frame, effect, place)
+        for effect in catalogue if not effect.of_log
+        for place in effect.places(frame.model)
+    ]  # fmt: skip
+
+
+def candidates(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
+    """Return the best first size of every hypothesis that the record feels, the highest score first."""
+    found = []
+    with reporting(progress, len(hypotheses), "effects") as tell:
+        for k, one in enumerate(hypotheses):
+            best = _best_size(null, one)
+            if best is not None:
+                found.append(best)
+            tell(k + 1, len(hypotheses))
+    return sorted(found, key=lambda c: -c.gain)
+
+
+def fitted(null: Fit, found: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
+    """Return the fits of the candidates of the highest scores, the likeliest first."""
+    first = []
+    chosen = found[:TRIED]
+    with reporting(progress, len(chosen), "fits") as tell:
+        for k, one in enumerate(chosen):
+            start = _own_filter(null, one)
+            if start is not None:
+                first.append(refined(start, free_names(start.hypothesis), FIRST))
+            tell(k + 1, len(chosen))
+    first.sort(key=price)
+    best = [refined(fit.best, free_names(fit.hypothesis)) for fit in first[:FINISHED]]
+    return sorted([*best, *first[FINISHED:]], key=price)
+
+
+def price(fit: Fit) -> float:
+    """Return the nll and what the parameters of an effect cost by Schwarz's criterion, half ln n each [nats]."""
+    one = fit.hypothesis
+    if one.effect is None:
+        return fit.nll
+    n = float(np.isfinite(fit.best.judged).sum())
+    count = sum(1 for p in one.effect.parameters if math.isfinite(fit.best.values[p.name]))
+    return fit.nll + 0.5 * count * math.log(max(n, 2.0))
+
+
+def free_names(one: Hypothesis) -> tuple[str, ...]:
+    """Return the parameters that a fit varies: those of the effect that have a slope, and all that is free."""
+    own = tuple(p.name for p in one.effect.parameters if p.smooth) if one.effect else ()
+    return (*own, *one.frame.free)
+
+
+def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
+    """Return a filter of its own of the likelier of two sizes: the one that was looked at, or as its score says."""
+    return tried(one.looked.hypothesis, one.looked.values)
+
+
+def _best_size(null: Fit, one: Hypothesis) -> Candidate | None:
+    """Return the size of the highest score; None if the record feels none."""
+    best: Candidate | None = None
+    at = {key: null.best.values[key] for key in one.frame.free}
+    for size in sizes(null, one):
+        looked = tried(one, {**at, **size}, null.best)
+        scored = None if looked is None else score(null, looked)
+        if looked is not None and scored is not None and (best is None or scored[0] > best.gain):
+            best = Candidate(looked, *scored)
+    return best
+
+
+def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
+    """Return the gain that the score promises [nats], and the direction of the change; None where nothing is felt."""
+    rows = null.hypothesis.frame.counted
+    d = np.nan_to_num(looked.e - null.best.e)
+    d[~rows] = 0.0
+    for slope in _basis(null):
+        d = d - slope * float(np.sum(slope * d))
+    length = float(np.sqrt(np.sum(d**2)))
+    if not 1e-6 < length < math.inf:
+        return None
+    direction = d / length
+    e = np.clip(np.nan_to_num(null.best.e), -CALM, CALM)
+    along = -float(np.sum(e * direction))
+    return 0.5 * max(along, 0.0) ** 2, direction
+
+
+def _basis(null: Fit) -> Floats:
+    """Return an orthonormal basis of what the free parameters of the model change, (k, rows, signals)."""
+    if not len(null.slopes):
+        return null.slopes
+    rows = null.hypothesis.frame.counted
+    flat = (null.slopes * rows[None, :, None]).reshape(len(null.slopes), -1)
+    flat = flat[np.sqrt(np.sum(flat**2, axis=1)) > 1e-3]
+    q, _ = np.linalg.qr(flat.T)
+    return np.asarray(q.T.reshape(-1, *null.slopes.shape[1:]))
+
+
+def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
+    """Return the sizes of an effect to look at first."""
+    effect, f = one.effect, one.frame
+    assert effect is not None
+    if is_load(effect):
+        return _loads(null, one)
+    if one.own == ("low", "high"):
+        return _limits(one)
+    found: list[dict[str, float]] = [{}]
+    for p in effect.parameters:
+        if p.nuisance:
+            continue
+        low, high = one.bounds[p.name]
+        nominal = one.nominal[p.name]
+        if p.spacing == "log" and low < nominal < high:
+            several = [nominal * by for by in FACTORS]
+        elif p.spacing == "log":
+            several = np.geomspace(low, high, SIZES + 2)[1:-1].tolist()
+        else:
+            start = nominal if math.isfinite(nominal) else low
+            several = [start + way * share * (high - low) for share in SHARES for way in (1.0, -1.0)]
+        kept = [v for v in several if low <= v <= high]
+        found = [{**before, p.name: v} for before in found for v in kept] if kept else found
+    return [size for size in found if size]
+
+
+def _limits(one: Hypothesis) -> list[dict[str, float]]:
+    """Return limits where OP stands or stood: of a valve, or of a controller."""
+    f, effect = one.frame, one.effect
+    assert effect is not None
+    signals = [str(s) for s in f.model[one.place].output_labels + f.model[one.place].input_labels]
+    op = next((s for s in signals if s in f.signals), f.ops[-1] if f.ops else "")
+    if not op:
+        return []
+    low, high = f.model.signal_spans.get(op, (0.0, 1.0))
+    to_unit = 100.0 / (high - low) if effect.parameters[0].unit.startswith("%") else 1.0
+    values = np.sort(f.Y[:, f.signals.index(op)][np.isfinite(f.Y[:, f.signals.index(op)])])
+    zero = low if to_unit != 1.0 else 0.0
+    found = []
+    for share in CUT:
+        k = int(share * (len(values) - 1))
+        found.append({"low": (values[k] - zero) * to_unit})
+        found.append({"high": (values[-1 - k] - zero) * to_unit})
+    return [{k: float(v) for k, v in size.items() if one.bounds[k][0] < v < one.bounds[k][1]} for size in found]
+
+
+def _loads(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
+    """Return the planned loads that the innovations of the model propose."""
+    f = one.frame
+    h = _response(null, one)
+    if h is None:
+        return []
+    t, first = f.record.log.t, f.skipped
+    e = np.clip(np.nan_to_num(null.best.e[first:]), -CALM, CALM)
+    guesses = planned(one.effect, f.quiet, one.place, t[first:], e, h, shortest=4.0)
+    return [{k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds} for guess in guesses]
+
+
+def _response(null: Fit, one: Hypothesis) -> Floats | None:
+    """Return how innovations answer a load of 1 in one interval of the log at a place, (rows from then on, signals)."""
+    f = one.frame
+    t, first = f.record.log.t, f.skipped
+    at = first + (len(t) - first) // 4
+    signal = str(f.model[one.place].output_labels[0])
+    size = max(0.05 * abs(one.bounds["amplitude"][1]), 1e-9)
+    push = np.zeros(len(t))
+    push[at] = size
+    wave = [Recorded("wave", t, push, hold="previous"), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
+    kicked = _Kicked(f, signal=signal, wave=wire(wave, ["in"], ["out"], name=f"{one.place}:pulse"))
+    moved = tried(kicked, null.best.values, null.best)
+    if moved is None:
+        return None
+    h = np.nan_to_num((moved.e - null.best.e) / size)[at:]
+    return h if np.abs(h).max(initial=0.0) > 0.0 else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Kicked(Hypothesis):
+    """The model with a wave added to a signal."""
+
+    signal: str = ""
+    wave: object = None
+
+    @property
+    def changed(self):  # type: ignore[no-untyped-def, override]
+        """Return the model with the wave."""
+        return self.frame.model.insert(self.signal, self.wave)
