@@ -86,8 +86,11 @@ def tried(one: Hypothesis, values: Mapping[str, float], near: Innovations | None
     return found if math.isfinite(found.nll) else None
 
 
-def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS) -> Fit:
-    """Return the fit near a start, which a filter of its own has left; ``names`` of the parameters that are free."""
+def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS, near: Innovations | None = None) -> Fit:
+    """Return the fit near a start; ``names`` of the parameters that are free.
+
+    The start is what a filter of its own has left, or what was left with the gains of the filter ``near``, which stay.
+    """
     now, damped = start, 1e-3
     g, information, felt, slopes = _slopes(now, names)
     for _ in range(rounds):
@@ -98,7 +101,7 @@ def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS) -> F
             d, promised = _step(now, felt, g, information, damped)
             if promised < SETTLED:
                 break
-            ahead = _at(now, felt, d)
+            ahead = _at(now, felt, d, near)
             if ahead is not None and ahead.nll < now.nll - 1e-3:
                 gained, now, moved, damped = now.nll - ahead.nll, ahead, True, max(0.2 * damped, 1e-4)
                 break
@@ -111,15 +114,12 @@ def refined(start: Innovations, names: Sequence[str], rounds: int = ROUNDS) -> F
     return Fit(now, tuple(felt), information, slopes)
 
 
-def _at(now: Innovations, names: Sequence[str], d: Floats) -> Innovations | None:
-    """Return a filter of its own a step away; by the slopes of this one where only noise is another."""
+def _at(now: Innovations, names: Sequence[str], d: Floats, near: Innovations | None) -> Innovations | None:
+    """Return what is left a step away."""
     one = now.hypothesis
     at = np.array([coordinate(one, name, now.values[name]) for name in names])
     values = {name: value(one, name, x) for name, x in zip(names, at + d, strict=True)}
-    if one.noise_keys.issuperset(names) and now.path is not None:
-        found = one.noisier(now, values)
-        return found.again() if math.isfinite(found.nll) else None
-    return tried(one, {**now.values, **values})
+    return tried(one, {**now.values, **values}, near)
 
 
 def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, list[str], Floats]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -112,6 +112,23 @@ class Hypothesis:
         otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, L, columns, *path.slopes, known.shown,
                   known.gains, gains, e, S)  # fmt: skip
         return Innovations(self, full, e, S, gains)
+
+    def of(self, frame: Frame) -> "Hypothesis":
+        """Return the same hypothesis of another record of the same rows and set points."""
+        other = replace(self, frame=frame)
+        other.__dict__["prepared"] = self.prepared
+        return other
+
+    def model(self, values: Mapping[str, float]) -> Diagram:
+        """Return the diagram, with its nuisances, that these values stand for."""
+        grouped: dict[str, dict[str, float]] = {}
+        for key, size in self.settings({**self.nominal, **values}).items():
+            block, _, name = key.rpartition(".")
+            grouped.setdefault(block, {})[name] = float(size)
+        found = self.changed
+        for block, own in grouped.items():
+            found = found.replace(block, found[block].with_params(**own))
+        return found
 
     @property
     def filtering(self) -> Frame:

@@ -26,12 +26,13 @@ from gap.likelihood.hypothesis import Hypothesis, Innovations
 
 Floats = NDArray[np.float64]
 TRIED, FINISHED = 8, 3  # effects that are fitted; those of them that are fitted to the end
-FIRST = 2  # rounds of a first fit
+FIRST, APPROACH = 2, 4  # rounds of a first fit, and of one with the gains of the model before it
 FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES = 5  # of a size whose neutral value is none at all
 CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
+CLOSE = 1.0  # nats of scores between which the likelier size counts
 CALM = 4.0  # innovations beyond are cut before they are compared with anything
 
 
@@ -120,8 +121,12 @@ def free_names(one: Hypothesis) -> tuple[str, ...]:
 
 
 def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
-    """Return a filter of its own of the likelier of two sizes: the one that was looked at, or as its score says."""
-    return tried(one.looked.hypothesis, one.looked.values)
+    """Return a filter of its own of a candidate, its size fitted with the gains of the model before."""
+    hypothesis = one.looked.hypothesis
+    names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
+    near = refined(one.looked, names, APPROACH, null.best).best
+    own = tried(hypothesis, near.values)
+    return own if own is not None else tried(hypothesis, one.looked.values)
 
 
 def _best_size(null: Fit, one: Hypothesis) -> Candidate | None:
@@ -131,7 +136,9 @@ def _best_size(null: Fit, one: Hypothesis) -> Candidate | None:
     for size in sizes(null, one):
         looked = tried(one, {**at, **size}, null.best)
         scored = None if looked is None else score(null, looked)
-        if looked is not None and scored is not None and (best is None or scored[0] > best.gain):
+        if looked is None or scored is None:
+            continue
+        if best is None or scored[0] > best.gain + CLOSE or (scored[0] > best.gain - CLOSE and looked.nll < best.looked.nll):
             best = Candidate(looked, *scored)
     return best
 
@@ -141,7 +148,7 @@ def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
     rows = null.hypothesis.frame.counted
     d = np.nan_to_num(looked.e - null.best.e)
     d[~rows] = 0.0
-    for slope in _basis(null):
+    for slope in basis(null):
         d = d - slope * float(np.sum(slope * d))
     length = float(np.sqrt(np.sum(d**2)))
     if not 1e-6 < length < math.inf:
@@ -152,7 +159,7 @@ def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
     return 0.5 * max(along, 0.0) ** 2, direction
 
 
-def _basis(null: Fit) -> Floats:
+def basis(null: Fit) -> Floats:
     """Return an orthonormal basis of what the free parameters of the model change, (k, rows, signals)."""
     if not len(null.slopes):
         return null.slopes

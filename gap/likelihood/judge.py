@@ -1,0 +1,92 @@
+"""Whether a hypothesis is right: its innovations beside those of runs of itself.
+
+    T = the largest of all figures: innovations white, of unit size, indifferent to all that is known, and to a little
+        of every effect of the catalogue
+    p = 1 - exp(-exp(-(T - a) / b))          a, b of Gumbel's law, from runs of the hypothesis with its own noise
+
+One question for the model alone ("is there a gap?") and for the effect that is named ("is it enough?").
+Source of the law of largest values: Gumbel, Statistics of Extremes (1958), section 5.2.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gap.filters.checks import checks
+from gap.floors.floor import without_gap
+from gap.likelihood.fit import Fit, tried
+from gap.likelihood.search import CALM, Candidate, basis
+
+Floats = NDArray[np.float64]
+RUNS = 24  # of a hypothesis, which say what is usual
+ALARM = 0.005  # share of right hypotheses that are called wrong
+LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How unusual innovations are: the largest figure, ``size`` [standard deviations], its ``name``, and its chance
+    ``p`` if the hypothesis is right; ``limit`` which figures of right ones exceed with a chance of ``ALARM``.
+    """
+
+    size: float
+    name: str
+    p: float
+    limit: float
+
+    @property
+    def unusual(self) -> bool:
+        """Whether a right hypothesis leaves as much hardly ever."""
+        return self.size > self.limit
+
+
+def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
+    """Return how unusual the innovations of a fit are, beside ``others``, effects that it has not."""
+    away = [(f"a little of {c.looked.hypothesis.effect.name} at {c.looked.hypothesis.place}", c.direction)
+            for c in others if c.looked.hypothesis.effect is not None]  # fmt: skip
+    directions = _apart(fit, away)
+    name, size = largest(fit, fit.best.e, directions)
+    one, f = fit.hypothesis, fit.hypothesis.frame
+    usual = []
+    for log in without_gap(one.model(fit.best.values), f.record, RUNS, seed + 1):
+        run = one.of(replace(f, record=replace(f.record, log=log)))
+        left = tried(run, fit.best.values, fit.best)
+        if left is not None:
+            usual.append(largest(replace(fit, best=left), left.e, directions)[1])
+    if len(usual) < RUNS // 2:
+        return Verdict(size, name, 1.0, math.inf)
+    b = float(np.std(usual, ddof=1)) * math.sqrt(6.0) / math.pi
+    a = float(np.mean(usual)) - 0.5772 * b
+    p = -math.expm1(-math.exp(-min((size - a) / b, 700.0)))
+    return Verdict(size, name, p, a - b * math.log(-math.log1p(-ALARM)))
+
+
+def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
+    """Return whether a fit leaves nothing unusual, or next to nothing of what the model alone leaves."""
+    return verdict.size <= max(verdict.limit, LITTLE * alone.size)
+
+
+def largest(fit: Fit, e: Floats, directions: Sequence[tuple[str, Floats]]) -> tuple[str, float]:
+    """Return the figure that innovations pass least, and its size."""
+    found = checks(fit.best)  # type: ignore[arg-type]
+    cut = np.clip(np.nan_to_num(e), -CALM, CALM)
+    found |= {name: float(np.sum(cut * d)) for name, d in directions}
+    name = max(found, key=lambda key: abs(found[key]), default="")
+    return name, abs(found.get(name, 0.0))
+
+
+def _apart(fit: Fit, away: Sequence[tuple[str, Floats]]) -> list[tuple[str, Floats]]:
+    """Return directions less their projection on what the fit may change, of unit length."""
+    own = basis(fit)
+    found = []
+    for name, d in away:
+        left = d.copy()
+        for slope in own:
+            left = left - slope * float(np.sum(slope * left))
+        length = float(np.sqrt(np.sum(left**2)))
+        if length > 0.3:  # the rest is what the fit has already
+            found.append((name, left / length))
+    return found
