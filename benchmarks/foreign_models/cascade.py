@@ -1,7 +1,7 @@
 """A temperature controller sets the flow of hot oil: the model of ``benchmarks/foreign/cascade.py``.
 
-The sensor of the temperature is read every 2 s here: of the values that the sheet has every 0.5 s its controller uses and
-logs only these.  The load of the vessel enters behind its dead time in the sheet and before it here.
+The sensor of the temperature is read every 2 s here: of the values that the sheet has every 0.5 s, its controller uses
+and logs only these.  The load of the vessel enters behind its dead time in the sheet and before it here.
 """
 
 import math
@@ -45,9 +45,7 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             ),
             IdealValve(),
             Noise("load_p", sd=0.03 * load_factor, dt=1.0, correlation_time=40.0, name="feed_pipe"),
-            Equations(
-                "pipe", der=_pipe, states={"q": 5.0}, inputs=["MV", "load_p"], params={"K": 10.0, "tau": 1.5}
-            ),
+            Equations("pipe", der=_pipe, states={"q": 5.0}, inputs=["MV", "load_p"], params={"K": 10.0, "tau": 1.5}),
             SampledSensor(
                 0.5, sd=0.04 * noise_factor, tau=0.2, start=5.0, name="flow_sensor", inputs="q", outputs="PV_F"
             ),

@@ -1,6 +1,6 @@
 """The level of a drum, which answers the wrong way first: the model of ``benchmarks/foreign/drum_level.py``.
 
-    hold = integral of 0.25 (w - 0.5 - load);    20 d collapse/dt = 6 w - collapse;    L = hold - collapse
+hold = integral of 0.25 (w - 0.5 - load);    20 d collapse/dt = 6 w - collapse;    L = hold - collapse
 """
 
 from blocks import FirstOrder, Historian, IdealValve, Integrator, Noise, SampledPI, SampledSensor, Sum

@@ -1,4 +1,4 @@
-"""Flow of a pump through an equal-percentage valve: the model of ``benchmarks/foreign/pump_flow.py``, OP and MV in %."""
+"""A pump and an equal-percentage valve: the model of ``benchmarks/foreign/pump_flow.py``, OP and MV in %."""
 
 from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
 from diagram import Diagram, wire
@@ -12,8 +12,8 @@ def _pipe(Q: float, MV: float, load: float, K: float, tau: float) -> float:
 def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
     """Return the loop; its set point ``SP`` [m3/h] is open.
 
-    The process calls the flow coefficient ``K`` [m3/h per root m] and the inertia ``tau`` [m s h/m3]; it has the body of
-    the valve in it, so a factor of ``K`` is one of f.
+    The process calls the flow coefficient ``K`` [m3/h per root m] and the inertia ``tau`` [m s h/m3]; it has the body
+    of the valve in it, so a factor of ``K`` is one of f.
     """
     return wire(
         [

@@ -1,8 +1,8 @@
 """Flow of B in a ratio to a wild flow: the model of ``benchmarks/foreign/ratio_feedforward.py``.
 
-No block has a feedforward within its limits and its anti-windup, so the sum is limited behind the controller here, and the
-integral does not follow it there.  SP, which the ratio station gives, is an open input; what SP did between two rows
-(the noise of A's meter is in it) nobody knows.
+No block has a feedforward within its limits and its anti-windup, so the sum is limited behind the controller here, and
+the integral does not follow it there.  SP, which the ratio station gives, is an open input; what SP did between two
+rows (the noise of A's meter is in it) nobody knows.
 """
 
 import math
@@ -35,9 +35,7 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             Saturation("OP", "wanted", 0.0, 1.0),
             IdealValve(),
             Noise("load", sd=0.02 * load_factor, dt=1.0, correlation_time=30.0, name="feed"),
-            Equations(
-                "process", der=_pipe, states={"q": 30.0}, inputs=["MV", "load"], params={"K": 60.0, "tau": 3.0}
-            ),
+            Equations("process", der=_pipe, states={"q": 30.0}, inputs=["MV", "load"], params={"K": 60.0, "tau": 3.0}),
             SampledSensor(
                 1.0, sd=0.15 * noise_factor, tau=0.5, low=0.0, high=80.0, start=30.0, inputs="q", outputs="PV"
             ),

@@ -1,7 +1,7 @@
 """A tank with a hole under an analogue PI: the model of ``benchmarks/foreign/sqrt_tank.py``, OP and MV in %.
 
-The tank is written as ``Equations``: a block ``Tank`` gives its overflow, which follows the inflow at once, and is refused
-in a level loop as an algebraic loop.
+The tank is written as ``Equations``: a block ``Tank`` gives its overflow, which follows the inflow at once, and is
+refused in a level loop as an algebraic loop.
 """
 
 import math
@@ -18,7 +18,7 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
     """Return the loop; its set point ``SP`` [m] is open.  The process calls its area ``tau`` [m2]."""
     return wire(
         [
-            PI(1.2 * 100.0, 80.0, low=0.0, high=100.0, start_op=50.0),
+            PI(120.0, 80.0, low=0.0, high=100.0, T_t=0.5, start_op=50.0),  # the integral follows within half a second
             IdealValve(),
             Noise("load", sd=0.0008 * load_factor, dt=1.0, correlation_time=120.0, name="feed"),  # [m3/s]
             Sum("inflow", {"MV": 0.0004, "load": 1.0}),

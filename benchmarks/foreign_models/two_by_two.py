@@ -1,4 +1,4 @@
-"""Reflux and steam of a column, each of which moves both temperatures: the model of ``benchmarks/foreign/two_by_two.py``.
+"""Reflux and steam of a column, each of which moves both temperatures, of ``benchmarks/foreign/two_by_two.py``.
 
 OP and MV are in %, the loads in shares of full flow.
 """
