@@ -135,7 +135,7 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
         if name in one.noise_keys:
             probe = one.noisier(now, changed)
         else:
-            found = tried(one, {**now.values, **changed}, now)
+            found = tried(one, {**now.values, **changed}, now) or tried(one, {**now.values, **changed})
             if found is None:
                 continue
             probe = found
@@ -146,12 +146,14 @@ def _slopes(now: Innovations, names: Sequence[str]) -> tuple[Floats, Floats, lis
             continue
         missed.append(d)
         spread.append(w)
-        gradient.append(float(np.sum((e * d + 0.5 * w * (1.0 - e**2) * np.isfinite(now.e))[rows])))
+        known = now.weights * e
+        gradient.append(float(np.sum((known * d + 0.5 * w * (np.isfinite(now.e) - known * e))[rows])))
         felt.append(name)
     if not felt:
         return np.zeros(0), np.zeros((0, 0)), [], np.zeros((0, *now.e.shape))
     slopes, both = np.array(missed), np.array(spread)
-    D, V = (x[:, rows].reshape(len(felt), -1) for x in (slopes, both))
+    sure = np.sqrt(now.weights)
+    D, V = ((x * sure)[:, rows].reshape(len(felt), -1) for x in (slopes, both))
     return np.array(gradient), D @ D.T + 0.5 * V @ V.T, felt, slopes
 
 

@@ -19,6 +19,7 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 UNSURE = 0.02  # of its size: what is not known of a state at the start
 LEAST = 1e-3  # size of a state that starts at less
+FAR = 8.0  # standard deviations beyond which an innovation counts in proportion only
 EVENTS = 4096  # that one interval may hold
 
 
@@ -41,7 +42,8 @@ class Hypothesis:
     @cached_property
     def prepared(self) -> Prepared:
         """The changed model ready for the filter."""
-        return prepared(self.changed, self.frame.record, self.frame.scan)
+        late = max((high for name, (_, high) in self.bounds.items() if name == "theta"), default=0.0)
+        return prepared(self.changed, self.frame.record, self.frame.scan, late)
 
     @cached_property
     def own(self) -> tuple[str, ...]:
@@ -262,8 +264,20 @@ class Innovations:
 
     @cached_property
     def losses(self) -> Floats:
-        """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]."""
-        return np.asarray(0.5 * (np.nansum(self.e**2, axis=1) + np.nansum(np.log(self.S), axis=1)))
+        """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]: Huber's loss.
+
+        Beyond ``FAR`` standard deviations it grows in proportion: a right hypothesis leaves nothing there, and a wrong
+        one is not to be judged by a few rows alone.
+        """
+        size = np.abs(self.e)
+        loss = np.where(size <= FAR, 0.5 * size**2, FAR * size - 0.5 * FAR**2)
+        return np.asarray(np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
+
+    @cached_property
+    def weights(self) -> Floats:
+        """Weight of each innovation in a fit, (rows, signals): 1, less beyond ``FAR``; 0 where there is none."""
+        size = np.abs(self.e)
+        return np.asarray(np.where(np.isfinite(size), np.minimum(1.0, FAR / np.maximum(size, 1e-300)), 0.0))
 
     @cached_property
     def nll(self) -> float:

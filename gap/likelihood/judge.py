@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from gap.filters.checks import checks
 from gap.floors.floor import without_gap
 from gap.likelihood.fit import Fit, tried
-from gap.likelihood.search import CALM, Candidate, basis
+from gap.likelihood.search import Candidate, basis, trusted
 
 Floats = NDArray[np.float64]
 RUNS = 24  # of a hypothesis, which say what is usual
@@ -72,8 +72,8 @@ def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
 def largest(fit: Fit, e: Floats, directions: Sequence[tuple[str, Floats]]) -> tuple[str, float]:
     """Return the figure that innovations pass least, and its size."""
     found = checks(fit.best)  # type: ignore[arg-type]
-    cut = np.clip(np.nan_to_num(e), -CALM, CALM)
-    found |= {name: float(np.sum(cut * d)) for name, d in directions}
+    calm = np.nan_to_num(e) * trusted(fit)
+    found |= {name: float(np.sum(calm * d)) for name, d in directions}
     name = max(found, key=lambda key: abs(found[key]), default="")
     return name, abs(found.get(name, 0.0))
 

@@ -1,5 +1,6 @@
 """A model made ready for a filter: noise as inputs that are held, dead times as scan values, one component."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,6 +27,7 @@ Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 TIED = "filter:tied"
 NOT_SMOOTH = {"mode", *seeded(0)}
+TAPS = 25  # scan values of a dead time, at most: each is a state of the filter
 BUDGET = 2_000_000_000  # steps of the engine
 
 
@@ -84,8 +86,11 @@ class Prepared:
         return I, W
 
 
-def prepared(model: Diagram, record: Record, scan: float) -> Prepared:
-    """Return a model, with its nuisances, ready for a filter of a record; ``scan`` [s] of what is late."""
+def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) -> Prepared:
+    """Return a model, with its nuisances, ready for a filter of a record.
+
+    ``scan`` [s] of its controllers; ``longest`` [s] that a dead time may become, at least twice what it is.
+    """
     quiet = silenced(model)
     noise: list[tuple[Nuisance, str, float, float]] = []
     for one in nuisances(model):
@@ -101,9 +106,11 @@ def prepared(model: Diagram, record: Record, scan: float) -> Prepared:
     for block in list(quiet.blocks):
         if block.dead_time_param and block.dead_time > 0.0:
             theta = block.dead_time
+            most = max(2.0 * theta, min(longest, TAPS * scan))
+            dt = scan * max(1, math.ceil(most / scan / TAPS))
             quiet = quiet.with_params({f"{block.name}.{block.dead_time_param}": 0.0})
             for j, s in enumerate(block.input_labels):
-                new = Late(theta, dt=scan, longest=4.0 * theta, start=block.value_before, name=f"{block.name}:late{j}")
+                new = Late(theta, dt=dt, longest=most, start=block.value_before, name=f"{block.name}:late{j}")
                 quiet = quiet.insert(str(s), new, readers=block.name)
                 late[f"{block.name}.{block.dead_time_param}"] = f"{new.name}.theta"
     log = record.log

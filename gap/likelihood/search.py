@@ -20,11 +20,12 @@ from diagram import wire
 from diagram.progress import Progress, reporting
 from gap.fits.loads import is_load, planned
 from gap.insertion.effect import Effect
-from gap.likelihood.fit import Fit, refined, tried
+from gap.likelihood.fit import Fit, coordinate, refined, tried, value
 from gap.likelihood.frame import Frame
-from gap.likelihood.hypothesis import Hypothesis, Innovations
+from gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
 
 Floats = NDArray[np.float64]
+BY_DIGITS = ("quantisation",)  # effects that the digits of a log show, and no likelihood of rows does
 TRIED, FINISHED = 8, 3  # effects that are fitted; those of them that are fitted to the end
 FIRST, APPROACH = 2, 4  # rounds of a first fit, and of one with the gains of the model before it
 FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
@@ -33,7 +34,9 @@ SIZES = 5  # of a size whose neutral value is none at all
 CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
 CLOSE = 1.0  # nats of scores between which the likelier size counts
-CALM = 4.0  # innovations beyond are cut before they are compared with anything
+BRACKETED = 10  # steps towards the likeliest size where the model's own gains say nothing
+GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
+CALM = 4.0  # standard deviations from which on innovations count less
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +75,7 @@ def legal(frame: Frame, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     """Return the hypotheses that a catalogue has for a record."""
     return [
         Hypothesis(frame, effect, place)
-        for effect in catalogue if not effect.of_log
+        for effect in catalogue if not effect.of_log and effect.name not in BY_DIGITS
         for place in effect.places(frame.model)
     ]  # fmt: skip
 
@@ -124,50 +127,87 @@ def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
     """Return a filter of its own of a candidate, its size fitted with the gains of the model before."""
     hypothesis = one.looked.hypothesis
     names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
+    if gross(null):
+        return _bracketed(one.looked)
     near = refined(one.looked, names, APPROACH, null.best).best
     own = tried(hypothesis, near.values)
     return own if own is not None else tried(hypothesis, one.looked.values)
 
 
+def _bracketed(start: Innovations) -> Innovations:
+    """Return the likeliest size of an effect with one parameter near a start, each with a filter of its own."""
+    one = start.hypothesis
+    names = [p.name for p in one.effect.parameters if not p.nuisance and p.smooth] if one.effect else []
+    if len(names) != 1:
+        return start
+    (name,) = names
+    best, at = start, coordinate(one, name, start.values[name])
+    low, high = (coordinate(one, name, end) for end in one.bounds[name])
+    step = 0.25 * min(high - low, 1.0)
+    for _ in range(BRACKETED):
+        ahead = [tried(one, {**best.values, name: value(one, name, min(max(at + way * step, low), high))})
+                 for way in (1.0, -1.0)]  # fmt: skip
+        near = min((x for x in ahead if x is not None), key=lambda x: x.nll, default=None)
+        if near is None or near.nll >= best.nll:
+            step *= 0.4
+        else:
+            best, at = near, coordinate(one, name, near.values[name])
+    return best
+
+
 def _best_size(null: Fit, one: Hypothesis) -> Candidate | None:
     """Return the size of the highest score; None if the record feels none."""
     best: Candidate | None = None
-    at = {key: null.best.values[key] for key in one.frame.free}
+    at = one.frame.stated if gross(null) else {key: null.best.values[key] for key in one.frame.free}
     for size in sizes(null, one):
-        looked = tried(one, {**at, **size}, null.best)
+        looked = tried(one, {**at, **size}, None if gross(null) else null.best)
         scored = None if looked is None else score(null, looked)
         if looked is None or scored is None:
             continue
+        if gross(null):
+            scored = null.nll - looked.nll, scored[1]
         if best is None or scored[0] > best.gain + CLOSE or (scored[0] > best.gain - CLOSE and looked.nll < best.looked.nll):
             best = Candidate(looked, *scored)
     return best
 
 
+def gross(null: Fit) -> bool:
+    """Return whether the model is so far from the log that its own gains say nothing of anything else."""
+    return float(np.nanmean(np.minimum(np.abs(null.best.judged), FAR) ** 2)) > GROSS
+
+
 def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
     """Return the gain that the score promises [nats], and the direction of the change; None where nothing is felt."""
-    rows = null.hypothesis.frame.counted
-    d = np.nan_to_num(looked.e - null.best.e)
-    d[~rows] = 0.0
+    weight = trusted(null)
+    d = np.nan_to_num(looked.e - null.best.e) * weight
     for slope in basis(null):
         d = d - slope * float(np.sum(slope * d))
     length = float(np.sqrt(np.sum(d**2)))
     if not 1e-6 < length < math.inf:
         return None
     direction = d / length
-    e = np.clip(np.nan_to_num(null.best.e), -CALM, CALM)
-    along = -float(np.sum(e * direction))
+    along = -float(np.sum(np.nan_to_num(null.best.e) * weight * direction))
     return 0.5 * max(along, 0.0) ** 2, direction
 
 
-def basis(null: Fit) -> Floats:
-    """Return an orthonormal basis of what the free parameters of the model change, (k, rows, signals)."""
-    if not len(null.slopes):
-        return null.slopes
-    rows = null.hypothesis.frame.counted
-    flat = (null.slopes * rows[None, :, None]).reshape(len(null.slopes), -1)
+def trusted(fit: Fit) -> Floats:
+    """Return the weight of each innovation, (rows, signals): 1, less far from usual, 0 in rows that do not count.
+
+    It is that of Student's law, so that the score of a model that is far from the log is not that of a few rows.
+    """
+    e = np.nan_to_num(fit.best.e)
+    rows = fit.hypothesis.frame.counted
+    return np.asarray(rows[:, None] / np.sqrt(1.0 + (e / CALM) ** 2))
+
+
+def basis(fit: Fit) -> Floats:
+    """Return an orthonormal basis of what the free parameters of a fit change, (k, rows, signals)."""
+    if not len(fit.slopes):
+        return fit.slopes
+    flat = (fit.slopes * trusted(fit)).reshape(len(fit.slopes), -1)
     flat = flat[np.sqrt(np.sum(flat**2, axis=1)) > 1e-3]
     q, _ = np.linalg.qr(flat.T)
-    return np.asarray(q.T.reshape(-1, *null.slopes.shape[1:]))
+    return np.asarray(q.T.reshape(-1, *fit.slopes.shape[1:]))
 
 
 def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:

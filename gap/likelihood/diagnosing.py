@@ -1,0 +1,77 @@
+"""Diagnose a record by one likelihood: the model alone, every effect, and whether the best of them is enough."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagram.diagram import Diagram
+from diagram.progress import Progress
+from gap.insertion.effect import Effect
+from gap.likelihood.fit import Fit
+from gap.likelihood.frame import Frame
+from gap.likelihood.judge import Verdict, enough, judged
+from gap.likelihood.prepared import NoFilter
+from gap.likelihood.search import Candidate, candidates, fitted, legal, model_alone, price
+from gap.records.model import nuisances, silenced
+from gap.records.record import Record
+from gap.records.start import start_values
+
+TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
+MOST_STATES = 40  # of a diagram whose filter is quick enough
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What was found: ``null`` the model alone, ``alone`` how unusual what it leaves is; ``fits`` of effects, the
+    likeliest first, ``best`` how unusual what the first leaves is; ``gap`` whether there is one, ``named`` the fits that
+    the record does not tell apart, none where none is enough; ``looked`` all candidates.
+    """
+
+    null: Fit
+    alone: Verdict
+    fits: Sequence[Fit]
+    best: Verdict | None
+    gap: bool
+    named: Sequence[Fit]
+    looked: Sequence[Candidate]
+
+
+def frame_of(model: Diagram, record: Record) -> Frame | None:
+    """Return what the hypotheses of a record share; None where no filter follows the model.
+
+    The filter is for models with loads that nobody measures: without any, a pinned replay leaves nothing to estimate.
+    """
+    if not any(one.correlation_time > 0.0 for one in nuisances(model)):
+        return None
+    frame = Frame(model.starting_at(start_values(silenced(model), record)), record)
+    try:
+        if len(one_hypothesis(frame).prepared.states) > MOST_STATES:
+            return None
+        one_hypothesis(frame).filtered({})
+    except (NoFilter, ArithmeticError):
+        return None
+    return frame
+
+
+def one_hypothesis(frame: Frame):  # type: ignore[no-untyped-def]
+    """Return the hypothesis that the model is right."""
+    from gap.likelihood.hypothesis import Hypothesis
+
+    return Hypothesis(frame)
+
+
+def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
+    """Return what explains a record."""
+    null = model_alone(frame)
+    found = candidates(null, legal(frame, catalogue), progress)
+    alone = judged(null, found, seed)
+    fits = fitted(null, found, progress)
+    gained = null.nll - fits[0].nll if fits else 0.0
+    gap = alone.unusual or gained > 0.5 * alone.limit**2 if np.isfinite(alone.limit) else alone.unusual
+    if not gap or not fits:
+        return Outcome(null, alone, fits, None, gap, (), found)
+    best = judged(fits[0], found, seed)
+    same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
+    good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
+    return Outcome(null, alone, fits, best, gap, same if good else (), found)

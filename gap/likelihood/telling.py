@@ -1,0 +1,172 @@
+"""What a diagnosis by one likelihood says: its report, in words first."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from blocks.role import Role
+from gap.answers.evidence import Evidence
+from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Size, Where, listed
+from gap.likelihood.diagnosing import Outcome
+from gap.likelihood.fit import Fit
+from gap.likelihood.search import price
+from gap.telling.creep import about_creep
+from gap.telling.structure import by_wiring
+
+SURE = 1.645  # standard deviations of an interval of 90 %
+OUTSIDE = 0.25  # share of the gaps whose cause is in no catalogue
+LISTED = 12  # explanations in the ranking
+NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
+ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from which on its segment is wrong
+NUISANCE = 1.5  # factor by which noise or a load is stated wrongly, from which on a note says so
+
+
+def told(o: Outcome) -> GapReport:
+    """Return the report of an outcome."""
+    if not o.gap:
+        words = [
+            "No gap of relevance: the log is as the model with its nuisances would write it (the largest of its checks "
+            f"is {o.alone.size:.1f} standard deviations, {o.alone.name}; {o.alone.limit:.1f} are usual)."
+        ]
+        return _report(o, words, o.null)
+    return _named(o) if o.named else _unknown(o)
+
+
+def _named(o: Outcome) -> GapReport:
+    best = o.named[0]
+    one, effect = best.hypothesis, best.hypothesis.effect
+    assert effect is not None
+    places = tuple(dict.fromkeys(fit.hypothesis.place for fit in o.named))
+    others = tuple(dict.fromkeys(name for fit in o.named if (name := _name(fit)) != effect.name))
+    found = _sizes(best)
+    said = ", ".join(f"{name} {s.value:.4g} {s.unit} ({s.low:.4g} to {s.high:.4g})" for name, s in found.items())
+    words = [f"There is a gap. Place: {listed(places)}. Cause: {effect.name} at {one.place}, {said}."]
+    words += about_creep(effect, found)
+    if others:
+        words.append(f"From these signals it cannot be told apart from {listed(others)}.")
+    words.append(
+        f"The log is {o.null.nll - best.nll:.1f} nats likelier with it; what it leaves is usual "
+        f"({o.best.size if o.best else 0.0:.1f} standard deviations at most, {o.best.name if o.best else ''})."
+    )
+    shares = _posterior(o, o.fits)
+    sure = (1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named)
+    where = Where(one.place, sure, places, _by_place(o))
+    cause = Cause(effect.name, one.place, sure, others, found)
+    return _report(o, words, best, where, (cause,), _ranking(o, sure))
+
+
+def _unknown(o: Outcome) -> GapReport:
+    near = abnormal_segment(o.null)
+    best = o.fits[0] if o.fits else None
+    place = best.hypothesis.place if best and best.hypothesis.place in near else near[0]
+    words = [f"There is a gap, and nothing in the catalogue explains it: an unknown effect at {listed(near)}."]
+    if best is not None and o.best is not None:
+        words.append(
+            f"Nearest is {_name(best)} at {best.hypothesis.place}, with which the log is {o.null.nll - best.nll:.1f} "
+            f"nats likelier, but it leaves {o.best.size:.1f} standard deviations in: {o.best.name}."
+        )
+    words.append(f"What the model alone leaves shows most in: {o.alone.name}, {o.alone.size:.1f} standard deviations.")
+    sure = 1.0 - OUTSIDE
+    where = Where(place, sure / len(near), near, _by_place(o))
+    return _report(o, words, best or o.null, where, (Cause(UNKNOWN, place, sure),), _ranking(o, OUTSIDE))
+
+
+def _doubt(o: Outcome) -> float:
+    """Return how near the named effect comes to not being enough, from 0 to 1."""
+    return min(1.0, o.best.size / o.best.limit) ** 2 if o.best else 1.0
+
+
+def _name(fit: Fit) -> str:
+    effect = fit.hypothesis.effect
+    return effect.name if effect else ""
+
+
+def _sizes(fit: Fit) -> dict[str, Size]:
+    """Return the sizes of an effect with intervals of 90 %."""
+    one = fit.hypothesis
+    found: dict[str, Size] = {}
+    for p in one.effect.parameters if one.effect else ():
+        value = float(fit.best.values[p.name])
+        if p.nuisance or not np.isfinite(value):
+            continue
+        wide = SURE * fit.sd.get(p.name, 0.0)
+        low, high = one.bounds[p.name]
+        found[p.name] = Size(value, max(value - wide, min(low, value)), min(value + wide, max(high, value)), p.unit)
+    return found
+
+
+def _posterior(o: Outcome, fits: Sequence[Fit]) -> dict[Fit, float]:
+    """Return how probable each fit is among all, by Schwarz's criterion."""
+    lag = np.array([min(price(fit) - price(fits[0]), 700.0) for fit in fits])
+    weight = np.exp(-lag)
+    return dict(zip(fits, (weight / weight.sum()).tolist(), strict=True))
+
+
+def _by_place(o: Outcome) -> dict[str, float]:
+    """Return place -> share of the gap that the best effect there explains, from 0 to 1, the largest first."""
+    found: dict[str, float] = {}
+    whole = max((o.null.nll - fit.nll for fit in o.fits), default=0.0)
+    for fit in o.fits:
+        part = float(np.clip((o.null.nll - fit.nll) / whole, 0.0, 1.0)) if whole > 0.0 else 0.0
+        found[fit.hypothesis.place] = max(found.get(fit.hypothesis.place, 0.0), part)
+    return dict(sorted(found.items(), key=lambda x: -x[1]))
+
+
+def _ranking(o: Outcome, sure: float) -> tuple[Rank, ...]:
+    if not o.fits:
+        return ()
+    shares = _posterior(o, o.fits)
+    return tuple(Rank(_name(fit), fit.hypothesis.place, sure * shares[fit]) for fit in o.fits[:LISTED])
+
+
+def abnormal_segment(null: Fit) -> tuple[str, ...]:
+    """Return the blocks between logged signals where the gap lies, those at which an effect can be.
+
+    The innovations of a controller's output, given the measurement, are wrong only if the controller is, or if the
+    measurement is not what it has seen; those of a measurement only if what drives it is.
+    """
+    f = null.hypothesis.frame
+    excess = np.nanmean(null.best.judged**2, axis=0) - 1.0
+    acting = np.array([s in f.ops for s in f.signals])
+    k = int(np.argmax(excess))
+    if acting.any() and not acting.all() and excess[acting].max() < max(3.0 * excess[~acting].max(), ABNORMAL):
+        k = int(np.flatnonzero(~acting)[np.argmax(excess[~acting])])
+    driver = f.quiet.blocks[f.quiet.driven[f.signals[k]][0]].name
+    logged = [s for s in f.record.log.names if s in f.quiet.signals]
+    blocks = next(one.blocks for one in f.quiet.segments(logged) if driver in one.blocks)
+    places = tuple(name for name in blocks if f.quiet[name].role not in NO_PLACE and ":" not in name)
+    return places or (driver,)
+
+
+def _report(
+    o: Outcome, words: Sequence[str], after: Fit, where: Where | None = None, causes: tuple[Cause, ...] = (),
+    ranks: tuple[Rank, ...] = (),
+) -> GapReport:  # fmt: skip
+    f = o.null.hypothesis.frame
+    both = np.stack([o.null.best.judged, after.best.judged])
+    shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
+    gained = max(o.null.nll - after.nll, 0.0)
+    kind = "none" if not o.gap else ("filter, white" if o.named else "filter, unknown")
+    evidence = Evidence(kind, gained)
+    return GapReport(bool(causes), where, causes, ranks, None, tuple(words), _notes(o, after), f.record.log.t[f.skipped :],
+                     shown, f.model, evidence)  # fmt: skip
+
+
+def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:
+    f = o.null.hypothesis.frame
+    log, steps = f.record.log, np.sqrt(12.0 * f.r)
+    rounded = [f"{s} rounded to {step:.3g}" for s, step in zip(f.signals, steps, strict=True)]
+    off = []
+    for key, stated in f.stated.items():
+        now = after.best.values[key]
+        by = now / stated if stated else 1.0
+        if by > 0.0 and max(by, 1.0 / by) > NUISANCE and key in after.hypothesis.noise_keys:
+            off.append(f"{key} is stated as {stated:g}; the log says {now:.3g}.")
+    return (
+        f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart; {', '.join(rounded)}.",
+        "Nuisances of the model: " + "; ".join(map(str, f.noise)) + ".",
+        *off,
+        "Innovations of an extended Kalman filter whose prediction is the run of the model itself.",
+        by_wiring(f.quiet, log.names),
+        *log.notes,
+    )
