@@ -26,7 +26,7 @@ DROPPED = 1e-13  # share of its size below which what is left of a state's varia
 NARROWEST = 1e-7  # of a state's size: the least difference that shows a slope
 BENT = 0.05  # share of its spread by which a stop may lie off the slopes of another that stand for its own
 KINDS = 8  # of stops whose slopes are kept
-STALE = 0.1  # of the rounding's variance, below which a value that did not change says nothing new
+STALE = 0.1  # of the rounding's variance: a value that is surer, and is as foretold, says nothing
 
 
 @njit(cache=True, error_model="numpy")
@@ -101,10 +101,10 @@ def taken_in(values, before, r, width, D, Y, z, y, gains, e, S):  # type: ignore
         s = 0.0
         for j in range(width):
             s += Y[i, j] * Y[i, j]
-        if values[i] == before[i] and s < STALE * r[i]:
-            continue
-        s += r[i]
         off = values[i] - y[i]
+        if s < STALE * r[i] and (values[i] == before[i] or off * off < 3.1 * r[i]):
+            continue  # held, or at a limit: nothing random is in it
+        s += r[i]
         e[i], S[i] = off / math.sqrt(s), s
         less = 1.0 / (1.0 + math.sqrt(r[i] / s))
         for j in range(width):

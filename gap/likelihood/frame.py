@@ -65,6 +65,11 @@ class Frame:
         return np.array(found)
 
     @cached_property
+    def sure(self) -> Floats:
+        """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
+        return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
+
+    @cached_property
     def skipped(self) -> int:
         """Rows at the beginning that do not count."""
         return min(SKIPPED, len(self.Y) // 4)
@@ -96,6 +101,12 @@ class Frame:
         """The interval in which dead times are followed [s]: that of the fastest scan, or a fifth of a row's."""
         scans = [b.period for b in self.model.blocks if b.sampled and b.role is not Role.HISTORIAN]
         return min(scans, default=0.2 * self.record.log.dt)
+
+    @cached_property
+    def scanned(self) -> float:
+        """The scan period of the controllers [s], 0 where one of them does not scan."""
+        found = [b for b in self.model.blocks if b.role is Role.CONTROLLER]
+        return min((b.period for b in found), default=0.0) if found and all(b.sampled for b in found) else 0.0
 
     @cached_property
     def stops(self) -> tuple[Floats, NDArray[np.int64]]:

@@ -13,7 +13,7 @@ from engine import layout as at
 from gap.insertion.effect import Effect
 from gap.likelihood.filtering import extended, followed, otherwise
 from gap.likelihood.frame import Frame
-from gap.likelihood.prepared import Prepared, prepared
+from gap.likelihood.prepared import Prepared, played, prepared
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -141,7 +141,17 @@ class Hypothesis:
         """Return the prepared diagram with these values."""
         p = self.prepared
         others = {p.late.get(k, k): v for k, v in self.settings(values).items() if k not in self.noise_keys}
-        return p.diagram.with_params(others) if others else p.diagram
+        found = self._played
+        return found.with_params(others) if others else found
+
+    @cached_property
+    def _played(self) -> Diagram:
+        """The prepared diagram with inputs that switch when the record has them switch."""
+        record, found = self.frame.record, self.prepared.diagram
+        for s in record.leads:
+            name = found.blocks[found.driven[s][0]].name
+            found = found.replace(name, played(record, s, name))
+        return found
 
     @cached_property
     def noise_keys(self) -> frozenset[str]:
@@ -267,11 +277,14 @@ class Innovations:
         """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats]: Huber's loss.
 
         Beyond ``FAR`` standard deviations it grows in proportion: a right hypothesis leaves nothing there, and a wrong
-        one is not to be judged by a few rows alone.
+        one is not to be judged by a few rows alone.  A value that is as foretold for sure, an output that stands at a
+        limit or has not been made anew, counts as its rounding.
         """
         size = np.abs(self.e)
         loss = np.where(size <= FAR, 0.5 * size**2, FAR * size - 0.5 * FAR**2)
-        return np.asarray(np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
+        f = self.hypothesis.frame
+        sure = (np.isnan(self.S) & np.isfinite(f.Y)) @ f.sure
+        return np.asarray(sure + np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))
 
     @cached_property
     def weights(self) -> Floats:

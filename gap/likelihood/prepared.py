@@ -114,7 +114,7 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
                 quiet = quiet.insert(str(s), new, readers=block.name)
                 late[f"{block.name}.{block.dead_time_param}"] = f"{new.name}.theta"
     log = record.log
-    given = {s: Recorded(s, *record.as_played(s), hold="previous", name=f"{s}:played") for s in record.played}
+    given = {s: played(record, s) for s in record.played}
     quiet = close(quiet, given) if given else quiet
     shown = [s for s in record.pinned]
     blocks = [*quiet.blocks, Sum(TIED, dict.fromkeys(shown, 1.0), name=TIED)]
@@ -125,3 +125,8 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
         raise NoFilter("a block runs in Python")
     inside = {tied.blocks[b].name for b in component.blocks if b < len(tied.blocks)}
     return Prepared(tied, component, tuple(n for n in noise if n[1] in inside), late, tuple(shown))
+
+
+def played(record: Record, signal: str, name: str = "") -> Recorded:
+    """Return the source that plays a logged input as the record has it switch."""
+    return Recorded(signal, *record.as_played(signal), hold="previous", name=name)

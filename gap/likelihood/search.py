@@ -22,6 +22,7 @@ from gap.fits.loads import is_load, planned
 from gap.insertion.effect import Effect
 from gap.likelihood.fit import Fit, coordinate, refined, tried, value
 from gap.likelihood.frame import Frame
+from gap.likelihood.switches import with_switches
 from gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
 
 Floats = NDArray[np.float64]
@@ -68,7 +69,8 @@ def model_alone(frame: Frame) -> Fit:
     if best is not known:
         best = best.again()
     noise = [name for name in frame.free if name in one.noise_keys]
-    return refined(refined(best, noise).best, tuple(frame.free))
+    best = refined(with_switches(best), noise).best
+    return refined(with_switches(best), tuple(frame.free))
 
 
 def legal(frame: Frame, catalogue: Iterable[Effect]) -> list[Hypothesis]:
@@ -103,7 +105,7 @@ def fitted(null: Fit, found: Sequence[Candidate], progress: Progress = None) -> 
                 first.append(refined(start, free_names(start.hypothesis), FIRST))
             tell(k + 1, len(chosen))
     first.sort(key=price)
-    best = [refined(fit.best, free_names(fit.hypothesis)) for fit in first[:FINISHED]]
+    best = [refined(with_switches(fit.best), free_names(fit.hypothesis)) for fit in first[:FINISHED]]
     return sorted([*best, *first[FINISHED:]], key=price)
 
 

@@ -1,0 +1,65 @@
+"""The filter whose prediction is the diagram's own run, beside the exact filter of what is linear and scanned."""
+
+import numpy as np
+import pytest
+
+from blocks import Staircase
+from cases.models import level_loop, second_order_flow, site_flow
+from diagram import Diagram, simulate
+from diagram.inputs import close
+from gap.filters.diagnosing import filtering_of
+from gap.filters.filtering import Explanation
+from gap.likelihood.frame import Frame
+from gap.likelihood.hypothesis import Hypothesis
+from gap.records.model import read
+from logs import Log
+from tests.gap.root_tank import framed, logged, tank
+
+STEADY = 60  # rows after which a filter has forgotten how it began
+SAME = 1e-6  # nats a row by which two programs for one filter may differ
+
+
+def site_log(model: Diagram, levels: list[float], every: float) -> Log:
+    """Return a log of a site's loop in four digits."""
+    at = [600.0 * k for k in range(len(levels))]
+    run = simulate(close(model, {"SP": Staircase("SP", at=at, levels=levels)}), 2400.0, every=every)
+    return Log(run.log.t, {s: np.round(run.log[s], 4) for s in ("SP", "PV", "OP")})
+
+
+@pytest.mark.parametrize(
+    ("model", "levels"),
+    [(site_flow(), [1.5, 1.8, 1.35, 1.6]), (second_order_flow(), [1.5, 1.8, 1.35, 1.6]), (level_loop(), [0.5, 0.55, 0.45, 0.5])],
+    ids=["first order", "second order with dead time", "integrating"],
+)  # fmt: skip
+def test_linear_scanned_loops_have_the_likelihood_of_their_exact_filter(model: Diagram, levels: list[float]) -> None:
+    # analytic: what is linear between scans has an exact filter, made from matrices without the engine
+    opened, record = read(model, site_log(model, levels, 5.0))
+    f = filtering_of(opened, record)
+    assert f is not None
+    exact = Explanation(f).filtered({}, exact=True)
+    mine = Hypothesis(Frame(f.model, record)).filtered({})
+    assert np.abs(mine.losses - (exact.losses - (np.isnan(exact.S) & np.isfinite(f.Y)) @ f.sure))[STEADY:].max() < SAME
+
+
+@pytest.mark.parametrize("scanned", [True, False], ids=["scanned", "continuous"])
+@pytest.mark.parametrize("every", [5.0, 7.3])
+def test_a_nonlinear_loop_leaves_white_innovations_of_unit_size(scanned: bool, every: float) -> None:
+    found = Hypothesis(framed(tank(scanned), logged(tank(scanned), 1, every))).filtered({})
+    e = found.judged
+    assert np.nanstd(e, axis=0) == pytest.approx([1.0, 1.0], abs=0.06)  # 700 rows: 2.2 standard deviations
+    after = np.nanmean(e[1:] * e[:-1], axis=0)
+    assert np.abs(after).max() < 0.12  # 3.2 standard deviations
+
+
+def test_other_noise_needs_no_other_run() -> None:
+    one = Hypothesis(framed(tank(), logged(tank(), 2)))
+    known = one.filtered({})
+    other = {"feed.sd": 0.02, "feed.correlation_time": 40.0, "sensor.sd": 0.006}
+    assert one.noisier(known, {}).nll == pytest.approx(known.nll, abs=1e-6)
+    assert one.noisier(known, other).nll == pytest.approx(one.filtered(other).nll, abs=0.1)
+
+
+def test_the_mean_alone_follows_with_known_gains() -> None:
+    one = Hypothesis(framed(tank(False), logged(tank(False), 3)))
+    known = one.filtered({})
+    assert one.filtered({}, known).nll == pytest.approx(known.nll, abs=1e-6)
