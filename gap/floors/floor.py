@@ -169,7 +169,7 @@ def _played(record: Record) -> Mapping[str, Block] | Log:
     In a large diagram a set point is written where it switches only, at which a run has to stop, and not at each row.
     """
     log = record.log
-    if record.filter is None:
+    if record.filter is None and not record.leads:
         return Log(log.t, {s: log[s] for s in record.played})
     return {s: Recorded(s, *record.as_played(s), hold="previous") for s in record.played}
 

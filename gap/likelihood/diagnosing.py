@@ -64,7 +64,7 @@ def one_hypothesis(frame: Frame):  # type: ignore[no-untyped-def]
 def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
     """Return what explains a record."""
     null = model_alone(frame)
-    found = candidates(null, legal(frame, catalogue), progress)
+    found = candidates(null, legal(null.hypothesis.frame, catalogue), progress)
     alone = judged(null, found, seed)
     fits = fitted(null, found, progress)
     gained = null.nll - fits[0].nll if fits else 0.0

@@ -10,7 +10,7 @@ from gap.records.model import read, silenced
 from gap.records.start import start_values
 from logs import Log
 
-LEVELS = (1.0, 1.12, 0.95, 1.2, 1.05, 0.9, 1.1)
+LEVELS = (1.0, 1.06, 0.97, 1.1, 1.05, 0.95, 1.02)
 DIGIT = 1e-4
 
 
