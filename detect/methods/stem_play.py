@@ -9,7 +9,7 @@
 These are the moves of the valve of Kano et al. 2004; u_b lies between two samples, and the middle is taken.  S and J
 are medians over the stands, with 90 % intervals from their scatter and from the step of OP in a sample.  a and b, the
 offset and the gain of positioner and transmitter, come from least squares where OP rests at different places, else b is
-1.  MV may be up to three samples late: a delay is taken where it halves the scatter of S.
+1.  MV may be up to three samples late: a delay is taken where it halves a scatter of S that OP's sampling does not explain.
 
 A stick is called where the interval of J lies above ``slip`` and above six sigma of the noise, and where MV does stray
 from OP: by S + J over a stick.  No friction makes J larger than S; where J is read ``friction`` times as large, OP is
@@ -144,8 +144,9 @@ def stem(
     readings = [
         _read(u[: len(u) - lag] if lag else u, mv[lag:], first - lag, last - lag, lag) for lag in range(latest + 1)
     ]
-    later = min(readings, key=lambda r: r.scatter)
-    return later if later.scatter < 0.5 * readings[0].scatter else readings[0]
+    at_once, later = readings[0], min(readings, key=lambda r: r.scatter)
+    even = at_once.scatter * at_once.S[0] <= at_once.step  # no more than OP's sampling makes: no delay to look for
+    return later if later.scatter < 0.5 * at_once.scatter and not even else at_once
 
 
 def band(u: Values, mv: Values) -> float:
