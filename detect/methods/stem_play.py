@@ -191,7 +191,8 @@ def _read(u: Values, mv: Values, first: npt.NDArray[np.intp], last: npt.NDArray[
     back, on = toward & (came != went), toward & (came == went)
     S_each, step = travel[back], float(np.median(np.abs(after - before)[back])) if back.any() else math.nan
     S = _middle(S_each, step)
-    offset, gain, known = _positioner(rest, level, came, np.maximum(np.abs(rest - u[first - 1]), rounding(u)))
+    moved = np.abs([rest - u[first - 1], u[first - 1] - u[np.maximum(first - 2, 0)]])  # OP may turn as the stem rests
+    offset, gain, known = _positioner(rest, level, came, np.maximum(np.max(moved, axis=0), rounding(u)))
     # noise breaks a slow slide into stands that are none, so that those that go on tell only where none turns back
     J_each = (
         _slips(u, mv / abs(gain), rest[back], level[back] / abs(gain), last[back], S[0]) if back.any() else travel[on]
