@@ -35,7 +35,7 @@ def test_stick_then_jump():
     found = movements(u, x, 0.7)
     assert found.rho_3 == pytest.approx(44 / 50, abs=0.01)
     assert np.median(found.J) == pytest.approx(16.0)
-    assert np.median(found.S) == pytest.approx(44.0)
+    assert np.median(found.S) == pytest.approx(44.5)  # analytic: it jumps as OP goes from 44 to 45 beyond its turn
 
 
 @pytest.mark.parametrize("valve", ["kano", "choudhury", "he"])
