@@ -274,8 +274,8 @@ def _shaved(op: Values, smooth: Values, period: float) -> float:
     from scipy.signal import find_peaks
 
     room = max(1, round(0.6 * period))
-    lost = [float(np.mean(sign * (op - smooth)[find_peaks(sign * smooth, distance=room)[0]])) for sign in (1.0, -1.0)]
-    return max(sum(lost), 0.0)
+    tops = [(sign, find_peaks(sign * smooth, distance=room)[0]) for sign in (1.0, -1.0)]
+    return max(sum(float(np.mean(sign * (op - smooth)[at])) for sign, at in tops if len(at)), 0.0)
 
 
 def _means(x: Values, each: int, most: int) -> Values:

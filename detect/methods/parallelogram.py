@@ -17,7 +17,8 @@ sampled).  A small W clears nothing: two signals that have nothing in common hav
 
 F_max is S where J = 0.  A slip has steeper sides than a play, and the best play is then narrower than S by up to J.  So
 the verdict rests on the play of the paper, and the amounts on the stick of S and J that correlates best about it
-(``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it.
+(``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it, and
+takes up to 30 % off S (docs/amounts.md).  In a limit cycle the stem has two places, and a correlation hardly tells J.
 Not for levels, where any wave lags a quarter period, nor for slow processes without MV.
 """
 
@@ -59,7 +60,7 @@ CARD = Card(
     streams="window",
     stream_note="The width of the play is searched for over a whole record, after PV was shifted for all of it.",
     pros=("gives S", "no oscillation needed", "set point may move"),
-    cons=("a process lag opens the picture too", "deadband looks the same", "blind on levels"),
+    cons=("a process lag opens the picture too", "S from PV low", "deadband looks the same", "blind on levels"),
     cost="O(50 n)",
     experimental=True,
     needs=("unsaturated", "fine_pv"),

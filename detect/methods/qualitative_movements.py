@@ -8,7 +8,9 @@
 
 The sticky stem stands (S) while OP rises (I), then rises too (II) or alone (SI).  X is MV where it is logged, else PV,
 which stands for the stem in a flow loop; it is turned over where the process gain is negative.  S is the median
-travel of OP over the runs that rho_2 counts, J the travel of X over the moves that follow.
+travel of OP from its turn to the middle of the move of X that ends a run which rho_2 counts, J the travel of X in that
+move, in the unit of X.  (Over the pairs alone S is a third low: smoothing makes a slip a ramp.)  S comes out 10 to 25 %
+low, because smoothing rounds the turns of OP too.
 
 Source: Yamashita 2006, Control Eng. Practice 14:503, stiction above 0.25, the share of two patterns of eight by chance.
 From memory of the paper: the level of 1.  Ours: a level of 0.7, because the slope of an even triangle is 1 standard
@@ -57,7 +59,7 @@ CARD = Card(
     source="Yamashita 2006, Control Eng. Practice 14:503",
     signals=("OP", "MV", "PV"),
     assumes=("MV logged, or a flow loop", "sustained oscillation of one period"),
-    finds="stiction, from the order in which OP and the stem move; S and J in % of OP",
+    finds="stiction, from the order in which OP and the stem move; S in % of OP, J in the unit of the stem",
     index=(0.0, 1.0),
     process=("self_regulating",),
     streams="pooled",

@@ -9,7 +9,8 @@
 These are the moves of the valve of Kano et al. 2004; u_b lies between two samples, and the middle is taken.  S and J
 are medians over the stands, with 90 % intervals from their scatter and from the step of OP in a sample.  a and b, the
 offset and the gain of positioner and transmitter, come from least squares where OP rests at different places, else b is
-1.  MV may be up to three samples late: a delay is taken where it halves a scatter of S that OP's sampling does not explain.
+1.  MV may be up to three samples late: a delay is taken where it halves the scatter of S, if that is more than OP's
+sampling makes.
 
 A stick is called where the interval of J lies above ``slip`` and above six sigma of the noise, and where MV does stray
 from OP: by S + J over a stick.  No friction makes J larger than S; where J is read ``friction`` times as large, OP is

@@ -64,7 +64,12 @@ CARD = Card(
     streams="window",
     stream_note="Its rival, the linear twins of the record, are made of a whole record.",
     pros=("simple", "no oscillation needed", "every limit is a level of significance"),
-    cons=("slow processes", "noise hides changes of PV", "the published limit of 0 calls every loop"),
+    cons=(
+        "slow processes",
+        "the travel counts in whole windows",
+        "noise hides changes of PV",
+        "the published limit of 0 calls every loop",
+    ),
     experimental=True,
     needs=("constant_sp", "unsaturated", "fine_pv", "raw_pv"),
 )
