@@ -56,7 +56,8 @@ def test_every_loop_of_a_case_is_decided_or_has_a_reason(case):
     ("case", "tag", "applicable"),
     [
         ("ideal_high", "", 9), ("ideal_integrating", "", 12), ("plant_1_normal", "LCS11", 11),
-        ("plant_1_high", "LCS11", 12), ("plant_1_normal", "PCS11", 18), ("plant_1_high", "PCS11", 19), ("cascade_flow", "direct/LC", 12),
+        ("plant_1_high", "LCS11", 12), ("plant_1_normal", "PCS11", 18),
+        ("plant_1_high", "PCS11", 19), ("cascade_flow", "direct/LC", 12),
     ],
 )  # fmt: skip
 def test_methods_speak_of_noise_free_limit_cycles(case, tag, applicable):
