@@ -22,10 +22,9 @@ MACHINES = ("n m", "nm", "n·m", "w", "kw", "mw", "hz")  # what no instrument of
 def no_valve(record: LoopRecord) -> Fact:
     """Whether the log tells that OP moves no valve.
 
-    >>> import numpy as np
-    >>> t = np.arange(9.0)
-    >>> record = LoopRecord.from_arrays(t, pv=t, op=t, name="SC1", units={"OP": "N m"})
-    >>> no_valve(record).text
+    >>> from logs import Log
+    >>> log = Log([0.0, 1.0], {"PV": [4.0, 5.0], "OP": [50.0, 51.0]}, units={"OP": "N m"})
+    >>> no_valve(log.loop()).text
     'There is no valve in this loop: OP is in N m.'
     """
     unit = record.log.units.get(record.op_name, "")
