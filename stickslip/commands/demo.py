@@ -139,8 +139,8 @@ def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: s
 
 
 def _page(judged: list[Judged]) -> str:
-    from stickslip.commands.one_loop import READ
-    from stickslip.report.page import Section, figure_to_svg, page
+    from stickslip.commands.one_loop import READ, pictures_of
+    from stickslip.report.page import Section, page
 
     sections = []
     table = [["loop", "truth or label", "verdict", "score"]]
@@ -150,7 +150,7 @@ def _page(judged: list[Judged]) -> str:
             t.title, t.said.upper(), t.wording.kind, t.diagnosis.reason, t.story, truth, t.lesson, notes_label=READ
         )
         section.notes.extend(t.diagnosis.assumptions)
-        section.figures.append(figure_to_svg(t.diagnosis.plot(words=False)))
+        section.figures += pictures_of(t.diagnosis)
         sections.append(section)
         table.append([t.title, t.truth, t.said, t.score])
     return page("Is it the valve?", LEAD, sections, table, GUIDE)
