@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from blocks.block import Block
 from blocks.role import Role
-from diagram.figures.placement import Arrow, Grid, Node, common, grid
+from diagram.figures.placement import Arrow, Grid, Node, common, grid, wrapped
 from diagram.figures.routes import Box, Sheet, sheet
 from diagram.figures.strokes import HEAD_LENGTH, branches, strokes
 from diagram.wired import Wired
@@ -44,13 +44,14 @@ NAME_SIZE, WORD_SIZE, VALUE_SIZE, SIGNAL_SIZE = 9.5, 7.5, 7.5, 8.0
 LINE = 10.5  # height of a line of small text [points]
 MARGIN = 16.0
 HEADING = 26.0
+WIDEST = 1120.0  # of a drawing [points], 1600 pixels on a screen; a wider one goes on below
 
 
 def draw(
     diagram: Wired, marks: Mapping[str, float] | None = None, units: Mapping[str, Sequence[str]] | None = None,
     said: Mapping[str, str] | None = None,
 ) -> "Figure":  # fmt: skip
-    """Return a figure of the diagram, as large as it needs to be at the size of its text.
+    """Return a figure of the diagram, as large as it needs to be at the size of its text; a wide one goes on below.
 
     A box shows the name of its block, the word of its class and up to three main parameters.  Green: sources;
     blue: controllers; orange: valves; violet: blocks that run in Python.  ``marks``: block -> 0 to 1, how red and thick
@@ -73,6 +74,11 @@ def draw(
     plan = grid(diagram, units)
     ink = _Ink(diagram, plan, marks or {}, said or {})
     laid = sheet(plan, ink.size, ink.label_width, ink.entry_width)
+    for bands in range(2, max(plan.column) + 2):
+        if laid.width <= WIDEST:
+            break
+        ink.plan = wrapped(plan, bands)
+        laid = sheet(ink.plan, ink.size, ink.label_width, ink.entry_width)
     width = max(laid.width, _width(diagram.name, 12.0, "bold")) + 2 * MARGIN
     height = laid.height + 2 * MARGIN + HEADING
     figure = Picture(figsize=(width / 72.0, height / 72.0), facecolor="white")
