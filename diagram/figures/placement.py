@@ -94,10 +94,12 @@ def grid(diagram: Wired, units: Mapping[str, Sequence[str]] | None = None) -> Gr
 def wrapped(plan: Grid, bands: int) -> Grid:
     """Return the grid cut into that many bands of about equally many columns, one below the other, as lines of a text.
 
-    No nested diagram is cut; rows of a band that are empty are left out.
+    No nested diagram is cut, and outputs alone make no band; rows of a band that are empty are left out.
     """
     columns = max(plan.column) + 1
-    whole = [c for c in range(1, columns) if not any(left < c <= right for left, right, _, _ in plan.frames.values())]
+    last = max((c for c, node in zip(plan.column, plan.nodes, strict=True) if node.kind == "block"), default=0)
+    frames = plan.frames.values()
+    whole = [c for c in range(1, last + 1) if not any(left < c <= right for left, right, _, _ in frames)]
     wanted = [round(columns * k / bands) for k in range(1, bands)]
     cuts = [0, *sorted({min(whole, key=lambda c: abs(c - at)) for at in wanted if whole}), columns]
     column, row, below = list(plan.column), list(plan.row), 0

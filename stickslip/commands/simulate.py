@@ -10,10 +10,7 @@ from stickslip.console import Speaker, complain, json_option, user_errors
 from stickslip.targets import check_targets, write_figure
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cases import Case
-    from diagram.diagram import Diagram
     from logs import Log
 
 METHODS = ("auto", "explicit", "stiff")  # of diagram.simulate, named here so that help stays quick
