@@ -47,7 +47,8 @@ def plot_pv_op(record: LoopRecord, period: float, stem: StemTrend | None) -> Fig
     t0, t1 = shown_cycles(record, period, stem)
     good = record.good
     kept = _seen(record.op[good], record.pv[good])
-    ax.plot(record.op[good][kept], record.pv[good][kept], ".", color=PALE, ms=1.6, alpha=0.35, label="whole record")
+    ax.plot(record.op[good][kept], record.pv[good][kept], ".", color=PALE, ms=1.6, alpha=0.35)
+    ax.plot([], [], ".", color=PALE, ms=6.0, label="whole record")  # seen in the legend, too
     inside = (record.t >= t0) & (record.t <= t1)
     x, y = (np.where(good, values, np.nan)[inside] for values in (record.op, record.pv))
     ax.plot(x, y, color=COLOURS["PV"], lw=0.9, label="the cycles shown")
