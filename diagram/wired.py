@@ -24,6 +24,8 @@ from diagram.wiring import WiringError, check_readers, check_units, drivers, fee
 
 D = TypeVar("D", bound="Wired")
 
+UNNAMED = "diagram"  # the name of a diagram to which nobody gave one
+
 
 class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
     """Blocks joined by signal names, checked; see ``Diagram``, which is the one to use."""
@@ -37,7 +39,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def __init__(
         self, blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequence[str] | None = None,
-        name: str = "diagram",
+        name: str = UNNAMED,
     ) -> None:  # fmt: skip
         self.blocks = tuple(blocks)
         text("diagram", "name", name)

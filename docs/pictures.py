@@ -36,17 +36,19 @@ def topologies() -> None:
 
 
 def latent() -> None:
-    """What is missing at a valve that sticks, as in ``docs/gap.md``."""
+    """The log against the model, and what is missing at a valve that sticks, as in ``docs/gap.md``."""
     from blocks import Staircase
     from cases.models import ideal_flow
     from diagram import simulate
-    from gap import diagnose, latent_input
+    from gap import diagnose, latent_input, replayed
     from gap.effects import effect
 
     real = effect("stiction").insert(ideal_flow(rest=1.5), "valve", S=3.0, J=1.0)
     set_point = Staircase("SP", [1.5, 1.65, 1.35, 1.5, 1.8, 1.2] * 2, dwell=600.0)
     log = simulate(real, 7200.0, every=1.0, inputs={"SP": set_point}, signals=["SP", "PV", "OP"]).log
-    keep("latent_input", latent_input(diagnose(ideal_flow(), log), log).plot())
+    report = diagnose(ideal_flow(), log)
+    keep("gap", replayed(report, log).plot())
+    keep("latent_input", latent_input(report, log).plot())
 
 
 def linear() -> None:
@@ -83,6 +85,7 @@ def judged() -> None:
 
     keep("sticky_flow", diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv")).plot())
     keep("loop", find("ideal_high").build().plot())
+    keep("run", find("ideal_high").run().plot())
 
 
 if __name__ == "__main__":

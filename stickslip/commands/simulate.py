@@ -10,15 +10,11 @@ from stickslip.console import Speaker, complain, json_option, user_errors
 from stickslip.targets import check_targets, write_figure
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cases import Case
-    from diagram.diagram import Diagram
     from logs import Log
 
 METHODS = ("auto", "explicit", "stiff")  # of diagram.simulate, named here so that help stays quick
 LOGS, PICTURES = (".csv", ".parquet"), (".png", ".svg", ".pdf")
-WIDEST = 40.0  # inch: a drawing that is wider is folded by unit, where units are known
 MOST_ROWS = 10_000_000  # some 500 MB of log
 
 
@@ -92,9 +88,8 @@ def command(
         write_figure(run.plot(chosen.signals or None), picture)
         say(f"trends: {picture}")
     if diagram is not None:
-        drawn, folded = _drawing(built)
-        write_figure(drawn, diagram)
-        say(f"diagram: {diagram}{' (folded by unit; one unit in full: diagram.part([...]).plot())' if folded else ''}")
+        write_figure(built.plot(), diagram)
+        say(f"diagram: {diagram}")
     found = [number.to_dict() for number in chosen.numbers()] if numbers else []
     if found:
         say("the case's own numbers, from runs of their own" + (" (without --set)" if params else "") + ":")
@@ -120,14 +115,6 @@ def command(
     if not run.ok:
         complain(f"the run stopped early, rows after that are empty: {run.hint}")
         raise SystemExit(130 if run.status.name == "INTERRUPTED" else 2)
-
-
-def _drawing(built: "Diagram") -> "tuple[Figure, bool]":
-    """Return the drawing of a diagram, folded by unit where it would be wider than ``WIDEST``, and whether it is."""
-    from plant.units import units
-
-    whole, folded = built.plot(), units(built)
-    return (built.plot(folded), True) if folded and whole.get_figwidth() > WIDEST else (whole, False)
 
 
 def _list(say: Speaker) -> None:
