@@ -87,6 +87,7 @@ def command(
         raise ValueError("name a file, a folder or a case; 'stickslip table --cards' shows the methods alone")
     from detect import compare
     from detect.scoring import read_labels
+    from stickslip.commands.one_loop import enough
 
     known = read_labels(labels) if labels is not None else None
     if simulated is not None:
@@ -98,6 +99,8 @@ def command(
         )
     else:
         found = compare([_opened(source) for source in sources], methods, process=process, loops=loops or None)
+    if len(found.loops) == 1 and (only := found.loops[0]).combined == "not_applicable":
+        enough(only.loop, only.samples, only.verdicts)
     _tell(say, found)
     scored = _scored(say, found, known) if known is not None else []
     if csv_file is not None:
