@@ -81,7 +81,7 @@ def _check(
         if file.is_char_device() or file.is_block_device():
             raise ValueError(f"{file} is a device, not a file; name a CSV or Parquet file")
     from stickslip.commands.check_many import check_many, several
-    from stickslip.commands.one_loop import diagnosed, enough, with_told
+    from stickslip.commands.one_loop import diagnosed, with_told
 
     many = several(files, told)
     if len(many) > 1 or len(many[0].records) > 1:
@@ -95,8 +95,6 @@ def _check(
     (record,) = many[0].records
     loop = prepared(with_told(record, measurement, span, told["process"] is None))
     diagnosis = diagnosed(loop)
-    if diagnosis.verdict == "not_applicable":
-        enough(diagnosis.loop, len(record.log), diagnosis.methods)
     diagnosis = replace(diagnosis, methods=(*diagnosis.methods, *(ask(method, loop) for method in methods)))
     say = Speaker(json_file)
     asked = simulate or (simulate is None and diagnosis.unsure)

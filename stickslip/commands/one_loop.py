@@ -3,11 +3,8 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from detect import Diagnosis
     from detect.prepare.prepared import Prepared
-    from detect.verdict import Verdict
     from logs import LoopRecord
     from stickslip.report.page import Section
 
@@ -43,14 +40,6 @@ def diagnosed(record: "LoopRecord | Prepared") -> "Diagnosis":
 
     with noticed("detection methods"):
         return diagnose(record)
-
-
-def enough(loop: str, samples: int, verdicts: "Sequence[Verdict]") -> None:
-    """Raise ``ValueError`` for a record too short for the calibrated model that no method can look at either."""
-    from detect.judge.answer import SAMPLES
-
-    if samples < SAMPLES and not any(verdict.applicable for verdict in verdicts):
-        raise ValueError(f"{loop} has {samples} rows, but {SAMPLES} are needed to judge it; give a longer record")
 
 
 def section_of(diagnosis: "Diagnosis") -> "Section":
