@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.console import Speaker, complain, json_option, user_errors
+from stickslip.kept import kept
 from stickslip.targets import check_targets, write_figure
 
 if TYPE_CHECKING:
@@ -119,16 +120,15 @@ def command(
 
 def _list(say: Speaker) -> None:
     """Show all cases."""
+    cases = kept("cases", _cases)
+    say.table(["case", "what it is"], [[case["name"], case["title"]] for case in cases])
+    say.document({"schema": "stickslip.cases/1", "cases": cases})
+
+
+def _cases() -> list[dict[str, str]]:
     from cases import find, names
 
-    cases = [find(name) for name in names()]
-    say.table(["case", "what it is"], [[case.name, case.title] for case in cases])
-    say.document(
-        {
-            "schema": "stickslip.cases/1",
-            "cases": [{"name": case.name, "title": case.title, "about": case.about} for case in cases],
-        }
-    )
+    return [{"name": case.name, "title": case.title, "about": case.about} for case in map(find, names())]
 
 
 def _times(case: "Case", duration: float | None, every: float | None) -> tuple[float, float]:
