@@ -3,29 +3,35 @@
     C dp/dt = m_in - k p x                 x = flow share of the valve, linear; p [bar]; m [kg/s]
     m_in    = 3 + load                     load [kg/s] enters at the inlet of the drum
 
-Blocks     controller (PC) -> valve (vent valve: stem and body) -> process (drum, and the choked flow k p x out of it)
-           -> sensor; feed adds its load to the inflow of the process
+Blocks     controller, valve (x), process (drum, and the flow k p x out of it), sensor, feed (into m_in of process)
 Numbers    C = 4 kg/bar, k = 0.6 kg/(s bar); so at 10 bar the valve stands at 0.5
-Controller direct acting: K = -0.25 of full OP per bar, T_i = 12 s, incremental PI, OP 0 to 1, scan 0.5 s; at a limit the
-           integral follows.  The integral takes the present error in first.
-Valve      instant.  MV is not logged.
-Sensor     lag 0.3 s, white noise 0.008 bar at each scan; range 0 to 20 bar
-Load       AR(1), standard deviation 0.06 kg/s, time constant 40 s, new each second
-Log        SP [bar], PV [bar] rounded to 0.002, OP [0 to 1] rounded to 0.0005; a row every 2.3 s (no multiple of the scan)
-           for 1.5 h; each row holds what the control system held after its last scan (a scan falls on time 0)
-Set points 8 to 12 bar, a move every 8 min on average, at any time; the controller sees a move at its next scan
+Controller direct acting: K = -0.25 of full OP per bar, T_i = 12 s, OP 0 to 1, scan 0.5 s
+Sensor     lag 0.3 s, noise 0.008 bar; range 0 to 20 bar
+Load       AR(1), standard deviation 0.06 kg/s, time constant 40 s
+Log        SP [bar], PV [bar] rounded to 0.002, OP [0 to 1] rounded to 0.0005; a row every 2.3 s for 1.5 h
+Set points 8 to 12 bar, a move every 8 min on average
 Nonlinear: the outflow goes with pressure times opening.
-Outside    vent_freezes: hydrate lets the valve close and open at different speeds, 0.1/s up and 0.03/s down (at valve)
-           integral_leaks: the integral decays towards the output at rest, 0.5, in 60 s (at controller)
-           noise_grows: the noise grows by a share per bar above 8 bar (at sensor)
 """
 
 from typing import NamedTuple
 
-import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import PI, Feed, Sensor, Valve, feel, pi, planned, read, stem, through
+from benchmarks.foreign.instruments import (
+    PI,
+    Feed,
+    Sensor,
+    Valve,
+    feel,
+    pi,
+    pi_at,
+    planned,
+    read,
+    sensor_at,
+    stem,
+    stem_at,
+    through,
+)
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -55,9 +61,9 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     P = sp[0, 0]
     op = g.m_in / (g.k * P)
     pv, seen = P, P
-    held = np.array([op, 0.0, op])
-    x = np.array([op, op, 0.0, 0.0, 0.0])
-    m = np.array([P, P, 0.0, P])
+    held = pi_at(op)
+    x = stem_at(op)
+    m = sensor_at(P)
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
@@ -92,8 +98,11 @@ PLANT = Plant(
         "slug": Effect("feed", lambda s: {"feed.slug": 0.4 * s, "feed.period": 90.0}),
     },
     outside={
+        # hydrate: the stem opens faster than it shuts
         "vent_freezes": Effect("valve", lambda s: {"valve.up": 0.1 / s, "valve.down": 0.03 / s}),
+        # the integral decays towards half of OP in a minute
         "integral_leaks": Effect("controller", lambda s: {"controller.leaks": s / 60.0}),
+        # more noise the higher the pressure
         "noise_grows": Effect("sensor", lambda s: {"sensor.grows": 0.8 * s}),
     },
 )  # fmt: skip

@@ -3,21 +3,14 @@
     dT/dt = (T_in + 80 x_s(t - 12) - T)/40        x_s = flow share of the steam valve, linear
     T_in  = 20 + load                             load [degC] enters at the inlet of the exchanger
 
-Blocks     controller (TC) -> valve (steam valve: stem and body) -> process (dead time, lag, gain) -> sensor (thermowell)
-           feed adds its load to the temperature at the inlet of the process
+Blocks     controller, valve (steam), process (dead time, gain, lag), sensor (thermowell), feed (into T_in of process)
 Numbers    gain 80 degC per full flow, time constant 40 s, dead time 12 s between valve and exchanger, thermowell 6 s
-Controller K = 0.008 of full OP per degC (0.8 % OP per degC), T_i = 45 s, incremental PI, OP 0 to 100 %, scan 1 s; at a
-           limit OP is held there and the integral follows (no wind-up); the integral takes the present error in first.
-Valve      instant: the stem is where OP wants it.  MV is not logged.
-Sensor     white noise 0.08 degC at each scan; range 0 to 120 degC
-Load       AR(1), standard deviation 0.6 degC, time constant 180 s, new each second
-Log        SP [degC], PV [degC] rounded to 0.02, OP [%] rounded to 0.05; a row every 10 s for 4 h; each row holds
-           what the control system held after its last scan (a scan falls on the first row, time 0)
-Set points 45 to 75 degC, a move every 25 min on average, at any time; the controller sees a move at its next scan
-Linear but for limits.  Effects act at the block of their name as in the list of effects; steam pressure is constant.
-Outside    steam_sag: the header's pressure falls by a share of the flow, 12 %, with a lag of 5 min (at valve)
-           slow_cooling: the thermowell falls slower than it rises (at sensor)
-           wet_steam: the heat given oscillates by a share, period 17 min, as condensate builds up (at process)
+Controller K = 0.008 of full OP per degC (0.8 % OP per degC), T_i = 45 s, OP 0 to 100 %, scan 1 s
+Sensor     noise 0.08 degC; range 0 to 120 degC
+Load       AR(1), standard deviation 0.6 degC, time constant 180 s
+Log        SP [degC], PV [degC] rounded to 0.02, OP [%] rounded to 0.05; a row every 10 s for 4 h
+Set points 45 to 75 degC, a move every 25 min on average
+Linear but for limits.
 """
 
 from typing import NamedTuple
@@ -25,7 +18,21 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import PI, Feed, Sensor, Valve, feel, pi, planned, read, stem, through
+from benchmarks.foreign.instruments import (
+    PI,
+    Feed,
+    Sensor,
+    Valve,
+    feel,
+    pi,
+    pi_at,
+    planned,
+    read,
+    sensor_at,
+    stem,
+    stem_at,
+    through,
+)
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -57,9 +64,9 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     scan = round(c.scan / dt)
     op = (sp[0, 0] - 20.0) / 80.0
     pv, seen = sp[0, 0], sp[0, 0]
-    held = np.array([op, 0.0, op])
-    x = np.array([op, op, 0.0, 0.0, 0.0])
-    m = np.array([sp[0, 0], sp[0, 0], 0.0, sp[0, 0]])
+    held = pi_at(op)
+    x = stem_at(op)
+    m = sensor_at(sp[0, 0])
     late = np.full(max(round(g.theta / dt), 1), op)
     T, T2, header = sp[0, 0], sp[0, 0], 0.0
     for i in range(sp.shape[1]):
@@ -102,8 +109,11 @@ PLANT = Plant(
         "sine_disturbance": Effect("feed", lambda s: {"feed.sine": 2.0 * s, "feed.period": 420.0}),
     },
     outside={
+        # the pressure of the header falls with the flow, 5 min late
         "steam_sag": Effect("valve", lambda s: {"process.sag": 0.12 * s}),
+        # the thermowell is slower down than up
         "slow_cooling": Effect("sensor", lambda s: {"sensor.falls": 20.0 * s}),
+        # condensate builds up and drains every 17 min: the heat of the steam oscillates
         "wet_steam": Effect("process", lambda s: {"process.wet": 0.06 * s}),
     },
 )  # fmt: skip

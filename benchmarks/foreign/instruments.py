@@ -5,9 +5,9 @@ The neutral value of every parameter is its default: with defaults an instrument
 Valve      The positioner follows OP with lag ``tau``, friction acts, then speed and stops; ``through`` is the flow.
            Friction: a stem that stands breaks away when its positioner is (S + J)/2 off, and is then dragged
            (S - J)/2 behind until the positioner stands still or turns.
-Sensor     It follows the true value with lag ``tau``, multiplies by ``span``, adds ``bias`` and ``drift``; its noise is
-           new at each scan; then ``step`` and the limits ``low`` and ``high``.
-PI         Each scan: e = SP - PV;  I = I + K h/T_i e;  OP = K e + I between ``low`` and ``high``;  I = OP - K e there, so
+Sensor     It follows the true value with lag ``tau``, multiplies by ``span``, adds ``bias``, ``drift`` and noise, new
+           at each scan; then ``step`` and the limits ``low`` and ``high``.
+PI         Each scan: e = SP - PV;  I = I + K h/T_i e;  OP = K e + I between its limits;  I = OP - K e there, so
            that it never winds up (this is the incremental form as well: OP moves by K (de + h/T_i e)).
 Feed       What a plan adds to the unmeasured load: a sine, a step, a saw-tooth.
 """
@@ -71,8 +71,9 @@ class PI(NamedTuple):
     leaks: float = 0.0  # outside: the integral decays towards the output at rest [1/s]
     rest: float = 0.0
     squares: float = 0.0  # outside: the gain grows by this share per unit of |e|
-    slew: float = 1e9  # outside: fastest OP [1/s]
+    slew: float = 1e9  # outside: fastest OP [1/s]; the integral does not know of it
     misses: float = 0.0  # outside: share of scans that are not executed
+    stops: float = 0.0  # 1: the integral stands still while OP is at a limit, in place of following it
 
 
 class Feed(NamedTuple):
@@ -83,6 +84,24 @@ class Feed(NamedTuple):
     step: float = 0.0
     at: float = 0.0
     slug: float = 0.0
+
+
+@njit(cache=True)
+def stem_at(travel):
+    """Return the state of a stem at rest."""
+    return np.array([travel, travel, 0.0, 0.0, 0.0])
+
+
+@njit(cache=True)
+def sensor_at(true):
+    """Return the state of a sensor at rest."""
+    return np.array([true, true, 0.0, true])
+
+
+@njit(cache=True)
+def pi_at(op):
+    """Return the state of a controller at rest."""
+    return np.array([op, 0.0, op])
 
 
 @njit(cache=True)
@@ -178,11 +197,14 @@ def pi(c, s, sp, pv, added, luck):
     gain = c.K * (1.0 + c.squares * abs(e))
     held = s[0] - c.scan * c.leaks * (s[0] - c.rest) + gain * c.scan / c.T_i * e
     op = gain * e + held + added
-    op = min(max(op, s[2] - c.slew * c.scan), s[2] + c.slew * c.scan)
     op = min(max(op, c.low), c.high)
-    s[0] = op - gain * e - added if op == c.low or op == c.high or c.slew < 1e8 else held
-    s[2] = op
-    return op
+    if op == c.low or op == c.high:
+        if c.stops == 0.0:
+            s[0] = op - gain * e - added
+    else:
+        s[0] = held
+    s[2] = min(max(op, s[2] - c.slew * c.scan), s[2] + c.slew * c.scan)
+    return s[2]
 
 
 @njit(cache=True)

@@ -4,23 +4,15 @@
     600 dB/dt = 6 0.005 - (6 + F_b) B                                W strong ions, B buffer [mol/L], 600 L, t [s]
     W + H - 1e-14/H = B K_a/(K_a + H)          pH = -log10 H,  K_a = 10^-6.35
 
-Blocks     controller (AC) -> valve (base valve: stem and linear body) -> process (tank and chemistry, W and B to pH)
-           -> sensor (electrode); feed adds its load [mol/L] to the strong ions of the acid stream of the process
+Blocks     controller, valve (base), process (tank and chemistry, to pH), sensor (electrode), feed (the acid's ions)
 Numbers    acid 6 L/s with -0.02 mol/L strong ions and 0.005 mol/L buffer; base 0.1 mol/L, 2.4 L/s at full flow.
            At pH 6.35 the valve stands at about 0.56, and pH moves by 14 per full OP; at pH 5.4 and 7.3 by about 35.
-Controller K = 0.04 of full OP per pH, T_i = 60 s, incremental PI, OP 0 to 1, scan 2 s; at a limit the integral follows.
-           The integral takes the present error in first.
-Valve      instant.  MV is not logged.
-Sensor     electrode: lag 5 s, white noise 0.01 pH at each scan; range 0 to 14
-Load       AR(1), standard deviation 0.0002 mol/L, time constant 240 s, new each second
-Log        SP, PV [pH] rounded to 0.005, OP [0 to 1] rounded to 0.0002; a row every 15 s (no multiple of the scan) for 5 h;
-           each row holds what the control system held after its last scan (a scan falls on the first row, time 0)
-Set points pH 5.4 to 7.3, a move every 20 min on average, at any time; the controller sees a move at its next scan
+Controller K = 0.04 of full OP per pH, T_i = 60 s, OP 0 to 1, scan 2 s
+Sensor     electrode: lag 5 s, noise 0.01 pH; range 0 to 14
+Load       AR(1), standard deviation 0.0002 mol/L, time constant 240 s
+Log        SP, PV [pH] rounded to 0.005, OP [0 to 1] rounded to 0.0002; a row every 15 s for 5 h
+Set points pH 5.4 to 7.3, a move every 20 min on average
 Nonlinear: titration curve, and F_b W.
-process_time_constant is a factor of the 600 L.
-Outside    stagnant: a part of the tank is a corner that exchanges its content slowly, in 400 s (at process)
-           electrode_fouls: its lag grows by 25 s in 40 min, until it is cleaned and all begins anew (at sensor)
-           coarse_positioner: the stem takes whole steps of OP only (at valve)
 """
 
 from typing import NamedTuple
@@ -28,7 +20,21 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import PI, Feed, Sensor, Valve, feel, pi, planned, read, stem, through
+from benchmarks.foreign.instruments import (
+    PI,
+    Feed,
+    Sensor,
+    Valve,
+    feel,
+    pi,
+    pi_at,
+    planned,
+    read,
+    sensor_at,
+    stem,
+    stem_at,
+    through,
+)
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 KW, KA = 1e-14, 10.0**-6.35
@@ -91,9 +97,9 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
         op = g.acid * (W - g.ions) / (g.base * (g.lye - W))
     W2, B2 = W, B
     pv, seen = pH, pH
-    held = np.array([op, 0.0, op])
-    x = np.array([op, op, 0.0, 0.0, 0.0])
-    m = np.array([pH, pH, 0.0, pH])
+    held = pi_at(op)
+    x = stem_at(op)
+    m = sensor_at(pH)
     V, V2 = g.V * (1.0 - g.corner), g.V * g.corner
     for i in range(sp.shape[1]):
         t = (i - first) * dt
@@ -139,8 +145,11 @@ PLANT = Plant(
         "slug": Effect("feed", lambda s: {"feed.slug": 0.0012 * s, "feed.period": 400.0}),
     },
     outside={
+        # a part of the tank is a corner that exchanges what it holds in 400 s
         "stagnant": Effect("process", lambda s: {"process.corner": 0.3 * s}),
+        # its lag grows for 40 min, until it is cleaned and all begins anew
         "electrode_fouls": Effect("sensor", lambda s: {"process.fouls": 25.0 * s}),
+        # the stem takes whole steps of OP only
         "coarse_positioner": Effect("valve", lambda s: {"valve.resolution": 0.012 * s}),
     },
 )  # fmt: skip

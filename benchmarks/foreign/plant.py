@@ -70,6 +70,7 @@ class Plant:
     scan: float  # what noise is drawn at [s]
     row: float  # interval of the log [s]
     warm: float  # run before the first row [s]
+    measured: tuple[int, ...] = ()  # loads that are logged, so their size is not stated and never wrong
     effects: Mapping[str, Effect] = field(default_factory=dict)
     outside: Mapping[str, Effect] = field(default_factory=dict)
 

@@ -3,24 +3,16 @@
     3 dQ/dt = 60 - 0.002 Q^2 - (15 + load) - (Q / (20 f))^2         heads in m, Q [m3/h], t [s]
     f = 40^(x - 1)                                                   x travel of the stem, 0 to 1
 
-Blocks     controller (FC) -> valve (positioner, stem, and body with f) -> process (pump, pipe) -> sensor (flow meter)
-           feed adds its load [m] to the static head of the process
+Blocks     controller, valve (positioner, stem, body), process (pump and pipe), sensor, feed (into the static head)
 Numbers    as above: shut-off head 60 m, static head 15 m, flow coefficient 20 m3/h per root m, inertia 3 m s h/m3;
            at 60 m3/h the valve stands at 0.806, at 30 m3/h at 0.60.  Flow never turns back.
-Controller K = 0.002 of full OP per m3/h (0.2 % OP per m3/h), T_i = 3 s, incremental PI, OP 0 to 100 %, scan 1 s; at a
-           limit the integral follows.  The integral takes the present error in first.
-Valve      positioner of first order, 1.2 s.  MV is not logged.
-Sensor     lag 0.5 s, white noise 0.25 m3/h at each scan; range 0 to 120 m3/h
-Load       AR(1), standard deviation 0.5 m, time constant 60 s, new each second
-Log        SP [m3/h], PV [m3/h] rounded to 0.05, OP [%] rounded to 0.02; a row every 5 s for 2 h; each row holds what the
-           control system held after its last scan (a scan falls on the first row, time 0)
-Set points 30 to 75 m3/h, a move every 10 min on average, at any time; the controller sees a move at its next scan
+Controller K = 0.002 of full OP per m3/h (0.2 % OP per m3/h), T_i = 3 s, OP 0 to 100 %, scan 1 s
+Valve      positioner of first order, 1.2 s
+Sensor     lag 0.5 s, noise 0.25 m3/h; range 0 to 120 m3/h
+Load       AR(1), standard deviation 0.5 m, time constant 60 s
+Log        SP [m3/h], PV [m3/h] rounded to 0.05, OP [%] rounded to 0.02; a row every 5 s for 2 h
+Set points 30 to 75 m3/h, a move every 10 min on average
 Nonlinear: pump curve, valve, square of the flow.
-Effects    valve_gain is a factor of f; sensor effects act on the flow in m3/h; positioner_lag adds to the 1.2 s (its size is
-           the lag beyond 1.2 s, of the same first order)
-Outside    dp_zero: the meter takes the root of a differential pressure whose zero is off: PV = sqrt(Q^2 + z) (at sensor)
-           chokes: the fluid flashes in the valve, f gives less the larger the flow, f (1 - b (Q/80)^4) (at valve)
-           missed_scans: a busy control system leaves out a share of the scans, at random (at controller)
 """
 
 from typing import NamedTuple
@@ -28,7 +20,20 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from benchmarks.foreign.instruments import PI, Feed, Sensor, Valve, feel, pi, planned, read, stem
+from benchmarks.foreign.instruments import (
+    PI,
+    Feed,
+    Sensor,
+    Valve,
+    feel,
+    pi,
+    pi_at,
+    planned,
+    read,
+    sensor_at,
+    stem,
+    stem_at,
+)
 from benchmarks.foreign.plant import Effect, Load, Moves, Plant
 
 
@@ -62,9 +67,9 @@ def run(p, sp, load, noise, luck, dt, first, every, out):
     Q = sp[0, 0]
     op = 1.0 + np.log(Q / (g.coefficient * np.sqrt(g.head - g.static - g.curve * Q * Q))) / np.log(v.R)
     pv, seen = Q, Q
-    held = np.array([op, 0.0, op])
-    x = np.array([op, op, 0.0, 0.0, 0.0])
-    m = np.array([Q, Q, 0.0, Q])
+    held = pi_at(op)
+    x = stem_at(op)
+    m = sensor_at(Q)
     for i in range(sp.shape[1]):
         t = (i - first) * dt
         if i % scan == 0:
@@ -92,6 +97,7 @@ PLANT = Plant(
     effects={
         "stiction": Effect("valve", lambda s: {"valve.S": 0.02 * s, "valve.J": 0.008 * s}),
         "deadband": Effect("valve", lambda s: {"valve.S": 0.01 * s}),
+        # the positioner of the sheet gets slower
         "positioner_lag": Effect("valve", lambda s: {"valve.tau": 1.2 + 3.0 * s}),
         "valve_gain": Effect("valve", lambda s: {"valve.gain": 1.05**s}, signed=True),
         "valve_saturation": Effect("valve", lambda s: {"valve.high": 0.92 - 0.06 * s}),
@@ -102,8 +108,11 @@ PLANT = Plant(
         "sine_disturbance": Effect("feed", lambda s: {"feed.sine": 2.0 * s, "feed.period": 75.0}),
     },
     outside={
+        # the meter takes the root of a differential pressure whose zero is off
         "dp_zero": Effect("sensor", lambda s: {"process.zero": 200.0 * s}),
+        # the fluid flashes in the valve: it passes less the larger the flow
         "chokes": Effect("valve", lambda s: {"process.chokes": 0.1 * s}),
+        # a busy control system leaves out scans at random
         "missed_scans": Effect("controller", lambda s: {"controller.misses": 0.4 * s}),
     },
 )  # fmt: skip

@@ -9,7 +9,10 @@ import numpy as np
 from benchmarks.foreign.historian import late, rounded, swinging_door
 from benchmarks.foreign.plant import Effect, Plant
 
-NAMES = ("heat_exchanger", "gas_pressure", "pump_flow", "neutralisation")
+NAMES = (
+    "heat_exchanger", "gas_pressure", "pump_flow", "neutralisation", "sqrt_tank", "split_range", "ratio_feedforward",
+    "two_by_two", "cascade", "recycle", "cone", "batch_ramp", "exotherm", "drum_level",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -53,18 +56,20 @@ def record(
     seed: int = 1,
     noise_factor: float = 1.0,
     load_factor: float = 1.0,
+    chance: int | None = None,
 ) -> Record:
     """Return a record of a plant; the same seed has the same set points, loads and noise, whatever the effect.
 
     ``size``: 1 is typical, 0 nothing, negative the opposite of an effect that has one.  ``noise_factor`` and
-    ``load_factor``: true over stated standard deviation.  Raises ``ValueError`` for a plant or effect that there is not.
+    ``load_factor``: true over stated standard deviation.  ``chance``: another seed for noise and unmeasured loads.
+    Raises ``ValueError`` for an unknown name.
     """
     of = plant(name)
     if effect != "none" and effect not in of.effects and effect not in of.outside:
         raise ValueError(f"{name} has no effect {effect!r}; it has {', '.join((*of.effects, *of.outside))}")
     what = {**of.effects, **of.outside}.get(effect, Effect("", lambda size: {}))
     values = what.of(size)
-    signals = _run(of, {} if what.log else values, seed, noise_factor, load_factor)
+    signals = _run(of, {} if what.log else values, seed, seed if chance is None else chance, noise_factor, load_factor)
     if what.log:
         signals |= _logged(signals, values)
     for tag, step in of.tags.items():
@@ -74,19 +79,23 @@ def record(
 
 
 def _run(
-    of: Plant, values: dict[str, float], seed: int, noise_factor: float, load_factor: float
+    of: Plant, values: dict[str, float], seed: int, chance: int, noise_factor: float, load_factor: float
 ) -> dict[str, np.ndarray]:
-    random = [np.random.default_rng([seed, k]) for k in range(4)]
     first, every = round(of.warm / of.dt), round(of.row / of.dt)
     rows = int(3600.0 * of.hours / of.row) + 1
     steps = first + (rows - 1) * every + 1
     t = of.dt * np.arange(steps)
-    sp = np.array([one.path(random[0], t) for one in of.set_points])
-    load = np.array([_walk(random[1], int(t[-1]) + 2, one.tau) * one.sd * load_factor for one in of.loads])
+    moves = np.random.default_rng([seed, 0])
+    sp = np.array([one.path(moves, t) for one in of.set_points])
+    load = np.empty((len(of.loads), int(t[-1]) + 2))
+    for k, one in enumerate(of.loads):
+        measured = k in of.measured
+        rng = np.random.default_rng([seed if measured else chance, 1, k])
+        load[k] = _walk(rng, load.shape[1], one.tau) * one.sd * (1.0 if measured else load_factor)
     scans = int(t[-1] / of.scan) + 2
-    noise = random[2].standard_normal((len(of.sensors), scans)) * noise_factor
+    noise = np.random.default_rng([chance, 2]).standard_normal((len(of.sensors), scans)) * noise_factor
+    luck = np.random.default_rng([chance, 3]).random(scans)
     out = np.full((rows, len(of.tags)), np.nan)
-    luck = random[3].random(scans)
     of.run(of.with_settings(values), sp, load, noise, luck, of.dt, first, every, out)
     return {"time": np.round(of.row * np.arange(rows), 6)} | {tag: out[:, k] for k, tag in enumerate(of.tags)}
 
