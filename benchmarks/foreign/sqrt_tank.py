@@ -103,6 +103,6 @@ PLANT = Plant(
         # the float hangs: hysteresis
         "hysteresis": Effect("sensor", lambda s: {"sensor.play": 0.03 * s}),
         # OP is held to a speed
-        "slew": Effect("controller", lambda s: {"controller.slew": 0.02 / s}),
+        "slew": Effect("controller", lambda s: {"controller.slew": 0.05 / s}),
     },
 )  # fmt: skip
