@@ -128,6 +128,11 @@ PLANT = Plant(
     set_points=(Moves(48.0, 70.0, 1200.0, 60.0),),
     loads=(Load(0.03, 40.0), Load(0.5, 200.0)), sensors=("flow_sensor", "temperature_sensor"),
     hours=4.0, dt=0.05, scan=0.5, row=7.0, warm=600.0,
+    alike={
+        "valve_gain": (("process_gain", "pipe"),),
+        "positioner_lag": (("second_lag", "pipe"),),
+        "sensor_lag": (("second_lag", "vessel"),),
+    },
     effects={
         "stiction": Effect("valve", lambda s: {"valve.S": 0.03 * s, "valve.J": 0.012 * s}),
         "deadband": Effect("valve", lambda s: {"valve.S": 0.025 * s}),

@@ -55,7 +55,8 @@ class Moves(NamedTuple):
 class Plant:
     """A plant and its log.
 
-    ``run(p, sp, load, noise, luck, dt, first, every, out)`` fills rows of ``out``, a column a tag.
+    ``run(p, sp, load, noise, luck, dt, first, every, out)`` fills rows of ``out``, a column a tag.  Where ``alike`` is not
+    given, as in a single loop, what leaves the same log is told by ``scoring.CLASSES``.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Plant:
     row: float  # interval of the log [s]
     warm: float  # run before the first row [s]
     measured: tuple[int, ...] = ()  # loads that are logged, so their size is not stated and never wrong
+    alike: Mapping[str, tuple[tuple[str, str], ...]] | None = None  # effect -> (effect, place) that leave the same log
     effects: Mapping[str, Effect] = field(default_factory=dict)
     outside: Mapping[str, Effect] = field(default_factory=dict)
 

@@ -98,6 +98,10 @@ PLANT = Plant(
     tags={"SP": 0.01, "PV": 0.01, "PS": 0.001, "OP": 0.05},
     set_points=(Moves(13.0, 17.0, 300.0, 15.0),), loads=(Load(0.15, 60.0),), sensors=("sensor", "suction_sensor"),
     hours=5.0 / 6.0, dt=0.01, scan=0.25, row=1.0, warm=60.0,
+    alike={
+        "positioner_lag": (("second_lag", "process"),),
+        "valve_leak": (("step_disturbance", "feed"),),
+    },
     effects={
         "stiction": Effect("valve", lambda s: {"valve.S": 0.035 * s, "valve.J": 0.015 * s}),
         "deadband": Effect("valve", lambda s: {"valve.S": 0.03 * s}),

@@ -105,6 +105,7 @@ PLANT = Plant(
     tags={"SP": 0.01, "PV": 0.01, "OP": 0.05},
     set_points=(Moves(50.0, 78.0, 2400.0, 60.0),), loads=(Load(1.5, 300.0),), sensors=("sensor",),
     hours=8.0, dt=0.1, scan=1.0, row=20.0, warm=1800.0,
+    alike={"sensor_lag": (("second_lag", "process"),)},
     effects={
         "stiction": Effect("heating_valve", lambda s: {"heating_valve.S": 0.06 * s, "heating_valve.J": 0.025 * s}),
         "deadband": Effect("cooling_valve", lambda s: {"cooling_valve.S": 0.06 * s}),

@@ -115,6 +115,7 @@ PLANT = Plant(
     set_points=(Moves(46.0, 54.0, 3000.0, 50.0), Moves(87.0, 93.0, 3000.0, 90.0)),
     loads=(Load(0.008, 200.0), Load(0.008, 200.0)), sensors=("sensor_1", "sensor_2"),
     hours=10.0, dt=0.2, scan=2.0, row=30.0, warm=1200.0,
+    alike={},
     effects={
         "stiction": Effect("valve_1", lambda s: {"valve_1.S": 0.04 * s, "valve_1.J": 0.015 * s}),
         "deadband": Effect("valve_2", lambda s: {"valve_2.S": 0.03 * s}),
