@@ -45,13 +45,14 @@ class Answer:
         """
         if not report["gap"]:
             return cls(False)
+
+        def at(place: str) -> str:
+            return places.get(place, place)
+
         causes = tuple(
-            Cause(
-                one["effect"], places.get(one["place"], one["place"]), one["probability"], tuple(one["ambiguous_with"])
-            )
+            Cause(one["effect"], at(one["place"]), one["probability"], tuple(one["ambiguous_with"]))
             for one in report["causes"]
             if one["effect"] != UNKNOWN
         )
         where = report["where"]
-        all_ = dict.fromkeys(places.get(place, place) for place in where["confidence_set"])
-        return cls(True, places.get(where["place"], where["place"]), causes, tuple(all_))
+        return cls(True, at(where["place"]), causes, tuple(dict.fromkeys(map(at, where["confidence_set"]))))

@@ -93,15 +93,15 @@ PLANT = Plant(
         "valve_gain": Effect("valve", lambda s: {"valve.gain": 1.2**s}, signed=True),
         "valve_leak": Effect("valve", lambda s: {"valve.leak": 0.05 * s}),
         "sensor_lag": Effect("sensor", lambda s: {"sensor.tau": 3.0 + 30.0 * s}),
-        "sensor_noise": Effect("sensor", lambda s: {"sensor.noise": 1.0 + 1.5 * s}),
-        "quantisation": Effect("sensor", lambda s: {"sensor.step": 0.6 * s}),
+        "sensor_noise": Effect("sensor", lambda s: {"sensor.noise": 1.0 + 2.5 * s}),
+        "quantisation": Effect("sensor", lambda s: {"sensor.step": 0.8 * s}),
         "compression": Effect("historian", lambda s: {"compression.PV": 0.4 * s}, log=True),
         "controller_filter": Effect("controller", lambda s: {"controller.tau": 15.0 * s}),
         "sine_disturbance": Effect("feed", lambda s: {"feed.sine": 0.06 * s, "feed.period": 300.0}),
     },
     outside={
         # the higher the level the more it is stirred up: noise grows with it
-        "stirred_up": Effect("sensor", lambda s: {"sensor.grows": 0.6 * s}),
+        "stirred_up": Effect("sensor", lambda s: {"sensor.grows": 0.8 * s}),
         # the historian's clock for OP is late
         "late_stamp": Effect("historian", lambda s: {"late.OP": 8.0 * max(round(2.0 * s), 1)}, log=True),
         # a busy control system leaves out scans at random

@@ -101,7 +101,7 @@ PLANT = Plant(
         "deadband": Effect("valve", lambda s: {"valve.S": 0.02 * s}),
         "positioner_lag": Effect("valve", lambda s: {"valve.tau": 12.0 * s}),
         "dead_time": Effect("process", lambda s: {"process.theta": 12.0 + 8.0 * s}),
-        "process_gain": Effect("process", lambda s: {"process.gain": 80.0 * 1.12**s}, signed=True),
+        "process_gain": Effect("process", lambda s: {"process.gain": 80.0 * 1.08**s}, signed=True),
         "process_time_constant": Effect("process", lambda s: {"process.tau": 40.0 * 1.3**s}, signed=True),
         "sensor_bias": Effect("sensor", lambda s: {"sensor.bias": 2.0 * s}, signed=True),
         "sensor_noise": Effect("sensor", lambda s: {"sensor.noise": 1.0 + 1.5 * s}),

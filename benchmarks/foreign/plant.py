@@ -55,8 +55,8 @@ class Moves(NamedTuple):
 class Plant:
     """A plant and its log.
 
-    ``run(p, sp, load, noise, luck, dt, first, every, out)`` fills rows of ``out``, a column a tag.  Where ``alike`` is not
-    given, as in a single loop, what leaves the same log is told by ``scoring.CLASSES``.
+    ``run(p, sp, load, noise, luck, dt, first, every, out)`` fills rows of ``out``, a column a tag.
+    Where ``alike`` is not given, as in a single loop, what leaves the same log is told by ``scoring.CLASSES``.
     """
 
     name: str

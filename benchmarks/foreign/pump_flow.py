@@ -99,7 +99,7 @@ PLANT = Plant(
         "deadband": Effect("valve", lambda s: {"valve.S": 0.01 * s}),
         # the positioner of the sheet gets slower
         "positioner_lag": Effect("valve", lambda s: {"valve.tau": 1.2 + 3.0 * s}),
-        "valve_gain": Effect("valve", lambda s: {"valve.gain": 1.05**s}, signed=True),
+        "valve_gain": Effect("valve", lambda s: {"valve.gain": 1.035**s}, signed=True),
         "valve_saturation": Effect("valve", lambda s: {"valve.high": 0.92 - 0.06 * s}),
         "sensor_span": Effect("sensor", lambda s: {"sensor.span": 1.0 + 0.04 * s}, signed=True),
         "quantisation": Effect("sensor", lambda s: {"sensor.step": 1.0 * s}),
@@ -109,7 +109,7 @@ PLANT = Plant(
     },
     outside={
         # the meter takes the root of a differential pressure whose zero is off
-        "dp_zero": Effect("sensor", lambda s: {"process.zero": 200.0 * s}),
+        "dp_zero": Effect("sensor", lambda s: {"process.zero": 100.0 * s}),
         # the fluid flashes in the valve: it passes less the larger the flow
         "chokes": Effect("valve", lambda s: {"process.chokes": 0.1 * s}),
         # a busy control system leaves out scans at random

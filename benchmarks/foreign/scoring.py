@@ -130,9 +130,8 @@ def by_plant(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     out = []
     for name in dict.fromkeys(row["plant"] for row in rows):
         _, words = figures([row for row in rows if row["plant"] == name])
-        parts = [
-            f"{key} {words[key].split(',')[0]}" for key in ("place", "cause", "false_alarms", "unknown") if key in words
-        ]
+        shown = [key for key in ("place", "cause", "false_alarms", "unknown") if key in words]
+        parts = [f"{key} {words[key].split(',')[0]}" for key in shown]
         crashes = sum(bool(row["crash"]) for row in rows if row["plant"] == name)
         out.append(f"{name:18} " + "; ".join([*parts, f"crashes {crashes}"]))
     return out

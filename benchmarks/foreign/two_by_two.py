@@ -124,15 +124,15 @@ PLANT = Plant(
         "dead_time": Effect("process_22", lambda s: {"process_22.theta": 10.0 + 12.0 * s}),
         "process_time_constant": Effect("process_11", lambda s: {"process_11.tau": 80.0 * 1.4**s}, signed=True),
         "sensor_lag": Effect("sensor_2", lambda s: {"sensor_2.tau": 4.0 + 18.0 * s}),
-        "sensor_bias": Effect("sensor_1", lambda s: {"sensor_1.bias": 1.0 * s}, signed=True),
+        "sensor_bias": Effect("sensor_1", lambda s: {"sensor_1.bias": 0.6 * s}, signed=True),
         "controller_gain": Effect("controller_2", lambda s: {"controller_2.K": -0.08 * 1.5**s}, signed=True),
         "sine_disturbance": Effect("feed_1", lambda s: {"feed_1.sine": 0.03 * s, "feed_1.period": 700.0}),
     },
     outside={
         # the bottom moves the top less while its valve is less than half open
-        "one_sided": Effect("process_12", lambda s: {"process_12.one_sided": 0.6 * s}),
+        "one_sided": Effect("process_12", lambda s: {"process_12.one_sided": 0.35 * s}),
         # the gain swings, with a period of an hour and a half
-        "gain_swings": Effect("process_21", lambda s: {"process_21.swings": 0.5 * s}),
+        "gain_swings": Effect("process_21", lambda s: {"process_21.swings": 0.3 * s}),
         # the transmitter freezes now and then, for a minute
         "freezes": Effect("sensor_1", lambda s: {"sensor_1.freezes": 0.004 * s}),
     },

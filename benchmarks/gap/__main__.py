@@ -6,7 +6,7 @@ for two processes at once; without ``--part`` all rows in the folder are read.  
 that refit and the oracle of what shows: then no record is left out but one that leaves no trace.
 ``--csv`` writes every row as a table.
 
-``--only foreign`` diagnoses plants of another hand instead (``benchmarks/foreign``); ``--only foreign/cone`` one of them.
+``--only foreign`` diagnoses plants of another hand instead (``benchmarks/foreign``), ``--only foreign/cone`` one.
 """
 
 import argparse
