@@ -69,7 +69,8 @@ def record(
         raise ValueError(f"{name} has no effect {effect!r}; it has {', '.join((*of.effects, *of.outside))}")
     what = {**of.effects, **of.outside}.get(effect, Effect("", lambda size: {}))
     values = what.of(size)
-    signals = _run(of, {} if what.log else values, seed, seed if chance is None else chance, noise_factor, load_factor)
+    again = seed if chance is None else chance
+    signals = signals_of(of, {} if what.log else values, seed, again, noise_factor, load_factor)
     if what.log:
         signals |= _logged(signals, values)
     for tag, step in of.tags.items():
@@ -78,9 +79,10 @@ def record(
     return Record(signals, Truth(name, effect, what.place, size, values, outside, noise_factor, load_factor))
 
 
-def _run(
+def signals_of(
     of: Plant, values: dict[str, float], seed: int, chance: int, noise_factor: float, load_factor: float
 ) -> dict[str, np.ndarray]:
+    """Return "time" and the tags of a plant with some parameters replaced, before the historian rounds them."""
     first, every = round(of.warm / of.dt), round(of.row / of.dt)
     rows = int(3600.0 * of.hours / of.row) + 1
     steps = first + (rows - 1) * every + 1
@@ -91,7 +93,7 @@ def _run(
     for k, one in enumerate(of.loads):
         measured = k in of.measured
         rng = np.random.default_rng([seed if measured else chance, 1, k])
-        load[k] = _walk(rng, load.shape[1], one.tau) * one.sd * (1.0 if measured else load_factor)
+        load[k] = walk(rng, load.shape[1], one.tau) * one.sd * (1.0 if measured else load_factor)
     scans = int(t[-1] / of.scan) + 2
     noise = np.random.default_rng([chance, 2]).standard_normal((len(of.sensors), scans)) * noise_factor
     luck = np.random.default_rng([chance, 3]).random(scans)
@@ -100,7 +102,7 @@ def _run(
     return {"time": np.round(of.row * np.arange(rows), 6)} | {tag: out[:, k] for k, tag in enumerate(of.tags)}
 
 
-def _walk(rng: np.random.Generator, n: int, tau: float) -> np.ndarray:
+def walk(rng: np.random.Generator, n: int, tau: float) -> np.ndarray:
     """Return AR(1) of unit variance, new each second, from its stationary distribution."""
     a = np.exp(-1.0 / tau)
     out = rng.standard_normal(n)
