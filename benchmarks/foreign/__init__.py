@@ -4,7 +4,8 @@ Each file of a plant begins with its data sheet, from which somebody else wires 
 What holds for all plants, unless a sheet says otherwise:
 
 Blocks     OP of ``controller`` goes to ``valve`` (positioner, stem, body: OP to flow), its flow to ``process``, what
-           comes of it to ``sensor``, and that is PV.  ``feed`` is the unmeasured load.  A gap is at one of these.
+           comes of it to ``sensor``, and that is PV.  ``feed`` is the unmeasured load.  A gap is at one of these
+           or at ``historian``, which makes the log.
 Controller It scans: at each scan it reads SP and PV, computes and writes OP, which is held until the next scan.
            e = SP - PV;  I = I + K h/T_i e  (h is the scan);  OP = K e + I, kept between its limits.  At a limit
            I = OP - K e, so nothing winds up.  (The incremental form, OP moves by K (de + h/T_i e), gives the same.)

@@ -4,8 +4,8 @@
                                                             x flow share of the outlet valve, linear
 Blocks     controller, valve (outlet), process (cone and what flows out of it), sensor, feed (adds to the inflow)
 Numbers    as above; the valve stands at 0.67 at 1 m and at 0.43 at 2.4 m; the cone is 3 m high
-Controller direct acting: K = -0.4 of full OP per m, T_i = 300 s, OP 0 to 100 %, scan 2 s.  While K e + I is beyond a
-           limit, the integral stands still (it does not follow OP, and it is not computed at that scan).
+Controller direct acting: K = -0.4 of full OP per m, T_i = 300 s, OP 0 to 100 %, scan 2 s.  Where K e + I, with the
+           new I, is beyond a limit, OP is at that limit and I stays what it was at the scan before.
 Sensor     noise 0.004 m; range 0 to 3 m
 Load       AR(1), standard deviation 0.0006 m3/s, time constant 400 s
 Log        SP [m], PV [m] rounded to 0.002, OP [%] rounded to 0.1; a row every 37 s for 16 h

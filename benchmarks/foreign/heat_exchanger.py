@@ -6,7 +6,7 @@
 Blocks     controller, valve (steam), process (dead time, gain, lag), sensor (thermowell), feed (into T_in of process)
 Numbers    gain 80 degC per full flow, time constant 40 s, dead time 12 s between valve and exchanger, thermowell 6 s
 Controller K = 0.008 of full OP per degC (0.8 % OP per degC), T_i = 45 s, OP 0 to 100 %, scan 1 s
-Sensor     noise 0.08 degC; range 0 to 120 degC
+Sensor     lag 6 s, noise 0.08 degC; range 0 to 120 degC
 Load       AR(1), standard deviation 0.6 degC, time constant 180 s
 Log        SP [degC], PV [degC] rounded to 0.02, OP [%] rounded to 0.05; a row every 10 s for 4 h
 Set points 45 to 75 degC, a move every 25 min on average
