@@ -8,6 +8,8 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
+from logs.files.write import replacing
+
 Row = dict[str, Any]
 
 
@@ -78,9 +80,10 @@ def resumed(
 ) -> Iterator[Row]:
     """Yield what each run came to: those in the file made earlier, new ones until ``seconds`` [s] are up.
 
-    ``also``: files of rows that other processes made.
+    ``also``: files of rows that other processes made.  Each row is kept at once, and no file is ever half written.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
+    kept = file.read_text() if file.exists() else ""
     earlier = [one for one in (*also, file) if one.exists()]
     done = {row["key"]: row for one in earlier for row in map(json.loads, one.read_text().splitlines())}
     until = time.monotonic() + seconds
@@ -89,6 +92,7 @@ def resumed(
             yield done[run.key]
         elif time.monotonic() < until:
             row = made(run)
-            with file.open("a") as out:
-                out.write(json.dumps(row) + "\n")
+            kept += json.dumps(row) + "\n"
+            with replacing(file) as part:
+                part.write_text(kept)
             yield row

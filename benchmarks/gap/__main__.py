@@ -5,6 +5,8 @@ order of which every beginning holds each kind by its share.  ``--part 1/2`` and
 for two processes at once; without ``--part`` all rows in the folder are read.  ``--bare`` leaves out the two baselines
 that refit and the oracle of what shows: then no record is left out but one that leaves no trace.
 ``--csv`` writes every row as a table.
+
+``--only foreign`` diagnoses plants of another hand instead (``benchmarks/foreign``), ``--only foreign/cone`` one.
 """
 
 import argparse
@@ -14,6 +16,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from benchmarks.foreign.command import foreign
 from benchmarks.gap.baselines import free_run_place, shrinkages
 from benchmarks.gap.generator import FAMILIES
 from benchmarks.gap.models import model
@@ -80,7 +83,7 @@ def main() -> None:
     parser.add_argument(
         "--learn", action="store_true", help="print kind of answer -> (right, of), for gap/answers/sureness.py"
     )
-    parser.add_argument("--only", default="", help="only runs whose key contains this")
+    parser.add_argument("--only", default="", help="only runs whose key contains this; 'foreign': those plants")
     parser.add_argument(
         "--part", type=_part, default=(0, 0), metavar="K/N", help="only every N-th record, from the K-th on"
     )
@@ -89,6 +92,8 @@ def main() -> None:
     )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="also write every row as a table")
     told = parser.parse_args()
+    if told.only.startswith("foreign"):
+        raise SystemExit(0 if foreign(told) else 1)
     runs = in_turn([run for run in benchmark(told.family) if told.only in run.key])
     large = in_turn([run for run in plant_runs(told.family) if told.only in run.key])
     if told.quick:
