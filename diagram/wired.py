@@ -58,7 +58,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.signals = tuple(self.driven)
         self._past: Past | None = None
         self._seen_order: tuple[int, ...] | None = None
-        seen = [block.smooth() for block in self.blocks]
+        seen = [block.seen() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
         super().__init__(
             seen, inputs=list(self.open_inputs), outputs=list(self.chosen_outputs), states=states, name=name, dt=0,
@@ -117,7 +117,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
         A dead time that becomes or ceases to be zero changes the signal flow: then everything is checked afresh.
         """
-        seen = [block.smooth() for block in blocks]
+        seen = [block.seen() for block in blocks]
         same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
         if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
             other = type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)

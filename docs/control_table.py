@@ -44,7 +44,7 @@ class Trial:
             b.Sine(label, amplitude, 37.0 + 16.0 * i, mean=mean, name=f"drive {i + 1}")
             for i, (label, (mean, amplitude)) in enumerate(zip(block.input_labels, self.sines, strict=False))
         ]
-        return wire([*drives, block], outputs=block.output_labels or None)
+        return wire([*drives, block], outputs=[*(drive.output_labels[0] for drive in drives), *block.output_labels])
 
 
 def loop(sp: float = 0.5) -> list[Block]:
@@ -155,7 +155,10 @@ TRIALS: dict[str, Trial] = {
     "ResetIntegrator": signal(b.ResetIntegrator, "in", "reset"),
     "DetectorBlock": Trial(
         lambda: DetectorBlock(area_ratio, dt=0.5, verdict_every=10),
-        around=lambda: [*loop(), b.PI(2.0, 10.0)],
+        around=lambda: [
+            b.Step("SP", 0.5), b.PI(1.5, 5.0, start_op=0.35), b.StickSlip(start=0.3),
+            b.FirstOrder(1.5, 10.0, start=0.45),
+        ],
     ),
     "PrefilterBlock": Trial(lambda: PrefilterBlock(0.5, window=32)),
 }  # fmt: skip
@@ -216,7 +219,7 @@ if __name__ == "__main__":
     import sys, time
     for name, trial in TRIALS.items():
         if sys.argv[1:] and name not in sys.argv[1:]: continue
-        a=time.process_time(); import signal as sg; sg.alarm(25)
+        a=time.process_time(); import signal as sg; sg.alarm(8)
         def boom(*a): raise TimeoutError
         sg.signal(sg.SIGALRM, boom)
         try:
