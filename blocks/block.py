@@ -179,6 +179,11 @@ class Block(ControlView):
         samples = self.takes_samples and not twin.seen_states() and bool(twin.ports_in)
         return SampledView(self, twin) if samples else twin
 
+    def unseen(self) -> str:
+        """Return what python-control's simulator does not see of the block, "" if it sees all of it."""
+        seen = self.seen()
+        return f"the samples, but a continuous {type(seen).__name__}," if self.sampled and not seen.samples_kept else ""
+
     # --- changed copies -----------------------------------------------------------------------------------
     def with_role(self, role: str, **plays: str) -> Self:
         """Return a copy with another role, for a general block: which port is ``SP``, ``PV``, ``OP`` or ``MV``.
@@ -343,7 +348,7 @@ class SampledView(Block):
     """
 
     def __init__(self, block: Block, twin: Block | None = None) -> None:
-        self.block, self.twin = block, twin or self
+        self.block, self._twin = block, twin or self
         self.role, self.plays = block.role, block.plays
         self.ports_in, self.ports_out = block.ports_in, block.ports_out
         self.kernels = Kernels(feeds=block.kernels.feeds)
@@ -353,9 +358,19 @@ class SampledView(Block):
         )  # fmt: skip
         self.p = self._p_now = block.p  # with the tables behind the parameters
 
+    @property
+    def twin(self) -> Block:
+        """What python-control takes slopes of."""
+        return self._twin
+
+    @property
+    def samples_kept(self) -> bool:
+        """Whether the view takes samples: always."""
+        return True
+
     def as_it_starts(self) -> Block:
         """Return what slopes are taken of."""
-        return self.twin
+        return self._twin
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         super()._update_params(params)

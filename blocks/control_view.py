@@ -68,6 +68,16 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         """
         return self.d0
 
+    @property
+    def twin(self) -> "ControlView":
+        """What python-control takes slopes of: the view itself, unless it takes samples."""
+        return self
+
+    @property
+    def samples_kept(self) -> bool:
+        """Whether the view takes samples and keeps them, for python-control has no place for them."""
+        return self.host is not None
+
     def out_now(self, t: float, x: Floats, u: Floats) -> Floats:
         """Return the outputs with the parameters that python-control gave last."""
         return self._out(t, x, u)
