@@ -4,7 +4,6 @@ Every block is driven by sines for 100 s, at its inputs or in a small loop, in a
 ``rtol=1e-8`` and by ``ct.input_output_response`` with LSODA and ``rtol=1e-6``.
 """
 
-import importlib.util
 import re
 import warnings
 from collections.abc import Callable, Sequence
@@ -17,7 +16,7 @@ import numpy as np
 import blocks as b
 from blocks.block import Block
 from detect.blocks import DetectorBlock, PrefilterBlock
-from detect.methods import area_ratio
+from detect.methods import harmonics
 from diagram import Diagram, simulate, wire
 
 PAGE = Path(__file__).parent / "python_control.md"
@@ -52,6 +51,11 @@ def loop(sp: float = 0.5) -> list[Block]:
     return [b.Step("SP", sp, 0.2, at=5.0), b.FirstOrder(1.5, 10.0, inputs="OP", outputs="PV")]
 
 
+def sticky_loop() -> list[Block]:
+    """A set point that steps, a controller and a process; the block between them is a valve."""
+    return [b.Step("SP", 0.5), b.PI(0.4, 10.0), b.FirstOrder(3.0, 10.0)]
+
+
 def valve(make: Callable[..., Block], *bands: float, **more: float) -> Trial:
     """A valve that starts where the sine does."""
     return Trial(lambda: make(*bands, start=0.5, **more))
@@ -75,6 +79,7 @@ TRIALS: dict[str, Trial] = {
     "PRBS": signal(b.PRBS, 1.0, 5.0),
     "Chirp": signal(b.Chirp, 1.0, f_start=0.01, f_end=0.1, duration=100.0),
     "Pin": Trial(lambda: b.Pin([10.0, 40.0, 70.0], [0.5, 0.6, 0.3])),
+    "Historian": Trial(lambda: b.Historian(["in"])),
     "PI": Trial(lambda: b.PI(2.0, 10.0), around=loop),
     "PID": Trial(lambda: b.PID(2.0, 10.0, 1.0), around=loop),
     "SampledPI": Trial(lambda: b.SampledPI(2.0, 10.0, dt=0.5), around=loop),
@@ -87,7 +92,7 @@ TRIALS: dict[str, Trial] = {
     "StickSlip": valve(b.StickSlip),
     "StribeckStem": valve(b.StribeckStem),
     "LuGreStem": valve(b.LuGreStem),
-    "QuasiStaticStem": valve(b.QuasiStaticStem),
+    "QuasiStaticStem": Trial(lambda: b.QuasiStaticStem(), around=sticky_loop),
     **{kind.__name__: valve(kind, 0.06, 0.02, 0.5) for kind in (b.KanoValve, b.ChoudhuryValve, b.ChenValve)},
     "HeValve": valve(b.HeValve, 0.04, 0.02, 0.5),
     "StenmanValve": valve(b.StenmanValve, 0.04, 0.5),
@@ -154,10 +159,10 @@ TRIALS: dict[str, Trial] = {
     "ZeroOrderHold": signal(b.ZeroOrderHold, "in", 0.5, start=0.5),
     "ResetIntegrator": signal(b.ResetIntegrator, "in", "reset"),
     "DetectorBlock": Trial(
-        lambda: DetectorBlock(area_ratio, dt=0.5, verdict_every=10),
+        lambda: DetectorBlock(harmonics, dt=0.16, verdict_every=100),
         around=lambda: [
-            b.Step("SP", 0.5), b.PI(1.5, 5.0, start_op=0.35), b.StickSlip(start=0.3),
-            b.FirstOrder(1.5, 10.0, start=0.45),
+            b.Step("SP", 0.55), b.PI(0.6, 1.28, start_op=0.42), b.StickSlip.from_bands(S=0.06, J=0.03, start=0.4),
+            b.FirstOrder(1.3, 0.8, theta=0.16, start=0.52),
         ],
     ),
     "PrefilterBlock": Trial(lambda: PrefilterBlock(0.5, window=32)),
@@ -200,7 +205,7 @@ def slopes(block: Block) -> str:
     """What ``ct.linearize`` gives of the block alone with its inputs open."""
     if not block.ports_in:
         return "no input"
-    diagram = wire([block], inputs=block.input_labels)
+    diagram = wire([block], inputs=block.input_labels, outputs=block.output_labels)
     u = [0.5] * len(block.ports_in)
     try:
         model = ct.linearize(diagram, diagram.x0, u)
@@ -215,14 +220,18 @@ def table() -> dict[str, Seen]:
     return {name: seen(trial) for name, trial in TRIALS.items()}
 
 
+def markdown(rows: dict[str, Seen]) -> str:
+    """The table as it stands on the page."""
+    lines = [COLUMNS, ["---"] * len(COLUMNS), *(row.cells(name) for name, row in rows.items())]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def rewritten(page: str, rows: dict[str, Seen]) -> str:
+    """The page with the table between ``<!-- table -->`` and ``<!-- end -->`` as it is now."""
+    return re.sub(
+        r"<!-- table -->\n.*?<!-- end -->", f"<!-- table -->\n{markdown(rows)}\n<!-- end -->", page, flags=re.S
+    )
+
+
 if __name__ == "__main__":
-    import sys, time
-    for name, trial in TRIALS.items():
-        if sys.argv[1:] and name not in sys.argv[1:]: continue
-        a=time.process_time(); import signal as sg; sg.alarm(8)
-        def boom(*a): raise TimeoutError
-        sg.signal(sg.SIGALRM, boom)
-        try:
-            print(seen(trial).cells(name), round(time.process_time()-a,2), flush=True)
-        except Exception as e:
-            print(name, type(e).__name__, str(e)[:200])
+    PAGE.write_text(rewritten(PAGE.read_text(), table()))
