@@ -5,6 +5,7 @@ Every block is driven by sines for 100 s, at its inputs or in a small loop, in a
 """
 
 import re
+import sys
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,6 +13,8 @@ from pathlib import Path
 
 import control as ct
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import blocks as b
 from blocks.block import Block
@@ -92,7 +95,7 @@ TRIALS: dict[str, Trial] = {
     "StickSlip": valve(b.StickSlip),
     "StribeckStem": valve(b.StribeckStem),
     "LuGreStem": valve(b.LuGreStem),
-    "QuasiStaticStem": Trial(lambda: b.QuasiStaticStem(), around=sticky_loop),
+    "QuasiStaticStem": Trial(lambda: b.QuasiStaticStem(start=0.5), around=sticky_loop),
     **{kind.__name__: valve(kind, 0.06, 0.02, 0.5) for kind in (b.KanoValve, b.ChoudhuryValve, b.ChenValve)},
     "HeValve": valve(b.HeValve, 0.04, 0.02, 0.5),
     "StenmanValve": valve(b.StenmanValve, 0.04, 0.5),
@@ -197,7 +200,7 @@ def seen(trial: Trial) -> Seen:
         ran, saw = np.nan_to_num(ours[label]), theirs.outputs[diagram.output_labels.index(label)]
         if np.ptp(ran) > 0.0:
             moved, moves = True, moves and bool(np.ptp(saw) > 0.1 * np.ptp(ran))
-            differences.append(float(np.abs(saw - ran).max() / np.ptp(ran)))
+            differences.append(float(np.abs(saw - ran)[1:].max() / np.ptp(ran)))
     return Seen(moved and moves, slopes(block), max(differences))
 
 
