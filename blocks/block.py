@@ -164,7 +164,7 @@ class Block(ControlView):
         return ""
 
     def smooth(self) -> "Block":
-        """Return the continuous block that python-control sees in a diagram (its own continuous limit).
+        """Return the continuous block of which slopes are taken (its own continuous limit).
 
         A sampled block that names no better twin is seen taking its samples.
         """

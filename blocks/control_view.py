@@ -109,7 +109,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         if self.host is not None:
             return np.zeros(0)
         if self.sampled:
-            return self.take(t, x, u)[0]
+            return np.asarray(self.take(t, x, u)[0], dtype=float)
         rates = np.zeros(len(self.x0))
         if self.kernels.der is not None:
             self.kernels.der(t, x, self.seen_memory(x, u), u, self._p_at(t), rates)

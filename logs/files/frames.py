@@ -70,7 +70,7 @@ def _columns_of_response(source: Any) -> dict[str, Any]:
         raise ReadError(f"the response has {source.ntraces} traces; give one of them, e.g. response[:, 0]")
     columns = {"time": np.asarray(source.time)}
     for labels, rows in ((source.output_labels, source.y), (source.input_labels, source.u)):
-        if rows is not None:
+        if labels and rows is not None:
             for label, row in zip(labels, np.reshape(rows, (len(labels), -1)), strict=True):
                 columns.setdefault(label, row)
     return columns
