@@ -154,6 +154,12 @@ class Block(ControlView):
         values = zip(self.param_names, self.p.tolist(), strict=False)
         return shortened(f"<{type(self).__name__} '{self.name}': {'; '.join([ports, _listed(values)])}>")
 
+    def going_by(self, p: Floats) -> Self:
+        """Return a copy that goes by the parameters ``p`` until python-control gives others."""
+        other = self._copy()
+        other._p_now = p
+        return other
+
     # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
@@ -357,6 +363,7 @@ class SampledView(Block):
             inputs=list(block.input_labels), outputs=list(block.output_labels), spans=block.spans,
         )  # fmt: skip
         self.p = self._p_now = block.p  # with the tables behind the parameters
+        self._taking = block.going_by(block.p)
 
     @property
     def twin(self) -> Block:
@@ -374,13 +381,7 @@ class SampledView(Block):
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         super()._update_params(params)
-        self._taking = self.block._copy()
-        self._taking._p_now = self._p_now
+        self._taking = self.block.going_by(self._p_now)
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
-        taken = self._taking.samples_until(t, u)
-        y = taken.said
-        if not self.block.sampled and self.block.kernels.out is not None:
-            y = np.zeros(len(self.ports_out))
-            self.block.kernels.out(t, x, taken.state, u, self._taking._p_at(t), y)
-        return np.nan_to_num(y, nan=0.0)
+        return self._taking.out_after_samples(t, u)

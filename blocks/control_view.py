@@ -12,7 +12,7 @@ import numpy as np
 from blocks.declared import Declared
 from blocks.kernels import Floats
 from blocks.parameters import Parametrised
-from blocks.seen_samples import EARLY, SeenSamples, Taken
+from blocks.seen_samples import EARLY, SeenSamples
 
 NO_APPEND = (
     "ct.append stacks linear systems only; use diagram.wire([...], inputs=[...]), or ct.interconnect([...], "
@@ -117,7 +117,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
         if self.host is not None:
-            return np.nan_to_num(self.samples_until(t, u).said, nan=0.0)
+            return self.out_after_samples(t, u)
         if self.sampled:
             return self.take(t, x, u)[1]
         y = np.zeros(len(self.ports_out))
@@ -134,11 +134,16 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         p[len(p) - self.timetable.shape[1] + 1 :] = self.timetable[max(0, passed - 1), 1:]
         return p
 
-    def samples_until(self, t: float, u: Floats) -> Taken:
-        """Return how the block stands at ``t`` [s] after the samples of the present response."""
+    def out_after_samples(self, t: float, u: Floats) -> Floats:
+        """Return the outputs at ``t`` [s] after the samples of the present response; what is no number is 0."""
         if self.samples is None:
             self.samples = SeenSamples(self.y0)
-        return self.samples.at(self, t, u)
+        taken = self.samples.at(self, t, u)
+        y = taken.said
+        if not self.sampled and self.kernels.out is not None:
+            y = np.zeros(len(self.ports_out))
+            self.kernels.out(t, self.x0, taken.state, u, self._p_at(t), y)
+        return np.nan_to_num(y, nan=0.0)
 
     def state_before(self) -> Any:
         """Return the state before the first sample."""
