@@ -12,7 +12,6 @@ istate") at V_S = 1e-5 and below; Radau is slower throughout.  With its rates co
 thirds of the time: the rest is scipy's BDF.
 """
 
-import math
 import time
 from typing import NamedTuple
 
