@@ -88,6 +88,32 @@ def judged() -> None:
     keep("run", find("ideal_high").run().plot())
 
 
+def both_simulators() -> None:
+    """The sticky loop of ``docs/python_control.md`` in our engine and in python-control's."""
+    import control as ct
+    from matplotlib.figure import Figure
+
+    from cases import find
+    from diagram import simulate
+    from logs.style import COLOURS, tidy
+
+    loop = find("ideal_high").build()
+    log = simulate(loop, 200.0, every=0.1).log
+    theirs = ct.input_output_response(loop, log.t, 0, loop.x0)
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    panels = figure.subplots(2, 2, sharex=True, sharey="row")
+    seen = dict(zip(loop.output_labels, theirs.outputs, strict=True))
+    for column, title, rows in ((0, "diagram.simulate", log), (1, "ct.input_output_response", seen)):
+        for panel, names in zip(panels[:, column], (("SP", "PV"), ("OP", "MV")), strict=True):
+            for name in names:
+                panel.plot(log.t, rows[name], color=COLOURS[name], label=name)
+            panel.legend(loc="lower right")
+            tidy(panel)
+        panels[0, column].set_title(title)
+        panels[1, column].set_xlabel("time [s]")
+    keep("python_control", figure)
+
+
 if __name__ == "__main__":
-    for draw in (topologies, linear, latent, spread, judged):
+    for draw in (topologies, linear, latent, spread, judged, both_simulators):
         draw()
