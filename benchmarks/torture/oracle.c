@@ -392,45 +392,53 @@ static double source_break(const Block *b, double t) {
     return INFINITY;
 }
 
-static int settle(double t) { /* samples, then transitions, until nothing happens any more */
+static void feel_jump(Block *b) { /* its input has jumped from old_u to what it is now */
+    double now = s[b->in[0]], jump = now - b->old_u;
+    if (fabs(jump) > 1e-11 * (1 + fabs(b->old_u))) {
+        if (b->kind == MASSLESS && b->mode * jump < 0) { /* back: the stem stops where it was */
+            b->place = clip(b->old_u - b->mode * 0.5 * (b->p[0] - b->p[1]), b->p[2], b->p[3]);
+            b->mode = 0;
+        }
+        if (b->kind == RATES && b->mode == 0) { /* a limited rate is left behind */
+            X[b->x] = b->old_u;
+            b->mode = jump > 0 ? 1 : -1;
+        }
+    }
+}
+
+static int decides_now(const Block *b) { return b->feeds || b->sampled || b->kind == RELAY || b->kind == RESET; }
+
+static int settle(double t, int first) { /* a block acts once all have that decide now what it reads: it feels a jump of
+       its input (but at the first instant, before which there was nothing), finds its mode, takes its sample */
+    int driver[400], done[400] = {0}, left = NB;
     t_left = INFINITY;
-    for (int k = 0; k < NB; k++) {
-        Block *b = &B[order[k]];
-        if (b->sampled && b->offset + b->taken * b->dt <= t + SAME) {
-            signals(t, X);
-            sample(b, t);
-            b->taken++;
-            note(t, 0); /* a breakpoint less than SAME before the scan may have brought us here */
-        }
-    }
-    for (int chain = 0; chain < 200; chain++) {
-        signals(t, X);
-        for (int k = 0; k < NB; k++) { /* an input that jumps back stops a massless stem where it was */
+    for (int k = 0; k < NB; k++) driver[B[k].out] = k;
+    signals(t, X);
+    while (left) {
+        int before = left;
+        for (int k = 0; k < NB; k++) {
             Block *b = &B[k];
-            if (b->kind != MASSLESS) continue;
-            double jump = s[b->in[0]] - b->old_u;
-            if (b->mode != 0 && b->mode * jump < -1e-11 * (1 + fabs(b->old_u))) {
-                b->place = clip(b->old_u - b->mode * 0.5 * (b->p[0] - b->p[1]), b->p[2], b->p[3]);
-                b->mode = 0;
+            int ready = !done[k], chain = 0, what = 1;
+            for (int i = 0; i < b->nu; i++) ready &= done[driver[b->in[i]]] || !decides_now(&B[driver[b->in[i]]]);
+            if (!ready) continue;
+            if (!first && b->nu) { feel_jump(b); signals(t, X); }
+            for (; what && chain < 50; chain++)
+                if ((what = wish(b, t, X, 0))) { act(b, what, t, X); signals(t, X); }
+            if (what) return 0;
+            if (b->sampled && b->offset + b->taken * b->dt <= t + SAME) {
+                sample(b, t);
+                signals(t, X);
+                b->taken++;
+                note(t, 0); /* a breakpoint less than SAME before the scan may have brought us here */
             }
+            done[k] = 1;
+            left--;
         }
-        for (int k = 0; k < NB; k++) { /* and one that jumps leaves a limited rate behind */
-            Block *b = &B[k];
-            double jump = b->kind == RATES ? s[b->in[0]] - b->old_u : 0;
-            if (b->mode == 0 && fabs(jump) > 1e-11 * (1 + fabs(b->old_u))) {
-                X[b->x] = b->old_u;
-                b->mode = jump > 0 ? 1 : -1;
-            }
-        }
-        signals(t, X);
-        for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
-        if (!transitions(t, X, 0)) {
-            signals(t, X);
-            for (int k = 0; k < NB; k++) B[k].region = region_of(&B[k], t, X);
-            return 1;
-        }
+        if (left == before) return 0; /* a ring: not for this program */
     }
-    return 0;
+    for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
+    for (int k = 0; k < NB; k++) B[k].region = region_of(&B[k], t, X);
+    return 1;
 }
 
 static int read_diagram(void) {
@@ -466,34 +474,6 @@ static int read_diagram(void) {
     return 1;
 }
 
-static int begin(void) { /* a block starts once all have that decide now what it reads: its mode, then its first sample */
-    int driver[400], done[400] = {0}, left = NB;
-    for (int k = 0; k < NB; k++) driver[B[k].out] = k;
-    while (left) {
-        int before = left;
-        for (int k = 0; k < NB; k++) {
-            Block *b = &B[k];
-            int ready = !done[k], chain = 0, what = 1;
-            for (int i = 0; i < b->nu; i++) {
-                const Block *from = &B[driver[b->in[i]]];
-                int decides = from->feeds || from->sampled || from->kind == RELAY || from->kind == RESET;
-                ready &= done[driver[b->in[i]]] || !decides;
-            }
-            if (!ready) continue;
-            for (; what && chain < 50; chain++) {
-                signals(0, X);
-                if ((what = wish(b, 0, X, 0))) act(b, what, 0, X);
-            }
-            if (what) return 0;
-            if (b->sampled && b->offset <= SAME) { sample(b, 0); b->taken = 1; }
-            done[k] = 1;
-            left--;
-        }
-        if (left == before) return 0; /* a ring: not for this program */
-    }
-    return 1;
-}
-
 static void remember(double t, double h, const double *x0, const double *x1) {
     static double f0[400], f1[400], middle[400], at[3][400];
     int any = 0;
@@ -521,13 +501,9 @@ int main(void) {
     double *grid = malloc(rows * sizeof *grid);
     for (long i = 0; i < rows; i++) if (scanf("%lf", &grid[i]) != 1) return 2;
     if (!read_diagram()) return 2;
-    t_left = INFINITY;
-    if (!begin()) { puts("failed"); return 1; }
-    signals(0, X);
-    for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
     note(0, 0);
-    for (;;) {
-        if (!settle(t)) { puts("failed"); return 1; }
+    for (int first = 1;; first = 0) {
+        if (!settle(t, first)) { puts("failed"); return 1; }
         while (row < rows && grid[row] <= t) {
             for (int i = 0; i < NS; i++) printf("%.17g ", s[i]);
             puts(""); row++;
