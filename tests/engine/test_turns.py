@@ -58,14 +58,6 @@ def test_what_follows_sees_the_mode_that_the_inputs_call_for(switching, taking, 
 BEFORE = {  # where a = 0
     "min": 0.0, "max": 1.0, "dead_zone": 0.0, "lookup": 0.0, "quantiser": 0.0, "switch": 0.0, "relay": 9.0,
 }  # fmt: skip
-    "min": 0.0,
-    "max": 1.0,
-    "dead_zone": 0.0,
-    "lookup": 0.0,
-    "quantiser": 0.0,
-    "switch": 0.0,
-    "relay": 9.0,
-}  # a = 0
 
 
 def expected_later(taking, old, new):
