@@ -13,7 +13,7 @@
 
 enum { CONSTANT, STEP, RAMP, SINE, SQUARE, SUM, GAIN, LIMIT, FIRST, SECOND, INTEGRATOR, DEADTIME, PI_, PID_, SENSOR,
        STEM, MASSLESS, SAMPLED_PI, NOISE, SAMPLED_SENSOR, KANO, LOWEST, HIGHEST, ZONE, LOOKUP, QUANTISER, SWITCH, RELAY,
-       RATES, RESET, HOLD, FILTER, VARIABLE };
+       RATES, RESET, HOLD, FILTER, VARIABLE, BIQUAD, FUNCTION };
 #define MAXP 24
 #define SAME 1e-9 /* instants closer than this are one [s] */
 #define MOST_STEPS 60000000L
@@ -26,6 +26,7 @@ typedef struct {
                                        1 on; limited rate: 0 follows, +-1; quantiser: whence it came, and multiple */
     double u_s, last;               /* Kano: where OP stood when it stuck, and at the last sample */
     double memory, w;               /* sampled PI: z; sensor: lag; noise: coloured value */
+    double past[4];                 /* biquad: its last two inputs and outputs */
     long long r[6];                 /* MRG32k3a */
     double *hist; long n_hist, room; /* records start, end, three values */
 } Block;
@@ -101,6 +102,9 @@ static void signals(double t, const double *x) {
         if (b->sampled) continue;
         switch (b->kind) {
         case CONSTANT: y = p[0]; break;
+        case FUNCTION: /* mean amplitude omega bump centre width */
+            y = p[0] + p[1] * sin(p[2] * t) + p[3] * exp(-(t - p[4]) * (t - p[4]) / (p[5] * p[5]));
+            break;
         case STEP: y = t < p[2] ? p[0] : p[1]; break;
         case RAMP: y = p[0] + p[1] * (clip(t, p[2], p[3]) - p[2]); break;
         case SINE: y = t >= p[4] ? p[0] + p[1] * sin(2 * M_PI * (t - p[4]) / p[2] + p[3]) : p[0]; break;
@@ -217,7 +221,8 @@ static int wish(const Block *b, double t, const double *x, int reversals) {
         if (b->mode == 0)
             return fabs(pull) > 0.5 * (p[0] + p[1]) + 1e-12 && (pull > 0 ? b->place < p[3] : b->place > p[2]) ? 1 : 0;
         double stem = u - b->mode * 0.5 * (p[0] - p[1]);
-        if (b->mode > 0 ? stem > p[3] : stem < p[2]) return 3;
+        double high = stem - p[3], low = p[2] - stem; /* beyond the stop behind it a stem can only have been started */
+        if (b->mode > 0 ? high > 0 || low > 1e-9 : low > 0 || high > 1e-9) return 3;
         if (reversals && b->mode * u_rate(b, t, x) < -1e-9) return 2;
     }
     if (b->kind == SWITCH || b->kind == RELAY) return b->mode ? u < p[1] : u > p[0];
@@ -329,6 +334,12 @@ static void sample(Block *b, double t) {
     if (b->kind == FILTER) {
         b->memory += (p[0] > 0 ? 1 - exp(-b->dt / p[0]) : 1) * (s[b->in[0]] - b->memory);
         s[b->out] = b->memory;
+        return;
+    }
+    if (b->kind == BIQUAD) { /* b_0 b_1 b_2 a_1 a_2 */
+        double u = s[b->in[0]], *h = b->past, y = p[0] * u + p[1] * h[0] + p[2] * h[1] - p[3] * h[2] - p[4] * h[3];
+        h[1] = h[0]; h[0] = u; h[3] = h[2]; h[2] = y;
+        s[b->out] = y;
         return;
     }
     if (b->kind == VARIABLE) { /* longest, value before the start; lines between the samples */
@@ -455,7 +466,10 @@ static int read_diagram(void) {
         ok &= scanf("%lf %lf %d %lf %lf %d", &b->theta, &b->before, &b->sampled, &b->dt, &b->offset, &b->feeds) == 6;
         ok &= scanf("%lf %lf %lf", &b->place, &b->w, &s[b->out]) == 3;
         b->memory = b->u_s = b->last = b->place;
-        if (b->kind == RATES || b->kind == RELAY) b->mode = b->place;
+        if (b->kind == RATES || b->kind == RELAY || b->kind == SWITCH || b->kind == RESET) b->mode = b->place;
+        if (b->kind == MASSLESS) b->mode = b->w;
+        b->past[0] = b->past[1] = b->place;
+        b->past[2] = b->past[3] = s[b->out];
         for (int i = 0; i < 6; i++) ok &= scanf("%lld", &b->r[i]) == 1;
         ok &= scanf("%lf", &b->fast) == 1;
         if (!ok) return 0;

@@ -117,7 +117,7 @@ def test_what_latches_sees_the_new_mode_where_a_relay_lets_its_input_jump(switch
 def test_a_hand_over_without_a_jump_is_none_for_what_looks_at_slopes(block, behind, run):
     # analytic: the lower signal jumps away and the other one takes over where it was, so OP = 0.2 + 0.1 t all the time
     up = blocks.Recorded("a", [0.0, 2.0, 4.0], [0.2, 0.4, 0.6])
-    away, back = blocks.Step("j", 1.0, at=2.0), blocks.Step("k", 0.0, before=1.0, at=2.0)
+    away, back = blocks.Step("j", 0.03, at=2.0), blocks.Step("k", 0.0, before=0.03, at=2.0)
     made = [up, away, back, blocks.Sum("p", {"a": 1.0, "j": -1.0}), blocks.Sum("q", {"a": 1.0, "k": -1.0})]
     log = run(wire([*made, blocks.MaxSelect("OP", ["p", "q"]), block()]), 4.0, times=[1.9, 2.0, 2.1, 4.0]).log
     assert log["OP"] == pytest.approx([0.39, 0.4, 0.41, 0.6])
