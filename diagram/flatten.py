@@ -236,6 +236,7 @@ def _flat(block: Block, wires: tuple[int, ...], first: int) -> FlatBlock:
         rates=k.rates,
         rate_modes=k.rate_modes,
         jumps=continuous and k.jumps,
+        shows_modes=continuous and k.shows_modes,
         feeds=k.feeds,
         timed=k.timed,
         linear=k.linear,

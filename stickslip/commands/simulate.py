@@ -32,13 +32,14 @@ MOST_ROWS = 10_000_000  # some 500 MB of log
 @click.option(
     "--rtol", type=float, metavar="NUMBER", default=1e-6, show_default=True, help="Relative error allowed per step."
 )
+@click.option("--max-step", type=float, metavar="SECONDS", help="Largest step, e.g. for functions of time that jump.")
 @click.option("--numbers/--no-numbers", default=False, help="Also reproduce the case's published numbers.")
 @json_option
 @user_errors
 def command(
     case: str | None, listed: bool, out: Path | None, picture: Path | None, diagram: Path | None,
-    settings: tuple[str, ...], duration: float | None, every: float | None, method: str, rtol: float, numbers: bool,
-    json_file: str | None,
+    settings: tuple[str, ...], duration: float | None, every: float | None, method: str, rtol: float,
+    max_step: float | None, numbers: bool, json_file: str | None,
 ) -> None:  # fmt: skip
     """Run a named CASE; 'stickslip simulate --list' shows them all.
 
@@ -74,7 +75,9 @@ def command(
     from diagram import simulate
 
     built = chosen.build()
-    run = simulate(built, span, every=step, params=params or None, method=method, rtol=rtol, atol=1e-3 * rtol)
+    run = simulate(
+        built, span, every=step, params=params or None, method=method, rtol=rtol, atol=1e-3 * rtol, max_step=max_step
+    )
     say(f"{chosen.name}: {chosen.title}", bold=True)
     say(chosen.about)
     cost = run.statistics
