@@ -1,0 +1,34 @@
+"""A reactor heated along a programme: the model of ``benchmarks/foreign/batch_ramp.py``."""
+
+from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
+from diagram import Diagram, wire
+
+
+def _reactor(T: float, MV: float, load: float, K: float, tau: float) -> float:
+    return K * MV * (140.0 - T) - (T - 20.0) / tau + load
+
+
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+    """Return the loop; its set point ``SP`` [degC] is open.
+
+    The process calls what steam gives ``K`` [1/s], and the time constant of what is lost ``tau`` [s].
+    """
+    return wire(
+        [
+            SampledPI(0.05, 900.0, dt=5.0, low=0.0, high=1.0, integral="present", T_t=5.0, start_op=0.05),
+            IdealValve(),
+            Noise("load", sd=0.0006 * load_factor, dt=1.0, correlation_time=600.0, name="feed"),  # [degC/s]
+            Equations(
+                "process",
+                der=_reactor,
+                states={"T": 50.0},
+                inputs=["MV", "load"],
+                params={"K": 1.0 / 900.0, "tau": 6000.0},
+            ),
+            LeadLag("felt", "T", 0.0, 30.0, start=50.0, name="element"),
+            SampledSensor(5.0, sd=0.05 * noise_factor, low=0.0, high=150.0, start=50.0, inputs="felt", outputs="PV"),
+            Historian(["SP", "PV", "OP"]),
+        ],
+        inputs=["SP"],
+        name="batch_ramp",
+    )
