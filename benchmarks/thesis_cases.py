@@ -6,7 +6,7 @@ The cells of tables 6.1 (constant feed) and 6.2 (sine), and the same loops under
 separator 1, with stiction none, normal and high.  Each starts with the contents of the separator 3 % about rest, drawn
 from a seed of its own.  Right is "stiction" where the valve sticks, and any other word where it has a deadband without
 jump.  The verdict is asked three times: on the log as the plant exports it, with the stem positions; on the log without
-them, as ``stickslip check plant.csv`` answers from all its tags; and on PV, OP and SP alone.  Beside it: what the
+them, with the suspects that the survey finds in all its tags; and on PV, OP and SP alone.  Beside it: what the
 thesis's algorithm says (R above 1.25 is stiction), and whether the survey of the whole log without stems puts a sticky
 valve first among all loops; so it is asked, too, of plants with one sticky valve, and of random plants
 (``cases.random_plants``, of a seed of their own), beside the share that chance would reach, and what slips it calls
@@ -167,11 +167,11 @@ def measure(starts: int, surveys: bool = True) -> tuple[list[Cell], list[First]]
                 blind = without_stems(log)
                 R = indices(log.t, log["V_1"], log["p_1"])
                 alone = {tag: answer(Prepared(blind.loop(name=tag))).word for tag in LOOPS.values()}
-                seen = {suspect.loop: suspect.word for suspect in survey(blind, alone).suspects}
+                seen = {suspect.loop for suspect in survey(blind, alone).suspects if suspect.suspected}
                 for name, cell in own.items():
                     tag = LOOPS[name]
                     cell.words[answer(Prepared(log.loop(name=tag))).word] += 1
-                    cell.tags[seen.get(tag) or alone[tag]] += 1
+                    cell.tags["stiction" if tag in seen else alone[tag]] += 1
                     cell.blind[alone[tag]] += 1
                     cell.thesis_sticky += R[f"{name} R"] > R_STICKY
                 if surveys:

@@ -32,7 +32,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Floats, Kernels
-from blocks.limited_pi import LimitedController, limited_output, output_events
+from blocks.limited_pi import LimitedController, limited, output_events
 from blocks.limits import limit_transition
 from blocks.pi import check_tuning
 from blocks.ports import Port, require
@@ -66,7 +66,7 @@ def _rate(E: float, x: Any, d: Any, p: Any) -> float:
 
 
 def _surge_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    limited_output(t, x, d, (_weighted(u, p), 0.0), p, y)
+    y[0] = limited(_weighted(u, p), x[0], p)
 
 
 def _surge_der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
@@ -78,7 +78,7 @@ def _surge_zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
 
 
 def _steep_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    limited_output(t, x, d, (_steep(x, u, p), 0.0), p, y)
+    y[0] = limited(_steep(x, u, p), x[0], p)
 
 
 def _steep_der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:

@@ -9,7 +9,7 @@ dt   scan time [s], > 0     offset  first scan [s]
 b_0, b_1, b_2, a_1, a_2  coefficients [-]; stable if |a_2| < 1 and |a_1| < 1 + a_2
 start    input at which it starts settled [unit of in]
 
-Computed in the transposed direct form II.  Python-control sees its gain for slow signals in its place.
+Computed in the transposed direct form II.  Slopes are its gain for slow signals.
 Valid for any dt; the edge omega of a low pass must lie below pi/dt.
 Source: Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed. 2010, sections 6.3 and 7.2.
 See also: sampled_filter (first order), zero_order_hold.
@@ -109,6 +109,6 @@ class Biquad(OneToOne):
         )
 
     def smooth(self) -> Block:
-        """Return the gain for slow signals that python-control sees."""
+        """Return the gain for slow signals, of which slopes are taken."""
         gain = float(sum(self.p[:3]) / (1.0 + self.p[3] + self.p[4]))
         return Gain(self.output_labels[0], self.input_labels[0], gain, unit=self.units["out"], name=self.name)

@@ -154,6 +154,12 @@ class Block(ControlView):
         values = zip(self.param_names, self.p.tolist(), strict=False)
         return shortened(f"<{type(self).__name__} '{self.name}': {'; '.join([ports, _listed(values)])}>")
 
+    def going_by(self, p: Floats) -> Self:
+        """Return a copy that goes by the parameters ``p`` until python-control gives others."""
+        other = self._copy()
+        other._p_now = p
+        return other
+
     # --- what subclasses may refine -----------------------------------------------------------------------
     @staticmethod
     def check(params: Mapping[str, float], name: str) -> None:
@@ -164,11 +170,25 @@ class Block(ControlView):
         return ""
 
     def smooth(self) -> "Block":
-        """Return the continuous block that python-control sees in a diagram (its own continuous limit).
+        """Return the continuous block of which slopes are taken (its own continuous limit).
 
-        A sampled block that names no better twin is seen holding its start output.
+        A sampled block that names no better twin is seen taking its samples.
         """
-        return Held(self) if self.sampled else self
+        return SampledView(self) if self.sampled else self
+
+    def seen(self) -> "Block":
+        """Return what python-control simulates in a diagram: the continuous twin, or the samples if that has no state.
+
+        A source stays what its twin is: random numbers would be jumps that a solver has to find.
+        """
+        twin = self.smooth()
+        samples = self.takes_samples and not twin.seen_states() and bool(twin.ports_in)
+        return SampledView(self, twin) if samples else twin
+
+    def unseen(self) -> str:
+        """Return what python-control's simulator does not see of the block, "" if it sees all of it."""
+        seen = self.seen()
+        return f"the samples, but a continuous {type(seen).__name__}," if self.sampled and not seen.samples_kept else ""
 
     # --- changed copies -----------------------------------------------------------------------------------
     def with_role(self, role: str, **plays: str) -> Self:
@@ -198,7 +218,7 @@ class Block(ControlView):
         """Return a copy in the mode "ideal" if the block has one, else the block itself."""
         return self.in_mode(FREE_MODE) if FREE_MODE in self.modes else self
 
-    def as_it_starts(self) -> Self:
+    def as_it_starts(self) -> "Block":
         """Return a copy to take slopes of: a stem keeps the mode in which it starts, whatever pulls at it."""
         other = self._copy()
         other.keeps_mode = True
@@ -319,6 +339,7 @@ class Block(ControlView):
     def _copy(self) -> Self:
         other = copy.copy(self)
         other.updfcn, other.outfcn = other._update, other._output
+        other.samples = None
         return other
 
 
@@ -326,19 +347,41 @@ def _listed(values: Iterable[tuple[str, float]]) -> str:
     return ", ".join(f"{key} = {value:g}" for key, value in values)
 
 
-class Held(Block):
-    """What python-control sees of a sampled block without a continuous twin: its start output, standing still."""
+class SampledView(Block):
+    """What python-control sees of ``block`` in a continuous diagram: its samples at the solver's own steps.
 
-    def __init__(self, block: Block) -> None:
-        self.ports_in, self.ports_out = block.ports_in, block.ports_out
+    See ``seen_samples``.  What is no number (NaN) is seen as 0.  ``twin`` is what slopes are taken of.
+    """
+
+    def __init__(self, block: Block, twin: Block | None = None) -> None:
+        self.block, self._twin = block, twin or self
         self.role, self.plays = block.role, block.plays
+        self.ports_in, self.ports_out = block.ports_in, block.ports_out
+        self.kernels = Kernels(feeds=block.kernels.feeds)
         super().__init__(
-            name=block.name,
-            params={},
-            start_output=block.y0,
-            inputs=list(block.input_labels),
-            outputs=list(block.output_labels),
-        )
+            name=block.name, params=block.params, start_output=block.y0, timetable=block.timetable, units=block.units,
+            inputs=list(block.input_labels), outputs=list(block.output_labels), spans=block.spans,
+        )  # fmt: skip
+        self.p = self._p_now = block.p  # with the tables behind the parameters
+        self._taking = block.going_by(block.p)
+
+    @property
+    def twin(self) -> Block:
+        """What python-control takes slopes of."""
+        return self._twin
+
+    @property
+    def samples_kept(self) -> bool:
+        """Whether the view takes samples: always."""
+        return True
+
+    def as_it_starts(self) -> Block:
+        """Return what slopes are taken of."""
+        return self._twin
+
+    def _update_params(self, params: Mapping[str, float] | None) -> None:
+        super()._update_params(params)
+        self._taking = self.block.going_by(self._p_now)
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
-        return self.y0
+        return self._taking.out_after_samples(t, u)

@@ -1,7 +1,10 @@
 """What python-control sees of a block: a nonlinear I/O system whose functions run the kernels in plain Python."""
 
+import copy
+import math
 import warnings
 from collections.abc import Mapping
+from typing import Any
 
 import control as ct
 import numpy as np
@@ -9,6 +12,7 @@ import numpy as np
 from blocks.declared import Declared
 from blocks.kernels import Floats
 from blocks.parameters import Parametrised
+from blocks.seen_samples import EARLY, SeenSamples
 
 NO_APPEND = (
     "ct.append stacks linear systems only; use diagram.wire([...], inputs=[...]), or ct.interconnect([...], "
@@ -17,20 +21,20 @@ NO_APPEND = (
 
 
 class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
-    """A block as python-control calls it (``updfcn``, ``outfcn``): nothing is kept, so a call never changes it.
+    """A block as python-control calls it (``updfcn``, ``outfcn``): a call never changes what the next one gives.
 
-    One view keeps something: that of a block that runs in Python (``hosted_view``) keeps the samples it took, for its
-    state is no number; it forgets those behind the time at which it is called.
-
-    Python-control knows neither events nor samples: a block is seen in the mode that ``seen_memory`` gives, a sampled
-    one with its memories as states.
+    Python-control knows no events: a block is seen in the mode that ``seen_memory`` gives.  A sampled block alone is a
+    discrete-time system with its memories as states.  One that runs in Python has a state that is no number: it
+    keeps the samples of the present response (``seen_samples``) and forgets them when python-control begins anew.
     """
 
     state_names: tuple[str, ...]
     memory_names: tuple[str, ...]
     x0: Floats
+    y0: Floats
     _p_now: Floats
     keeps_mode = False  # of a stem, when slopes are taken of it
+    samples: SeenSamples | None = None
 
     def _owner(self) -> str:
         return str(self.name)
@@ -47,6 +51,8 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
 
     def seen_states(self) -> tuple[str, ...]:
         """Return the names of the states that python-control sees."""
+        if self.host is not None:
+            return ()
         return self.memory_names if self.sampled else self.state_names
 
     def seen_start(self) -> Floats:
@@ -61,6 +67,16 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         Python-control knows no events: unless a block says otherwise it stays as it starts.
         """
         return self.d0
+
+    @property
+    def twin(self) -> "ControlView":
+        """What python-control takes slopes of: the view itself, unless it takes samples."""
+        return self
+
+    @property
+    def samples_kept(self) -> bool:
+        """Whether the view takes samples and keeps them, for python-control has no place for them."""
+        return self.host is not None
 
     def out_now(self, t: float, x: Floats, u: Floats) -> Floats:
         """Return the outputs with the parameters that python-control gave last."""
@@ -87,20 +103,23 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
                     stacklevel=2,
                 )
         self._p_now = p
+        self.samples = None
 
     def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
+        if self.host is not None:
+            return np.zeros(0)
         if self.sampled:
-            after = np.array(x, dtype=float)
-            self._sample(t, after, u)
-            return after
+            return np.asarray(self.take(t, x, u)[0], dtype=float)
         rates = np.zeros(len(self.x0))
         if self.kernels.der is not None:
             self.kernels.der(t, x, self.seen_memory(x, u), u, self._p_at(t), rates)
         return rates
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
+        if self.host is not None:
+            return self.out_after_samples(t, u)
         if self.sampled:
-            return self._sample(t, np.array(x, dtype=float), u)
+            return self.take(t, x, u)[1]
         y = np.zeros(len(self.ports_out))
         if self.kernels.out is not None:
             self.kernels.out(t, x, self.seen_memory(x, u), u, self._p_at(t), y)
@@ -115,13 +134,40 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         p[len(p) - self.timetable.shape[1] + 1 :] = self.timetable[max(0, passed - 1), 1:]
         return p
 
-    def _sample(self, t: float, memory: Floats, u: Floats) -> Floats:
+    def out_after_samples(self, t: float, u: Floats) -> Floats:
+        """Return the outputs at ``t`` [s] after the samples of the present response; what is no number is 0."""
+        if self.samples is None:
+            self.samples = SeenSamples(self.y0)
+        taken = self.samples.at(self, t, u)
+        y = taken.said
+        if not self.sampled and self.kernels.out is not None:
+            y = np.zeros(len(self.ports_out))
+            self.kernels.out(t, self.x0, taken.state, u, self._p_at(t), y)
+        return np.nan_to_num(y, nan=0.0)
+
+    def state_before(self) -> Any:
+        """Return the state before the first sample."""
+        return self.d0 if self.host is None else self.host.init(self._p_now)
+
+    def take(self, t: float, state: Any, u: Floats) -> tuple[Any, Floats]:
+        """Take the sample ``u`` at ``t`` [s]; return the next state and the outputs, and leave ``state`` alone."""
         if self.host is not None:
-            return np.asarray(self.host.step(t, self.host.init(self._p_now), u, self._p_now)[1], dtype=float)
-        y = np.zeros(len(self.ports_out))
+            after, said = self.host.step(t, copy.deepcopy(state), u, self._p_now)
+            return after, np.asarray(said, dtype=float)
+        memory, y = np.array(state, dtype=float), np.zeros(len(self.ports_out))
         if self.kernels.step is not None:
-            self.kernels.step(t, self.x0, memory, u, self._p_now, y)
-        return y
+            self.kernels.step(t, self.x0, memory, u, self._p_at(t), y)
+        return memory, y
+
+    def next_sample(self, t: float, later: bool = False) -> float:
+        """Return the first sampling instant at ``t`` [s] or later, or the first one really ``later``."""
+        if self.sampled:
+            offset = float(self.p[self.param_index(self.offset_param)]) if self.offset_param else 0.0
+            k = (t - offset) / self.period
+            return offset + max(0, math.floor(k + EARLY) + 1 if later else math.ceil(k - EARLY)) * self.period
+        times = self.timetable[:, 0] if self.timetable is not None else np.zeros(0)
+        row = int(np.searchsorted(times, t, side="right" if later else "left"))
+        return float(times[row]) if row < len(times) else math.inf
 
     def _update(self, t: float, x: Floats, u: Floats, params: Mapping[str, float]) -> Floats:
         self._update_params(params)

@@ -4,8 +4,8 @@
 
 in   OP  controller output [fraction of span]        out  MV  stem position [fraction of travel]
 
-What python-control sees of the sampled valve models in a diagram (their smooth view), and the valve to replace a
-sticky one by when the rest of the loop is in question.
+What slopes are taken of in place of a sampled valve model, and the valve to replace a sticky one by when the rest of
+the loop is in question.
 See also: stick_slip, quasi_static_stem, kano_valve, choudhury_valve, he_valve, chen_valve, stenman_valve.
 """
 

@@ -8,8 +8,11 @@ Each has the shape ``(t, x, d, u, p, out)``: time [s], states, modes and memorie
 writes; or it is written with names, ``der(L, F, A, k)``, and returns its values (see ``named_kernels``).
 """
 
+import dis
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
+from types import CodeType
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,6 +21,13 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 Function = Callable[..., Any]  # of names, or a kernel
+
+
+@cache
+def _reads(code: CodeType, argument: str) -> bool:
+    """Return whether a function does anything with one of its arguments."""
+    used = (step.argval for step in dis.get_instructions(code) if "LOAD" in step.opname)
+    return any(argument in (name if isinstance(name, tuple) else (name,)) for name in used)
 
 
 @dataclass(frozen=True)
@@ -45,6 +55,11 @@ class Kernels:
     timed: bool = False
     jumps: bool = False
     linear: bool = False
+
+    @property
+    def shows_modes(self) -> bool:
+        """Whether ``out`` reads modes or memories: then the outputs are right once the block has settled."""
+        return self.out is not None and _reads(self.out.__code__, "d")
 
 
 class Host(Protocol):

@@ -16,17 +16,16 @@ from blocks.block import Block, Floats
 from blocks.limits import FREE, HIGH, LOW, MODES, limit_events
 from blocks.role import Role
 
-RIDING = 3.0  # times +-1: held at the limit exactly
+
+def limited(e: float, z: float, p: Any) -> float:
+    """Return OP at the error ``e`` without its sign and the integral part ``z``."""
+    OP: float = min(max(p[0] * p[5] * e + z, p[2]), p[3])
+    return OP
 
 
 def limited_output(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     """Write OP."""
-    if d[0] == RIDING:
-        y[0] = p[3]
-    elif d[0] == -RIDING:
-        y[0] = p[2]
-    else:
-        y[0] = min(max(p[0] * p[5] * (u[0] - u[1]) + x[0], p[2]), p[3])
+    y[0] = limited(u[0] - u[1], x[0], p)
 
 
 def tracking_rate(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:

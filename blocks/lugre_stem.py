@@ -116,6 +116,10 @@ class LuGreStem(StemWithMass):
         positive(params, name, "F_c", "v_s", "sigma_0", remedy="give a positive one")
         not_negative(params, name, "sigma_1")
 
+    def unseen(self) -> str:
+        """Return the end stops, unless they are lifted: only the free stem has no modes."""
+        return "the end stops" if any(map(math.isfinite, self.limits)) else ""
+
     @property
     def passive(self) -> bool:
         """Whether friction never gives energy back: F_v >= sigma_1 (F_s/F_c - 1)."""

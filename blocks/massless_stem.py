@@ -13,7 +13,7 @@ import numpy as np
 from blocks.block import Block, Floats
 from blocks.seen_stem import IDEAL, STUCK, braked, halted, seen_mode
 
-JUMPING, SLIDING = 1000.0, 200.0  # r [1/s] of a stem with J > 0, and without: lags of 2 and 10 ms
+JUMPING, SLIDING = 3000.0, 200.0  # r [1/s] of a stem with J > 0, and without: lags of 0.7 and 10 ms
 
 
 class MasslessStem(Block):

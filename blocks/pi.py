@@ -28,17 +28,27 @@ from collections.abc import Mapping
 from typing import Any
 
 from blocks.block import Floats, Kernels
-from blocks.limited_pi import LimitedController, limited_output, output_events, tracking_rate
+from blocks.limited_pi import LimitedController, limited, limited_output, output_events, tracking_rate
 from blocks.limits import BAND, MODES, limit_transition
 from blocks.ports import BlockError, Labels, Port, nearest, require
 from blocks.rules import check_limits, finite
 
 NEAR = 1e-9  # an event this close to its limit (relative) was located there; farther away, an input has jumped
+RIDING = 3.0  # times +-1: held at the limit exactly
 RATE_BAND = 1e-4  # a ride goes on until the error grows faster than this share of e / T_i: rates near 0 are noisy
 ACTIONS = {"reverse": 1.0, "direct": -1.0}
 ANTI_WINDUP = ("none", "conditional", "back_calculation")
 
 # p = K_p, T_i, low, high, T_t, action (as limited_pi)
+
+
+def _conditional_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
+    if d[0] == RIDING:
+        y[0] = p[3]
+    elif d[0] == -RIDING:
+        y[0] = p[2]
+    else:
+        y[0] = limited(u[0] - u[1], x[0], p)
 
 
 def _conditional_der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
@@ -101,7 +111,7 @@ _PLAIN = Kernels(
     out=limited_output, der=tracking_rate, zc=output_events, jump=limit_transition, n_events=2, linear=True
 )
 _CONDITIONAL = Kernels(  # a ride along a limit ends with a jump of OP where PV jumps
-    out=limited_output,
+    out=_conditional_out,
     der=_conditional_der,
     zc=_conditional_zc,
     jump=_conditional_jump,

@@ -25,7 +25,7 @@ import math
 from typing import Any
 
 from blocks.block import Floats, Kernels
-from blocks.limited_pi import LimitedController, limited_output, output_events
+from blocks.limited_pi import LimitedController, limited, output_events
 from blocks.limits import limit_transition
 from blocks.pi import check_tuning, op_span, start_integral, tuned
 from blocks.ports import Port
@@ -41,7 +41,7 @@ def _weighted(x: Any, u: Any, p: Any) -> float:
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    limited_output(t, x, d, (_weighted(x, u, p), 0.0), p, y)
+    y[0] = limited(_weighted(x, u, p), x[0], p)
 
 
 def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:

@@ -16,7 +16,8 @@ sliding stem for good: it goes on from there without a new jump, as the full-mas
 towards rest; the sampled models of Kano and Choudhury stick there and need J more.  Where OP jumps back (a
 sampled controller), the stem sticks where it was before the jump and then sees the new OP.
 
-At a stop the stem rests (stuck) until OP pulls it away by more than f_s.  Mode "ideal" is MV = OP, without stops.
+At a stop the stem rests (stuck) until OP pulls it away by more than f_s; so does one that is started beyond it.
+Mode "ideal" is MV = OP, without stops.
 Python-control, which knows no jumps, sees it with a little mass (``massless_stem``): MV is then a state.
 A breakaway needs f_s plus 1e-12 of travel, so that rounding cannot free the stem, and 1e-9 where f_s = f_c.
 See also: stick_slip (with mass), deadband (J = 0).
@@ -63,7 +64,8 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
     elif d[0] != IDEAL:
         g[0] = -d[0] * u[1] - CREEP
         stem = u[0] - d[0] * 0.5 * (p[0] - p[1])
-        g[1] = stem - p[3] if d[0] == UP else p[2] - stem
+        ahead, behind = (stem - p[3], p[2] - stem) if d[0] == UP else (p[2] - stem, stem - p[3])
+        g[1] = max(ahead, behind - NOISE)  # behind: it was started so
 
 
 def _jump(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:

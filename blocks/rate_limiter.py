@@ -10,7 +10,7 @@ start      y at the start [unit of the signal]; without it y starts at u
 
 It lets go of u where the slope of u passes a limit, or u jumps, and meets u again where they cross; both instants are
 located and logged.  A slope within a millionth of a limit is still followed.  Python-control, which knows neither
-events nor slopes, sees it in the mode in which it starts: following, y = u, or with ``start`` holding.
+events nor slopes, sees y = u; with ``start``, dy/dt = CHASE (u - y) within the limits, which lags by 5 ms.
 Valid for any signal; noise makes it let go and meet at every sample.  Source: textbook.
 See also: saturation, lead_lag, first_order (a lag is slower the nearer it comes; a rate limiter is not).
 """
@@ -19,13 +19,16 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
+import numpy as np
+
+from blocks.block import Floats, Kernels
 from blocks.one_to_one import OneToOne
 from blocks.ports import require
 from blocks.role import Role
 
 FOLLOWING, RISING, FALLING = 0.0, 1.0, -1.0
 TIE = 1.0 + 1e-6  # a slope is known so exactly: one at the limit must not let go and meet for ever
+CHASE = 200.0  # [1/s]
 NEAR = 2e-6  # [s]: output and input have met if the limiter needs no longer to close the gap.  Slopes are looked at
 #              so far ahead, so that it may let go of u this much before a kink
 
@@ -108,3 +111,12 @@ class RateLimiter(OneToOne):
             require(rate > 0.0, name, key, rate, "a rate is positive on either side", "give units per second")
         up, down = float(params["up"]), float(params["down"])
         require(min(up, down) < math.inf, name, "up", up, "one of up and down is finite", "give the rate to limit")
+
+    def unseen(self) -> str:
+        """Return the limits while it follows; with ``start`` they are seen."""
+        return "the limits" if self.d0[0] == FOLLOWING else ""
+
+    def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
+        up, down = self._p_now
+        follows = self.d0[0] == FOLLOWING
+        return np.zeros(1) if follows else np.array([min(max(CHASE * (u[0] - x[0]), -down), up)])

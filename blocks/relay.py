@@ -52,6 +52,11 @@ def position(u: float, p: Floats, before: float) -> Floats:
     return np.array([ON if u > p[0] else OFF if u < p[1] else before])
 
 
+def hysteresis(p: Floats) -> str:
+    """Return in words what python-control does not see of the thresholds ``p[0]`` and ``p[1]``."""
+    return "the hysteresis" if p[1] < p[0] else ""
+
+
 def check_thresholds(params: Mapping[str, float], name: str) -> None:
     """Raise ``BlockError`` unless switch_off <= switch_on, both finite."""
     finite(params, name, "switch_on", "switch_off")
@@ -110,3 +115,7 @@ class Relay(OneToOne):
     def seen_memory(self, x: Floats, u: Floats) -> Floats:
         """Return the mode, shape (1,), that the present input calls for."""
         return position(u[0], self._p_now, self.d0[0])
+
+    def unseen(self) -> str:
+        """Return the hysteresis, if there is one."""
+        return hysteresis(self.p)

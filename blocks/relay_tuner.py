@@ -18,7 +18,7 @@ rule              "Tyreus-Luyben" (gentle): K_u/3.2, 2.2 T_u;  "Ziegler-Nichols"
 Eq. 1 is the describing function of the relay: it leaves out harmonics, so K_u errs by some 5 to 20 % for processes with
 much dead time.  The bias should hold PV near SP, else the halves of a cycle are unequal and K_u too small.  A
 process of first order without dead time oscillates only by the hysteresis and the scan; a sticky valve adds its own
-dead band to the hysteresis, which the settings do not know.  Python-control sees the bias.
+dead band to the hysteresis, which the settings do not know.
 Source: Astrom and Hagglund, Automatica 20(5), 1984, pp. 645-651; rules: Ziegler and Nichols, Trans. ASME 64, 1942, pp.
 759-768; Tyreus and Luyben, Ind. Eng. Chem. Res. 31, 1992, pp. 2625-2628.
 See also: relay (continuous, located), pi, sampled_pi.

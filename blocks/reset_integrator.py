@@ -92,3 +92,7 @@ class ResetIntegrator(Block):
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless all are finite."""
         finite(params, name, *params)
+
+    def unseen(self) -> str:
+        """Return what python-control, which knows no events, leaves out."""
+        return "the resets"

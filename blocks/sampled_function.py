@@ -7,7 +7,8 @@ Every argument of ``step`` is the name of an input, a parameter, ``t``, the time
 value per output, as a number or as a sequence.  The state is any Python value; each run begins with a copy of it.
 
 The function runs in Python between two calls of the engine, so it may use anything: solvers, files, classes.
-Python-control sees the block holding its start output.  A run that goes on from ``run.final`` begins with a new state.
+Python-control's solver goes back, so there each sample is given a copy of the state.  A run that goes on from
+``run.final`` begins with a new state.
 Valid for anything that samples; not for events between samples.  See also: equations (continuous, compiled).
 """
 

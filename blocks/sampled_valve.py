@@ -15,7 +15,7 @@ from blocks.role import Role
 
 
 class SampledValve(Block):
-    """A valve model that runs at sampling instants; python-control sees the valve without friction."""
+    """A valve model that runs at sampling instants; slopes are those of a valve without friction."""
 
     role = Role.VALVE
     ports_in = (Port("OP"),)
@@ -24,7 +24,7 @@ class SampledValve(Block):
     limit_params = ("low", "high")
 
     def smooth(self) -> IdealValve:
-        """Return the valve without friction, which is what python-control sees in a diagram."""
+        """Return the valve without friction, of which slopes are taken."""
         return IdealValve.instead_of(self)
 
 

@@ -18,7 +18,7 @@ from typing import Any
 
 from blocks.block import Block, Floats, Kernels
 from blocks.ports import Port
-from blocks.relay import OFF, ON, check_thresholds, position, threshold_event, threshold_passed
+from blocks.relay import OFF, ON, check_thresholds, hysteresis, position, threshold_event, threshold_passed
 from blocks.role import Role
 
 
@@ -71,3 +71,7 @@ class Switch(Block):
     def seen_memory(self, x: Floats, u: Floats) -> Floats:
         """Return the mode, shape (1,), that the present input calls for."""
         return position(u[0], self._p_now, self.d0[0])
+
+    def unseen(self) -> str:
+        """Return the hysteresis, if there is one."""
+        return hysteresis(self.p)

@@ -9,7 +9,7 @@ start       in before the start [unit of in]
 
 theta_k says how old the value is that arrives now.  For plug flow of volume V it is the time in which V has flowed
 since, not V divided by the present flow; the two agree where the flow changes slowly.  Between scans y is held, which
-adds dt/2 on average.  Python-control sees a wire, y = u.  A constant dead time is exact in dead_time.
+adds dt/2 on average.  Slopes are those of a wire, y = u.  A constant dead time is exact in dead_time.
 Valid for any signal; what changes within dt is not seen.  Source: textbook.
 See also: dead_time, first_order (theta=), zero_order_hold.
 """
@@ -102,6 +102,6 @@ class VariableDelay(Block):
         return other
 
     def smooth(self) -> Block:
-        """Return the wire that python-control sees."""
+        """Return the wire of which slopes are taken."""
         source, theta = self.input_labels
         return Sum(self.output_labels[0], {source: 1.0, theta: 0.0}, unit=self.units["out"], name=self.name)

@@ -5,7 +5,7 @@
 in   in  any signal, named second          out  out  the samples, held, named first
 dt   sampling period [s], > 0              offset  first sample [s]        start  y before it [unit of the signal]
 
-For a loop it is about dt/2 of dead time.  Python-control sees a wire, y = u.
+For a loop it is about dt/2 of dead time.  Slopes are those of a wire, y = u.
 Valid for any signal; there is no filter against aliases.  Source: textbook, for example Astrom and Wittenmark,
 Computer-Controlled Systems, 3rd ed. 1997, section 2.3.
 See also: sampled_filter, sensor (SampledSensor: noise and quantisation too).
@@ -61,5 +61,5 @@ class ZeroOrderHold(OneToOne):
         check_scan(params, name)
 
     def smooth(self) -> Block:
-        """Return the wire that python-control sees."""
+        """Return the wire of which slopes are taken."""
         return Gain(self.output_labels[0], self.input_labels[0], 1.0, unit=self.units["out"], name=self.name)

@@ -178,7 +178,7 @@ def compare(
     records, skipped = _records(source, process)
     if loops is not None:
         records = _named(records, loops)
-    for module in ("optimize", "signal", "stats"):  # loaded here, or the first method would be charged with it
+    for module in ("optimize", "special"):  # loaded here, or the first method would be charged with it
         import_module(f"scipy.{module}")
 
     return Comparison(tuple(_judged(record, methods, combine) for record in records), skipped)

@@ -36,6 +36,7 @@ Code = Literal[
     "frozen_pv",
     "pv_unresponsive",
     "not_in_charge",
+    "no_valve",
     "not_causal",
     "outside_wave",
 ]

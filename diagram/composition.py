@@ -9,6 +9,7 @@ from blocks.control_system import as_block
 from diagram.changes import listed
 from diagram.diagram import Diagram
 from diagram.past import Past, together
+from diagram.wired import UNNAMED
 from diagram.wiring import check_sources
 
 
@@ -16,7 +17,7 @@ def wire(
     items: Iterable[Block | Diagram | ct.InputOutputSystem],
     inputs: Sequence[str] = (),
     outputs: Sequence[str] | None = None,
-    name: str = "diagram",
+    name: str = UNNAMED,
 ) -> Diagram:
     """Join blocks, diagrams and python-control systems by signal name into one diagram.
 

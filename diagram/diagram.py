@@ -30,7 +30,7 @@ class Diagram(Wired):
     ``input_units``, ``signal_spans`` (of instruments), ``loops`` (controller -> its signals),
     ``driven`` (signal -> (block, port)), ``order`` (signal-flow
     order).  Every kernel is tried once, see ``blocks.dry_run``.  As a python-control system its inputs are the open
-    inputs, its outputs the declared outputs, and it sees each block's ``smooth()`` view.
+    inputs, its outputs the declared outputs, and it sees each block's ``seen()`` view.
     """
 
     _plan: "Plan | None" = None

@@ -12,11 +12,12 @@ import numpy as np
 from blocks.block import Block
 from diagram.cells import cut, driver_of, smooth_outputs, watched
 from diagram.wired import Wired
-from engine.call import Kernel, address
+from engine.call import reached_by
 from engine.cells import Link
 from engine.flat import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED, FlatBlock, Floats
 from engine.snapshot import Snapshot
 from engine.table import Component, build
+from engine.watched import Watched
 
 DELAY_RECORDS = 2048
 Ends = tuple[Snapshot, ...]  # the components of a diagram at the end of a run
@@ -37,7 +38,7 @@ class Plan:
     shape: tuple[bool, ...]
     records: int = field(default=DELAY_RECORDS)
     links: tuple[Link, ...] = ()
-    code: Mapping[Kernel, int] = field(default_factory=dict)  # the addresses of all kernels
+    reached: Watched = field(default_factory=Watched)  # by all kernels, when they were compiled
 
     def fill(self, run: Snapshot, blocks: tuple[Block, ...]) -> None:
         """Write parameters, start states, modes, memories and held outputs of the blocks into the arrays of a run.
@@ -81,10 +82,7 @@ def _shape(diagram: Wired) -> tuple[bool, ...]:
 
 
 def _fits(known: Plan, diagram: Wired, records: int) -> bool:
-    shaped = known.shape == _shape(diagram) and known.records >= records
-    return shaped and all(
-        address(kernel) == place for kernel, place in known.code.items()
-    )  # they follow what they reach
+    return known.shape == _shape(diagram) and known.records >= records and not known.reached.changed()
 
 
 def _make(diagram: Wired, records: int, in_cells: bool) -> Plan:
@@ -140,7 +138,7 @@ def _make(diagram: Wired, records: int, in_cells: bool) -> Plan:
         shape=shape,
         records=records,
         links=tuple(Link(*row[out], *row[into]) for out, into in pairs),
-        code={kernel: address(kernel) for kernel in {kernel for block in flat for kernel in block.kernels}},
+        reached=reached_by({kernel for block in flat for kernel in block.kernels}),
     )
 
 
@@ -238,6 +236,7 @@ def _flat(block: Block, wires: tuple[int, ...], first: int) -> FlatBlock:
         rates=k.rates,
         rate_modes=k.rate_modes,
         jumps=continuous and k.jumps,
+        shows_modes=continuous and k.shows_modes,
         feeds=k.feeds,
         timed=k.timed,
         linear=k.linear,

@@ -1,6 +1,7 @@
 """The control loops of a diagram by their signals: each controller with its SP, PV, OP and the stem that follows OP."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from blocks.block import Block
 from blocks.role import Role
@@ -32,4 +33,5 @@ def loops_of(blocks: Iterable[Block], units: Mapping[str, str] | None = None) ->
         found[block.name] = LoopSignals(
             pv, op, block.loop_signal("SP"), stems.get(op), process=process_of(measured), measurement=measured
         )
-    return found
+    slaves = {loop.sp: name for name, loop in found.items() if loop.sp is not None}
+    return {name: replace(loop, master_of=slaves.get(loop.op, "")) for name, loop in found.items()}

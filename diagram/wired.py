@@ -20,9 +20,12 @@ from blocks.ports import nearest, shortened
 from diagram.connections import ConnectionMap, own_params
 from diagram.loops import loops_of
 from diagram.past import Past
+from diagram.unseen import warn_of_unseen
 from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
 
 D = TypeVar("D", bound="Wired")
+
+UNNAMED = "diagram"  # the name of a diagram to which nobody gave one
 
 
 class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
@@ -37,7 +40,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def __init__(
         self, blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequence[str] | None = None,
-        name: str = "diagram",
+        name: str = UNNAMED,
     ) -> None:  # fmt: skip
         self.blocks = tuple(blocks)
         text("diagram", "name", name)
@@ -58,7 +61,8 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self.signals = tuple(self.driven)
         self._past: Past | None = None
         self._seen_order: tuple[int, ...] | None = None
-        seen = [block.smooth() for block in self.blocks]
+        self._for_slopes = False
+        seen = [block.seen() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
         super().__init__(
             seen, inputs=list(self.open_inputs), outputs=list(self.chosen_outputs), states=states, name=name, dt=0,
@@ -117,7 +121,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
         A dead time that becomes or ceases to be zero changes the signal flow: then everything is checked afresh.
         """
-        seen = [block.smooth() for block in blocks]
+        seen = [block.seen() for block in blocks]
         same_flow = all(feeds_now(new) == feeds_now(old) for new, old in zip(blocks, self.blocks, strict=True))
         if not same_flow or [b.seen_states() for b in seen] != [b.seen_states() for b in self.syslist]:
             other = type(self)(blocks, self.open_inputs, self.declared_outputs, self.name)
@@ -136,7 +140,25 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take the diagram's own parameters; in an interconnection python-control hands over those of others too."""
+        if not self._for_slopes:
+            warn_of_unseen(self.blocks)
         super()._update_params(own_params(self, params or {}))
+
+    def linearize(self, x0: Any, u0: Any = None, t: float = 0.0, params: Any = None, **keywords: Any) -> ct.StateSpace:
+        """Return python-control's linear model (``ct.linearize``), blocks that sample seen as their continuous twins.
+
+        Raises ``WiringError`` for a diagram without open inputs that has one state or one output, of which
+        python-control cannot make a model.
+        """
+        if not self.ninputs and 1 in (self.nstates, self.noutputs):
+            raise WiringError(
+                f"'{self.name}' has no open inputs, and python-control makes no model of one state or one output "
+                f"without inputs; open one, e.g. diagram.cut('{self.signals[0]}'), or use diagram.linear.linearise"
+            )
+        other = self._copy()
+        other.syslist, other._for_slopes, other._seen_order = [block.twin for block in self.syslist], True, None
+        other._fix_params(_all_params(other.syslist))
+        return super(Wired, other).linearize(x0, u0, t, params, **keywords)
 
     def _compute_static_io(self, t: float, x: Any, u: Any) -> tuple[Any, Any]:
         """Return what all inputs and outputs of the blocks are: each block once, in the order of signal flow.

@@ -36,17 +36,19 @@ def topologies() -> None:
 
 
 def latent() -> None:
-    """What is missing at a valve that sticks, as in ``docs/gap.md``."""
+    """The log against the model, and what is missing at a valve that sticks, as in ``docs/gap.md``."""
     from blocks import Staircase
     from cases.models import ideal_flow
     from diagram import simulate
-    from gap import diagnose, latent_input
+    from gap import diagnose, latent_input, replayed
     from gap.effects import effect
 
     real = effect("stiction").insert(ideal_flow(rest=1.5), "valve", S=3.0, J=1.0)
     set_point = Staircase("SP", [1.5, 1.65, 1.35, 1.5, 1.8, 1.2] * 2, dwell=600.0)
     log = simulate(real, 7200.0, every=1.0, inputs={"SP": set_point}, signals=["SP", "PV", "OP"]).log
-    keep("latent_input", latent_input(diagnose(ideal_flow(), log), log).plot())
+    report = diagnose(ideal_flow(), log)
+    keep("gap", replayed(report, log).plot())
+    keep("latent_input", latent_input(report, log).plot())
 
 
 def linear() -> None:
@@ -83,8 +85,35 @@ def judged() -> None:
 
     keep("sticky_flow", diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv")).plot())
     keep("loop", find("ideal_high").build().plot())
+    keep("run", find("ideal_high").run().plot())
+
+
+def both_simulators() -> None:
+    """The sticky loop of ``docs/python_control.md`` in our engine and in python-control's."""
+    import control as ct
+    from matplotlib.figure import Figure
+
+    from cases import find
+    from diagram import simulate
+    from logs.style import COLOURS, tidy
+
+    loop = find("ideal_high").build()
+    log = simulate(loop, 200.0, every=0.1).log
+    theirs = ct.input_output_response(loop, log.t, 0, loop.x0)
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    panels = figure.subplots(2, 2, sharex=True, sharey="row")
+    seen = dict(zip(loop.output_labels, theirs.outputs, strict=True))
+    for column, title, rows in ((0, "diagram.simulate", log), (1, "ct.input_output_response", seen)):
+        for panel, names in zip(panels[:, column], (("SP", "PV"), ("OP", "MV")), strict=True):
+            for name in names:
+                panel.plot(log.t, rows[name], color=COLOURS[name], label=name)
+            panel.legend(loc="lower right")
+            tidy(panel)
+        panels[0, column].set_title(title)
+        panels[1, column].set_xlabel("time [s]")
+    keep("python_control", figure)
 
 
 if __name__ == "__main__":
-    for draw in (topologies, linear, latent, spread, judged):
+    for draw in (topologies, linear, latent, spread, judged, both_simulators):
         draw()

@@ -9,7 +9,7 @@ from numba import njit
 from engine.call import pointer_to
 from engine.crossing import crossing_ahead
 from engine.dense import interpolate
-from engine.events import begin_instant, fire_waiting, next_stop, settle, watch_rates
+from engine.events import begin_instant, fire_waiting, keep_inputs, next_stop, settle
 from engine.floats import copy, finite
 from engine.layout import (
     CHAIN,
@@ -29,10 +29,10 @@ from engine.layout import (
     METHOD,
     N_CHECKED,
     N_EVENTS,
-    N_PINS,
     N_SAMPLED,
     N_STATES,
     N_TIMES,
+    N_TURNS,
     NEXT_ROW,
     O_F,
     O_G,
@@ -55,13 +55,12 @@ from engine.layout import (
     T,
 )
 from engine.pace import APART, first_step, restart, watch_stiffness
-from engine.pinning import sample_and_pin
 from engine.record import arrive, limit_by_delays, store_delays
 from engine.rows import write_rows_inside, write_rows_now
-from engine.sampling import sample
-from engine.starting import start
+from engine.sampling import publish, turn_tables
 from engine.step import prepare_dense, step
 from engine.sweep import clock, evaluate_events, play, rates, resolution, signals
+from engine.turns import take_turns
 
 OK, PAUSED, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 
@@ -152,18 +151,14 @@ def renew(I, W, EV):  # type: ignore[no-untyped-def]
     if I[FRESH] == 1:
         begin_instant(I, W)
         copy(W, I[O_Y0], I[O_X], n)
-        if I[EVENTS_SEEN] < 0:
-            if not start(I, W, EV):
-                return CHATTERING
-        elif I[N_PINS] > 0:
-            if not sample_and_pin(I, W, EV):
-                return CHATTERING
-        elif I[N_SAMPLED] > 0:
-            sample(I, W)
-    if I[EVENTS_SEEN] < 0:  # nothing went before the first instant, so nothing can have jumped
-        signals(I, W, W[T])
-        begin_instant(I, W)
-        watch_rates(I, W)
+        if I[N_SAMPLED] > 0:
+            turn_tables(I, W)
+            publish(I, W)
+    begins = I[EVENTS_SEEN] < 0
+    if (begins or I[N_TURNS] > 0) and not take_turns(I, W, EV, begins):
+        return CHATTERING
+    if begins:  # nothing went before the first instant, so nothing can have jumped
+        keep_inputs(I, W)
     if not settle(I, W, EV):
         return CHATTERING
     copy(W, I[O_X], I[O_Y0], n)

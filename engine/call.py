@@ -7,7 +7,7 @@ The same Python function runs interpreted, with numpy arrays in place of the poi
 
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -23,6 +23,7 @@ from engine.frozen import frozen
 from engine.loading import ReadyCache
 from engine.reach import Reached, raises
 from engine.stamp import locked
+from engine.watched import Watched
 
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 
@@ -53,6 +54,13 @@ def address(kernel: Kernel | None) -> int:
     if known is None or known.changed():
         known = _known[kernel] = _prepared(kernel)
     return int(known.made.address)
+
+
+def reached_by(kernels: Iterable[Kernel]) -> Watched:
+    """Return what these kernels, ready to be called, reach; where it has changed, their addresses may have, too."""
+    for kernel in (kernels := [*kernels]):
+        address(kernel)
+    return Watched(known.reached for known in map(_known.__getitem__, kernels) if known.reached is not None)
 
 
 @dataclass(frozen=True)

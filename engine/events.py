@@ -25,6 +25,7 @@ from engine.layout import (
     HAS_RATES,
     KIND,
     L_INSTANTS,
+    L_WATCHING,
     LOGGED,
     LONGEST,
     MAX_CHAIN,
@@ -32,7 +33,7 @@ from engine.layout import (
     N_BLOCKS,
     N_EVENTS,
     N_INSTANTS,
-    N_SIGNALS,
+    N_WATCHING,
     ND,
     NEXT_TIME,
     NG,
@@ -40,12 +41,12 @@ from engine.layout import (
     O_G,
     O_G0,
     O_S,
-    O_S0,
     O_X,
     RATE_MODES,
     RATES,
     RATES_NOW,
     RTOL,
+    SHOWN,
     SMOOTH_STOP,
     T_LEFT,
     T_STOP,
@@ -157,46 +158,47 @@ def fire_waiting(I, W, EV):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
-    """Show signal jumps as impulses, at their old value, to the blocks that watch the rate of an input.
+def show_jump(I, W, EV, row):  # type: ignore[no-untyped-def]
+    """Show a block that watches rates what its inputs have jumped by since it was last shown; return whether they have.
 
-    What is far below the tolerances is rounding, for example where a breakpoint leaves a dead time, and no jump.
+    It sees the jump as an impulse at the old value.  What is far below the tolerances is rounding, for example where a
+    breakpoint leaves a dead time, and no jump.
     """
-    fired = False
-    s, s0 = I[O_S], I[O_S0]
-    for b in range(I[N_BLOCKS] if I[RATES_NOW] else 0):
-        row = H + b * R
-        if looks_at_rates(I, W, row):
-            jumped = False
-            nu = I[row + NU]
-            for i in range(nu):
-                wire = I[I[row + WIRES] + i]
-                jump = W[s + wire] - W[s0 + wire]
-                if abs(jump) <= 1e-3 * W[ATOL] + (1e-3 * W[RTOL] + 1e-14) * abs(W[s + wire]):
-                    jump = 0.0
-                jumped = jumped or jump != 0.0
-                W[I[row + U] + i] = W[s0 + wire]
-                W[I[row + U] + nu + i] = IMPULSE * jump
-            if jumped:
-                g = I[O_G] + I[row + G]
-                call(I[row + A_ZC], W[T], W, I[O_X] + I[row + X], I[row + D], I[row + U], I[row + P], g)
-                for i in range(I[row + NG]):
-                    if W[g + i] > 0.0:
-                        fire(I, W, EV, row, i)
-                        fired = True
-                        break
-    for i in range(I[N_SIGNALS]):
-        W[s0 + i] = W[s + i]
-    if fired:
+    jumped = False
+    nu, u, shown, wires = I[row + NU], I[row + U], I[row + SHOWN], I[row + WIRES]
+    for i in range(nu):
+        now, before = W[I[O_S] + I[wires + i]], W[shown + i]
+        jump = now - before
+        if abs(jump) <= 1e-3 * W[ATOL] + (1e-3 * W[RTOL] + 1e-14) * abs(now):
+            jump = 0.0
+        jumped = jumped or jump != 0.0
+        W[u + i], W[u + nu + i], W[shown + i] = before, IMPULSE * jump, now
+    if jumped and looks_at_rates(I, W, row):
+        g = I[O_G] + I[row + G]
+        call(I[row + A_ZC], W[T], W, I[O_X] + I[row + X], I[row + D], u, I[row + P], g)
+        for i in range(I[row + NG]):
+            if W[g + i] > 0.0:
+                fire(I, W, EV, row, i)
+                break
+    return jumped
+
+
+@njit(cache=True, error_model="numpy")
+def fire_on_jumps(I, W, EV):  # type: ignore[no-untyped-def]
+    """Show signal jumps to all blocks that watch rates; return whether any transition follows."""
+    before = I[EVENTS]
+    for k in range(I[N_WATCHING]):
+        show_jump(I, W, EV, I[I[L_WATCHING] + k])
+    if I[EVENTS] != before:
         watch_rates(I, W)
-    return fired
+    return I[EVENTS] != before
 
 
 @njit(cache=True, error_model="numpy")
 def settle(I, W, EV):  # type: ignore[no-untyped-def]
     """Carry out all transitions of the present instant; return False if they never end.
 
-    The first sweep is left out where samples have just made one (``CURRENT``).
+    The first sweep is left out where turns have just made one (``CURRENT``).
     """
     while True:
         if not I[CURRENT]:
@@ -215,13 +217,20 @@ def settle(I, W, EV):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def begin_instant(I, W):  # type: ignore[no-untyped-def]
-    """Look at the present from its right side: keep the signals before it, lift the left limit."""
+    """Look at the present from its right side: keep what may jump as it is before it, lift the left limit."""
     if I[EVENTS_SEEN] == -1:
         begin_run(I, W)
-    s, s0 = I[O_S], I[O_S0]
-    for i in range(I[N_SIGNALS]):
-        W[s0 + i] = W[s + i]
+    keep_inputs(I, W)
     W[T_LEFT] = np.inf
+
+
+@njit(cache=True, error_model="numpy")
+def keep_inputs(I, W):  # type: ignore[no-untyped-def]
+    """Keep the inputs of the blocks that watch rates: what they are next differs from them by a jump."""
+    for k in range(I[N_WATCHING]):
+        row = I[I[L_WATCHING] + k]
+        for i in range(I[row + NU]):
+            W[I[row + SHOWN] + i] = W[I[O_S] + I[I[row + WIRES] + i]]
 
 
 @njit(cache=True, error_model="numpy")

@@ -42,6 +42,7 @@ class FlatBlock:
     rates: bool = False
     rate_modes: tuple[float, ...] = ()  # in which event functions look at rates; (): in all
     jumps: bool = False
+    shows_modes: bool = False  # whether out reads modes or memories
     feeds: bool = True
     timed: bool = False  # whether out or der reads the time
     linear: bool = False  # whether out and der are affine in states, inputs and time in each mode, between instants
@@ -57,6 +58,11 @@ class FlatBlock:
         """Return its kernels, those that it has."""
         found = (self.out, self.der, self.zc, self.jump, self.step, self.next_time)
         return tuple(kernel for kernel in found if kernel is not None)
+
+    @property
+    def switches(self) -> bool:
+        """Whether a transition may change what it puts out at that instant."""
+        return self.n_events > 0 and (self.jumps or self.shows_modes)
 
     @property
     def unforeseen(self) -> bool:

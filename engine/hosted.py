@@ -8,11 +8,10 @@ from engine.call import pointer_to
 from engine.delay import happens
 from engine.events import begin_instant
 from engine.flat import FlatBlock, Floats, Ints
-from engine.layout import T
-from engine.sampling import publish, take, turn_tables
-from engine.starting import start_block
+from engine.sampling import publish, turn_tables
 from engine.sweep import resolution, signals
 from engine.table import Component
+from engine.turns import restart_sweep, take_turn
 
 
 @njit(cache=True, error_model="numpy")
@@ -25,17 +24,11 @@ def open_instant(ints, floats):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def take_sample(ints, floats, row):  # type: ignore[no-untyped-def]
-    """Take the sample of one block if it is due, called from Python with the arrays themselves."""
-    take(pointer_to(ints), pointer_to(floats), row)
-
-
-@njit(cache=True, error_model="numpy")
-def start_one(ints, floats, buffer, row):  # type: ignore[no-untyped-def]
-    """Let one block begin its run, called from Python with the arrays themselves; the signals need not be current."""
+def turn_of(ints, floats, buffer, row):  # type: ignore[no-untyped-def]
+    """Let one block take its turn, called from Python with the arrays themselves; the signals need not be current."""
     I, W = pointer_to(ints), pointer_to(floats)
-    signals(I, W, W[T])
-    start_block(I, W, pointer_to(buffer), row)
+    restart_sweep(I)
+    take_turn(I, W, pointer_to(buffer), row)
 
 
 @njit(cache=True, error_model="numpy")
@@ -77,21 +70,17 @@ class Hosts:
         return min(self._due(b, W) for b in self.rows)
 
     def sample(self, I: Ints, W: Floats, buffer: Floats) -> None:
-        """Take all samples of the present instant in flow order, compiled and hosted ones alike.
+        """Let all blocks take their turns at the present instant, compiled and hosted ones alike.
 
-        As the run begins, modes are settled too, in the order of ``starting``, and noted in the event ``buffer``.
+        Changes of mode are noted in the event ``buffer``.
         """
         now = self.next_due(W)
         open_instant(I, W)
         hosted = {row: b for b, row in self.rows.items()}
-        begins = I[at.EVENTS_SEEN] < 0
-        starting = I[I[at.L_STARTING] : I[at.L_STARTING] + I[at.N_STARTING]].tolist()
-        for row in starting if begins else range(at.H, at.H + at.R * int(I[at.N_BLOCKS]), at.R):
+        turns = at.L_STARTING if I[at.EVENTS_SEEN] < 0 else at.L_TURNS
+        for row in I[I[turns] : I[turns] + I[turns + 1]].tolist():
             if row not in hosted:
-                if begins:
-                    start_one(I, W, buffer, row)
-                else:
-                    take_sample(I, W, row)
+                turn_of(I, W, buffer, row)
                 continue
             b = hosted[row]
             if self._due(b, W) > now + resolution(now):

@@ -9,6 +9,7 @@ from numba.core import event
 from numba.core.dispatcher import Dispatcher
 
 ENGINE = "simulation engine"
+_TOLD: dict[str, Any] = {}  # what -> the stream that has the line: in one run it is said once
 
 
 class _Counter(event.Listener):  # type: ignore[misc]
@@ -35,11 +36,13 @@ def noticed(what: str = ENGINE) -> Iterator[None]:
     def tell(begun: int) -> None:
         nonlocal status
         if begun == 1 and sys.stderr is not None and not sys.stderr.isatty():
-            sys.stderr.write(f"stickslip: compiling the {what}, once per machine; this takes about half a minute\n")
-            sys.stderr.flush()
+            if _TOLD.get(what) is not sys.stderr:
+                sys.stderr.write(f"stickslip: compiling the {what} on first use; this takes about half a minute\n")
+                sys.stderr.flush()
+            _TOLD[what] = sys.stderr
         elif sys.stderr is not None and sys.stderr.isatty():
             of = f" of {max(begun, total)}" if what == ENGINE else ""
-            words = f"compiling the {what}, once per machine: {begun}{of} functions"
+            words = f"compiling the {what} on first use: {begun}{of} functions"
             if status is None:
                 from rich.console import Console
 

@@ -7,9 +7,8 @@ kept under a fingerprint of all that it reaches at the time of the run, in this 
 import dis
 import hashlib
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from enum import Enum
-from functools import partial
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 from uuid import uuid4
@@ -17,13 +16,15 @@ from uuid import uuid4
 import numba
 import numpy as np
 
+from engine.watched import Watched
+
 OUTSIDE = {"numpy", "numba", "llvmlite", "scipy", *sys.stdlib_module_names}  # they change with their version only
 VERSIONS = f"{numba.__version__} {np.__version__} {sys.version}"
 PLAIN = (int, float, complex, str, bytes, type(None), type(...), np.generic, np.dtype, np.ufunc, Enum)
 PROCESS = uuid4().hex  # what is known by its address only is known in this process only
 
 
-class Reached:
+class Reached(Watched):
     """What a function and every helper reach, by name, by module or from around them, as it is found now.
 
     >>> from blocks.limited_pi import limited_output
@@ -35,25 +36,9 @@ class Reached:
     """
 
     def __init__(self, kernel: FunctionType) -> None:
-        self._names: list[tuple[Callable[[str], Any], str, Any]] = []  # where, under which name, what stood there
-        self._held: list[tuple[Any, str]] = []  # what can change in place, and its contents
+        super().__init__()
         self._seen: dict[tuple[int, frozenset[str]], int] = {}
         self.fingerprint = _digest(self._function(kernel))
-
-    def changed(self) -> bool:
-        """Return whether a name stands for another object now, or one of them has changed in place."""
-        try:
-            for where, name, value in self._names:
-                if where(name) is not value:
-                    return True
-        except (AttributeError, ValueError):  # it is there no more
-            return True
-        return any(_digest(_contents(value)) != before for value, before in self._held)
-
-    def _look(self, where: Callable[[str], Any], *names: str) -> list[Any]:
-        values = [*map(where, names)]
-        self._names += [(where, *found) for found in zip(names, values, strict=True)]
-        return values
 
     def _facts(self, value: Any, names: frozenset[str]) -> Iterator[str | bytes]:
         """Yield what there is to know of a value; ``names``: the attributes that may be taken from it."""
@@ -67,7 +52,7 @@ class Reached:
         else:
             yield from _contents(value)
             if not isinstance(value, PLAIN):
-                self._held.append((value, _digest(_contents(value))))
+                self.hold(value, _digest_of_contents)
 
     def _once(self, value: Any, names: frozenset[str]) -> tuple[str, ...]:
         """Return the number of what has been told already, nothing for what is new."""
@@ -79,21 +64,21 @@ class Reached:
 
     def _attributes(self, value: Any, names: frozenset[str]) -> Iterator[str | bytes]:
         there = sorted(names & set(dir(value)))
-        for name, part in zip(there, self._look(partial(getattr, value), *there), strict=True):
+        for name, part in zip(there, self.look(value, there), strict=True):
             yield name
             yield from self._facts(part, names)
 
     def _function(self, function: FunctionType) -> Iterator[str | bytes]:
-        given = self._look(partial(getattr, function), "__code__", "__defaults__", "__kwdefaults__")
+        given = self.look(function, ["__code__", "__defaults__", "__kwdefaults__"])
         yield from _code(given[0])
         names = names_in(given[0])
         used = sorted(names)
-        for name, value in zip(used, self._look(function.__globals__.get, *used), strict=True):
+        for name, value in zip(used, self.look(function.__globals__, used), strict=True):
             if value is not None:
                 yield name
                 yield from self._facts(value, names)
         for cell in function.__closure__ or ():
-            (value,) = self._look(partial(getattr, cell), "cell_contents")
+            (value,) = self.look(cell, ["cell_contents"])
             yield from self._facts(value, names)
         for name, defaults in zip(("positional", "by name"), given[1:], strict=True):
             yield f"{name} {len(defaults or ())}"
@@ -178,3 +163,7 @@ def _digest(facts: Iterator[str | bytes]) -> str:
         told = fact.encode() if isinstance(fact, str) else fact
         digest.update(b"%d:" % len(told) + told)
     return digest.hexdigest()
+
+
+def _digest_of_contents(value: Any) -> str:
+    return _digest(_contents(value))

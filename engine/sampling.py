@@ -8,13 +8,11 @@ from engine.delay import happens, let_out
 from engine.layout import (
     A_STEP,
     COUNT,
-    CURRENT,
     EVENTS_SEEN,
     FEEDS,
     KIND,
     L_INSTANTS,
     L_REPLAYED,
-    LATE,
     N_BLOCKS,
     N_INSTANTS,
     N_REPLAYED,
@@ -23,12 +21,9 @@ from engine.layout import (
     O_SCRATCH,
     O_X,
     OFFSET,
-    P_SIGNALS,
     PERIOD,
     SAMPLED,
     SEEN,
-    SWEPT,
-    SWEPT_CALLS,
     TABLE,
     TAKES,
     D,
@@ -41,29 +36,7 @@ from engine.layout import (
     Y,
 )
 from engine.listed import find_row, listed_time, put_row
-from engine.sweep import clock, gather, play_calls, signals
-
-
-@njit(cache=True, error_model="numpy")
-def sample(I, W):  # type: ignore[no-untyped-def]
-    """Run the sampled blocks that are due now: those without feedthrough publish first, then all in flow order."""
-    turn_tables(I, W)
-    publish(I, W)
-    take_all(I, W)
-
-
-@njit(cache=True, error_model="numpy")
-def take_all(I, W):  # type: ignore[no-untyped-def]
-    """Take all samples due now but the late ones, in flow order, and sweep over the signals once, before and behind."""
-    place, calls = I[P_SIGNALS], 0
-    for k in range(I[N_INSTANTS]):
-        row = I[I[L_INSTANTS] + k]
-        if I[row + TAKES] and not I[row + LATE] and due(I, W, row) <= W[T] + clock(W):
-            play_calls(I, W, W[T], place, I[row + SWEPT_CALLS] - calls)
-            place, calls = I[row + SWEPT], I[row + SWEPT_CALLS]
-            take_swept(I, W, row)
-    play_calls(I, W, W[T], place, I[P_SIGNALS + 1] - calls)
-    I[CURRENT] = 1
+from engine.sweep import clock, gather
 
 
 @njit(cache=True, error_model="numpy")
@@ -95,15 +68,6 @@ def publish(I, W):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def take(I, W, row):  # type: ignore[no-untyped-def]
-    """Take the sample of one block if it is due."""
-    if not I[row + TAKES] or due(I, W, row) > W[T] + clock(W):
-        return
-    signals(I, W, W[T])
-    take_swept(I, W, row)
-
-
-@njit(cache=True, error_model="numpy")
-def take_swept(I, W, row):  # type: ignore[no-untyped-def]
     """Take the sample of one block; what it reads must be current."""
     if I[row + TABLE] != 0:
         put_row(I, W, row, I[row + COUNT])

@@ -11,11 +11,10 @@ from engine.call import KernelError, address
 from engine.delay import SMOOTH
 from engine.elimination import eliminate
 from engine.flat import FlatBlock, Floats, Ints
-from engine.pinning import late
 from engine.program import Programs
 from engine.series import again_size, model_size
-from engine.starting import start_order
 from engine.structure import analyse
+from engine.turns import starting_order, turns
 
 
 @dataclass(frozen=True)
@@ -73,8 +72,6 @@ class _Table:
             for j in range(len(block.y0)):
                 self.local[block.first_signal + j] = len(self.local)
         self.shape = analyse(blocks)
-        self.late = late(blocks)
-        self.pinned = any(block.kind == at.CONTINUOUS and block.step is not None for block in blocks)
         states = sum(len(b.x0) for b in blocks)
         self.linear = self.shape.linear and states <= at.MOST_STATES
         self.order = eliminate(states, self.shape.entries)
@@ -99,7 +96,7 @@ class _Table:
             at.O_AGAIN: again_size(n) if self.linear else 0,
             at.O_AFFINE: 1 + ns * (n + 1) if self.linear else 0,
             at.O_JAC: len(self.shape.entries), at.O_LU: self.order.size, at.O_DFDT: n,
-            at.O_S: ns, at.O_S0: ns, at.O_RATE: ns,
+            at.O_S: ns, at.O_RATE: ns,
             at.O_G: 3 * ng, at.O_G0: ng, at.O_RESTART: 2 * at.RESTARTS, at.O_CX: at.CHUNK * (n + 1) + at.SERIES,
             at.O_CS: at.CHUNK * ns, at.O_D: nd, at.O_SCRATCH: max([len(b.d0) for b in self.blocks] or [0]),
         }  # fmt: skip
@@ -152,7 +149,7 @@ class _Table:
         row[at.PERIOD] = row[at.P] + block.period_at if block.period_at >= 0 else zero
         row[at.OFFSET] = row[at.P] + block.offset_at if block.offset_at >= 0 else zero
         row[at.TAKES] = block.step is not None
-        row[at.LATE] = block.step is not None and self.pinned and self.late[number]
+        row[at.SHOWN] = self.stretch(len(wires)) if block.rates and block.n_events else 0
         row[at.TABLE_WIDTH], row[at.TABLE_VALUES] = block.listed, row[at.P] + len(block.p) - max(0, block.listed - 1)
         if block.kind == at.DEAD_TIME:
             needed = {*self.shape.for_rates, *self.shape.for_events, *self.shape.entering}
@@ -210,23 +207,32 @@ class _Table:
         self.header[at.L_BACKWARD] = self.keep(self.order.backward)
 
     def write_sweep(self, programs: Programs) -> None:
-        """Write for each block where a sweep over all signals goes on from it."""
+        """Write for each block how far a sweep over all signals has to be for what it reads."""
         place, calls = int(self.header[at.P_SIGNALS]), 0
+        behind = {}  # signal -> where the sweep stands behind the block that drives it
         for number, (block, row) in enumerate(zip(self.blocks, self.rows, strict=True)):
             row[at.SWEPT], row[at.SWEPT_CALLS] = place, calls
             if block.kind in (at.CONTINUOUS, *at.REPLAYING):
                 place += sum(len(call) for call in programs.calls(at.A_OUT, [number]))
                 calls += 1
+            behind.update(dict.fromkeys(range(block.first_signal, block.first_signal + len(block.y0)), (place, calls)))
+        for block, row in zip(self.blocks, self.rows, strict=True):
+            if not block.feeds and block.wires:  # what it reads may come behind it in the flow
+                row[at.SWEPT], row[at.SWEPT_CALLS] = max(behind[w] for w in block.wires)
 
     def write_facts(self) -> None:
         """Write what kind of component it is, and that its run has not begun."""
         header, blocks = self.header, self.blocks
         header[at.TIMED] = self.shape.timed
         instants = [i for i, b in enumerate(blocks) if b.step is not None or b.listed or b.next_time is not None]
-        header[at.L_INSTANTS], header[at.N_INSTANTS] = self.keep(at.H + i * at.R for i in instants), len(instants)
-        order = start_order(blocks)
-        header[at.L_STARTING], header[at.N_STARTING] = self.keep(at.H + i * at.R for i in order), len(order)
-        header[at.HAS_RATES] = any(b.rates and b.n_events for b in blocks)
+        for place, numbers in (
+            (at.L_INSTANTS, instants),
+            (at.L_WATCHING, [i for i, b in enumerate(blocks) if b.rates and b.n_events]),
+            (at.L_STARTING, starting_order(blocks)),
+            (at.L_TURNS, turns(blocks)),
+        ):
+            header[place : place + 2] = self.keep(at.H + i * at.R for i in numbers), len(numbers)
+        header[at.HAS_RATES] = header[at.N_WATCHING] > 0
         leaving, delays, entering = (
             [at.H + i * at.R for i, b in enumerate(blocks) if b.kind == kind]
             for kind in (at.LINK_OUT, at.DEAD_TIME, at.LINK_IN)
@@ -236,9 +242,8 @@ class _Table:
         header[at.L_REPLAYED], header[at.N_REPLAYED] = header[at.L_DELAYS] + len(leaving), len(delays) + len(entering)
         header[at.HAS_DELAYS], header[at.LINKED] = bool(leaving or delays or entering), bool(entering)
         header[at.N_SAMPLED] = sum(b.kind == at.SAMPLED or b.listed > 0 for b in blocks)
-        header[at.N_PINS] = sum(b.kind == at.CONTINUOUS and b.step is not None for b in blocks)
         header[at.N_CHECKED] = len(self.local) - sum(len(b.y0) for b in blocks if b.kind == at.HOSTED)
-        sampled = header[at.N_PINS] > 0 or any(b.kind in (at.SAMPLED, at.HOSTED) for b in blocks)
+        sampled = any(b.step is not None or b.kind == at.HOSTED for b in blocks)
         # long steps do not pay between close sampling instants, nor between the breakpoints of several dead times
         many = sum(b.kind == at.DEAD_TIME and row[at.NEEDED] for b, row in zip(blocks, self.rows, strict=True)) > 2
         header[at.OTHERWISE] = 0 if sampled or many else 2

@@ -3,6 +3,7 @@
 diagnose   a diagram and a log -> a ``GapReport``      Effect     what an effect is; ``gap.effects`` has them all
 calibrated a diagram and a log -> how often names are right there, counted on runs with known effects
 latent_input a report and its log -> what the model would need beside its inputs, and what that goes with
+replayed   a report and its log -> the log against the model, as it is and with the cause, over the worst stretch
 
 The rooms, each of which uses those before it only; ``gap.diagnosis`` joins them:
 
@@ -22,8 +23,9 @@ from gap.diagnosis import diagnose
 from gap.insertion.effect import Effect, EffectError, Parameter
 from gap.records.record import GapError
 from gap.telling.latent import LatentInput, latent_input
+from gap.telling.replayed import Replayed, replayed
 
 __all__ = [
-    "Calibration", "Effect", "EffectError", "GapError", "GapReport", "LatentInput", "Parameter", "calibrated",
-    "diagnose", "latent_input",
+    "Calibration", "Effect", "EffectError", "GapError", "GapReport", "LatentInput", "Parameter", "Replayed",
+    "calibrated", "diagnose", "latent_input", "replayed",
 ]  # fmt: skip

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from logs.errors import LogError
-from logs.style import COLOURS, CYCLE, tidy
+from logs.style import COLOURS, CYCLE
 from logs.time_axis import TimeAxis
-from logs.trend import broken_at_gaps, draw_signal, finish_panel, mark_gaps, shade_bad
+from logs.trend import broken_at_gaps, draw_signal, finish_panel, finish_plane, mark_gaps, shade_bad
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -123,13 +123,7 @@ def _phase(panel: Axes, loop: LoopRecord, name: str, part: str) -> None:
     panel.set_xlabel(_label(log, loop.op_name, "OP"))
     panel.set_ylabel(_label(log, name, part))
     panel.set_title(f"{part} over OP", fontsize=10)
-    _tidy(panel)
-
-
-def _tidy(panel: Axes) -> None:
-    tidy(panel)
-    panel.margins(y=0.08)
-    panel.ticklabel_format(useOffset=False)
+    finish_plane(panel, [x], [y])
 
 
 def _label(log: Log, name: str, part: str = "") -> str:

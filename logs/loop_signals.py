@@ -21,7 +21,8 @@ class LoopSignals:
 
     Parameters: ``pv``, ``op`` (str) Signals of the measurement and of the controller output; ``sp``, ``mv``, ``mode``
     (str, optional) Set point, stem position and controller mode, None where they are not logged; ``process``
-    ({"self_regulating", "integrating", "unknown"}); ``measurement`` (str) "flow", "level", "pressure", ... or "".
+    ({"self_regulating", "integrating", "unknown"}); ``measurement`` (str) "flow", "level", "pressure", ... or "";
+    ``master_of`` (str) tag of the loop whose set point OP is, "" where it is none.
 
     Raises ``LogError`` without PV or OP, or for another ``process``.
 
@@ -36,6 +37,7 @@ class LoopSignals:
     mode: str | None = None
     process: Process = "unknown"
     measurement: str = ""
+    master_of: str = ""
 
     def __post_init__(self) -> None:
         for part in ("pv", "op"):
@@ -78,7 +80,7 @@ def within(loops: Mapping[str, LoopSignals], signals: Container[str]) -> dict[st
     """The loops whose PV and OP are among the signals; other parts that are not are left out.
 
     >>> within({"PCS11": LoopSignals("p", "u", sp="r")}, {"p", "u"})
-    {'PCS11': LoopSignals(pv='p', op='u', sp=None, mv=None, mode=None, process='unknown', measurement='')}
+    {'PCS11': LoopSignals(pv='p', op='u', sp=None, mv=None, mode=None, process='unknown', measurement='', master_of='')}
     """
     return {
         tag: loop.with_parts(gone) if gone else loop

@@ -65,6 +65,43 @@ def oscillations(t: Floats, Y: Floats, hysteresis: float = HYSTERESIS) -> tuple[
     return period, np.asarray(amplitude)
 
 
+@dataclass(frozen=True)
+class Following:
+    """How one swing goes with another: ``gain`` times as far [unit of y per unit of x], ``lag`` [s] later.
+
+    The lag lies between 0 and a period.  ``share`` of the first one's variance that its sine of that period has, 0 to
+    1: with a low one it does not swing at that period.
+    """
+
+    gain: float
+    lag: float
+    share: float
+
+
+def following(t: ArrayLike, x: ArrayLike, y: ArrayLike, period: float) -> Following:
+    """Return how y follows x at a ``period`` [s], by the sines of that period that lie closest to each.
+
+    Shapes (n,), t [s].  A signal that stands has gain 0; behind one that stands, gain and lag are NaN.
+
+    >>> t = np.arange(0.0, 300.0, 0.5)
+    >>> found = following(t, np.sin(2.0 * np.pi * t / 60.0), 0.5 * np.sin(2.0 * np.pi * (t - 8.0) / 60.0), 60.0)
+    >>> round(found.gain, 3), round(found.lag, 3), round(found.share, 3)
+    (0.5, 8.0, 1.0)
+    """
+    times = np.asarray(t, dtype=float)
+    both = np.column_stack([np.asarray(x, dtype=float), np.asarray(y, dtype=float)])
+    waves = np.exp(2j * math.pi * times / period)
+    basis = np.column_stack([waves.real, waves.imag, np.ones(len(times)), times - times.mean()])
+    fitted = np.linalg.lstsq(basis, both, rcond=None)[0]
+    first, second = (complex(*wave) for wave in fitted[:2].T)
+    if not abs(first) > 0.0:
+        return Following(math.nan, math.nan, 0.0)
+    varies = float(np.var(both[:, 0]))
+    turned = math.atan2((second / first).imag, (second / first).real)
+    return Following(abs(second / first), turned % (2.0 * math.pi) * period / (2.0 * math.pi),
+                     min(1.0, 0.5 * abs(first) ** 2 / varies) if varies else 0.0)  # fmt: skip
+
+
 def without_trend(t: ArrayLike, y: ArrayLike, width: float) -> Floats:
     """Return y less its centred moving average of ``width`` [s]; the window shrinks towards the ends.
 

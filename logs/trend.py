@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from logs.log import Log
     from logs.time_axis import TimeAxis
 
-__all__ = ["broken_at_gaps", "draw_signal", "finish_panel", "mark_gaps", "rests", "shade_bad"]
+__all__ = ["broken_at_gaps", "draw_signal", "finish_panel", "finish_plane", "mark_gaps", "rests", "shade_bad"]
 
 LINE = 0.9
 DENSE = 1000  # crossings of the middle from which on a line would be a solid block
@@ -87,6 +87,25 @@ def rests(values: Values) -> bool:
     return not y.size or float(np.ptp(y)) <= max(RESTS * float(np.abs(y).max()), 1e-12)
 
 
+def finish_plane(ax: Axes, x: list[Values], y: list[Values]) -> None:
+    """A panel of one signal over another: what rests is at its value, on an axis that is wide beside its rounding.
+
+    ``x``, ``y``: what is drawn, each (n,), in the units of the axes.
+    """
+    finish_panel(ax, y)
+    seen = np.concatenate([values[np.isfinite(values)] for values in x]) if x else np.empty(0)
+    if seen.size and rests(seen):
+        ax.set_xlim(*_around(seen))
+    ax.ticklabel_format(useOffset=False)
+
+
+def _around(seen: Values) -> tuple[float, float]:
+    """Return the ends of an axis on which what rests is in the middle."""
+    middle = float(np.median(seen))
+    half = 0.05 * abs(middle) or 1.0
+    return middle - half, middle + half
+
+
 def finish_panel(ax: Axes, values: list[Values]) -> None:
     """Light grid, a margin, at least two ticks of few digits; what rests is a line at its value, not its rounding.
 
@@ -98,12 +117,10 @@ def finish_panel(ax: Axes, values: list[Values]) -> None:
     ax.margins(y=0.1)
     seen = np.concatenate([y[np.isfinite(y)] for y in values]) if values else np.empty(0)
     if seen.size and rests(seen):
-        middle = float(np.median(seen))
-        half = 0.05 * abs(middle) or 1.0
-        ax.set_ylim(middle - half, middle + half)
+        ax.set_ylim(*_around(seen))
         ax.annotate(
-            f"at rest at {middle:.5g}", (1.0, 0.5), (-4.0, 4.0), xycoords="axes fraction", textcoords="offset points",
-            ha="right", fontsize=8.0, color=COLOURS["SP"],
+            f"at rest at {float(np.median(seen)):.5g}", (1.0, 0.5), (-4.0, 4.0), xycoords="axes fraction",
+            textcoords="offset points", ha="right", fontsize=8.0, color=COLOURS["SP"],
         )  # fmt: skip
     ax.yaxis.set_major_locator(MaxNLocator(nbins=5, min_n_ticks=3, steps=[1, 2, 2.5, 5, 10]))
     ax.ticklabel_format(useOffset=False, axis="y")

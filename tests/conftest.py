@@ -26,3 +26,19 @@ def cluster():
         n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
     ) as started:
         yield started
+
+
+@pytest.fixture
+def hidden_valve(tmp_path):
+    """A file of two levels: the inflow hides LC1's valve, and the flow behind it jumps; all by formulas."""
+    import numpy as np
+
+    from detect.prepare.stick import stick
+    from logs import Log, LoopSignals
+
+    t = np.arange(3000.0)
+    u = 50 + 4 * np.sin(t / 50) + 2 * np.sin(t / 31)
+    signals = {"u": u, "p": np.cos(t / 90), "v": u[::-1], "q": np.sin(t / 70), "f": stick(u, 4.0, 1.5)}
+    loops = {"LC1": LoopSignals("p", "u"), "LC2": LoopSignals("q", "v")}
+    Log(t, signals, spans={"u": (0, 100), "v": (0, 100)}, loops=loops).to_csv(tmp_path / "unit.csv")
+    return tmp_path / "unit.csv"

@@ -15,7 +15,7 @@ from cases.stories import EXPORTS
 from detect import compare, diagnose
 from detect.methods import area_ratio
 from detect.words import WORDS
-from logs import LoopRecord, read_loop
+from logs import LoopRecord, read_log, read_loop, read_loops
 from scan.judge import row_of
 from stickslip.cli import cli
 from stickslip.own import case_named
@@ -86,6 +86,35 @@ def test_example_exports_have_one_verdict(file, tmp_path):
 def test_simulated_loops_have_one_verdict(k, tmp_path):
     found = words_of(simulated(k, tmp_path), tmp_path, pages=False)
     assert len(set(found.values())) == 1, found
+
+
+def test_loops_of_one_file_have_one_verdict(hidden_valve, tmp_path):
+    """What the other tags of a file show makes a suspect: the verdict is the same with the loop asked for alone."""
+    call = CliRunner().invoke
+    (tmp_path / "plant").mkdir()
+    (tmp_path / "plant" / "unit.csv").write_bytes(hidden_valve.read_bytes())
+    many = call(cli, ["check", str(hidden_valve), "--json", "-", "--html", str(tmp_path / "a.html")])
+    scan = ["scan", str(tmp_path / "plant"), "--out", str(tmp_path / "out"), "--workers", "1", "--json", "-"]
+    listed_by = {
+        "check of all": json.loads(many.stdout)["files"][0]["loops"],
+        "scan": json.loads(call(cli, scan).stdout)["loops"],
+        "table": json.loads(call(cli, ["table", str(hidden_valve), "--method", "area_ratio", "--json", "-"]).stdout)[
+            "loops"
+        ],
+    }
+    found = {
+        how: {one["loop"]: one.get("verdict") or one["combined"] for one in told} for how, told in listed_by.items()
+    }
+    found["diagnose"] = {one.name: diagnose(one, []).verdict for one in read_loops(hidden_valve)}
+    found["diagnose from the log"] = {
+        one.name: diagnose(one, []).verdict for one in read_log(hidden_valve).loop_records()
+    }
+    asked = {tag: call(cli, ["check", str(hidden_valve), "--loop", tag, "--json", "-"]) for tag in ("LC1", "LC2")}
+    found["check of one"] = {tag: json.loads(done.stdout)["verdict"] for tag, done in asked.items()}
+    assert all(told == found["diagnose"] for told in found.values()), found
+    assert many.exit_code == max(done.exit_code for done in asked.values()) == 0
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "No valve is called sticky." in page and "as where a valve slips" in page
 
 
 @pytest.mark.parametrize(("case", "tag"), [("ideal_high", None), ("plant_1_high", "LCS11")])

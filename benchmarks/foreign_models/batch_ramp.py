@@ -1,6 +1,6 @@
 """A reactor heated along a programme: the model of ``benchmarks/foreign/batch_ramp.py``."""
 
-from blocks import Equations, Historian, IdealValve, Noise, SampledPI, SampledSensor
+from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
 from diagram import Diagram, wire
 
 
@@ -25,9 +25,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
                 inputs=["MV", "load"],
                 params={"K": 1.0 / 900.0, "tau": 6000.0},
             ),
-            SampledSensor(
-                5.0, sd=0.05 * noise_factor, tau=30.0, low=0.0, high=150.0, start=50.0, inputs="T", outputs="PV"
-            ),
+            LeadLag("felt", "T", 0.0, 30.0, start=50.0, name="element"),
+            SampledSensor(5.0, sd=0.05 * noise_factor, low=0.0, high=150.0, start=50.0, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

@@ -6,7 +6,7 @@ and logs only these.  The load of the vessel enters behind its dead time in the 
 
 import math
 
-from blocks import Equations, FirstOrder, Historian, IdealValve, Noise, SampledPI, SampledSensor, Sum
+from blocks import Equations, FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
 from diagram import Diagram, wire
 
 
@@ -46,15 +46,15 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             IdealValve(),
             Noise("load_p", sd=0.03 * load_factor, dt=1.0, correlation_time=40.0, name="feed_pipe"),
             Equations("pipe", der=_pipe, states={"q": 5.0}, inputs=["MV", "load_p"], params={"K": 10.0, "tau": 1.5}),
-            SampledSensor(
-                0.5, sd=0.04 * noise_factor, tau=0.2, start=5.0, name="flow_sensor", inputs="q", outputs="PV_F"
-            ),
+            LeadLag("felt_F", "q", 0.0, 0.2, start=5.0, name="flow_element"),
+            SampledSensor(0.5, sd=0.04 * noise_factor, start=5.0, name="flow_sensor", inputs="felt_F", outputs="PV_F"),
             Noise("load_T", sd=0.5 * load_factor, dt=1.0, correlation_time=200.0, name="feed_vessel"),  # [degC]
             Sum("heat", {"q": 1.0, "load_T": 1.0 / 7.0}),
             FirstOrder(7.0, 120.0, 10.0, start=35.0, name="vessel", inputs="heat", outputs="rise"),
             Sum("T", {"rise": 1.0}, offset=25.0, name="inlet"),
+            LeadLag("felt_T", "T", 0.0, 4.0, start=60.0, name="temperature_element"),
             SampledSensor(
-                2.0, sd=0.05 * noise_factor, tau=4.0, start=60.0, name="temperature_sensor", inputs="T", outputs="PV_T"
+                2.0, sd=0.05 * noise_factor, start=60.0, name="temperature_sensor", inputs="felt_T", outputs="PV_T"
             ),
             Historian(["SP_T", "PV_T", "SP_F", "PV_F", "OP"]),
         ],

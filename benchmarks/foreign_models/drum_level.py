@@ -3,7 +3,7 @@
 hold = integral of 0.25 (w - 0.5 - load);    20 d collapse/dt = 6 w - collapse;    L = hold - collapse
 """
 
-from blocks import FirstOrder, Historian, IdealValve, Integrator, Noise, SampledPI, SampledSensor, Sum
+from blocks import FirstOrder, Historian, IdealValve, Integrator, LeadLag, Noise, SampledPI, SampledSensor, Sum
 from diagram import Diagram, wire
 
 
@@ -18,9 +18,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             Integrator(0.25, u_0=0.5, start=53.0, inputs="net", outputs="hold"),
             FirstOrder(6.0, 20.0, start=3.0, name="bubbles", outputs="collapse"),
             Sum("L", {"hold": 1.0, "collapse": -1.0}, name="drum"),
-            SampledSensor(
-                1.0, sd=0.1 * noise_factor, tau=3.0, low=0.0, high=100.0, start=50.0, inputs="L", outputs="PV"
-            ),
+            LeadLag("felt", "L", 0.0, 3.0, start=50.0, name="element"),
+            SampledSensor(1.0, sd=0.1 * noise_factor, low=0.0, high=100.0, start=50.0, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

@@ -2,7 +2,7 @@
 
 import math
 
-from blocks import Equations, Historian, IdealValve, Noise, SampledPI, SampledSensor
+from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
 from diagram import Diagram, wire
 
 
@@ -32,9 +32,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
                 outputs="T_out",
                 params={"K": 0.6, "tau": 600.0},
             ),
-            SampledSensor(
-                1.0, sd=0.06 * noise_factor, tau=8.0, low=300.0, high=400.0, start=350.0, inputs="T_out", outputs="PV"
-            ),
+            LeadLag("felt", "T_out", 0.0, 8.0, start=350.0, name="element"),
+            SampledSensor(1.0, sd=0.06 * noise_factor, low=300.0, high=400.0, start=350.0, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

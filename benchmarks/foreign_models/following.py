@@ -4,7 +4,8 @@
 
 A logged set point moved at any time since the row before; at the row, as it is played back, is too late.  The model's
 own records have noise, loads and moves at random times between rows as well, so their distances are what a model that
-is right would have.  ``python -m benchmarks.foreign_models.following [plant ...]`` prints both; ``--plot FOLDER`` draws.
+is right would have.  ``python -m benchmarks.foreign_models.following [plant ...]`` prints both,
+and ``--plot FOLDER`` draws.
 """
 
 import argparse

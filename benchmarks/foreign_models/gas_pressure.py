@@ -1,6 +1,6 @@
 """Gas in a drum behind a choked vent valve: the model of ``benchmarks/foreign/gas_pressure.py``."""
 
-from blocks import Equations, Historian, IdealValve, Noise, SampledPI, SampledSensor
+from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
 from diagram import Diagram, wire
 
 
@@ -21,9 +21,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             IdealValve(),
             Noise("load", sd=0.06 * load_factor, dt=1.0, correlation_time=40.0, name="feed"),  # [kg/s]
             Equations("process", der=_drum, states={"p": 10.0}, inputs=["MV", "load"], params={"K": 0.6, "tau": 4.0}),
-            SampledSensor(
-                0.5, sd=0.008 * noise_factor, tau=0.3, low=0.0, high=20.0, start=10.0, inputs="p", outputs="PV"
-            ),
+            LeadLag("felt", "p", 0.0, 0.3, start=10.0, name="element"),
+            SampledSensor(0.5, sd=0.008 * noise_factor, low=0.0, high=20.0, start=10.0, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

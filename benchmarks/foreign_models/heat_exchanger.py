@@ -3,7 +3,7 @@
 The load enters behind the dead time in the sheet and before it here: for a load that nobody measures both are the same.
 """
 
-from blocks import FirstOrder, Historian, IdealValve, Noise, SampledPI, SampledSensor, Sum
+from blocks import FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
 from diagram import Diagram, wire
 
 
@@ -17,9 +17,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             Sum("heat", {"MV": 1.0, "load": 1.0 / 0.8}),
             FirstOrder(0.8, 40.0, 12.0, start=40.0, inputs="heat", outputs="rise"),
             Sum("T", {"rise": 1.0}, offset=20.0, name="inlet"),
-            SampledSensor(
-                1.0, sd=0.08 * noise_factor, tau=6.0, low=0.0, high=120.0, start=60.0, inputs="T", outputs="PV"
-            ),
+            LeadLag("felt", "T", 0.0, 6.0, start=60.0, name="element"),
+            SampledSensor(1.0, sd=0.08 * noise_factor, low=0.0, high=120.0, start=60.0, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

@@ -2,7 +2,7 @@
 
 import math
 
-from blocks import Equations, Historian, IdealValve, Noise, SampledPI, SampledSensor
+from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
 from diagram import Diagram, wire
 
 _K_A, _K_W = 10.0**-6.35, 1e-14
@@ -40,9 +40,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
                 outputs="pH",
                 params={"tau": 600.0},
             ),
-            SampledSensor(
-                2.0, sd=0.01 * noise_factor, tau=5.0, low=0.0, high=14.0, start=6.35, inputs="pH", outputs="PV"
-            ),
+            LeadLag("felt", "pH", 0.0, 5.0, start=6.35, name="element"),
+            SampledSensor(2.0, sd=0.01 * noise_factor, low=0.0, high=14.0, start=6.35, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

@@ -22,9 +22,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             IdealValve(inputs="p"),
             Noise("load", sd=0.5 * load_factor, dt=1.0, correlation_time=60.0, name="feed"),  # [m]
             Equations("process", der=_pipe, states={"Q": 48.0}, inputs=["MV", "load"], params={"K": 20.0, "tau": 3.0}),
-            SampledSensor(
-                1.0, sd=0.25 * noise_factor, tau=0.5, low=0.0, high=120.0, start=48.0, inputs="Q", outputs="PV"
-            ),
+            LeadLag("felt", "Q", 0.0, 0.5, start=48.0, name="element"),
+            SampledSensor(1.0, sd=0.25 * noise_factor, low=0.0, high=120.0, start=48.0, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

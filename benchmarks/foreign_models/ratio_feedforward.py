@@ -7,7 +7,7 @@ rows (the noise of A's meter is in it) nobody knows.
 
 import math
 
-from blocks import Equations, Gain, Historian, IdealValve, Noise, SampledPI, SampledSensor, Saturation, Sum
+from blocks import Equations, Gain, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Saturation, Sum
 from diagram import Diagram, wire
 
 
@@ -36,9 +36,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             IdealValve(),
             Noise("load", sd=0.02 * load_factor, dt=1.0, correlation_time=30.0, name="feed"),
             Equations("process", der=_pipe, states={"q": 30.0}, inputs=["MV", "load"], params={"K": 60.0, "tau": 3.0}),
-            SampledSensor(
-                1.0, sd=0.15 * noise_factor, tau=0.5, low=0.0, high=80.0, start=30.0, inputs="q", outputs="PV"
-            ),
+            LeadLag("felt", "q", 0.0, 0.5, start=30.0, name="element"),
+            SampledSensor(1.0, sd=0.15 * noise_factor, low=0.0, high=80.0, start=30.0, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

@@ -26,9 +26,11 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
                 inputs=["MV", "load"],
                 params={"K": 0.08, "tau": 40.0},
             ),
-            SampledSensor(0.25, sd=0.08 * noise_factor, tau=0.4, start=15.0, inputs="m", outputs="PV"),
+            LeadLag("felt", "m", 0.0, 0.4, start=15.0, name="element"),
+            SampledSensor(0.25, sd=0.08 * noise_factor, start=15.0, inputs="felt", outputs="PV"),
+            LeadLag("felt_p", "p", 0.0, 0.2, start=2.963, name="suction_element"),
             SampledSensor(
-                0.25, sd=0.004 * noise_factor, tau=0.2, start=2.963, name="suction_sensor", inputs="p", outputs="PS"
+                0.25, sd=0.004 * noise_factor, start=2.963, name="suction_sensor", inputs="felt_p", outputs="PS"
             ),
             Historian(["SP", "PV", "PS", "OP"]),
         ],

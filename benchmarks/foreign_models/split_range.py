@@ -1,6 +1,6 @@
 """Cooling with one half of OP and heating with the other: the model of ``benchmarks/foreign/split_range.py``, in %."""
 
-from blocks import Equations, Historian, IdealValve, Lookup1D, Noise, SampledPI, SampledSensor
+from blocks import Equations, Historian, IdealValve, LeadLag, Lookup1D, Noise, SampledPI, SampledSensor
 from diagram import Diagram, wire
 
 
@@ -25,9 +25,8 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
                 inputs=["heating", "cooling", "load"],
                 params={"tau": 400.0},
             ),
-            SampledSensor(
-                1.0, sd=0.05 * noise_factor, tau=15.0, low=0.0, high=150.0, start=65.0, inputs="T", outputs="PV"
-            ),
+            LeadLag("felt", "T", 0.0, 15.0, start=65.0, name="element"),
+            SampledSensor(1.0, sd=0.05 * noise_factor, low=0.0, high=150.0, start=65.0, inputs="felt", outputs="PV"),
             Historian(["SP", "PV", "OP"]),
         ],
         inputs=["SP"],

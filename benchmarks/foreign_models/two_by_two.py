@@ -3,7 +3,7 @@
 OP and MV are in %, the loads in shares of full flow.
 """
 
-from blocks import FirstOrder, Historian, IdealValve, Noise, SampledPI, SampledSensor, Sum
+from blocks import FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
 from diagram import Diagram, wire
 
 
@@ -35,26 +35,26 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
             FirstOrder(-18.0, 60.0, 10.0, name="process_22", inputs="u2", outputs="T22"),
             Sum("T1", {"T11": 1.0, "T12": 1.0}, offset=50.0, name="top"),
             Sum("T2", {"T21": 1.0, "T22": 1.0}, offset=90.0, name="bottom"),
+            LeadLag("felt_1", "T1", 0.0, 4.0, start=50.0, name="element_1"),
             SampledSensor(
                 2.0,
                 sd=0.05 * noise_factor,
-                tau=4.0,
                 low=0.0,
                 high=150.0,
                 start=50.0,
                 name="sensor_1",
-                inputs="T1",
+                inputs="felt_1",
                 outputs="PV1",
             ),
+            LeadLag("felt_2", "T2", 0.0, 4.0, start=90.0, name="element_2"),
             SampledSensor(
                 2.0,
                 sd=0.04 * noise_factor,
-                tau=4.0,
                 low=0.0,
                 high=150.0,
                 start=90.0,
                 name="sensor_2",
-                inputs="T2",
+                inputs="felt_2",
                 outputs="PV2",
             ),
             Historian(["SP1", "PV1", "SP2", "PV2", "OP1", "OP2"]),

@@ -12,7 +12,6 @@ istate") at V_S = 1e-5 and below; Radau is slower throughout.  With its rates co
 thirds of the time: the rest is scipy's BDF.
 """
 
-import math
 import time
 from typing import NamedTuple
 
@@ -21,12 +20,11 @@ import numpy as np
 
 from benchmarks.peers import production_equations as equations
 from benchmarks.peers.production_lsoda import Problem
+from benchmarks.peers.python_control import SHARPNESS, V_S, friction
 from blocks.block import Block, Kernels
 from blocks.ports import Port
 from diagram.diagram import Diagram
 
-V_S = 1e-6  # [1/s], width of the Stribeck peak
-SHARPNESS = 100.0
 RTOL, ATOL = 1e-6, 1e-9
 M, K, F_V, F_C = 1.36, 52500.0, 612.0, 1250.0  # of the stems, thesis table A.1
 
@@ -40,22 +38,6 @@ class ControlLog(NamedTuple):
     seconds: float
 
 
-def friction(F_s: float, v_s: float, sharpness: float):
-    """Return the function v -> smooth friction [N] whose peak is F_s exactly, without the viscous part."""
-    q = np.geomspace(1e-3, 1.0, 100_000) / math.sqrt(sharpness)
-    peak = float(((F_C + (F_s - F_C) * np.exp(-q * q)) * np.tanh(sharpness * q)).max())
-    excess, lift = F_s - F_C, F_s / peak - 1.0
-
-    def force(v: float) -> float:
-        q = v / v_s
-        if abs(q) > 25.0:  # exp(-q^2) < 1e-271
-            return math.copysign(F_C, q)
-        near = math.exp(-q * q)
-        return (F_C + excess * near) * math.tanh(sharpness * q) * (1.0 + lift * near)
-
-    return force
-
-
 def stem_rate(OP: float, x: float, v: float, force) -> float:
     """Return dv/dt of a stem [1/s2]."""
     return (K * (OP - x) - force(v) - F_V * v) / M
@@ -63,7 +45,7 @@ def stem_rate(OP: float, x: float, v: float, force) -> float:
 
 def flat(given: Problem, F_s: float, v_s: float = V_S, sharpness: float = SHARPNESS):
     """Return the flat twin and its start: 23 states of the plant, position and velocity of both stems."""
-    c, force = tuple(given.c.tolist()), friction(F_s, v_s, sharpness)
+    c, force = tuple(given.c.tolist()), friction(F_s, F_C, v_s, sharpness)
 
     def rates(t, y, u, params):
         *s, x_oil, v_oil, x_gas, v_gas = y.tolist()
@@ -88,7 +70,7 @@ class SmoothStem(Block):
     ports_out = (Port("MV"),)
 
     def __init__(self, F_s: float, start: float, name: str, v_s: float = V_S, sharpness: float = SHARPNESS) -> None:
-        force = friction(F_s, v_s, sharpness)
+        force = friction(F_s, F_C, v_s, sharpness)
 
         def out(t, x, d, u, p, y):
             y[0] = x[0]

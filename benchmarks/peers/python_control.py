@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 import control as ct
@@ -32,22 +33,30 @@ class ControlLog(NamedTuple):
     seconds: float
 
 
+def friction(F_s: float, F_c: float, v_s: float, sharpness: float) -> Callable[[float], float]:
+    """Return the function v -> smooth friction [N] whose peak is F_s exactly, without the viscous part."""
+    q = np.geomspace(1e-3, 1.0, 100_000) / math.sqrt(sharpness)
+    excess = F_s - F_c
+    peak = float(((F_c + excess * np.exp(-q * q)) * np.tanh(sharpness * q)).max())
+    lift = F_s / peak - 1.0
+
+    def force(v: float) -> float:
+        q = v / v_s
+        if abs(q) > 25.0:  # exp(-q^2) < 1e-271
+            return math.copysign(F_c, q)
+        near = math.exp(-q * q)
+        return (F_c + excess * near) * math.tanh(sharpness * q) * (1.0 + lift * near)
+
+    return force
+
+
 def build(loop: ExactLoop = IDEAL_HIGH, v_s: float = V_S, sharpness: float = SHARPNESS) -> ct.InterconnectedSystem:
     """The closed loop from SP to (PV, OP, MV), of four blocks; states in the order of the block list."""
-    F_c, excess = loop.F_c, loop.F_s - loop.F_c
-    q = np.geomspace(1e-3, 1.0, 100_000) / math.sqrt(sharpness)
-    peak = float(((F_c + excess * np.exp(-q * q)) * np.tanh(sharpness * q)).max())
-    lift = loop.F_s / peak - 1.0
+    force = friction(loop.F_s, loop.F_c, v_s, sharpness)
 
     def stem(t: float, w: np.ndarray, u: np.ndarray, params: dict) -> tuple[float, float]:
         x, v = w
-        q = v / v_s
-        if abs(q) > 25.0:  # exp(-q^2) < 1e-271
-            friction = math.copysign(F_c, q)
-        else:
-            near = math.exp(-q * q)
-            friction = (F_c + excess * near) * math.tanh(sharpness * q) * (1.0 + lift * near)
-        return v, (loop.k * (u[0] - x) - friction - loop.F_v * v) / loop.M
+        return v, (loop.k * (u[0] - x) - force(v) - loop.F_v * v) / loop.M
 
     return ct.interconnect(
         [

@@ -32,12 +32,13 @@ KINDS: dict[str, tuple[str, ...]] = {  # in the order of oracle.c, with the para
     "MinSelect": (), "MaxSelect": (), "DeadZone": ("low", "high"), "Lookup1D": (), "Quantiser": ("step",),
     "Switch": ("switch_on", "switch_off"), "Relay": ("switch_on", "switch_off", "high", "low"),
     "RateLimiter": ("up", "down"), "ResetIntegrator": ("rate", "threshold", "to"), "ZeroOrderHold": (),
-    "SampledFilter": ("tau",), "VariableDelay": ("longest",),
+    "SampledFilter": ("tau",), "VariableDelay": ("longest",), "Biquad": ("b_0", "b_1", "b_2", "a_1", "a_2"),
+    "Equations": ("mean", "amplitude", "omega", "bump", "centre", "width"),
 }  # fmt: skip
 FEEDS = {
     "Sum", "Gain", "Saturation", "PI", "PID", "QuasiStaticStem", "Deadband", "SampledPI", "SampledSensor", "KanoValve",
     "MinSelect", "MaxSelect", "DeadZone", "Lookup1D", "Quantiser", "Switch", "RateLimiter", "ZeroOrderHold",
-    "SampledFilter", "VariableDelay",
+    "SampledFilter", "VariableDelay", "Biquad",
 }  # fmt: skip
 ANTI_WINDUP = {"none": 0, "back_calculation": 1, "conditional": 2}
 
@@ -58,6 +59,8 @@ def covers(diagram: Diagram) -> str:
             return "PI with conditional integration"
         if kind not in KINDS and kind != "Deadband":
             return kind
+        if kind == "Equations" and tuple(block.params) != KINDS[kind]:
+            return "Equations other than those drawn"
     return ""
 
 
@@ -95,8 +98,8 @@ def solve(
 def _line(block: Block, number: dict[str, int]) -> str:
     kind, params = type(block).__name__, dict(block.params)
     values = [params[name] for name in KINDS.get(kind, ())]
-    place = 0.0
     memory = dict(zip(block.memory_names, block.d0.tolist(), strict=True))
+    place, other = 0.0, memory.get("w", 0.0)
     if kind == "Deadband":
         kind, values = "QuasiStaticStem", [params["width"], 0.0, params["low"], params["high"]]
     elif kind == "Sum":
@@ -112,10 +115,15 @@ def _line(block: Block, number: dict[str, int]) -> str:
         values.append(memory["u_0"])
     elif kind == "SampledFilter":
         place = memory["y"]
-    elif kind in ("RateLimiter", "Relay"):
+    elif kind == "Biquad":  # the input at which it starts settled
+        b, a = sum(values[:3]), sum(values[3:])
+        place = float(block.y0[0]) * (1.0 + a) / b
+    elif kind in ("RateLimiter", "Relay", "Switch", "ResetIntegrator"):
         place = memory["mode"]
     if kind in ("QuasiStaticStem", "SampledSensor"):
         place = memory["x"]
+    if kind == "QuasiStaticStem":
+        other = memory["mode"]
     theta = float(params.get("theta", 0.0))
     feeds = kind in FEEDS or (kind == "Sensor" and params["tau"] == 0.0) or (kind == "DeadTime" and theta == 0.0)
     random = [int(memory.get(f"s{i}", 1.0)) for i in range(6)]
@@ -131,7 +139,7 @@ def _line(block: Block, number: dict[str, int]) -> str:
             params.get("offset", 0.0),
             int(feeds),
         ],
-        [place, memory.get("w", 0.0), float(block.y0[0]), *random, _fastest(kind, params)],
+        [place, other, float(block.y0[0]), *random, _fastest(kind, params)],
     ]
     return " ".join(_row(part) for part in parts)
 
@@ -144,6 +152,8 @@ def _fastest(kind: str, p: dict[str, float]) -> float:
         return float(1.0 / (p["omega"] * max(1.0, 2.0 * p["zeta"])))
     if kind == "StickSlip":
         return float(min(p["M"] / p["F_v"], (p["M"] / p["k"]) ** 0.5))
+    if kind == "Equations":
+        return min(0.6 / p["omega"], 0.5 * p["width"])
     if kind == "PID":
         return float(min(p["T_d"] / p["N"], p["T_i"]))
     return float({"PI": p.get("T_i", 0.0), "Sine": 0.1 * p.get("period", 0.0)}.get(kind, 0.0))

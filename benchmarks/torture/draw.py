@@ -6,6 +6,7 @@ are nested at random.  Each process has states, so there are no algebraic loops.
 the log lies off every scan.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ ROWS = 150
 SLOW = 8  # every so many diagrams may have a PI with conditional integration, which only diagram.reference knows
 SCANS = (0.1, 0.25, 0.3, 0.5, 0.7, 1.0, 2.0)
 ODD = (0.1701, 0.3703, 0.9707)  # scans that meet no others, nor a step, but at the start
+ANY = (*SCANS, *ODD)
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def _sources(rng: np.random.Generator, duration: float) -> list[Block]:
     made: list[Block] = [blocks.Step("s0", after=float(rng.uniform(0.2, 0.8)), before=0.1, at=_instant(rng))]
     for k in range(1, int(rng.integers(2, 5))):
         signal, size = f"s{k}", float(rng.uniform(0.05, 0.3))
-        kind = int(rng.integers(0, 6))
+        kind = int(rng.integers(0, 7))
         if kind <= 1:
             colour = float(rng.choice([0.0, 2.0]))
             made.append(Noise(signal, sd=0.3 * size, dt=float(rng.choice(SCANS)), mean=size, correlation_time=colour))
@@ -88,9 +90,25 @@ def _sources(rng: np.random.Generator, duration: float) -> list[Block]:
         elif kind == 4:
             start = _instant(rng)
             made.append(Ramp(signal, slope=size / duration, start=start, end=start + float(rng.uniform(1.0, 10.0))))
+        elif kind == 5:
+            made.append(_function(rng, signal, size, duration))
         else:
             made.append(blocks.Constant(signal, size))
     return made
+
+
+def _swing(t: float, mean: float, amplitude: float, omega: float, bump: float, centre: float, width: float) -> float:
+    return mean + amplitude * math.sin(omega * t) + bump * math.exp(-(((t - centre) / width) ** 2))
+
+
+def _function(rng: np.random.Generator, signal: str, size: float, duration: float) -> Block:
+    """Return a user's function of time: a sine and one bump, which nothing announces to the engine."""
+    values = {
+        "mean": size, "amplitude": 0.5 * size, "omega": float(rng.uniform(0.2, 2.0)),
+        "bump": float(rng.uniform(0.1, 0.5)),
+        "centre": float(rng.uniform(0.0, duration)), "width": duration * float(rng.uniform(0.02, 0.1)),
+    }  # fmt: skip
+    return blocks.Equations(signal, out=_swing, outputs=signal, params=values)
 
 
 def _instant(rng: np.random.Generator) -> float:
@@ -154,10 +172,13 @@ def _switching(rng: np.random.Generator, signal: str, read: list[str]) -> list[B
     here = signal
     for k in range(int(rng.integers(1, 3))):
         others = [s for s in dict.fromkeys([signal, *read]) if s != here]
-        made.append(_switch(rng, f"mode{k}", here, [str(s) for s in rng.permutation(others)]))
+        made.append(_in_some_mode(rng, _switch(rng, f"mode{k}", here, [str(s) for s in rng.permutation(others)])))
         here = f"mode{k}"
-    dt, start, level = float(rng.choice(ODD)), float(rng.uniform(-0.5, 1.0)), float(rng.uniform(0.0, 0.6))
-    kind = int(rng.integers(0, 6))
+    dt, start, level = float(rng.choice(ANY)), float(rng.uniform(-0.5, 1.0)), float(rng.uniform(0.0, 0.6))
+    kind = int(rng.integers(0, 7))
+    if kind == 6:
+        edge = float(rng.uniform(0.1, 0.9)) * math.pi / dt
+        return [*made, blocks.Biquad.low_pass("taken", here, edge, dt, start=start, zeta=float(rng.uniform(0.3, 1.0)))]
     if kind == 0:
         return [*made, blocks.ZeroOrderHold("taken", here, dt, start=start)]
     if kind == 1:
@@ -173,6 +194,12 @@ def _switching(rng: np.random.Generator, signal: str, read: list[str]) -> list[B
     first = None if rng.random() < 0.7 else start
     limited = blocks.RateLimiter("slow", here, float(rng.uniform(0.02, 0.3)), start=first)
     return [*made, limited, blocks.ZeroOrderHold("taken", "slow", dt)]
+
+
+def _in_some_mode(rng: np.random.Generator, block: Block) -> Block:
+    """Return the block, or a copy that starts in another of its modes, which its input may not call for."""
+    others = [mode for mode in block.modes if mode not in ("ideal", block.mode)]
+    return block.in_mode(str(rng.choice(others))) if others and rng.random() < 0.3 else block
 
 
 def _switch(rng: np.random.Generator, name: str, signal: str, others: list[str]) -> Block:
@@ -207,9 +234,9 @@ def _valve(rng: np.random.Generator, signal: str) -> Block:
         friction = mass * float(rng.uniform(30.0, 450.0))
         return blocks.StickSlip.from_bands(S, J, M=mass, F_v=friction, v_stop=v_stop, **common)
     if kind == 3:
-        return blocks.QuasiStaticStem(S, J, **common)
+        return _in_some_mode(rng, blocks.QuasiStaticStem(S, J, **common))
     if kind == 4:
-        return blocks.Deadband(S, **common)
+        return _in_some_mode(rng, blocks.Deadband(S, **common))
     return blocks.KanoValve(S, J, float(rng.choice(SCANS)), **common)
 
 

@@ -13,7 +13,7 @@
 
 enum { CONSTANT, STEP, RAMP, SINE, SQUARE, SUM, GAIN, LIMIT, FIRST, SECOND, INTEGRATOR, DEADTIME, PI_, PID_, SENSOR,
        STEM, MASSLESS, SAMPLED_PI, NOISE, SAMPLED_SENSOR, KANO, LOWEST, HIGHEST, ZONE, LOOKUP, QUANTISER, SWITCH, RELAY,
-       RATES, RESET, HOLD, FILTER, VARIABLE };
+       RATES, RESET, HOLD, FILTER, VARIABLE, BIQUAD, FUNCTION };
 #define MAXP 24
 #define SAME 1e-9 /* instants closer than this are one [s] */
 #define MOST_STEPS 60000000L
@@ -26,6 +26,7 @@ typedef struct {
                                        1 on; limited rate: 0 follows, +-1; quantiser: whence it came, and multiple */
     double u_s, last;               /* Kano: where OP stood when it stuck, and at the last sample */
     double memory, w;               /* sampled PI: z; sensor: lag; noise: coloured value */
+    double past[4];                 /* biquad: its last two inputs and outputs */
     long long r[6];                 /* MRG32k3a */
     double *hist; long n_hist, room; /* records start, end, three values */
 } Block;
@@ -101,6 +102,9 @@ static void signals(double t, const double *x) {
         if (b->sampled) continue;
         switch (b->kind) {
         case CONSTANT: y = p[0]; break;
+        case FUNCTION: /* mean amplitude omega bump centre width */
+            y = p[0] + p[1] * sin(p[2] * t) + p[3] * exp(-(t - p[4]) * (t - p[4]) / (p[5] * p[5]));
+            break;
         case STEP: y = t < p[2] ? p[0] : p[1]; break;
         case RAMP: y = p[0] + p[1] * (clip(t, p[2], p[3]) - p[2]); break;
         case SINE: y = t >= p[4] ? p[0] + p[1] * sin(2 * M_PI * (t - p[4]) / p[2] + p[3]) : p[0]; break;
@@ -217,7 +221,8 @@ static int wish(const Block *b, double t, const double *x, int reversals) {
         if (b->mode == 0)
             return fabs(pull) > 0.5 * (p[0] + p[1]) + 1e-12 && (pull > 0 ? b->place < p[3] : b->place > p[2]) ? 1 : 0;
         double stem = u - b->mode * 0.5 * (p[0] - p[1]);
-        if (b->mode > 0 ? stem > p[3] : stem < p[2]) return 3;
+        double high = stem - p[3], low = p[2] - stem; /* beyond the stop behind it a stem can only have been started */
+        if (b->mode > 0 ? high > 0 || low > 1e-9 : low > 0 || high > 1e-9) return 3;
         if (reversals && b->mode * u_rate(b, t, x) < -1e-9) return 2;
     }
     if (b->kind == SWITCH || b->kind == RELAY) return b->mode ? u < p[1] : u > p[0];
@@ -331,6 +336,12 @@ static void sample(Block *b, double t) {
         s[b->out] = b->memory;
         return;
     }
+    if (b->kind == BIQUAD) { /* b_0 b_1 b_2 a_1 a_2 */
+        double u = s[b->in[0]], *h = b->past, y = p[0] * u + p[1] * h[0] + p[2] * h[1] - p[3] * h[2] - p[4] * h[3];
+        h[1] = h[0]; h[0] = u; h[3] = h[2]; h[2] = y;
+        s[b->out] = y;
+        return;
+    }
     if (b->kind == VARIABLE) { /* longest, value before the start; lines between the samples */
         if (b->n_hist == b->room) b->hist = realloc(b->hist, (b->room = 2 * b->room + 1024) * sizeof(double));
         b->hist[b->n_hist++] = s[b->in[0]];
@@ -392,45 +403,53 @@ static double source_break(const Block *b, double t) {
     return INFINITY;
 }
 
-static int settle(double t) { /* samples, then transitions, until nothing happens any more */
+static void feel_jump(Block *b) { /* its input has jumped from old_u to what it is now */
+    double now = s[b->in[0]], jump = now - b->old_u;
+    if (fabs(jump) > 1e-11 * (1 + fabs(b->old_u))) {
+        if (b->kind == MASSLESS && b->mode * jump < 0) { /* back: the stem stops where it was */
+            b->place = clip(b->old_u - b->mode * 0.5 * (b->p[0] - b->p[1]), b->p[2], b->p[3]);
+            b->mode = 0;
+        }
+        if (b->kind == RATES && b->mode == 0) { /* a limited rate is left behind */
+            X[b->x] = b->old_u;
+            b->mode = jump > 0 ? 1 : -1;
+        }
+    }
+}
+
+static int decides_now(const Block *b) { return b->feeds || b->sampled || b->kind == RELAY || b->kind == RESET; }
+
+static int settle(double t, int first) { /* a block acts once all have that decide now what it reads: it feels a jump of
+       its input (but at the first instant, before which there was nothing), finds its mode, takes its sample */
+    int driver[400], done[400] = {0}, left = NB;
     t_left = INFINITY;
-    for (int k = 0; k < NB; k++) {
-        Block *b = &B[order[k]];
-        if (b->sampled && b->offset + b->taken * b->dt <= t + SAME) {
-            signals(t, X);
-            sample(b, t);
-            b->taken++;
-            note(t, 0); /* a breakpoint less than SAME before the scan may have brought us here */
-        }
-    }
-    for (int chain = 0; chain < 200; chain++) {
-        signals(t, X);
-        for (int k = 0; k < NB; k++) { /* an input that jumps back stops a massless stem where it was */
+    for (int k = 0; k < NB; k++) driver[B[k].out] = k;
+    signals(t, X);
+    while (left) {
+        int before = left;
+        for (int k = 0; k < NB; k++) {
             Block *b = &B[k];
-            if (b->kind != MASSLESS) continue;
-            double jump = s[b->in[0]] - b->old_u;
-            if (b->mode != 0 && b->mode * jump < -1e-11 * (1 + fabs(b->old_u))) {
-                b->place = clip(b->old_u - b->mode * 0.5 * (b->p[0] - b->p[1]), b->p[2], b->p[3]);
-                b->mode = 0;
+            int ready = !done[k], chain = 0, what = 1;
+            for (int i = 0; i < b->nu; i++) ready &= done[driver[b->in[i]]] || !decides_now(&B[driver[b->in[i]]]);
+            if (!ready) continue;
+            if (!first && b->nu) { feel_jump(b); signals(t, X); }
+            for (; what && chain < 50; chain++)
+                if ((what = wish(b, t, X, 0))) { act(b, what, t, X); signals(t, X); }
+            if (what) return 0;
+            if (b->sampled && b->offset + b->taken * b->dt <= t + SAME) {
+                sample(b, t);
+                signals(t, X);
+                b->taken++;
+                note(t, 0); /* a breakpoint less than SAME before the scan may have brought us here */
             }
+            done[k] = 1;
+            left--;
         }
-        for (int k = 0; k < NB; k++) { /* and one that jumps leaves a limited rate behind */
-            Block *b = &B[k];
-            double jump = b->kind == RATES ? s[b->in[0]] - b->old_u : 0;
-            if (b->mode == 0 && fabs(jump) > 1e-11 * (1 + fabs(b->old_u))) {
-                X[b->x] = b->old_u;
-                b->mode = jump > 0 ? 1 : -1;
-            }
-        }
-        signals(t, X);
-        for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
-        if (!transitions(t, X, 0)) {
-            signals(t, X);
-            for (int k = 0; k < NB; k++) B[k].region = region_of(&B[k], t, X);
-            return 1;
-        }
+        if (left == before) return 0; /* a ring: not for this program */
     }
-    return 0;
+    for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
+    for (int k = 0; k < NB; k++) B[k].region = region_of(&B[k], t, X);
+    return 1;
 }
 
 static int read_diagram(void) {
@@ -447,7 +466,10 @@ static int read_diagram(void) {
         ok &= scanf("%lf %lf %d %lf %lf %d", &b->theta, &b->before, &b->sampled, &b->dt, &b->offset, &b->feeds) == 6;
         ok &= scanf("%lf %lf %lf", &b->place, &b->w, &s[b->out]) == 3;
         b->memory = b->u_s = b->last = b->place;
-        if (b->kind == RATES || b->kind == RELAY) b->mode = b->place;
+        if (b->kind == RATES || b->kind == RELAY || b->kind == SWITCH || b->kind == RESET) b->mode = b->place;
+        if (b->kind == MASSLESS) b->mode = b->w;
+        b->past[0] = b->past[1] = b->place;
+        b->past[2] = b->past[3] = s[b->out];
         for (int i = 0; i < 6; i++) ok &= scanf("%lld", &b->r[i]) == 1;
         ok &= scanf("%lf", &b->fast) == 1;
         if (!ok) return 0;
@@ -462,34 +484,6 @@ static int read_diagram(void) {
             if (ready) { done[k] = 1; order[n++] = k; }
         }
         if (n == before) return 0;
-    }
-    return 1;
-}
-
-static int begin(void) { /* a block starts once all have that decide now what it reads: its mode, then its first sample */
-    int driver[400], done[400] = {0}, left = NB;
-    for (int k = 0; k < NB; k++) driver[B[k].out] = k;
-    while (left) {
-        int before = left;
-        for (int k = 0; k < NB; k++) {
-            Block *b = &B[k];
-            int ready = !done[k], chain = 0, what = 1;
-            for (int i = 0; i < b->nu; i++) {
-                const Block *from = &B[driver[b->in[i]]];
-                int decides = from->feeds || from->sampled || from->kind == RELAY || from->kind == RESET;
-                ready &= done[driver[b->in[i]]] || !decides;
-            }
-            if (!ready) continue;
-            for (; what && chain < 50; chain++) {
-                signals(0, X);
-                if ((what = wish(b, 0, X, 0))) act(b, what, 0, X);
-            }
-            if (what) return 0;
-            if (b->sampled && b->offset <= SAME) { sample(b, 0); b->taken = 1; }
-            done[k] = 1;
-            left--;
-        }
-        if (left == before) return 0; /* a ring: not for this program */
     }
     return 1;
 }
@@ -521,13 +515,9 @@ int main(void) {
     double *grid = malloc(rows * sizeof *grid);
     for (long i = 0; i < rows; i++) if (scanf("%lf", &grid[i]) != 1) return 2;
     if (!read_diagram()) return 2;
-    t_left = INFINITY;
-    if (!begin()) { puts("failed"); return 1; }
-    signals(0, X);
-    for (int k = 0; k < NB; k++) B[k].old_u = B[k].nu ? s[B[k].in[0]] : 0;
     note(0, 0);
-    for (;;) {
-        if (!settle(t)) { puts("failed"); return 1; }
+    for (int first = 1;; first = 0) {
+        if (!settle(t, first)) { puts("failed"); return 1; }
         while (row < rows && grid[row] <= t) {
             for (int i = 0; i < NS; i++) printf("%.17g ", s[i]);
             puts(""); row++;

@@ -7,7 +7,7 @@
 The block takes a sample every ``dt`` seconds, first at t = 0, and asks the method for a verdict every
 ``verdict_every`` samples, because a verdict costs far more than a sample.  Its answer follows its inputs at once,
 so a loop that is closed over it needs a lag.  Under python-control it takes its samples at the solver's own steps
-(``blocks.hosted_view``), and its index is 0 while there is none.
+(``blocks.seen_samples``), and its index is 0 while there is none.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks import Block, Kernels, Labels, Port
-from blocks.hosted_view import HostedView
 from blocks.ports import BlockError, require
 from blocks.role import Role
 from detect.stream import LoopFacts, Sample
@@ -137,11 +136,3 @@ class DetectorBlock(Block):
     def check(params: Any, name: str) -> None:
         """Refuse a sampling period that is not positive."""
         require(params["dt"] > 0.0, name, "dt", params["dt"], "a sampling period must be positive", "give seconds")
-
-    def smooth(self) -> Block:
-        """Return the detector sampling at python-control's own steps; its index is 0 where it has none."""
-        return HostedView(self, feeds=True)
-
-    def seen_states(self) -> tuple[str, ...]:
-        """Python-control sees no states."""
-        return ()

@@ -7,7 +7,7 @@
 Every ``dt`` seconds one sample is taken.  Noise and liveliness are estimated from the last ``window`` samples,
 once the window is full and again each time it has been renewed; a window that is half bad or at rest changes
 nothing.  Until the first estimate, and always if ``window`` is 0, the filter uses ``noise_std`` and ``q`` as
-given.  Under python-control it takes its samples at the solver's own steps (``blocks.hosted_view``); linearised, at
+given.  Under python-control it takes its samples at the solver's own steps (``blocks.seen_samples``); linearised, at
 its first sample, it is a wire.
 """
 
@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks import Block, Kernels, Labels, Port
-from blocks.hosted_view import HostedView
 from blocks.ports import require
 from blocks.role import Role
 from detect.prepare import prefilter
@@ -104,11 +103,3 @@ class PrefilterBlock(Block):
     def check(params: Any, name: str) -> None:
         """Refuse a sampling period that is not positive."""
         require(params["dt"] > 0.0, name, "dt", params["dt"], "a sampling period must be positive", "give seconds")
-
-    def smooth(self) -> Block:
-        """Return the filter sampling at python-control's own steps; at its first sample it is a wire."""
-        return HostedView(self, feeds=True)
-
-    def seen_states(self) -> tuple[str, ...]:
-        """Python-control sees no states."""
-        return ()

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from detect.verdict import Verdict
+from logs.trend import rests
+
+if TYPE_CHECKING:
+    from logs import LoopRecord
 
 __all__ = ["StemTrend", "stem_trend"]
 
@@ -49,8 +54,10 @@ class StemTrend:
         return float(np.sum(np.diff(self.sticks, axis=1))) / span if span > 0.0 else 0.0
 
 
-def stem_trend(verdicts: Sequence[Verdict]) -> StemTrend | str:
+def stem_trend(verdicts: Sequence[Verdict], record: LoopRecord | None = None) -> StemTrend | str:
     """The stem that the methods saw or fitted, the logged one first; a sentence that says why where there is none.
+
+    A stem that ``record`` has logged is taken as it is, whether a method could judge it or not.
 
     >>> from detect.methods import play_fit
     >>> from logs import LoopRecord
@@ -65,6 +72,9 @@ def stem_trend(verdicts: Sequence[Verdict]) -> StemTrend | str:
         n = min(len(t), len(op), len(mv))
         stands = np.c_[seen.array("first"), seen.array("last")] if len(seen.array("first")) else np.empty((0, 2))
         return StemTrend(t[:n], op[:n], mv[:n], _moving(t[:n], op[:n], stands), True, float("nan"))
+    if record is not None and record.mv_name is not None and np.isfinite(record.log[record.mv_name][record.good]).any():
+        t, op, mv = (values[record.good] for values in (record.t, record.op, record.log[record.mv_name]))
+        return StemTrend(t, op, mv, _moving(t, op, _stands(t, mv, float(np.ptp(mv)))), True, float("nan"))
     if fitted is None:
         return "No stem can be reconstructed: the method play_fit was not asked."
     if not len(fitted.array("x")):
@@ -76,16 +86,21 @@ def stem_trend(verdicts: Sequence[Verdict]) -> StemTrend | str:
             f"times as large without play, {BETTER:g} needed)."
         )
     t, op, mv = (fitted.array(name) for name in ("t", "u", "x"))
-    travel = float(np.ptp(op))
+    return StemTrend(t, op, mv, _moving(t, op, _stands(t, mv, float(np.ptp(op)))), False, better)
+
+
+def _stands(t: Values, mv: Values, travel: float) -> Values:
+    """From where to where (k, 2) [s] a stem stands: it moves by next to nothing of the ``travel`` from row to row."""
     still = np.concatenate([[False], np.abs(np.diff(mv)) <= STILL * travel, [False]])
     edges = np.flatnonzero(np.diff(still.astype(np.int8))).reshape(-1, 2)
     long = [(first, last) for first, last in edges.tolist() if last - first >= FEWEST]
-    stands = np.array([(t[first], t[last]) for first, last in long]).reshape(-1, 2)
-    return StemTrend(t, op, mv, _moving(t, op, stands), False, better)
+    return np.array([(t[first], t[last]) for first, last in long]).reshape(-1, 2)
 
 
 def _moving(t: Values, op: Values, stands: Values) -> Values:
-    """Those of the stretches (k, 2) [s] in which OP moves."""
+    """Those of the stretches (k, 2) [s] in which OP moves; none where it rests, whatever its rounding does."""
+    if rests(op):
+        return np.empty((0, 2))
     least = MOVED * float(np.ptp(op))
     kept = []
     for a, b in stands.tolist():

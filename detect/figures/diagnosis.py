@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from detect.evidence.set_point import set_point_words
 from detect.figures.loop_trend import draw_trends, named
 from detect.figures.verdict import draw_evidence
 from detect.words import WORDS
-from logs.style import COLOURS, tidy
+from logs.style import COLOURS
+from logs.trend import finish_plane
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
@@ -43,7 +46,6 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     draw_trends(record, top, below)
     good = record.good
     pv, op = np.where(good, record.pv, np.nan), np.where(good, record.op, np.nan)
-    tidy(curve)
     if len(op) > POINTS:
         op, pv = op[-POINTS:], pv[-POINTS:]
     curve.plot(op, pv, color=COLOURS["PV"], lw=0.6, alpha=0.7)
@@ -51,6 +53,7 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     curve.set_ylabel(named(record, record.pv_name, "PV"))
     last = f" (last {POINTS:,} samples)" if len(record) > POINTS else ""
     curve.set_title(f"PV against OP{last}", fontsize=9, loc="left")
+    finish_plane(curve, [op], [pv])
     if words:
         trend.suptitle(_in_words(answer), fontsize=8.5, x=0.01, ha="left")
     if shown is not None:
@@ -61,4 +64,5 @@ def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
 def _in_words(answer: Diagnosis) -> str:
     """The reason, and below it what decided, each on its own line."""
     numbered = [f"{number}. {why}" for number, why in enumerate(answer.because, 1)]
-    return "\n".join(row for line in (answer.reason, *numbered) for row in textwrap.wrap(line, 150))
+    moved = set_point_words(answer.record, answer.period or math.nan)
+    return "\n".join(row for line in (answer.reason, *numbered, moved) for row in textwrap.wrap(line, 150))

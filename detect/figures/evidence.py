@@ -13,6 +13,7 @@ from detect.figures.verdict import legend
 from detect.words import WORDS
 from logs.style import COLOURS, FIT, PALE, SOFT, tidy
 from logs.time_axis import TimeAxis, time_unit
+from logs.trend import finish_plane, rests
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +29,8 @@ __all__ = ["plot_correlation", "plot_over_time", "plot_pv_op", "plot_spectrum", 
 SMALL = (4.7, 3.5)  # inch: two beside each other on a page, one on a phone
 POINTS = 1500  # of the whole record behind the cycles: a page holds each of them
 CELLS = 120  # across a picture: two samples in one cell look like one
+MOST = (0.005, 0.995)  # of the record's values, between which the axes span
+ROOM = 0.07  # beyond, on both sides
 HARMONICS = 6.5  # of the fundamental: as far as the spectrum is drawn
 
 
@@ -44,15 +47,26 @@ def plot_pv_op(record: LoopRecord, period: float, stem: StemTrend | None) -> Fig
     t0, t1 = shown_cycles(record, period, stem)
     good = record.good
     kept = _seen(record.op[good], record.pv[good])
-    ax.plot(record.op[good][kept], record.pv[good][kept], ".", color=PALE, ms=1.6, alpha=0.35, label="whole record")
+    ax.plot(record.op[good][kept], record.pv[good][kept], ".", color=PALE, ms=1.6, alpha=0.35)
+    ax.plot([], [], ".", color=PALE, ms=6.0, label="whole record")  # seen in the legend, too
     inside = (record.t >= t0) & (record.t <= t1)
     x, y = (np.where(good, values, np.nan)[inside] for values in (record.op, record.pv))
     ax.plot(x, y, color=COLOURS["PV"], lw=0.9, label="the cycles shown")
     ax.set_xlabel(named(record, record.op_name, "OP"))
     ax.set_ylabel(named(record, record.pv_name, "PV"))
     legend(ax)
-    tidy(ax)
+    finish_plane(ax, [record.op[good]], [record.pv[good]])
+    for values, cycles, limits in ((record.op[good], x, ax.set_xlim), (record.pv[good], y, ax.set_ylim)):
+        if not rests(values):
+            limits(*_widest(values, cycles))
     return figure
+
+
+def _widest(values: Values, cycles: Values) -> tuple[float, float]:
+    """Return limits that hold the cycles and nearly all of the record: a start-up would squeeze both."""
+    ends = [*np.quantile(values, MOST).tolist(), *cycles[np.isfinite(cycles)].tolist()]
+    room = ROOM * (max(ends) - min(ends))
+    return min(ends) - room, max(ends) + room
 
 
 def _seen(x: Values, y: Values) -> npt.NDArray[np.int64]:
@@ -75,7 +89,7 @@ def plot_stem_op(record: LoopRecord, period: float, stem: StemTrend) -> Figure:
     ax.set_xlabel(named(record, record.op_name, "OP"))
     ax.set_ylabel("MV" if stem.logged else named(record, record.op_name, "stem").replace("stem", "estimated MV"))
     legend(ax)
-    tidy(ax)
+    finish_plane(ax, [stem.op[inside]], [stem.mv[inside]])
     return figure
 
 
@@ -142,28 +156,35 @@ def plot_correlation(found: Correlation) -> Figure:
 
 
 def plot_over_time(found: OverTime) -> Figure:
-    """Probability of stiction and S with their 90 % intervals, window by window."""
+    """Probability of stiction and S with their 90 % intervals, window by window; a panel only for what is known.
+
+    A stem that is logged answers without a probability.
+    """
     from logs.picture import Picture
 
-    sized = any(w.S is not None for w in found.windows)
-    figure = Picture(figsize=(9.6, 3.6 if sized else 2.0), layout="constrained")
-    panels = figure.subplots(2 if sized else 1, 1, sharex=True, squeeze=False)[:, 0]
+    drawers = [_chances] * any(w.probability is not None for w in found.windows)
+    drawers += [_sizes] * any(w.S is not None for w in found.windows)
+    figure = Picture(figsize=(9.6, 0.4 + 1.6 * max(len(drawers), 1)), layout="constrained")
+    panels = figure.subplots(max(len(drawers), 1), 1, sharex=True, squeeze=False)[:, 0]
     axis = TimeAxis(found.record.log)
-    for w in found.windows:
-        if w.probability is not None:
-            ends = axis.at(np.array([w.start, w.end]))
-            colour = WORDS[w.verdict].colour
-            panels[0].plot(ends, [w.probability] * 2, color=colour, lw=3.0, solid_capstyle="butt")
-    panels[0].set_ylim(-0.03, 1.03)
-    panels[0].set_yticks([0.0, 0.5, 1.0], ["0", "50 %", "100 %"])
-    panels[0].set_ylabel("probability\nof stiction")
-    if sized:
-        _sizes(panels[1], axis, found)
-        panels[0].tick_params(labelbottom=False)
+    for ax, draw in zip(panels, drawers, strict=False):
+        draw(ax, axis, found)
+        ax.tick_params(labelbottom=ax is panels[-1])
     for ax in panels:
         tidy(ax)
     axis.finish(panels[-1], float(found.record.t[0]), float(found.record.t[-1]))
     return figure
+
+
+def _chances(ax: Axes, axis: TimeAxis, found: OverTime) -> None:
+    """The probability of every window."""
+    for w in found.windows:
+        if w.probability is not None:
+            ends = axis.at(np.array([w.start, w.end]))
+            ax.plot(ends, [w.probability] * 2, color=WORDS[w.verdict].colour, lw=3.0, solid_capstyle="butt")
+    ax.set_ylim(-0.05, 1.05)
+    ax.set_yticks([0.0, 0.5, 1.0], ["0", "50 %", "100 %"])
+    ax.set_ylabel("probability\nof stiction")
 
 
 def _sizes(ax: Axes, axis: TimeAxis, found: OverTime) -> None:
@@ -180,4 +201,4 @@ def _sizes(ax: Axes, axis: TimeAxis, found: OverTime) -> None:
         )  # fmt: skip
     unit = next(w.S.unit for w in found.windows if w.S is not None)
     ax.set_ylabel(f"S [{unit}]")
-    ax.set_ylim(bottom=0.0)
+    ax.set_ylim(0.0, 1.15 * max(w.S.high for w in found.windows if w.S is not None))

@@ -23,6 +23,7 @@ ADVICE: Mapping[Word | Code, str] = {
     "frozen_pv": "Check the transmitter and the historian tag.",
     "pv_unresponsive": "Check the block valves, the flow and the transmitter.",
     "not_in_charge": "Log the controller's own output and set point, in automatic.",
+    "no_valve": "Judge the loop that has the valve: the one whose set point this controller gives.",
     "stale_data": "To settle it: log PV and OP at the controller's scan, without exception or caching.",
     "undersampled": "To settle it: log raw values, uncompressed, at 20 samples per period or more.",
     "compressed": "To settle it: log raw values, uncompressed, at 20 samples per period or more.",

@@ -41,7 +41,7 @@ CLEARED = 0.5  # of OP's travel: a larger detection limit clears nothing
 FOLLOWS = 0.5  # share of PV's variance that OP through a lag must tell, to clear
 UNLIKE = 0.03  # share of features beyond all simulated ones from which on the model is not asked
 # Facts of the data behind which nothing can be judged, where they forbid it.
-REFUSED = ("manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
+REFUSED = ("no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
 SAMPLES = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which no simulation that is learnt from shows.  From
 # this probability on 2 % of such loops are called (training law, 63000 to 63002; ``benchmarks.detect --only levels``).

@@ -16,7 +16,7 @@ PV-OP curve of the most regular cycles and takes its chord along OP at the centr
     apparent stiction = 2 m n / sqrt(m^2 sin^2 a + n^2 cos^2 a)         (semi-axes m, n; angle a of m to the OP axis)
 
 or, where the curve is no ellipse, the distance of two clusters of OP in a strip about mean PV. It is apparent, because
-controller and process widen the curve too; above 0.5 % of OP and three times the noise it counts as stiction.
+controller and process change the width too; above 0.5 % of OP and three times the noise it counts as stiction.
 
 Source: Choudhury, Shah and Thornhill 2004, Automatica 40:1719 (indices); Choudhury, Thornhill and Shah 2005 and
 Choudhury et al. 2006, Control Eng. Practice 13:641, 14:1395 (ellipse, clusters). Segments, limits and eps are taken

@@ -10,8 +10,8 @@ Source: Kano, Maruta, Kugemoto, Shimizu 2004, DYCOPS, whose three limits belong 
 the period, y is averaged over k, eps is three sigma of the noise in that difference but at least 1 % of the range of y,
 eps_u a quarter of OP's travel between two turns, eps_y twice eps but at most 15 % of the range of y; stiction where
 rho >= 0.3, in four intervals or more and with as many turns of OP, because a load ramp looks the same.  A small rho
-clears nothing: noise breaks the intervals up as well as a healthy valve does.  The travel is S where y is the stem; a
-lag of PV eats the beginning of each stand, and the travel comes out low.
+clears nothing: noise breaks the intervals up as well as a healthy valve does.  Averaging takes
+some 10 % of S off the travel where y is the stem; a lag of PV eats the beginning of each stand, and half may be lost.
 
 Not for slow processes without MV, long dead time, or PV on a coarse grid.  Cost: about 5 ms for 7,200 samples.
 """
@@ -55,7 +55,7 @@ CARD = Card(
     streams="pooled",
     stream_bound=0.1,
     pros=("simple", "no oscillation needed", "gives the travel"),
-    cons=("limits belong to each loop", "noise hides it", "slow processes without MV"),
+    cons=("limits belong to each loop", "the travel is less than S", "noise hides it", "slow processes without MV"),
     experimental=True,
     needs=("unsaturated", "fine_pv", "raw_pv"),
 )

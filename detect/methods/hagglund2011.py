@@ -12,6 +12,8 @@ process, a half wave that stands still long enough (T >= 5 T_i, peak below 2 IAE
 
     d = K (T / T_i - 1 / (K K_p)) IAE / T        [unit of OP]
 
+It is made for a backlash, and then S.  Of a valve that slips by J, e stands at K_p J / 2, and d is S - J / 2 at most.
+
 Source: Hagglund 2011, Control Eng. Practice 19:782; 2007, J. Process Control 17:489; the formulas as a public
 implementation has them, with sums over the half wave instead of its last sample.  Limit 0 in the paper; ours: 0.1 with
 an interval above 0, a crossing that counts beyond 0.3 of the mean |e|, ten half waves, regular in length.
@@ -62,7 +64,7 @@ CARD = Card(
     process=("self_regulating",),
     streams="exact",
     pros=("runs in the controller", "no period needed", "a few kB of memory"),
-    cons=("misses slow processes", "noise draws it to 0", "an outside square looks the same"),
+    cons=("misses slow processes", "the dead band is at most S - J / 2", "noise", "an outside square looks the same"),
     cost="O(1) per sample",
     experimental=True,
     needs=("oscillation", "constant_sp", "unsaturated", "fine_pv"),

@@ -34,6 +34,7 @@ import numpy as np
 import numpy.typing as npt
 
 from detect.card import Card
+from detect.prepare.filters import summits
 from detect.prepare.linear_models import Fit, Linear, bank, fit, near_by
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
@@ -271,11 +272,9 @@ def _sign(op: Values, e: Values) -> float:
 
 def _shaved(op: Values, smooth: Values, period: float) -> float:
     """How much the smoothing takes off the swing of OP, on average over its summits and valleys [unit of OP]."""
-    from scipy.signal import find_peaks
-
     room = max(1, round(0.6 * period))
-    lost = [float(np.mean(sign * (op - smooth)[find_peaks(sign * smooth, distance=room)[0]])) for sign in (1.0, -1.0)]
-    return max(sum(lost), 0.0)
+    tops = [(sign, summits(sign * smooth, room)) for sign in (1.0, -1.0)]
+    return max(sum(float(np.mean(sign * (op - smooth)[at])) for sign, at in tops if len(at)), 0.0)
 
 
 def _means(x: Values, each: int, most: int) -> Values:

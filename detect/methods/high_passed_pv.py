@@ -39,6 +39,7 @@ import numpy.typing as npt
 
 from detect.card import Card
 from detect.prepare.bootstrap import interval
+from detect.prepare.filters import first_order
 from detect.prepare.preconditions import refused
 from detect.prepare.prepared import Prepared, prepared
 from detect.prepare.pv_op_loops import SMOOTHED_AT, Loops, loops, tilt
@@ -110,10 +111,8 @@ def high_passed(x: Values, tau: float, dt: float) -> Values:
     >>> high_passed(np.array([0.0, 1.0, 1.0]), 3.0, 1.0).tolist()
     [0.0, 0.75, 0.5625]
     """
-    from scipy.signal import lfilter
-
     a = tau / (tau + dt)
-    return np.asarray(lfilter([a, -a], [1.0, -a], x - x[0]))
+    return first_order(x - x[0], a, -a, -a)
 
 
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:

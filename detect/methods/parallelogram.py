@@ -17,7 +17,8 @@ sampled).  A small W clears nothing: two signals that have nothing in common hav
 
 F_max is S where J = 0.  A slip has steeper sides than a play, and the best play is then narrower than S by up to J.  So
 the verdict rests on the play of the paper, and the amounts on the stick of S and J that correlates best about it
-(``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it.
+(``sizes_of``), which is ours.  Deadband and stiction are told apart by J alone; a lag between stem and PV hides it, and
+takes up to 30 % off S (docs/amounts.md).  In a limit cycle the stem has two places, and a correlation hardly tells J.
 Not for levels, where any wave lags a quarter period, nor for slow processes without MV.
 """
 
@@ -59,7 +60,7 @@ CARD = Card(
     streams="window",
     stream_note="The width of the play is searched for over a whole record, after PV was shifted for all of it.",
     pros=("gives S", "no oscillation needed", "set point may move"),
-    cons=("a process lag opens the picture too", "deadband looks the same", "blind on levels"),
+    cons=("a process lag opens the picture too", "S from PV low", "deadband looks the same", "blind on levels"),
     cost="O(50 n)",
     experimental=True,
     needs=("unsaturated", "fine_pv"),
@@ -169,10 +170,9 @@ def sizes_of(u: Values, y: Values, found: Width) -> Sizes:
     >>> round(sizes.S, 1), round(sizes.J, 1)
     (4.0, 2.0)
     """
-    drop, lags = len(u) // 10, np.array([found.lag])
-    tried, reached = [], []
-    S, share, start = found.S, 0.5, 0.0
-    reach = (0.5, 0.5, 1.0)  # of S, of J / S, of the start
+    drop, tried, reached = len(u) // 10, [], []
+    S, share, start, lag = found.S, 0.5, 0.0, 0.5 * found.lag  # the play makes up for a jump by some lag
+    reach = (0.5, 0.5, 1.0, lag)  # of S, of J / S, of the start, of the lag
     for _ in range(5):
         low, high = max(S * (1.0 - 0.4 * reach[0]), 0.02 * found.travel), min(S * (1.0 + 2.0 * reach[0]), found.travel)
         s, j, a = (
@@ -183,14 +183,16 @@ def sizes_of(u: Values, y: Values, found: Width) -> Sizes:
                 np.clip(np.linspace(start - reach[2], start + reach[2], 5), -1.0, 1.0),
             )
         )
+        lags = np.unique(np.append(np.round(lag + np.linspace(-reach[3], reach[3], 7)).astype(int), found.lag))
         rows = np.arange(0, len(s), AT_ONCE)[1:]
         sticks = zip(*(np.split(one, rows) for one in (s, j * s, a)), strict=True)
-        rho = np.concatenate([_correlate(stick(u, *some), y, lags, drop)[0] for some in sticks])
+        told = [_correlate(stick(u, *some), y, lags, drop) for some in sticks]
+        rho, at = (np.concatenate(each) for each in zip(*told, strict=True))
         k = int(np.argmax(rho))
-        S, share, start = float(s[k]), float(j[k]), float(a[k])
+        S, share, start, lag = float(s[k]), float(j[k]), float(a[k]), float(lags[at[k]])
         tried.append(s)
         reached.append(rho)
-        reach = (0.4 * reach[0], 0.4 * reach[1], 0.5 * reach[2])
+        reach = (0.4 * reach[0], 0.4 * reach[1], 0.5 * reach[2], 0.5 * reach[3])
     sizes, rho = np.concatenate(tried), np.concatenate(reached)
     at, group = np.unique(sizes, return_inverse=True)
     best = np.zeros(len(at))

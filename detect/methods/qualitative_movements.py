@@ -8,7 +8,9 @@
 
 The sticky stem stands (S) while OP rises (I), then rises too (II) or alone (SI).  X is MV where it is logged, else PV,
 which stands for the stem in a flow loop; it is turned over where the process gain is negative.  S is the median
-travel of OP over the runs that rho_2 counts, J the travel of X over the moves that follow.
+travel of OP from its turn to the middle of the move of X that ends a run which rho_2 counts, J the travel of X in that
+move, in the unit of X.  (Over the pairs alone S is a third low: smoothing makes a slip a ramp.)  S comes out 10 to 25 %
+low, because smoothing rounds the turns of OP too.
 
 Source: Yamashita 2006, Control Eng. Practice 14:503, stiction above 0.25, the share of two patterns of eight by chance.
 From memory of the paper: the level of 1.  Ours: a level of 0.7, because the slope of an even triangle is 1 standard
@@ -57,7 +59,7 @@ CARD = Card(
     source="Yamashita 2006, Control Eng. Practice 14:503",
     signals=("OP", "MV", "PV"),
     assumes=("MV logged, or a flow loop", "sustained oscillation of one period"),
-    finds="stiction, from the order in which OP and the stem move; S and J in % of OP",
+    finds="stiction, from the order in which OP and the stem move; S in % of OP, J in the unit of the stem",
     index=(0.0, 1.0),
     process=("self_regulating",),
     streams="pooled",
@@ -131,10 +133,34 @@ def _runs(u: Values, x: Values, level: float) -> tuple[Values, npt.NDArray[np.in
     wrong = stands & ~right
     wrong[-1] = False  # nothing follows the last run
     following = np.minimum(np.arange(len(starts)) + 1, len(starts) - 1)
-    S = np.abs(u[kept[ends - 1] + 1] - u[kept[starts]])
-    J = np.abs(x[kept[ends[following] - 1] + 1] - x[kept[starts[following]]])
+    S, J = np.zeros((2, len(starts)))
+    for r in np.flatnonzero(right).tolist():
+        S[r], J[r] = _sizes(u, x, dx, int(kept[starts[following[r]]]), int(way[r]))
     rows = np.column_stack([ends - starts, stands, right, wrong, S, J])
     return rows, 3 * du + dx, kept[starts]
+
+
+def _sizes(u: Values, x: Values, dx: npt.NDArray[np.int_], at: int, way: int) -> tuple[float, float]:
+    """S and J of the move of the stem that is under way at ``at``: from the turn of OP to where the stem is fastest.
+
+    Smoothing makes a slip a ramp, so that the stem seems to stand for less than it does; in its middle it is fastest.
+    """
+    first, last = _move(dx, at)
+    before = np.flatnonzero(dx[:first])
+    since = 0
+    if len(before):
+        a, b = _move(dx, int(before[-1]))
+        since = a + int(np.argmax(np.abs(np.diff(x[a : b + 1]))))
+    slip = first + int(np.argmax(np.abs(np.diff(x[first : last + 1]))))
+    reached = 0.5 * (u[slip] + u[slip + 1])
+    return float(max(way * reached - np.min(way * u[since : slip + 1]), 0.0)), float(abs(x[last] - x[first]))
+
+
+def _move(dx: npt.NDArray[np.int_], at: int) -> tuple[int, int]:
+    """The samples at which the move of the stem that is under way at ``at`` starts and ends."""
+    other = np.flatnonzero(dx != dx[at])
+    k = int(np.searchsorted(other, at))
+    return int(other[k - 1]) + 1 if k else 0, int(other[k]) if k < len(other) else len(dx)
 
 
 def _counted(runs: Values, pairs: npt.NDArray[np.int_]) -> Movements:

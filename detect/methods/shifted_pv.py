@@ -11,7 +11,7 @@ loops had 0.81 to 0.965, sines with up to 40 % noise 0.977 and more.
 
 Source of the idea: Kvam, NTNU 2009, section 7.2; index, size, rule and limits ours.  The weaker of the two ideas,
 because a shifted triangle is a triangle still, where ``high_passed_pv`` makes it the square of the valve: waves with a
-second harmonic lower G as corners do (10 % of it, far from the opposite phase, gives 0.95), and S is 10 to 20 % low in
+second harmonic lower G as corners do (10 % of it, far from the opposite phase, gives 0.95), and S is 10 to 25 % low in
 simulation. As in ``high_passed_pv``, the flow must stand still while OP travels and the range of OP must repeat.  On
 the simulated levels named there: 39 of 64 sticky ones found, 12 of 97 accused under outside squares, none of 100 under
 sines, 27 of 46 with a deadband.  A round curve clears nothing.  4 ms for 7,200 prepared samples.

@@ -9,7 +9,8 @@
 These are the moves of the valve of Kano et al. 2004; u_b lies between two samples, and the middle is taken.  S and J
 are medians over the stands, with 90 % intervals from their scatter and from the step of OP in a sample.  a and b, the
 offset and the gain of positioner and transmitter, come from least squares where OP rests at different places, else b is
-1.  MV may be up to three samples late: a delay is taken where it halves the scatter of S.
+1.  MV may be up to three samples late: a delay is taken where it halves the scatter of S, if that is more than OP's
+sampling makes.
 
 A stick is called where the interval of J lies above ``slip`` and above six sigma of the noise, and where MV does stray
 from OP: by S + J over a stick.  No friction makes J larger than S; where J is read ``friction`` times as large, OP is
@@ -144,8 +145,9 @@ def stem(
     readings = [
         _read(u[: len(u) - lag] if lag else u, mv[lag:], first - lag, last - lag, lag) for lag in range(latest + 1)
     ]
-    later = min(readings, key=lambda r: r.scatter)
-    return later if later.scatter < 0.5 * readings[0].scatter else readings[0]
+    at_once, later = readings[0], min(readings, key=lambda r: r.scatter)
+    even = at_once.scatter * at_once.S[0] <= at_once.step  # no more than OP's sampling makes: no delay to look for
+    return later if later.scatter < 0.5 * at_once.scatter and not even else at_once
 
 
 def band(u: Values, mv: Values) -> float:
@@ -190,7 +192,8 @@ def _read(u: Values, mv: Values, first: npt.NDArray[np.intp], last: npt.NDArray[
     back, on = toward & (came != went), toward & (came == went)
     S_each, step = travel[back], float(np.median(np.abs(after - before)[back])) if back.any() else math.nan
     S = _middle(S_each, step)
-    offset, gain, known = _positioner(rest, level, came, np.maximum(np.abs(rest - u[first - 1]), rounding(u)))
+    moved = np.abs([rest - u[first - 1], u[first - 1] - u[np.maximum(first - 2, 0)]])  # OP may turn as the stem rests
+    offset, gain, known = _positioner(rest, level, came, np.maximum(np.max(moved, axis=0), rounding(u)))
     # noise breaks a slow slide into stands that are none, so that those that go on tell only where none turns back
     J_each = (
         _slips(u, mv / abs(gain), rest[back], level[back] / abs(gain), last[back], S[0]) if back.any() else travel[on]

@@ -64,7 +64,12 @@ CARD = Card(
     streams="window",
     stream_note="Its rival, the linear twins of the record, are made of a whole record.",
     pros=("simple", "no oscillation needed", "every limit is a level of significance"),
-    cons=("slow processes", "noise hides changes of PV", "the published limit of 0 calls every loop"),
+    cons=(
+        "slow processes",
+        "the travel counts in whole windows",
+        "noise hides changes of PV",
+        "the published limit of 0 calls every loop",
+    ),
     experimental=True,
     needs=("constant_sp", "unsaturated", "fine_pv", "raw_pv"),
 )
@@ -120,7 +125,7 @@ def flags(u: Values, y: Values, w: int, alpha: float = 0.05) -> Flags:
     >>> round(float(np.mean(flags(5.0 * np.arange(40_000.0), noise, 8).means)), 2)
     0.95
     """
-    from scipy.stats import f, norm, t
+    from scipy.special import fdtrc, ndtri, stdtr, stdtrit
 
     m = len(u) // w
     windows = [x[: m * w].reshape(m, w) for x in (u, y)]
@@ -131,13 +136,13 @@ def flags(u: Values, y: Values, w: int, alpha: float = 0.05) -> Flags:
         step, both = np.abs(np.diff(mean)), variance[1:] + variance[:-1]
         score = step / np.sqrt(both / w)
         freedom = (w - 1) * both**2 / (variance[1:] ** 2 + variance[:-1] ** 2)
-        moved.append(score > t.ppf(1.0 - 0.5 * alpha, 2 * w - 2))
-        changed.append(2.0 * t.sf(score, freedom) < alpha)
+        moved.append(score > stdtrit(2 * w - 2, 1.0 - 0.5 * alpha))
+        changed.append(2.0 * stdtr(freedom, -score) < alpha)
         larger = np.maximum(variance[1:], variance[:-1]) / np.minimum(variance[1:], variance[:-1])
-        spread.append(2.0 * f.sf(larger, w - 1, w - 1) < alpha)
+        spread.append(2.0 * fdtrc(w - 1, w - 1, larger) < alpha)
         A, middle, sd = reverse_arrangements(x), w * (w - 1) / 4.0, math.sqrt((2 * w**3 + 3 * w**2 - 5 * w) / 72.0)
         flat = np.ptp(x, axis=1) ** 2 <= tiny
-        trend.append(((np.abs(A - middle) / sd) > norm.ppf(1.0 - 0.5 * alpha)) & ~flat)
+        trend.append(((np.abs(A - middle) / sd) > ndtri(1.0 - 0.5 * alpha)) & ~flat)
     return Flags(
         moved[0] & ~moved[1], changed[0] & ~changed[1], spread[0] & ~spread[1], trend[0] & ~trend[1],
         moved[1] & ~moved[0],

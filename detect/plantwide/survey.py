@@ -66,9 +66,9 @@ class Suspect:
     slips: Slips | None = None
 
     @property
-    def word(self) -> Word | None:
-        """Its own verdict; "stiction" where that leaves it open and another tag shows that the valve slips."""
-        return "stiction" if self.slips is not None and self.verdict != "no_stiction" else self.verdict
+    def suspected(self) -> bool:
+        """Whether its own verdict is stiction, or leaves it open while another tag shows slips; the verdict stays."""
+        return self.verdict == "stiction" or (self.slips is not None and self.verdict != "no_stiction")
 
     @property
     def reason(self) -> str:
@@ -77,7 +77,7 @@ class Suspect:
         if self.slips is not None:
             said = (
                 f"{moves}, and {self.slips.tag} jumps when OP has come back by {self.slips.S:.2g} %, "
-                f"{self.slips.reversals} times: its valve slips"
+                f"{self.slips.reversals} times, as where a valve slips"
             )
         elif self.seen_in is not None and self.travel <= self.S:
             said = f"{moves}, and {self.seen_in} stands still all the while"
@@ -115,7 +115,7 @@ class Group:
         if not self.suspects:
             return f"{said} No OP of these loops moves by {TRAVEL_MIN:g} % of its span: the source lies elsewhere."
         first = self.suspects[0]
-        if first.gain >= PLAIN or first.word == "stiction":
+        if first.gain >= PLAIN or first.suspected:
             return f"{said} Look at the valve of {first.loop} first: {first.reason}"
         return (
             f"{said} No valve of the group is seen to stick; the source may lie outside. {first.loop}: {first.reason}"
@@ -260,7 +260,7 @@ def _suspects(
         found.append(Suspect(record.name, travel, a.gain, a.S, a.tag, a.follows, verdicts.get(record.name)))
     own_slips = owners(slips, jumps)
     found = [replace(suspect, slips=own_slips.get(suspect.loop)) for suspect in found]
-    order = sorted(found, key=lambda s: (s.word != "stiction", -s.gain, -s.travel))
+    order = sorted(found, key=lambda s: (not s.suspected, -s.gain, -s.travel))
     return tuple(order), still
 
 

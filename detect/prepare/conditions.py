@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from detect.prepare.drawn import controlled_as_logged, drawn
 from detect.prepare.fact import Fact
+from detect.prepare.final_element import no_valve
 from detect.prepare.in_charge import asleep, copied, untracked
 from detect.prepare.order import percentile
 from detect.prepare.response import frozen, unresponsive
@@ -36,7 +37,7 @@ def examine(record: LoopRecord) -> tuple[Fact, ...]:
     >>> [fact.code for fact in examine(loop) if fact.present]
     ['constant_signal']
     """
-    first = (manual(record), missing(record), beyond_reason(record))
+    first = (no_valve(record), manual(record), missing(record), beyond_reason(record))
     if first[-1].present:
         return first  # of such numbers nothing else can be worked out
     return (

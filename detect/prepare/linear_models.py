@@ -33,6 +33,8 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 import numpy.typing as npt
 
+from detect.prepare.filters import first_order
+
 __all__ = ["Bank", "Fit", "Linear", "Process", "bank", "fit", "near_by"]
 
 Values = npt.NDArray[np.float64]
@@ -171,8 +173,6 @@ def _width(n: int, period: float, model: Linear) -> int:
 
 
 def _whitened(x: Values, tau: float, zero: float | None) -> Values:
-    from scipy.signal import lfilter
-
     if zero is None:
         return x
-    return np.asarray(lfilter([1.0, -math.exp(-1.0 / tau)], [1.0, -zero], x, axis=1))
+    return first_order(x, 1.0, -math.exp(-1.0 / tau), -zero)

@@ -16,9 +16,10 @@ from detect.prepare import conditions
 from detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split, taken
 from logs import LoopRecord
 
-__all__ = ["Pieces", "pieces_of"]
+__all__ = ["Pieces", "pieces_of", "run_in"]
 
 Values = npt.NDArray[np.float64]
+NEAR = 0.1  # of the swing of e, beyond which it has not come to where it stays
 Piece = tuple[Values, Values]
 
 
@@ -94,8 +95,25 @@ def _cut(record: LoopRecord, bridged: float) -> tuple[Piece, ...]:
             continue
         e = record.e[part]
         cuts = [0, *conditions.set_point_moves(record.sp[part], e).tolist(), len(t)]
-        pieces += [(t[a:b], e[a:b]) for a, b in itertools.pairwise(cuts)]
+        pieces += [(t[a + k : b], e[a + k : b]) for a, b in itertools.pairwise(cuts) for k in [run_in(e[a:b])]]
     return tuple(pieces)
+
+
+def run_in(e: Values) -> int:
+    """How many samples a piece of e (n,) takes at its start to come to where it stays, after a step of SP or a start.
+
+    e starts further off than it ever swings in the last two thirds, by their range or more: that drowns the swing.
+
+    >>> run_in(np.array([9.0, 5.0, 2.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0]))
+    3
+    """
+    third = len(e) // 3
+    if not third:
+        return 0
+    low, high = float(np.min(e[third:])), float(np.max(e[third:]))
+    off = np.maximum(low - e[:third], e[:third] - high)
+    swing = high - low
+    return int(np.flatnonzero(off > NEAR * swing)[-1]) + 1 if off[0] >= swing > 0.0 else 0
 
 
 def _notes(gaps: tuple[Gap, ...], bridged: float, pieces: int) -> tuple[str, ...]:

@@ -14,7 +14,8 @@ from detect.verdict import Code, Verdict
 __all__ = ["refused"]
 
 ALWAYS: tuple[Code, ...] = (
-    "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge", "pv_unresponsive", "stale_data",
+    "no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge", "pv_unresponsive",
+    "stale_data",
 )  # fmt: skip
 OF_PV: tuple[Code, ...] = ("frozen_pv", "not_in_charge", "pv_unresponsive")  # no matter to a method that reads no PV
 BY_NEED: dict[str, Code] = {

@@ -28,6 +28,7 @@ from detect.prepare.conditions import drawn_op, examine
 from detect.prepare.cycles import Cycles, Refusal, cut
 from detect.prepare.drawn import free_of_noise
 from detect.prepare.fact import Fact
+from detect.prepare.filters import smoothed
 from detect.prepare.gaps import bridgeable, split
 from detect.prepare.half_cycles import crossings
 from detect.prepare.harris import Harris, harris
@@ -302,9 +303,7 @@ class Prepared(RecordSignals):
             y = x - np.polynomial.Polynomial.fit(t, x, 1)(t)
         y = y - np.mean(y)
         if cut_at > 0.0 and self.samples_per_period >= max(SMOOTHED_FROM, 2.5 * cut_at) and len(y) > 20:
-            from scipy.signal import butter, sosfiltfilt
-
-            y = sosfiltfilt(butter(2, 2.0 * cut_at / self.samples_per_period, output="sos"), y)
+            y = smoothed(y, 2.0 * cut_at / self.samples_per_period)
         return np.asarray(y)
 
     def half_waves(self, name: Signal) -> tuple[HalfWave, ...]:

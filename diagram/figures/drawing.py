@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from blocks.block import Block
 from blocks.role import Role
-from diagram.figures.placement import Arrow, Grid, Node, common, grid
+from diagram.figures.placement import Arrow, Grid, Node, common, grid, wrapped
 from diagram.figures.routes import Box, Sheet, sheet
 from diagram.figures.strokes import HEAD_LENGTH, branches, strokes
 from diagram.wired import Wired
@@ -44,16 +44,19 @@ NAME_SIZE, WORD_SIZE, VALUE_SIZE, SIGNAL_SIZE = 9.5, 7.5, 7.5, 8.0
 LINE = 10.5  # height of a line of small text [points]
 MARGIN = 16.0
 HEADING = 26.0
+WIDEST = 1120.0  # of a drawing [points], 1600 pixels on a screen; a wider one goes on below
 
 
 def draw(
-    diagram: Wired, marks: Mapping[str, float] | None = None, units: Mapping[str, Sequence[str]] | None = None
-) -> "Figure":
-    """Return a figure of the diagram, as large as it needs to be at the size of its text.
+    diagram: Wired, marks: Mapping[str, float] | None = None, units: Mapping[str, Sequence[str]] | None = None,
+    said: Mapping[str, str] | None = None,
+) -> "Figure":  # fmt: skip
+    """Return a figure of the diagram, as large as it needs to be at the size of its text; a wide one goes on below.
 
     A box shows the name of its block, the word of its class and up to three main parameters.  Green: sources;
     blue: controllers; orange: valves; violet: blocks that run in Python.  ``marks``: block -> 0 to 1, how red and thick
     its frame is.  ``units``: name -> names of the blocks that are drawn as one box, with what runs between the units.
+    ``said``: block -> words in red at the foot of its box.
 
     Raises ``WiringError`` if a unit names a block that is not there.
 
@@ -69,8 +72,13 @@ def draw(
         for name in inner:
             diagram[name]
     plan = grid(diagram, units)
-    ink = _Ink(diagram, plan, marks or {})
+    ink = _Ink(diagram, plan, marks or {}, said or {})
     laid = sheet(plan, ink.size, ink.label_width, ink.entry_width)
+    for bands in range(2, max(plan.column) + 2):
+        if laid.width <= WIDEST:
+            break
+        ink.plan = wrapped(plan, bands)
+        laid = sheet(ink.plan, ink.size, ink.label_width, ink.entry_width)
     width = max(laid.width, _width(diagram.name, 12.0, "bold")) + 2 * MARGIN
     height = laid.height + 2 * MARGIN + HEADING
     figure = Picture(figsize=(width / 72.0, height / 72.0), facecolor="white")
@@ -145,8 +153,19 @@ def _width(text: str, size: float, weight: str = "normal") -> float:
 class _Ink:
     """The texts of one drawing, and how to put them on paper."""
 
-    def __init__(self, diagram: Wired, plan: Grid, marks: Mapping[str, float]) -> None:
+    def __init__(
+        self, diagram: Wired, plan: Grid, marks: Mapping[str, float], said: Mapping[str, str] | None = None
+    ) -> None:
         self.diagram, self.plan, self.marks = diagram, plan, marks
+        self.said = {
+            v: [
+                words
+                for name, words in (said or {}).items()
+                if name in (node.inner or (diagram.blocks[node.block].name,))
+            ]
+            for v, node in enumerate(plan.nodes)
+            if node.kind == "block"
+        }
         self.lines = {
             v: _listed(node.inner) if node.inner else main_parameters(diagram.blocks[node.block])
             for v, node in enumerate(plan.nodes)
@@ -160,7 +179,8 @@ class _Ink:
             return _width(self._signal(node.name), SIGNAL_SIZE) + 18.0, max(least, 18.0)
         widths = [_width(node.name, NAME_SIZE, "bold"), _width(self._word(node), WORD_SIZE)]
         widths += [_width(line, VALUE_SIZE) for line in self.lines[v]]
-        return max(64.0, max(widths) + 16.0), max(least, 32.0 + LINE * len(self.lines[v]))
+        widths += [_width(line, SIGNAL_SIZE, "bold") for line in self.said[v]]
+        return max(64.0, max(widths) + 16.0), max(least, 32.0 + LINE * (len(self.lines[v]) + len(self.said[v])))
 
     def _word(self, node: Node) -> str:
         return f"{len(node.inner)} blocks" if node.inner else word(self.diagram.blocks[node.block])
@@ -273,7 +293,7 @@ class _Ink:
                 linewidth=1.2 + 3.0 * mark, zorder=3.5,
             ))  # fmt: skip
         lines = self.lines[v]
-        y = box.y - (LINE * len(lines) + 21.0) / 2 + 5.5
+        y = box.y - (LINE * (len(lines) + len(self.said[v])) + 21.0) / 2 + 5.5
         text: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 4}
         ax.text(box.x, y, node.name, size=NAME_SIZE, weight="bold", color=INK, parse_math=False, **text)
         ax.text(
@@ -287,16 +307,11 @@ class _Ink:
             **text,
         )
         for i, line in enumerate(lines):
-            ax.text(
-                box.x,
-                y + 23.0 + LINE * i,
-                line,
-                size=VALUE_SIZE,
-                color=INK,
-                math_fontfamily="dejavusans",
-                parse_math=not node.inner,
-                **text,
-            )
+            ax.text(box.x, y + 23.0 + LINE * i, line, size=VALUE_SIZE, color=INK, math_fontfamily="dejavusans",
+                    parse_math=not node.inner, **text)  # fmt: skip
+        for i, line in enumerate(self.said[v], len(lines)):
+            ax.text(box.x, y + 23.0 + LINE * i, line, size=SIGNAL_SIZE, weight="bold", color=RED, parse_math=False,
+                    **text)  # fmt: skip
 
 
 def _oval(ax: "Axes", name: str, box: Box) -> None:

@@ -8,6 +8,7 @@ moves to the free row where its arrows are shortest.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from diagram.wired import Wired
 
@@ -88,6 +89,27 @@ def grid(diagram: Wired, units: Mapping[str, Sequence[str]] | None = None) -> Gr
     column = _columns(nodes, arrows, order)
     row = _rows(nodes, arrows, column)
     return Grid(tuple(nodes), tuple(arrows), tuple(column), tuple(row))
+
+
+def wrapped(plan: Grid, bands: int) -> Grid:
+    """Return the grid cut into that many bands of about equally many columns, one below the other, as lines of a text.
+
+    No nested diagram is cut, and outputs alone make no band; rows of a band that are empty are left out.
+    """
+    columns = max(plan.column) + 1
+    last = max((c for c, node in zip(plan.column, plan.nodes, strict=True) if node.kind == "block"), default=0)
+    frames = plan.frames.values()
+    whole = [c for c in range(1, last + 1) if not any(left < c <= right for left, right, _, _ in frames)]
+    wanted = [round(columns * k / bands) for k in range(1, bands)]
+    cuts = [0, *sorted({min(whole, key=lambda c: abs(c - at)) for at in wanted if whole}), columns]
+    column, row, below = list(plan.column), list(plan.row), 0
+    for first, end in pairwise(cuts):
+        inside = [n for n, c in enumerate(plan.column) if first <= c < end]
+        used = sorted({plan.row[n] for n in inside})
+        for n in inside:
+            column[n], row[n] = plan.column[n] - first, below + used.index(plan.row[n])
+        below += len(used)
+    return Grid(plan.nodes, plan.arrows, tuple(column), tuple(row))
 
 
 def _graph(diagram: Wired) -> tuple[list[Node], list[Arrow]]:

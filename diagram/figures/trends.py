@@ -1,6 +1,7 @@
 """Figures of what was simulated: the trends of a run with its events.
 
 What swings too often to be told apart over the run is drawn as the band that it covers, and its last cycles beside.
+Where a short start-up would squeeze a cycle, the axis is that of the cycle, and how far the start-up goes is said.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,9 +11,10 @@ import numpy as np
 
 from blocks.block import Block
 from blocks.declared import STUCK_MODE
-from diagram.figures.finding import cycles, finding
+from diagram.figures.finding import cycles, finding, later, swing
 from diagram.figures.panels import choose, heading, parts_played
 from diagram.simulation import Run
+from diagram.wired import UNNAMED
 from engine.status import Status
 from logs import Log
 from logs.style import COLOURS, CYCLE, EVENT, OUTSIDE, RED, SOFT, STUCK, tidy
@@ -29,6 +31,9 @@ POINTS = 20_000  # of a line: a run is seen as it was logged up to there
 LEAVES_UNSAID = 2000  # events beyond which single ticks say nothing
 DENSE = 45.0  # cycles over a run: more are hatching
 CLOSE = 6.0  # cycles in the panels beside
+SQUEEZED = 0.6  # of the axis: a cycle that has less of it is squeezed by the start-up
+START = 0.15  # of the run: what lies off a cycle later is no start-up, but a part of the story
+AROUND = 0.15  # of a cycle, above and below it
 FOOT = 0.05  # of a panel: the height of the bar that says that a stem is stuck
 
 
@@ -63,6 +68,7 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
         _panel(ax, run, shown, groups, scale, dense)
         size, named = _unit(log, shown)
         finish_panel(ax, [log[s] / size for s in shown])
+        _to_cycle(ax, log, shown, size)
         ax.set_ylabel(heading(shown, named))
         _legend(ax, len(shown))
     columns[-1, 0].set_xlabel(f"time [{unit}]")
@@ -78,10 +84,11 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
         columns[-1, 1].xaxis.set_major_locator(MaxNLocator(3))
     axes = columns[:, 0]
     told = finding(run, [s for shown in panels for s in shown])
-    figure.suptitle(f"{diagram.name}: {told}" if told else diagram.name, x=0.01, ha="left", fontsize=11, weight="bold")
+    title = ": ".join(word for word in (diagram.name if diagram.name != UNNAMED else "", told) if word)
+    figure.suptitle(_wrapped(title or diagram.name, 100), x=0.01, ha="left", fontsize=11, weight="bold")
     notes = []
     if run.status is not Status.OK:
-        notes.append((_wrapped(f"{run.status.name}: {run.hint}"), RED))
+        notes.append((_wrapped(f"{run.status.name}: {run.hint}", 130), RED))
     unsaid = [f"{len(left_out)} more signals: choose with names="] if left_out else []
     if squashing:
         unsaid.append(f"at rest far off the scale: {', '.join(squashing)}")
@@ -122,6 +129,27 @@ def _panel(
     for block in diagram.blocks:
         if block.modes and any(signal in shown for signal in block.output_labels):
             _mark(ax, block, run, scale)
+
+
+def _to_cycle(ax: "Axes", log: Log, shown: Sequence[str], size: float) -> None:
+    """Give a panel the limits of the steady cycle in it where a short start-up squeezes it, and say where that goes."""
+    if not any((found := swing(log, s)) and not found[1] for s in shown):
+        return
+    values = np.array([log[s] for s in shown]) / size
+    late = values[:, later(log.t)]
+    low, high = float(np.nanmin(late)), float(np.nanmax(late))
+    lowest, highest = float(np.nanmin(values)), float(np.nanmax(values))
+    low, high = low - AROUND * (high - low), high + AROUND * (high - low)
+    off = log.t[((values < low) | (values > high)).any(axis=0)]
+    if high - low > SQUEEZED * (highest - lowest) or (len(off) and off[-1] - log.t[0] > START * (log.t[-1] - log.t[0])):
+        return
+    ax.set_ylim(low, high)
+    digits = max(0, 1 - int(np.floor(np.log10(high - low))))
+    for gone, value, way, height in ((lowest < low, lowest, "down", 0.1), (highest > high, highest, "up", 0.9)):
+        if gone:
+            told = f"start-up goes {way} to {value:.{digits}f}"
+            ax.annotate(told, (0.0, height), (8.0, 0.0), xycoords="axes fraction", textcoords="offset points",
+                        va="center", fontsize=8.0, color=SOFT)  # fmt: skip
 
 
 def _unit(log: Log, shown: Sequence[str]) -> tuple[float, str]:
@@ -193,7 +221,7 @@ def _legend(ax: "Axes", signals: int) -> None:
                   frameon=False, fontsize=8.0, borderpad=0.0, handlelength=1.6, columnspacing=1.2)  # fmt: skip
 
 
-def _wrapped(text: str, width: int = 130) -> str:
+def _wrapped(text: str, width: int) -> str:
     import textwrap
 
     return "\n".join(textwrap.wrap(text, width))

@@ -58,34 +58,37 @@ class Interpreter:
         self.pieces: list[tuple[float, float, dict[int, Floats]]] = []  # start, end, block -> inputs at the nodes
         self.pending: list[tuple[float, int]] = []  # breakpoints still to leave a dead time
         self.n_events = [0 if block.sampled else block.kernels.n_events for block in self.blocks]
-        self.any_rates = any(block.kernels.rates and n for block, n in zip(self.blocks, self.n_events, strict=True))
+        self.most = 20 + 10 * sum(self.n_events)  # transitions at one instant
         self.chain = 0
         self.n_fired = 0
         self.n_rates = 0
         self.events: list[tuple[float, int, float, float]] = []  # t, block, value of the mode before and after
-        self.behind_jumps = self._behind_jumps()
+        self.above = self._deciding()
         self._enter_breaks(t0, 0)
         self.first = True  # nothing went before the first instant, so nothing can have jumped
-        self.old = self.s.copy()
+        self.shown = {  # block that looks at slopes -> its inputs when it was last shown a jump
+            b: self.s[wires].copy()
+            for b, wires in enumerate(self.wires)
+            if self.n_events[b] and self.blocks[b].kernels.rates
+        }
+        self.moved: set[int] = set()  # of them those that were shown one at this instant
 
     @staticmethod
     def rounding(t: float) -> float:
         """Return the time difference [s] that is none at ``t``."""
         return 8.0 * math.ulp(max(1.0, abs(t)))
 
-    def _behind_jumps(self) -> set[int]:
-        """Return the blocks that take samples of what may jump at an event of the same instant."""
-        driver = {signal: b for b, signals in enumerate(self.places) for signal in signals}
-        found: set[int] = set()
-        waiting = [b for b, block in enumerate(self.blocks) if block.kernels.jumps and not block.sampled]
-        while waiting:
-            jumping = waiting.pop()
-            for b, block in enumerate(self.blocks):
-                if any(driver[signal] == jumping for signal in self.wires[b]) and b not in found:
-                    found.add(b)
-                    if block.kernels.feeds and b not in self.dead:
-                        waiting.append(b)
-        return {b for b in found if b in self.taken}
+    def _deciding(self) -> NDArray[np.bool_]:
+        """Return (blocks, blocks): whether what the first does at an instant changes what the second reads then."""
+        n = len(self.blocks)
+        above = np.zeros((n, n), dtype=bool)
+        for b, wires in enumerate(self.wires):
+            for a, block in enumerate(self.blocks):
+                at_once = a not in self.dead and (block.kernels.feeds or block.kernels.jumps)
+                above[a, b] = at_once and bool(np.isin(self.places[a], wires).any())
+        for k in range(n):
+            above |= np.outer(above[:, k], above[k])
+        return above
 
     def _p(self, b: int, t: float) -> Floats:
         """Return the parameters of a block and the row of its timetable that is in force at ``t`` [s]."""
@@ -146,7 +149,7 @@ class Interpreter:
         if not any(self.n_events):
             return np.zeros(0)
         slopes = np.zeros(len(self.s))
-        if self.any_rates:
+        if self.shown:
             slopes = self._signal_rates(t, x)
         self.signals_at(t, x)
         t = min(t, self.t_left)
@@ -174,65 +177,63 @@ class Interpreter:
     def settle(self) -> bool:
         """Do all that happens at the present instant; return False if transitions never end."""
         self.t_left = math.inf
-        if not (self._begin() if self.first else self._sample()):
-            return False
-        done = self._transitions()
+        for b in self.taken:
+            if not self.blocks[b].kernels.feeds and self.blocks[b].host is None and self._is_due(b):
+                keep = self.d[b].copy()  # it puts out what it knows already
+                self._step(b)
+                self.d[b] = keep
+        done = self._calm()
+        if self.first:
+            self._keep_inputs()
+        done = done and self._transitions()
         self.first = False
         return done
 
-    def _begin(self) -> bool:
-        """Let each block find its mode, then take its sample, once all that decides its inputs has done so."""
-        for b in self.order:
-            if b in self.taken and not self.blocks[b].kernels.feeds and self.blocks[b].host is None and self._is_due(b):
-                keep = self.d[b].copy()
-                self._step(b)
-                self.d[b] = keep
-        n = len(self.blocks)
-        above = np.zeros((n, n), dtype=bool)  # [a, b]: what a does now changes an input of b now
-        for b, wires in enumerate(self.wires):
-            for a in range(n):
-                at_once = a not in self.dead and (self.blocks[a].kernels.feeds or self.blocks[a].kernels.jumps)
-                above[a, b] = at_once and bool(np.isin(self.places[a], wires).any())
-        for k in range(n):
-            above |= np.outer(above[:, k], above[k])
-        left = list(self.order)
-        while left:  # those above which nothing is left, or nothing but a ring of which they are part
-            free = [b for b in left if all(above[b, a] for a in left if above[a, b])]
-            b = next((b for b in free if self.blocks[b].kernels.feeds), free[0])
-            left.remove(b)
-            if not self._find_mode(b):
-                return False
-            if b in self.taken and self._is_due(b):
-                self.signals_at(self.t, self.x)
+    def _calm(self) -> bool:
+        """Let blocks act one by one, of all that are restless first that which no other restless one is above."""
+        while self.chain <= self.most:
+            self.signals_at(self.t, self.x)
+            restless = [b for b in self.order if self._is_restless(b)]
+            if not restless:
+                return True
+            first = [b for b in restless if all(self.above[b, a] for a in restless if self.above[a, b])]
+            b = next((b for b in first if self.blocks[b].kernels.feeds), first[0])  # the others are in a ring with it
+            if self._has_jumped(b):
+                self._show_jump(b)
+            elif (event := self._event_now(b)) is not None:
+                self._fire(b, event, self._input(b, self.t).copy(), np.zeros(len(self.wires[b])))
+            else:
                 self._step(b)
                 self.taken[b] += 1
-        return True
-
-    def _find_mode(self, b: int) -> bool:
-        for _ in range(20 + 10 * self.n_events[b]):
-            self.signals_at(self.t, self.x)
-            u = self._input(b, self.t).copy()
-            slopes = np.zeros(len(u))
-            positive = np.flatnonzero(self._zc(b, self.t, self.x, u, slopes) > 0.0)
-            if not positive.size:
-                return True
-            self._fire(b, int(positive[0]), u, slopes)
         return False
+
+    def _is_restless(self, b: int) -> bool:
+        """Return whether a block would act, if what it reads stayed: see a jump, change its mode, take a sample."""
+        return self._has_jumped(b) or self._event_now(b) is not None or (b in self.taken and self._is_due(b))
+
+    def _event_now(self, b: int) -> int | None:
+        """Return the event of a block that is positive at its inputs, whose slopes count for nothing here."""
+        if not self.n_events[b] or (b in self.shown and not (self.first or b in self.moved)):
+            return None
+        u = self._input(b, self.t)
+        positive = np.flatnonzero(self._zc(b, self.t, self.x, u, np.zeros(len(u))) > 0.0)
+        return int(positive[0]) if positive.size else None
 
     def _is_due(self, b: int) -> bool:
         return self._due(b) <= self.t + self.rounding(self.t)
 
     def _transitions(self) -> bool:
-        if self.first:
-            self.old = self.signals_at(self.t, self.x).copy()
-        while self.chain <= 20 + 10 * sum(self.n_events):
-            new = self.signals_at(self.t, self.x).copy()
-            jumped = self.any_rates and self._fire_on_jumps(new)
-            self.old = new
-            if jumped:
+        """Carry out what slopes demand, and what follows in rings."""
+        while self.chain <= self.most:
+            self.signals_at(self.t, self.x)
+            fired = self.n_fired
+            for b in [b for b in self.shown if self._has_jumped(b)]:
+                self._show_jump(b)
+            if self.n_fired > fired:
                 continue
             if not self._fire_positive():
                 self.signals_at(self.t, self.x)
+                self.moved.clear()
                 return True
         return False
 
@@ -241,14 +242,15 @@ class Interpreter:
         if t - self.t > 1e-12 * max(1.0, abs(t)):
             self.chain = 0
         self.t, self.x = t, np.array(x, dtype=float)
-        self.old = self.signals_at(t, self.x).copy()
+        self.signals_at(t, self.x)
+        self._keep_inputs()
         if fired:
             self._fire_positive()
             self._enter_breaks(t, 0)
 
     def _fire_positive(self) -> bool:
         values = self.event_values(self.t, self.x)
-        slopes = self._signal_rates(self.t, self.x) if self.any_rates else np.zeros(len(self.s))
+        slopes = self._signal_rates(self.t, self.x) if self.shown else np.zeros(len(self.s))
         self.signals_at(self.t, self.x)
         inputs = [self._input(b, min(self.t, self.t_left)).copy() for b in range(len(self.blocks))]
         fired, k = False, 0
@@ -260,18 +262,28 @@ class Interpreter:
                 fired = True
         return fired
 
-    def _fire_on_jumps(self, new: Floats) -> bool:
-        fired = False
-        for b, n in enumerate(self.n_events):
-            jump = new[self.wires[b]] - self.old[self.wires[b]]
-            jump[np.abs(jump) <= NO_JUMP * (1.0 + np.abs(new[self.wires[b]]))] = 0.0
-            if n and self.blocks[b].kernels.rates and jump.any():
-                u = self.old[self.wires[b]]
-                positive = np.flatnonzero(self._zc(b, self.t, self.x, u, IMPULSE * jump) > 0.0)
-                if positive.size:
-                    self._fire(b, int(positive[0]), u, IMPULSE * jump)
-                    fired = True
-        return fired
+    def _keep_inputs(self) -> None:
+        """Keep what the blocks that look at slopes read, to know a jump by."""
+        for b in self.shown:
+            self.shown[b] = self.s[self.wires[b]].copy()
+
+    def _has_jumped(self, b: int) -> bool:
+        return b in self.shown and not self.first and bool(self._jump(b).any())
+
+    def _jump(self, b: int) -> Floats:
+        now = self.s[self.wires[b]]
+        jump = np.asarray(now - self.shown[b])
+        jump[np.abs(jump) <= NO_JUMP * (1.0 + np.abs(now))] = 0.0
+        return jump
+
+    def _show_jump(self, b: int) -> None:
+        """Let a block react to a jump of its inputs: an impulse at their old values."""
+        u, impulse = self.shown[b], IMPULSE * self._jump(b)
+        self.shown[b] = self.s[self.wires[b]].copy()
+        self.moved.add(b)
+        positive = np.flatnonzero(self._zc(b, self.t, self.x, u, impulse) > 0.0)
+        if positive.size:
+            self._fire(b, int(positive[0]), u, impulse)
 
     def _fire(self, b: int, event: int, u: Floats, slopes: Floats) -> None:
         block = self.blocks[b]
@@ -293,23 +305,6 @@ class Interpreter:
             return float(block.timetable[self.taken[b], 0]) if self.taken[b] < len(block.timetable) else math.inf
         offset = block.p[block.param_index(block.offset_param)] if block.offset_param else 0.0
         return float(offset + self.taken[b] * block.period)
-
-    def _sample(self) -> bool:
-        due = [b for b in self.order if b in self.taken and self._is_due(b)]
-        self.signals_at(self.t, self.x)
-        for b in due:
-            if not self.blocks[b].kernels.feeds and self.blocks[b].host is None:
-                keep = self.d[b].copy()
-                self._step(b)
-                self.d[b] = keep
-        pins = any(self.blocks[b].timetable is not None for b in self.taken)
-        for b in sorted(due, key=lambda b: pins and b in self.behind_jumps):
-            if pins and b in self.behind_jumps and not self._transitions():
-                return False
-            self.signals_at(self.t, self.x)
-            self._step(b)
-            self.taken[b] += 1
-        return True
 
     def _step(self, b: int) -> None:
         block, u = self.blocks[b], self._input(b, self.t)

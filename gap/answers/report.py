@@ -151,10 +151,15 @@ class GapReport(Shown):
         return plot_residuals(self)
 
     def plot_diagram(self) -> "Figure":
-        """Draw the model with the gap coloured in: the redder a block, the more of the gap an effect there explains."""
+        """Draw the model with the gap coloured in: the redder a block, the more of the gap an effect there explains.
+
+        Each cause is named in its block.
+        """
         from diagram.figures.drawing import draw
 
-        return draw(self.diagram, self.where.shares if self.where else {})
+        there = {block.name for block in self.diagram.blocks}
+        said = {one.place: one.effect.replace("_", " ") for one in self.causes if one.place in there}
+        return draw(self.diagram, self.where.shares if self.where else {}, said=said)
 
     def _repr_html_(self) -> str:
         from logs.notebook import image, paragraph

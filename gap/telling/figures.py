@@ -1,22 +1,82 @@
-"""The picture of a latent input: over what it may go with, its rows and their means by groups."""
+"""The pictures of what a log says beside a model: both over time with the gap as a bar, and the latent input."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from logs.style import AXIS, ORANGE, WIRE, tidy
+from logs.style import AXIS, GREEN, INK, ORANGE, RED, SOFT, WIRE, tidy
+from logs.thinned import thinned
 from logs.time_axis import time_unit
+from logs.trend import finish_panel
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from gap.telling.latent import LatentInput
+    from gap.telling.replayed import Replayed
 
 Floats = NDArray[np.float64]
 GROUPS = 30  # of a panel
 DOTS = 3000  # of a panel
 WITHIN = (0.01, 0.99)  # parts of the rates that are shown; the steps of a set point beyond stand at the end
+
+
+def plot_replayed(found: "Replayed") -> "Figure":
+    """Return the log against the model, as it is above and with the cause below, under one bar of the gap's shrinkage.
+
+    Where no cause can be put in there is one panel; without a number for the shrinkage there is no bar.
+    """
+    from logs.picture import Picture
+
+    made = [("the model as it is", found.as_it_is, RED)]
+    if found.with_cause is not None:
+        made.append((f"with {found.cause}", found.with_cause, GREEN))
+    bar = found.shrinkage is not None and found.with_cause is not None
+    figure = Picture(figsize=(9.6, 0.7 + 2.2 * len(made) + 0.75 * bar), layout="constrained")
+    heights = [0.3] * bar + [1.0] * len(made)
+    axes = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
+    if bar:
+        _bar(axes[0], found)
+    panels = axes[1:] if bar else axes
+    scale, unit = time_unit(float(found.t[-1] - found.t[0]))
+    t = found.t / scale
+    for panel, (said, values, colour) in zip(panels, made, strict=True):
+        panel.fill_between(t, found.logged, values, color=colour, alpha=0.18, linewidth=0.0)
+        panel.plot(*thinned(t, found.logged), color=INK, linewidth=1.6, label=f"{found.signal} as logged")
+        panel.plot(*thinned(t, values), color=colour, linewidth=1.1, label=said)
+        finish_panel(panel, [found.logged, *(values for _, values, _ in made)])
+        panel.set_ylabel(f"{found.signal} [{found.unit}]" if found.unit not in ("", "1") else found.signal)
+        panel.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9, borderpad=0.1)
+        panel.set_xlim(float(t[0]), float(t[-1]))
+    lowest, highest = (f([panel.get_ylim() for panel in panels]) for f in (np.min, np.max))
+    for panel in panels:
+        panel.set_ylim(lowest, highest)  # one scale: what is left is seen for what it is
+        panel.tick_params(labelbottom=panel is panels[-1])
+    panels[-1].set_xlabel(f"time [{unit}]")
+    return figure
+
+
+def _bar(ax: "Axes", found: "Replayed") -> None:
+    """Draw the gap as one bar: all of it, and what the cause leaves, on rows that the fit has not seen."""
+    assert found.shrinkage is not None
+    gone = float(np.clip(found.shrinkage.fraction, 0.0, 1.0))
+    ax.barh([0.0], [gone], color=GREEN, height=1.0)
+    ax.barh([0.0], [1.0 - gone], left=[gone], color=RED, height=1.0)
+    low, high = _percent(found.shrinkage.low), _percent(found.shrinkage.high)
+    sure = f" ({low.removesuffix(' %')} to {high})" if low != high else ""
+    ax.text(0.0, 0.75, f"The gap shrinks by {_percent(gone)}{sure}", fontsize=13, weight="bold", color=INK, va="bottom")
+    ax.text(1.0, 0.75, f"green: what {found.cause} explains; red: what is left", fontsize=8.5, color=SOFT, va="bottom",
+            ha="right")  # fmt: skip
+    ax.set_xlim(0.0, 1.0)
+    ax.set_ylim(-0.5, 1.9)
+    ax.set_axis_off()
+
+
+def _percent(share: float) -> str:
+    """Return a share in percent: what is not all is never said to be all."""
+    return f"{100.0 * share:.0f} %" if share <= 0.995 or share >= 0.9999 else f"{100.0 * share:.1f} %"
 
 
 def plot_latent(found: "LatentInput") -> "Figure":

@@ -16,14 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.recorded import Recorded
 from diagram.diagram import Diagram
 from diagram.segments import Segment
-from diagram.simulation import simulate
 from gap.answers.report import GapReport
 from gap.records.model import read, silenced
 from gap.records.record import GapError, Record
 from gap.records.start import start_values
+from gap.telling.driven import driven_to, filled, most_amiss, segment_at
 from logs import Log
 from logs.shown import Shown
 
@@ -103,35 +102,25 @@ def latent_input(report: GapReport, log: Log) -> LatentInput:
     opened, record = read(report.diagram, getattr(log, "log", log))
     quiet = silenced(opened)
     quiet = quiet.starting_at(start_values(quiet, record))
-    segment = _segment(quiet, record, report.where.place)
-    outputs = [s for s in segment.drives if s in report.residuals] or list(segment.drives)
-    shown = max(outputs, key=lambda s: _size(report.residuals.get(s)))
+    segment = segment_at(quiet, record, report.where.place)
+    shown = most_amiss(segment, report.residuals)
     known = [s for s in segment.reads if s in record.log]
     if not {*known} - {shown}:
         raise GapError(f"no logged signal drives the blocks {', '.join(segment.blocks)}; log what does")
     return _found(quiet, segment, record, known, shown)
 
 
-def _segment(quiet: Diagram, record: Record, place: str) -> "Segment[Diagram]":
-    logged = [s for s in record.log.names if s in quiet.signals]
-    pieces = quiet.segments(logged)
-    segment = next((one for one in pieces if place in one.blocks), None)
-    if segment is None or not segment.drives:
-        raise GapError(f"{place} drives no logged signal by itself, so that no input of it can be told")
-    return segment
-
-
 def _found(quiet: Diagram, segment: "Segment[Diagram]", record: Record, known: list[str], shown: str) -> LatentInput:
     log = record.log
-    inputs = {s: _filled(log[s]) for s in known}
-    first = _output(quiet, segment, log, inputs, shown)
+    inputs = {s: filled(log[s]) for s in known}
+    first = driven_to(quiet, segment, log, inputs, shown)
     responses = {}
     drivers = [s for s in known if s != shown]  # a loop in one segment reads its own output
     for s in drivers:
         span = float(np.ptp(inputs[s])) or 1.0
         moved = inputs[s].copy()
         moved[1] += PULSE * span
-        responses[s] = (_output(quiet, segment, log, {**inputs, s: moved}, shown)[1:] - first[1:]) / (PULSE * span)
+        responses[s] = (driven_to(quiet, segment, log, {**inputs, s: moved}, shown)[1:] - first[1:]) / (PULSE * span)
     # what a block drives comes before a set point: the measurement of a controller, the OP of a valve
     driven = [s for s in drivers if s in quiet.driven] or drivers
     signal = max(driven, key=lambda s: float(np.abs(responses[s]).max()) * float(np.std(inputs[s])))
@@ -140,7 +129,7 @@ def _found(quiet: Diagram, segment: "Segment[Diagram]", record: Record, known: l
         raise GapError(f"{shown} does not answer {', '.join(drivers)} in the model, so that no input of it can be told")
     late = np.flatnonzero(np.abs(g) > SETTLED * np.abs(g).max())
     length = int(late[-1]) + 1
-    left = _filled(log[shown]) - first
+    left = filled(log[shown]) - first
     d = _deconvolved(left, g, integral=length > LASTING * len(g))
     ends = min(length, len(d) // 10)
     kept = slice(ends, len(d) - ends)
@@ -148,25 +137,11 @@ def _found(quiet: Diagram, segment: "Segment[Diagram]", record: Record, known: l
         f"the level of {signal}": inputs[signal][kept],
         f"the rate of {signal}": np.gradient(inputs[signal], log.t)[kept],
         f"the direction of {signal}": _direction(inputs[signal])[kept],
-        f"the level of {shown}": _filled(log[shown])[kept],
+        f"the level of {shown}": filled(log[shown])[kept],
         "time": log.t[kept],
     }
     shares = {name: _share(d[kept], values) for name, values in against.items()}
     return LatentInput(signal, shown, log.t[kept], d[kept], against, shares)
-
-
-def _output(quiet: Diagram, segment: "Segment[Diagram]", log: Log, inputs: Mapping[str, Floats], shown: str) -> Floats:
-    """Return what the segment drives a signal to, its inputs those of the log, (rows,)."""
-    given = {
-        # what a block drives moves between rows, a set point switches
-        s: (log.t, values) if s in quiet.driven else Recorded(s, log.t, values, hold="previous")
-        for s, values in inputs.items()
-    }
-    (name,) = (s for s in segment.diagram.output_labels if s.split(":")[0] == shown)
-    run = simulate(segment.diagram, log.duration, t0=float(log.t[0]), times=log.t, inputs=given, signals=[name])
-    if not run.ok:
-        raise GapError(f"the segment {', '.join(segment.blocks)} cannot be run alone from the log: {run.hint}")
-    return run.log[name]
 
 
 def _deconvolved(y: Floats, g: Floats, integral: bool) -> Floats:
@@ -212,16 +187,3 @@ def _share(d: Floats, values: Floats) -> float:
     within, whole = float(np.mean((d - means[group]) ** 2)), float(np.var(d))
     free = len(d) - int((count > 0).sum())
     return float(np.clip(1.0 - within / whole * (len(d) - 1) / max(free, 1), 0.0, 1.0)) if whole > 0.0 else 0.0
-
-
-def _filled(values: Floats) -> Floats:
-    """Return a signal with what is missing on a straight line."""
-    good = np.isfinite(values)
-    if good.all():
-        return values
-    return np.asarray(np.interp(np.arange(len(values)), np.flatnonzero(good), values[good]))
-
-
-def _size(residuals: Floats | None) -> float:
-    """Return the mean square of what the model as it is leaves of a signal, 0 where nothing is known."""
-    return 0.0 if residuals is None else float(np.nanmean(np.clip(residuals[0], -1e3, 1e3) ** 2))

@@ -1,5 +1,7 @@
 """Data frames of other libraries as one of polars: pandas, pyarrow, and all that speak Arrow or the exchange protocol.
 
+A response of python-control is one too: its time, outputs and inputs.
+
 None of these libraries is imported: their objects are known by what they can do.
 """
 
@@ -34,7 +36,7 @@ def frame_kind(source: object) -> str:
         return "pandas"
     if hasattr(source, "__arrow_c_stream__") or hasattr(source, "__dataframe__"):
         return library
-    return ""
+    return "python-control" if hasattr(source, "output_labels") and hasattr(source, "ntraces") else ""
 
 
 def polars_frame(source: Any) -> pl.DataFrame:
@@ -49,6 +51,8 @@ def polars_frame(source: Any) -> pl.DataFrame:
         frame = source.collect() if isinstance(source, pl.LazyFrame) else source
     elif kind == "pandas":
         frame = _from_pandas(source)
+    elif kind == "python-control":
+        frame = pl.DataFrame(_columns_of_response(source))
     elif hasattr(source, "__arrow_c_stream__"):
         frame = pl.DataFrame(source)
     else:
@@ -58,6 +62,18 @@ def polars_frame(source: Any) -> pl.DataFrame:
     if frame.width < 2:
         raise ReadError(f"the frame has {frame.width} column; a record needs a time and a signal")
     return frame
+
+
+def _columns_of_response(source: Any) -> dict[str, Any]:
+    """Time [s], outputs and those inputs that are no outputs of a response of python-control."""
+    if source.ntraces > 1:
+        raise ReadError(f"the response has {source.ntraces} traces; give one of them, e.g. response[:, 0]")
+    columns = {"time": np.asarray(source.time)}
+    for labels, rows in ((source.output_labels, source.y), (source.input_labels, source.u)):
+        if labels and rows is not None:
+            for label, row in zip(labels, np.reshape(rows, (len(labels), -1)), strict=True):
+                columns.setdefault(label, row)
+    return columns
 
 
 def _from_pandas(source: Any) -> pl.DataFrame:

@@ -4,7 +4,7 @@ import inspect
 import math
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.console import Speaker, json_option, user_errors
+from stickslip.kept import kept
 
 if TYPE_CHECKING:
     from blocks.block import Block
@@ -147,7 +148,8 @@ def entries() -> tuple[Entry, ...]:
     >>> [entry.outputs for entry in entries() if entry.name == "Shaft"]
     [('w [rad/s]',)]
     """
-    return tuple(_entry(group, name, short) for group, names in BLOCKS.items() for name, short in names.items())
+    found = kept("blocks", lambda: [vars(entry) for entry in _built()])
+    return tuple(_as_entry(facts) for facts in found)
 
 
 def find(name: str) -> Entry:
@@ -156,12 +158,12 @@ def find(name: str) -> Entry:
     >>> find("stick_slip").name, find("gasturbine").name
     ('StickSlip', 'GasTurbine')
     """
-    from blocks.ports import BlockError, nearest
-
     wanted = name.lower().removesuffix(".py")
     for entry in entries():
         if wanted in (entry.name.lower(), entry.file.removeprefix("blocks/").removesuffix(".py")):
             return entry
+    from blocks.ports import BlockError, nearest
+
     raise BlockError(f"there is no block '{name}'; {nearest(name, [entry.name for entry in entries()])}")
 
 
@@ -238,6 +240,17 @@ def _show(entry: Entry, say: Speaker) -> None:
     if entry.example:
         say()
         say(entry.example)
+
+
+def _as_entry(facts: Mapping[str, Any]) -> Entry:
+    values: dict[str, Any] = {key: tuple(fact) if isinstance(fact, list) else fact for key, fact in facts.items()}
+    return Entry(**values)
+
+
+def _built() -> Iterator[Entry]:
+    for group, names in BLOCKS.items():
+        for name, short in names.items():
+            yield _entry(group, name, short)
 
 
 def _entry(group: str, name: str, short: str) -> Entry:

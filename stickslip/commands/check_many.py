@@ -1,7 +1,6 @@
 """``stickslip check`` on several loops, of one file or of several: a table, the groups, and where to look first."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -10,7 +9,6 @@ from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis, Survey
-    from detect.words import Word
     from logs import Log, LoopRecord
 
 SCHEMA = "stickslip.check-many/1"
@@ -107,7 +105,7 @@ def check_many(
         complain(reason)
     if faults:
         return 2
-    return 1 if "stiction" in _words(judged, surveys) else 0
+    return int(any(answer.verdict == "stiction" for _, answers in judged for answer in answers))
 
 
 def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
@@ -119,47 +117,39 @@ def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
     return survey(read.log, {answer.loop: answer.verdict for answer in answers})
 
 
-def _words(judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]") -> "list[Word]":
-    """Return the verdict on every loop, in order: its own, or what the other tags of its file show."""
-    found: list[Word] = []
-    for (_, answers), one in zip(judged, surveys, strict=True):
-        seen = {} if one is None else {suspect.loop: suspect.word for suspect in one.suspects}
-        found += [seen.get(answer.loop) or answer.verdict for answer in answers]
-    return found
-
-
 def _rows(
     judged: "Sequence[tuple[Path, list[Diagnosis]]]", surveys: "Sequence[Survey | None]"
 ) -> list[tuple[int, list[str]]]:
-    """Return one row a loop as in ``COLUMNS``, the likeliest valve first, each with the number of its loop."""
+    """Return one row a loop as in ``COLUMNS``, the likeliest valve first, each with the number of its loop.
+
+    The verdict is the loop's own, as everywhere; what the other tags show stands beside it and puts the loop forward.
+    """
     from detect.chances import chance
     from detect.words import WORDS
 
     order: list[tuple[tuple[int, float, float], int, list[str]]] = []
-    words = _words(judged, surveys)
     for (file, answers), one in zip(judged, surveys, strict=True):
         suspects = {} if one is None else {suspect.loop: suspect for suspect in one.suspects}
         for answer in answers:
             suspect = suspects.get(answer.loop)
             name = answer.loop if len(judged) == 1 else f"{file.stem}: {answer.loop}"
             travel, why, gain = "-", "OP hardly moves, or its span is not known." if one is not None else "", 0.0
-            word = words[len(order)]
+            word = answer.verdict
+            suspected = word == "stiction" if suspect is None else suspect.suspected
             if suspect is not None:
                 travel, why, gain = f"{suspect.travel:.3g}", suspect.reason.split("; its own verdict")[0], suspect.gain
             period = "-" if answer.period is None else f"{float(f'{answer.period:.3g}'):g}"
-            seen = _seen_in(answer, word)
+            seen = _seen_in(answer)
             row = [name, WORDS[word].spoken, seen, chance(answer.probability), period, travel, why.rstrip(".")]
-            place = FIRST.index(word) if one is None else int(word != "stiction")
+            place = FIRST.index(word) if one is None else int(not suspected)
             sure = 1.0 if answer.probability is None and word == "stiction" else answer.probability or 0.0
             order.append(((place, -gain, -sure), len(order), row))
     return [(number, row) for _, number, row in sorted(order, key=lambda one: one[:2])]
 
 
-def _seen_in(answer: "Diagnosis", word: "Word") -> str:
+def _seen_in(answer: "Diagnosis") -> str:
     """Return what the verdict on a loop rests on."""
-    if word != answer.verdict:
-        return "other tags"
-    if word == "not_applicable":
+    if answer.verdict == "not_applicable":
         return "-"
     if answer.probability is not None:
         return "PV and OP"
@@ -187,20 +177,10 @@ def _page(
     answers = [answer for _, found in judged for answer in found]
     said = [k for k in range(len(COLUMNS)) if k < 2 or any(row[k] not in ("", "-") for _, row in rows)]
     links = [f"#s{1 + len(shared) + number}" for number, _ in rows]
-    words = _words(judged, surveys)
-    kinds = [WORDS[words[number]].kind for number, _ in rows]
+    kinds = [WORDS[answers[number].verdict].kind for number, _ in rows]
     cells = [[row[k] for k in said] for _, row in rows]
     table = Section("All loops", f"{len(rows)} loops", "open", "Those to look at first are on top.")
     table.figures.append(table_to_html([COLUMNS[k] for k in said], cells, links=links, badges={1: kinds}))
-    sticky = words.count("stiction")
+    sticky = sum(answer.verdict == "stiction" for answer in answers)
     lead = f"In {sticky} of {len(answers)} loops the valve looks sticky." if sticky else "No valve is called sticky."
-    seen = {suspect.loop: suspect.reason for one in surveys if one is not None for suspect in one.suspects}
-    sections = []
-    for answer, word in zip(answers, words, strict=True):
-        section = section_of(answer)
-        if word != answer.verdict:  # other tags decide where the loop itself leaves it open
-            section = replace(
-                section, badge=WORDS[word].spoken.upper(), kind=WORDS[word].kind, before=seen[answer.loop]
-            )
-        sections.append(section)
-    return page(f"{len(rows)} loops", lead, [table, *shared, *sections])
+    return page(f"{len(rows)} loops", lead, [table, *shared, *(section_of(answer) for answer in answers)])

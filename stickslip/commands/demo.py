@@ -19,13 +19,14 @@ REAL = (
     ("PAP9", "isdb/PAP9.csv", "no stiction", "A temperature loop of a paper mill (International Stiction Data Base)."),
 )
 LEAD = (
-    "Five loops of our own making, exported as a historian would, so the truth is known; then real loops, labelled by "
-    "experts. Each was judged from SP, PV and OP alone."
+    "Five loops of our own making, exported as a historian would, so the truth is known{real}. Each was judged from "
+    "SP, PV and OP alone."
 )
+WITH_REAL = "; then real loops, labelled by experts"
 GUIDE = (
     "How to read it: the verdict weighs all that a record shows. The lower picture is one piece of "
-    "evidence, the area ratio: the control error SP - PV is cut into half waves, and each half wave at its peak. "
-    "R is the area "
+    "evidence, the area ratio where it applies: the control error SP - PV is cut into half waves, and each half wave "
+    "at its peak. R is the area "
     "before the peak over the area after it. Tight tuning or an outside wave gives R near 1. A valve that sticks and "
     "then jumps lets PV creep to its peak and throws it back: the peak comes late, and R above 1.25 is called "
     "stiction when both half waves show it. A sticky valve behind a slow process or under noise has R near 1 too, so "
@@ -115,9 +116,11 @@ def _stories(say: Speaker) -> list[Judged]:
 
 def _real(say: Speaker) -> list[Judged]:
     default = Path(__file__).resolve().parents[3] / "shared" / "data"
-    folder = Path(os.environ.get("STICKSLIP_DATA") or default)
+    named = os.environ.get("STICKSLIP_DATA")
+    folder = Path(named or default)
     if not folder.is_dir():
-        say(f"no real loops: there is no folder {folder}; set STICKSLIP_DATA to one that holds them", fg="yellow")
+        if named:  # nobody else has them to miss
+            say(f"no real loops: there is no folder {folder}; set STICKSLIP_DATA to one that holds them", fg="yellow")
         return []
     judged = []
     for name, file, truth, story in REAL:
@@ -139,8 +142,8 @@ def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: s
 
 
 def _page(judged: list[Judged]) -> str:
-    from stickslip.commands.one_loop import READ
-    from stickslip.report.page import Section, figure_to_svg, page
+    from stickslip.commands.one_loop import READ, pictures_of
+    from stickslip.report.page import Section, page
 
     sections = []
     table = [["loop", "truth or label", "verdict", "score"]]
@@ -150,7 +153,8 @@ def _page(judged: list[Judged]) -> str:
             t.title, t.said.upper(), t.wording.kind, t.diagnosis.reason, t.story, truth, t.lesson, notes_label=READ
         )
         section.notes.extend(t.diagnosis.assumptions)
-        section.figures.append(figure_to_svg(t.diagnosis.plot(words=False)))
+        section.figures += pictures_of(t.diagnosis)
         sections.append(section)
         table.append([t.title, t.truth, t.said, t.score])
-    return page("Is it the valve?", LEAD, sections, table, GUIDE)
+    real = any(t.known != "in truth" for t in judged)
+    return page("Is it the valve?", LEAD.format(real=WITH_REAL if real else ""), sections, table, GUIDE)

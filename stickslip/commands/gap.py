@@ -102,7 +102,7 @@ def command(
     for sentence in report.notes:
         say.paragraph(sentence, "  - ")
     if html is not None:
-        write_whole(html, _page(report, shape, run.name).encode())
+        write_whole(html, _page(report, log, shape, run.name).encode())
         say(f"report: {html}")
     say.document({"schema": SCHEMA, **report.to_dict()})
     raise SystemExit(1 if report.gap else 0)
@@ -118,21 +118,21 @@ def _shape(report: "GapReport", log: "Log") -> "LatentInput | str":
         return str(reason)
 
 
-def _page(report: "GapReport", shape: "LatentInput | str", name: str) -> str:
-    from stickslip.report.page import Section, captioned, figure_to_svg, page, table_to_html
+def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str) -> str:
+    from stickslip.report.page import Section, bullets, captioned, figure_to_svg, page, table_to_html
 
     badge, kind = ("GAP", "bad") if report.gap else ("NO GAP", "good")
-    answer = Section("The answer", badge, kind, " ".join(report.words), notes=list(report.notes))
-    answer.notes_label = "Read and assumed"
+    first, *more = report.words
+    answer = Section("The answer", badge, kind, first)
+    answer.figures += _first_pictures(report, log)
+    reasons = Section("Why", "", "open", "", notes=list(report.notes), notes_label="Read and assumed")
+    if more:
+        reasons.figures.append(bullets("What was found", more))
     if report.ranking:
         rows = [
             [rank.effect.replace("_", " "), rank.place, f"{rank.probability:.3f}"] for rank in report.ranking[:SHOWN]
         ]
-        answer.figures.append(table_to_html(["effect", "place", "probability"], rows))
-    where = Section("Where it lies", "", "open", "")
-    where.figures.append(
-        captioned(figure_to_svg(report.plot_diagram()), "The redder and thicker a frame, the likelier.")
-    )
+        reasons.figures.append(table_to_html(["effect", "place", "probability"], rows))
     form = Section("What shape it has", "", "open", str(shape))
     if not isinstance(shape, str):
         said = "Grey: rows; lines: means of equally many. A play or a stick parts the lines over what drives it."
@@ -141,5 +141,25 @@ def _page(report: "GapReport", shape: "LatentInput | str", name: str) -> str:
     said = "One-step errors of the model; grey: three standard deviations, which a model without a gap keeps to."
     left.figures.append(captioned(figure_to_svg(report.plot()), said))
     return page(
-        f"{name}: {'gap' if report.gap else 'no gap'}", "", [answer, where, *([form] if report.gap else []), left]
+        f"{name}: {'gap' if report.gap else 'no gap'}", "", [answer, reasons, *([form] if report.gap else []), left]
     )
+
+
+def _first_pictures(report: "GapReport", log: "Log") -> list[str]:
+    """Return the log against the model before and after, with how far the gap shrinks, and the place in the diagram."""
+    from gap import GapError, replayed
+    from stickslip.report.page import captioned, figure_to_svg
+
+    pictures = []
+    try:
+        found = replayed(report, log)
+    except GapError:  # a gap without a place, or no gap: residuals and diagram say what there is to see
+        pass
+    else:
+        said = (
+            "Drawn: the stretch where the model errs most, driven by the log alone; a slip that is missed there stays "
+            "missed until the next. The bar counts errors from row to row, on rows that the fit has not seen."
+        )
+        pictures.append(captioned(figure_to_svg(found.plot()), said, str(found)))
+    said = "The redder and thicker a frame, the likelier the gap is there." if report.where else "The model."
+    return [*pictures, captioned(figure_to_svg(report.plot_diagram()), said)]

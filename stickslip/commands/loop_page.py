@@ -1,9 +1,10 @@
 """The report on one loop: the answer in words first, then how it changed, what speaks for it, and what was assumed."""
 
 from datetime import timedelta
+from math import nan
 from typing import TYPE_CHECKING
 
-from stickslip.commands.one_loop import READ, UNLIKELY
+from stickslip.commands.one_loop import READ, UNLIKELY, drawn_method, shown_method
 
 if TYPE_CHECKING:
     from detect import Diagnosis
@@ -11,7 +12,6 @@ if TYPE_CHECKING:
     from detect.judge.answer import Amount
     from detect.prepare.harris import Harris
     from detect.prepare.prepared import Prepared
-    from detect.verdict import Verdict
     from stickslip.report.page import Section
 
 SEVERAL = 3  # of the causes that are named
@@ -26,7 +26,7 @@ def loop_page(diagnosis: "Diagnosis") -> str:
     from stickslip.report.page import page
 
     loop = Prepared(diagnosis.record)
-    stem = stem_trend(diagnosis.methods)
+    stem = stem_trend(diagnosis.methods, diagnosis.record)
     sections = [
         _answer(diagnosis, loop),
         _test(diagnosis),
@@ -79,7 +79,7 @@ def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
     else:
         told["Detection limit"] = "not known for this record"
     told["Oscillation"] = _oscillation(diagnosis, loop)
-    if diagnosis.performance is not None:
+    if diagnosis.performance is not None and not _at_rest(diagnosis):
         told["Control"] = _performance(diagnosis.performance)
     if diagnosis.action:
         told["What to do"] = diagnosis.action
@@ -148,7 +148,8 @@ def _over_time(found: "OverTime") -> "Section":
     section = Section("Over time", "", "open", found.words, before=found.divided)
     if not found.windows:
         return section
-    section.figures.append(figure_to_svg(plot_over_time(found)))
+    if any(w.probability is not None or w.S is not None for w in found.windows):
+        section.figures.append(figure_to_svg(plot_over_time(found)))
     head = ["from", "to", "samples", "verdict", "probability", "S", "90 % interval", "J", "unit"]
     rows = [
         [
@@ -178,6 +179,7 @@ def _when(found: "OverTime", t: float) -> str:
 
 
 def _trend(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") -> "Section":
+    from detect.evidence import set_point_words
     from detect.figures.loop_trend import plot_cycles, plot_trend
     from stickslip.report.page import Section, captioned, figure_to_svg
 
@@ -188,8 +190,9 @@ def _trend(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") ->
     shaded = [f"grey: {len(gaps)} gap{'s' * (len(gaps) > 1)}"] * bool(gaps)
     shaded += ["light red: samples that do not count"] * (not record.good.all())
     caption = "; ".join(["The whole record", *shaded]) + "."
-    section.figures.append(captioned(figure_to_svg(plot_trend(record, seen)), caption))
-    if diagnosis.verdict == "not_applicable" and seen is None:
+    moved = set_point_words(record, diagnosis.period or nan)
+    section.figures.append(captioned(figure_to_svg(plot_trend(record, seen)), caption, moved))
+    if _at_rest(diagnosis) or (diagnosis.verdict == "not_applicable" and seen is None):
         return section
     cycles = figure_to_svg(plot_cycles(record, period, seen))
     if seen is None:
@@ -215,7 +218,9 @@ def _evidence(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str")
 
     if not diagnosis.record.good.any():
         return None
-    section = Section("The evidence", "", "open", "")
+    section = Section("The evidence", "", "open", _at_rest(diagnosis))
+    if section.reason:
+        return section
     seen = None if isinstance(stem, str) else stem
     record, period = diagnosis.record, loop.period
     small = [
@@ -241,10 +246,22 @@ def _evidence(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str")
         )
         small.append(captioned(figure_to_svg(plot_correlation(likeness)), told, _lag(likeness)))
     section.figures.append(side_by_side(small))
-    shown = next((v for v in diagnosis.methods if v.draw is not None and len(v.evidence)), None)
+    shown = shown_method(diagnosis)
     if shown is not None:
-        section.figures.append(captioned(figure_to_svg(_drawn(shown)), shown.reason, f"{_spoken(shown.method)}."))
+        section.figures.append(captioned(figure_to_svg(drawn_method(shown)), shown.reason, f"{_spoken(shown.method)}."))
     return section
+
+
+def _at_rest(diagnosis: "Diagnosis") -> str:
+    """Rest in words; "" where something moves."""
+    from logs.trend import rests
+
+    record = diagnosis.record
+    pv, op = record.pv[record.good], record.op[record.good]
+    if not len(pv) or not (rests(pv) and rests(op)):
+        return ""
+    most = max(float(pv.max() - pv.min()), float(op.max() - op.min()))
+    return f"At rest: nothing moves{f' by more than {most:.1g}' if most else ''}, so there is nothing to draw."
 
 
 def _harmonics(lines: "Spectrum") -> str:
@@ -258,15 +275,6 @@ def _lag(found: "Correlation") -> str:
     return (
         f"Correlation: PV follows OP by {found.lag:.3g} s (r = {found.at_lag:.2f}); at no lag r = {found.at_zero:.2f}."
     )
-
-
-def _drawn(verdict: "Verdict"):  # type: ignore[no-untyped-def]
-    from detect.figures.verdict import draw_evidence
-    from logs.picture import Picture
-
-    figure = Picture(figsize=(9.6, 3.7), layout="constrained")
-    draw_evidence(verdict, figure)
-    return figure
 
 
 def _spoken(method: str) -> str:

@@ -3,8 +3,11 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from detect import Diagnosis
     from detect.prepare.prepared import Prepared
+    from detect.verdict import Verdict
     from logs import LoopRecord
     from stickslip.report.page import Section
 
@@ -47,7 +50,7 @@ def section_of(diagnosis: "Diagnosis") -> "Section":
     from detect.chances import chance
     from detect.judge.actions import CAUSES
     from detect.words import WORDS
-    from stickslip.report.page import Section, figure_to_svg
+    from stickslip.report.page import Section
 
     word = WORDS[diagnosis.verdict]
     section = Section(
@@ -60,5 +63,41 @@ def section_of(diagnosis: "Diagnosis") -> "Section":
         chances = ", ".join(f"{CAUSES[cause].spoken} {chance(p)}" for cause, p in likely.items())
         section.notes.append(f"Probabilities: {chances}.")
     section.notes.extend(diagnosis.assumptions)
-    section.figures.append(figure_to_svg(diagnosis.plot(words=False)))
+    section.figures += pictures_of(diagnosis)
     return section
+
+
+def pictures_of(diagnosis: "Diagnosis") -> list[str]:
+    """Return what shows a verdict on a page of several: the trend with PV against OP, and one method's evidence."""
+    from math import nan
+
+    from detect.evidence import set_point_words
+    from detect.figures.evidence import plot_pv_op
+    from detect.figures.loop_trend import plot_trend
+    from stickslip.report.page import beside, captioned, figure_to_svg
+
+    record, period = diagnosis.record, diagnosis.period or nan
+    trend = figure_to_svg(plot_trend(record))
+    moved = set_point_words(record, period)
+    if not record.good.any():
+        return [trend]
+    small = figure_to_svg(plot_pv_op(record, period, None))
+    pictures = [beside(captioned(trend, "", moved) if moved else trend, captioned(small, "PV against OP."))]
+    shown = shown_method(diagnosis)
+    return pictures if shown is None else [*pictures, figure_to_svg(drawn_method(shown))]
+
+
+def shown_method(diagnosis: "Diagnosis") -> "Verdict | None":
+    """Return the method whose evidence is drawn: the first that has any, a voter if possible."""
+    drawn = [v for v in diagnosis.methods if v.draw is not None and len(v.evidence)]
+    return next(iter(sorted(drawn, key=lambda v: v.experimental)), None)
+
+
+def drawn_method(verdict: "Verdict") -> "Figure":
+    """Return the evidence of a method as a picture as wide as a page."""
+    from detect.figures.verdict import draw_evidence
+    from logs.picture import Picture
+
+    figure = Picture(figsize=(9.6, 3.7), layout="constrained")
+    draw_evidence(verdict, figure)
+    return figure

@@ -7,18 +7,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.console import Speaker, complain, json_option, user_errors
+from stickslip.kept import kept
 from stickslip.targets import check_targets, write_figure
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from cases import Case
-    from diagram.diagram import Diagram
     from logs import Log
 
 METHODS = ("auto", "explicit", "stiff")  # of diagram.simulate, named here so that help stays quick
 LOGS, PICTURES = (".csv", ".parquet"), (".png", ".svg", ".pdf")
-WIDEST = 40.0  # inch: a drawing that is wider is folded by unit, where units are known
 MOST_ROWS = 10_000_000  # some 500 MB of log
 
 
@@ -35,13 +32,14 @@ MOST_ROWS = 10_000_000  # some 500 MB of log
 @click.option(
     "--rtol", type=float, metavar="NUMBER", default=1e-6, show_default=True, help="Relative error allowed per step."
 )
+@click.option("--max-step", type=float, metavar="SECONDS", help="Largest step, e.g. for functions of time that jump.")
 @click.option("--numbers/--no-numbers", default=False, help="Also reproduce the case's published numbers.")
 @json_option
 @user_errors
 def command(
     case: str | None, listed: bool, out: Path | None, picture: Path | None, diagram: Path | None,
-    settings: tuple[str, ...], duration: float | None, every: float | None, method: str, rtol: float, numbers: bool,
-    json_file: str | None,
+    settings: tuple[str, ...], duration: float | None, every: float | None, method: str, rtol: float,
+    max_step: float | None, numbers: bool, json_file: str | None,
 ) -> None:  # fmt: skip
     """Run a named CASE; 'stickslip simulate --list' shows them all.
 
@@ -77,7 +75,9 @@ def command(
     from diagram import simulate
 
     built = chosen.build()
-    run = simulate(built, span, every=step, params=params or None, method=method, rtol=rtol, atol=1e-3 * rtol)
+    run = simulate(
+        built, span, every=step, params=params or None, method=method, rtol=rtol, atol=1e-3 * rtol, max_step=max_step
+    )
     say(f"{chosen.name}: {chosen.title}", bold=True)
     say(chosen.about)
     cost = run.statistics
@@ -92,9 +92,8 @@ def command(
         write_figure(run.plot(chosen.signals or None), picture)
         say(f"trends: {picture}")
     if diagram is not None:
-        drawn, folded = _drawing(built)
-        write_figure(drawn, diagram)
-        say(f"diagram: {diagram}{' (folded by unit; one unit in full: diagram.part([...]).plot())' if folded else ''}")
+        write_figure(built.plot(), diagram)
+        say(f"diagram: {diagram}")
     found = [number.to_dict() for number in chosen.numbers()] if numbers else []
     if found:
         say("the case's own numbers, from runs of their own" + (" (without --set)" if params else "") + ":")
@@ -122,26 +121,17 @@ def command(
         raise SystemExit(130 if run.status.name == "INTERRUPTED" else 2)
 
 
-def _drawing(built: "Diagram") -> "tuple[Figure, bool]":
-    """Return the drawing of a diagram, folded by unit where it would be wider than ``WIDEST``, and whether it is."""
-    from plant.units import units
-
-    whole, folded = built.plot(), units(built)
-    return (built.plot(folded), True) if folded and whole.get_figwidth() > WIDEST else (whole, False)
-
-
 def _list(say: Speaker) -> None:
     """Show all cases."""
+    cases = kept("cases", _cases)
+    say.table(["case", "what it is"], [[case["name"], case["title"]] for case in cases])
+    say.document({"schema": "stickslip.cases/1", "cases": cases})
+
+
+def _cases() -> list[dict[str, str]]:
     from cases import find, names
 
-    cases = [find(name) for name in names()]
-    say.table(["case", "what it is"], [[case.name, case.title] for case in cases])
-    say.document(
-        {
-            "schema": "stickslip.cases/1",
-            "cases": [{"name": case.name, "title": case.title, "about": case.about} for case in cases],
-        }
-    )
+    return [{"name": case.name, "title": case.title, "about": case.about} for case in map(find, names())]
 
 
 def _times(case: "Case", duration: float | None, every: float | None) -> tuple[float, float]:

@@ -98,6 +98,7 @@ def command(
         )
     else:
         found = compare([_opened(source) for source in sources], methods, process=process, loops=loops or None)
+    _refuse_short(found)
     _tell(say, found)
     scored = _scored(say, found, known) if known is not None else []
     if csv_file is not None:
@@ -111,6 +112,16 @@ def command(
         say(f"picture: {picture}")
     say.document(found.to_dict() | ({"scores": scored} if scored else {}))
     raise SystemExit(1 if any(judged.combined == "stiction" for judged in found.loops) else 0)
+
+
+def _refuse_short(found: "Comparison") -> None:
+    """Raise ``ValueError`` where no method can look at any loop and each has too few rows for the verdict, too."""
+    from detect.judge.answer import SAMPLES
+
+    most = max(judged.samples for judged in found.loops)
+    if most < SAMPLES and not any(verdict.applicable for judged in found.loops for verdict in judged.verdicts):
+        names = ", ".join(judged.loop for judged in found.loops)
+        raise ValueError(f"{names}: {most} rows, of which no method can say anything; give {SAMPLES} rows or more")
 
 
 def _scored(say: Speaker, found: "Comparison", labels: "Mapping[str, Label]") -> "list[dict[str, Any]]":

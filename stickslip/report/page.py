@@ -4,12 +4,12 @@ import html
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from stickslip.report.pictures import captioned, figure_to_svg, side_by_side
+from stickslip.report.pictures import beside, captioned, figure_to_svg, side_by_side
 from stickslip.report.style import CSS
 from stickslip.report.tables import ordered_table, table_to_html
 
 __all__ = [
-    "Section", "bullets", "captioned", "figure_to_svg", "ordered_table", "page", "pairs", "side_by_side",
+    "Section", "beside", "bullets", "captioned", "figure_to_svg", "ordered_table", "page", "pairs", "side_by_side",
     "table_to_html",
 ]  # fmt: skip
 
@@ -74,7 +74,8 @@ def page(
 
 def _article(number: int, section: Section) -> str:
     figures = "".join(
-        f"<figure{' class=scroll' if _alone(piece) else ''}>{piece}</figure>" for piece in section.figures
+        piece if _in_figures(piece) else f"<figure{' class=scroll' if _alone(piece) else ''}>{piece}</figure>"
+        for piece in section.figures
     )
     return (
         f"<article id='s{number}'><header class='row'><h2>{html.escape(section.title)}</h2>"
@@ -93,6 +94,11 @@ def _article(number: int, section: Section) -> str:
 def _alone(piece: str) -> bool:
     """Whether a piece is one wide picture, which scrolls sideways where the window is narrow."""
     return piece.startswith("<svg")
+
+
+def _in_figures(piece: str) -> bool:
+    """Whether a piece is several pictures, each a figure of its own."""
+    return piece.startswith("<div class='grid")
 
 
 def bullets(label: str, items: Sequence[str]) -> str:

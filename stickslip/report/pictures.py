@@ -13,7 +13,7 @@ from stickslip.report.style import in_variables
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["captioned", "figure_to_svg", "side_by_side"]
+__all__ = ["beside", "captioned", "figure_to_svg", "side_by_side"]
 
 SILENT = dict.fromkeys(("Creator", "Date", "Format", "Type"))  # no metadata, no web addresses
 OUTSIDE = 1.0  # point that something may stick out of a figure
@@ -33,9 +33,18 @@ def side_by_side(pictures: Sequence[str]) -> str:
     """Return pictures beside each other where there is room, below each other where there is not.
 
     >>> side_by_side(["<svg></svg>"])
-    "<div class='grid'><div><svg></svg></div></div>"
+    "<div class='grid'><figure><svg></svg></figure></div>"
     """
-    return f"<div class='grid'>{''.join(f'<div>{picture}</div>' for picture in pictures)}</div>"
+    return f"<div class='grid'>{''.join(f'<figure>{picture}</figure>' for picture in pictures)}</div>"
+
+
+def beside(wide: str, small: str) -> str:
+    """Return a wide picture with a small one beside it, or below it where there is no room.
+
+    >>> beside("<svg></svg>", "<svg></svg>")
+    "<div class='grid wide'><figure class=scroll><svg></svg></figure><figure><svg></svg></figure></div>"
+    """
+    return f"<div class='grid wide'><figure class=scroll>{wide}</figure><figure>{small}</figure></div>"
 
 
 def figure_to_svg(figure: "Figure") -> str:

@@ -61,7 +61,8 @@ figure svg { width: 100%; height: auto; display: block; }
 figure svg text { fill: var(--ink); }
 figure.scroll svg { min-width: 680px; }
 .grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 10px 24px; }
-.grid > div { min-width: 0; max-width: 600px; }
+.grid > figure { min-width: 0; max-width: 600px; }
+.grid.wide { grid-template-columns: 2.2fr 1fr; } .grid.wide > figure { max-width: none; }
 figcaption { color: var(--soft); font-size: 14.5px; max-width: 80ch; margin: 4px 0 18px; position: sticky; left: 0;
   width: fit-content; }
 figcaption strong { color: var(--ink); font-weight: 600; }
@@ -97,13 +98,19 @@ input.order { position: absolute; opacity: 0; pointer-events: none; }
 sup { line-height: 0; } ol.foot { color: var(--soft); font-size: 14px; margin: 8px 0 0; padding-left: 28px; }
 ol.foot li { max-width: 80ch; }
 a { color: var(--link); } footer { color: var(--soft); font-size: 13.5px; margin-top: 28px; }
+@media (max-width: 900px) { .grid.wide { grid-template-columns: minmax(0, 1fr); }
+  .grid.wide > figure:not(.scroll) { max-width: 600px; } }
 @media (max-width: 560px) { main { padding: 20px 10px 40px; } article { padding: 16px 14px; } h1 { font-size: 24px; }
   dl { grid-template-columns: 1fr; gap: 0; } dd { margin-bottom: 8px; }
   table:not(.ordered) th.num { white-space: normal; } }
 @media print { body { background: none; font-size: 10.5pt; } main { max-width: none; padding: 0; }
   nav { display: none; }
-  article { break-inside: auto; border: 0; padding: 0; } tr, svg, .grid > div { break-inside: avoid; }
-  h2, .label, header.row { break-after: avoid; } thead { display: table-header-group; }
+  article { break-inside: auto; border: 0; padding: 0; } tr, svg, figure.scroll, .grid > figure { break-inside: avoid; }
+  /* What leads to a picture or a table stays with it: its heading, and the words between them. */
+  h2, .label, header.row, p.soft, p.reason { break-after: avoid; break-inside: avoid; }
+  figcaption, p + .grid { break-before: avoid; } thead { display: table-header-group; }
+  .grid { grid-template-columns: 1fr 1fr; } .grid.wide { display: block; }
+  .grid.wide > figure:not(.scroll) { max-width: 50%; }
   .scroll { overflow: visible; background: none; } figure.scroll svg { min-width: 0; } .orders { display: none; }
   table { font-size: 9pt; } td, td.long, td:first-child:not(.num), th:first-child:not(.num) {
   min-width: 0; }

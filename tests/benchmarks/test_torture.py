@@ -10,11 +10,13 @@ import pytest
 
 from benchmarks.torture import judge as judging
 from benchmarks.torture.c_program import NoCompiler, covers, program, solve
-from benchmarks.torture.draw import Drawn, draw
+from benchmarks.torture.draw import Drawn, _swing, draw
 from blocks import (
+    Biquad,
     Constant,
     DeadTime,
     DeadZone,
+    Equations,
     FirstOrder,
     Gain,
     Lookup1D,
@@ -113,6 +115,33 @@ def test_the_c_program_begins_with_the_modes_that_the_inputs_call_for():
         assert found["latch"][0] == (value > 4.0) and found["r"][0] == pytest.approx(-7.0 + 0.25)
 
 
+def test_the_c_program_sees_the_new_mode_where_a_step_meets_a_sample():
+    # analytic: a steps from 0 to 5 at 1 s, when h and y sample; the latch needs more than 4, which the lowest never is
+    made = [MinSelect("low", ["a", "b"]), Relay("latch", "low", 4.0, -99.0), ZeroOrderHold("h", "low", 0.5)]
+    made += [Switch("chosen", "a", above="b", below="c", switch_on=2.0), ZeroOrderHold("y", "chosen", 0.5)]
+    sources = [Step("a", 5.0, at=1.0), Constant("b", 1.0), Constant("c", 0.25)]
+    found = c(wire([*made, *[Gain(f"{s}_2", s, 1.0) for s in "abc"], *sources]), np.array([0.9, 1.1]))
+    assert [found[s].tolist() for s in ("h", "y", "latch")] == [[0.0, 1.0], [0.25, 1.0], [0.0, 0.0]]
+
+
+def test_the_c_program_filters_and_follows_a_function_of_time():
+    values = {"mean": 1.0, "amplitude": 0.5, "omega": 2.0, "bump": 3.0, "centre": 4.0, "width": 0.5}
+    swing = Equations("u", out=_swing, outputs="u", params=values)
+    smooth = Biquad("y", "u", [0.2, 0.3, 0.1], [-0.6, 0.2], 0.5, start=1.0)
+    found = c(wire([swing, smooth]), np.arange(20) * 0.5 + 0.25)
+
+    def u(t):  # its docstring
+        return 1.0 + 0.5 * math.sin(2.0 * t) + 3.0 * math.exp(-(((t - 4.0) / 0.5) ** 2))
+
+    y, before = [1.0, 1.0], [1.0, 1.0]  # analytic: settled at 1, then the difference equation
+    for k in range(20):
+        now = u(0.5 * k)
+        y.append(0.2 * now + 0.3 * before[-1] + 0.1 * before[-2] + 0.6 * y[-1] - 0.2 * y[-2])
+        before.append(now)
+    assert found["u"] == pytest.approx([u(0.5 * k + 0.25) for k in range(20)], abs=1e-12)
+    assert found["y"] == pytest.approx(y[2:], abs=1e-12)
+
+
 def test_seeds_draw_the_same_diagrams_again_and_every_kind_of_block():
     kinds: set[str] = set()
     for seed in range(40):
@@ -124,7 +153,7 @@ def test_seeds_draw_the_same_diagrams_again_and_every_kind_of_block():
         "Constant", "Step", "Ramp", "Sine", "Square", "Noise", "Sum", "Gain", "Saturation", "DeadTime", "FirstOrder",
         "SecondOrder", "Integrator", "PI", "PID", "SampledPI", "StickSlip", "QuasiStaticStem", "Deadband", "KanoValve",
         "Sensor", "SampledSensor", "MinSelect", "MaxSelect", "DeadZone", "Lookup1D", "Quantiser", "Switch", "Relay",
-        "RateLimiter", "ResetIntegrator", "ZeroOrderHold", "SampledFilter", "VariableDelay",
+        "RateLimiter", "ResetIntegrator", "ZeroOrderHold", "SampledFilter", "VariableDelay", "Biquad", "Equations",
     }  # fmt: skip
 
 

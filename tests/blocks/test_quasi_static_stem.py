@@ -175,3 +175,13 @@ def test_a_held_op_behind_a_dead_time_does_not_stop_the_stem():
     for run in (simulate(late, 40.0, times=times), simulate_reference(late, 40.0, times=times)):
         assert moving.sum() > 30
         assert np.abs(run.log["MV"] - expected)[moving].max() < 1e-12
+
+
+@pytest.mark.parametrize(("mode", "op", "stop"), [("sliding up", 0.0, 0.0), ("sliding down", 1.0, 1.0)])
+@pytest.mark.parametrize("run", [simulate, simulate_reference])
+def test_a_stem_started_beyond_the_stop_behind_it_rests_there(run, mode, op, stop):
+    # analytic: f_s = 0.04, f_c = 0.02; OP moves inwards by 0.1 in 1 s, so that the stem rests until 0.4 s
+    inwards = 0.1 if op == 0.0 else -0.1
+    stem = QuasiStaticStem(0.06, 0.02, start=0.5).in_mode(mode)
+    log = run(wire([Recorded("OP", [0.0, 1.0], [op, op + inwards]), stem]), 1.0, times=[0.0, 0.3, 1.0]).log
+    assert log["MV"] == pytest.approx([stop, stop, op + inwards - 0.2 * inwards], abs=1e-9)

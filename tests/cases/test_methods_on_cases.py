@@ -24,9 +24,8 @@ STICKY = {  # by construction: the loops whose own valve sticks and makes them c
     },
     "cascade_flow": {"direct/LC", "cascade/FC"},
 }  # fmt: skip
-UNSURE = {("split_range", ""), ("cascade_flow", "cascade/LC")}  # sticky part of the time; over a sticky slave
-# Wrong, as measured: the speed has no valve, and swings because the pressure does.
-MISSES = {("plant_1_normal", "SC001"), ("plant_1_normal", "SC002")}
+UNSURE = {("split_range", "")}  # sticky part of the time
+NO_VALVE = re.compile(r"(?<!A)SC\d+$|cascade/LC$")  # by construction: OP is a torque, or the set point of another loop
 INTEGRATE = re.compile(r"LCS|LC$|level|ideal_integrating|split_range")  # analytic: vessels without outflow of their own
 
 
@@ -46,7 +45,9 @@ def test_every_loop_of_a_case_is_decided_or_has_a_reason(case):
         assert at_rest or ("compressed" not in codes and not loop.op_drawn.present), tag
         if tag in STICKY.get(case, ()):
             assert found.verdict == "stiction", tag
-        elif (case, tag) not in MISSES | UNSURE:
+        elif NO_VALVE.search(tag):
+            assert found.verdict == "not_applicable" and "no valve in this loop" in found.reason, tag
+        elif (case, tag) not in UNSURE:
             assert found.verdict != "stiction", tag
         assert found.verdict in ("stiction", "no_stiction") or len(found.reason) > 20, tag
 
@@ -54,12 +55,13 @@ def test_every_loop_of_a_case_is_decided_or_has_a_reason(case):
 @pytest.mark.parametrize(
     ("case", "tag", "applicable"),
     [
-        ("ideal_integrating", "", 12), ("plant_1_normal", "LCS11", 11), ("plant_1_high", "LCS11", 12),
-        ("plant_1_normal", "PCS11", 18), ("plant_1_high", "PCS11", 19), ("cascade_flow", "direct/LC", 12),
+        ("ideal_high", "", 9), ("ideal_integrating", "", 12), ("plant_1_normal", "LCS11", 11),
+        ("plant_1_high", "LCS11", 12), ("plant_1_normal", "PCS11", 18),
+        ("plant_1_high", "PCS11", 19), ("cascade_flow", "direct/LC", 12),
     ],
 )  # fmt: skip
 def test_methods_speak_of_noise_free_limit_cycles(case, tag, applicable):
-    """Of the chapter 7 level and the plant; the counts are those measured (snapshot), before: 1, 5, 7, 7, 15, 4."""
+    """Of the chapter 7 level and the plant; the counts are those measured (snapshot), before: 6, 1, 5, 7, 7, 15, 4."""
     (judged,) = compare(find(case).loop(tag)).loops
     refused = {v.code for v in judged.verdicts if v.verdict == "not_applicable"}
     assert sum(v.verdict != "not_applicable" for v in judged.verdicts) >= applicable

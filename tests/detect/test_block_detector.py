@@ -19,17 +19,20 @@ from logs import LoopRecord
 EVERY = 40
 
 
-def sticky_loop(*more):
+def loop_with(*more, measured="PV"):
+    """The loop of all tests; what gives SP is among ``more``."""
     return wire(
         [
-            Step("SP", 0.55),
-            PI(K_p=0.6, T_i=8.0, start_op=0.42, inputs={"PV": "PV_m"}),
+            PI(K_p=0.6, T_i=8.0, start_op=0.42, inputs={"PV": measured}),
             StickSlip.from_bands(S=0.06, J=0.03, start=0.40),
             FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
-            SampledSensor(dt=1.0, sd=0.0008, seed=11),
             *more,
         ]
     )
+
+
+def sticky_loop(*more):
+    return loop_with(Step("SP", 0.55), SampledSensor(dt=1.0, sd=0.0008, seed=11), *more, measured="PV_m")
 
 
 @pytest.fixture(scope="module")
@@ -97,16 +100,7 @@ def test_python_control_sees_the_diagram():
 
 def loop_that_steps_aside(feedback):
     """The set point moves when the detector speaks."""
-    return wire(
-        [
-            Step("SP_given", 0.55),
-            *feedback,
-            PI(K_p=0.6, T_i=8.0, start_op=0.42),
-            StickSlip.from_bands(S=0.06, J=0.03, start=0.40),
-            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
-            DetectorBlock(area_ratio, dt=1.0, verdict_every=EVERY),
-        ]
-    )
+    return loop_with(Step("SP_given", 0.55), *feedback, DetectorBlock(area_ratio, dt=1.0, verdict_every=EVERY))
 
 
 def test_it_can_be_fed_back_through_a_lag():
@@ -167,15 +161,7 @@ def test_any_method_that_streams_can_be_wired(method):
 
 
 def test_python_control_gets_the_offline_verdict():
-    loop = wire(
-        [
-            Step("SP", 0.55),
-            PI(K_p=0.6, T_i=8.0, start_op=0.42),
-            StickSlip.from_bands(S=0.06, J=0.03, start=0.4),
-            FirstOrder(K=1.3, tau=5.0, theta=1.0, start=0.52),
-            DetectorBlock(harmonics, dt=1.0, verdict_every=100),
-        ]
-    )
+    loop = loop_with(Step("SP", 0.55), DetectorBlock(harmonics, dt=1.0, verdict_every=100))
     ours = simulate(loop, 600.0, every=1.0).log
     theirs = ct.input_output_response(loop, ours.t, 0, loop.x0)
     rows = {name: theirs.outputs[i] for i, name in enumerate(loop.output_labels)}

@@ -110,3 +110,8 @@ def test_picture(sticky):
     figure.canvas.draw()
     assert figure.axes[1].get_xlabel().startswith("S")
     assert hammerstein.CARD.experimental
+
+
+def test_nothing_is_shaved_off_a_ramp():
+    u = np.arange(200.0)  # no summit, no valley
+    assert hammerstein._shaved(u, u, 20.0) == 0.0

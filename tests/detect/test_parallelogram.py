@@ -59,6 +59,14 @@ def test_amounts_of_a_stick(wave, J):  # analytic: y is the stick of S = 4 and J
     assert found.low <= found.S <= found.high
 
 
+def test_amounts_in_a_limit_cycle(sticky):  # true: as made; the play alone is late by some samples there
+    for S, J in ((6.0, 4.0), (4.0, 2.0), (4.0, 4.0)):
+        loop = sticky(S=S, J=J, tau=2.0, T_i=4.0, K_p=0.3)
+        found = detect(loop).evidence
+        assert found["S"] == pytest.approx(S, rel=0.08)
+        assert found["J"] == pytest.approx(J, rel=0.15)
+
+
 def test_deadband_with_and_without_mv(sticky, bare, simulated):
     logged = sticky(S=6.0, J=1.0, noise=0.05, K_p=0.9, T_i=3.0)
     assert detect(logged).verdict == "stiction"

@@ -37,6 +37,14 @@ def test_band():  # analytic: a triangle that swings by more than S strays by S 
     assert band(u, -u) == np.inf
 
 
+@pytest.mark.parametrize(("S", "J"), [(4.0, 1.0), (4.0, 4.0), (2.0, 1.0)])
+def test_no_delay_is_read_from_rounding(S, J):
+    """On an even ramp S scatters by rounding alone, of which the least is no sign of a delay (S was 0.7 too small)."""
+    u = 50 + 12 * (np.abs((np.arange(2400.0) % 200) / 100 - 1) - 0.5)
+    found = stem(u, stick(u, S, J))
+    assert found.lag == 0 and found.S[0] == pytest.approx(S, abs=0.06)  # analytic, to half of OP's step
+
+
 def test_late_stem():
     u = swings()
     found = stem(u, np.concatenate([[50.0, 50.0], stick(u, 4.0, 1.5)[:-2]]))

@@ -11,7 +11,7 @@ from blocks.block import Block, Kernels
 from blocks.ports import Port
 from diagram import wire
 from diagram.figures.drawing import _Ink, draw, main_parameters
-from diagram.figures.placement import grid
+from diagram.figures.placement import grid, wrapped
 from diagram.figures.routes import sheet
 from diagram.figures.strokes import branches, strokes
 from plant.loops import self_regulating_loop
@@ -77,8 +77,9 @@ def diagrams(draw_from):
     return wire(kept, inputs=sorted(read - driven))
 
 
-def laid_out(diagram, units=None):
+def laid_out(diagram, units=None, bands=1):
     plan = grid(diagram, units)
+    plan = wrapped(plan, bands) if bands > 1 else plan
     ink = _Ink(diagram, plan, {})
     return plan, sheet(plan, ink.size, ink.label_width, ink.entry_width)
 
@@ -92,9 +93,9 @@ def rectangle(box):
     return box.x - box.width / 2, box.y - box.height / 2, box.x + box.width / 2, box.y + box.height / 2
 
 
-def check_drawing(diagram, units=None):
+def check_drawing(diagram, units=None, bands=1):
     """Check all that a drawing promises."""
-    plan, laid = laid_out(diagram, units)
+    plan, laid = laid_out(diagram, units, bands)
     boxes = [rectangle(box) for box in laid.boxes]
     for a, b in itertools.combinations(boxes, 2):
         assert apart(a, b), "boxes overlap"
@@ -149,6 +150,25 @@ def test_loops_are_drawn_clearly(diagram):
 @given(diagrams())
 def test_any_diagram_is_drawn_clearly(diagram):
     check_drawing(diagram)
+
+
+@settings(max_examples=60)
+@given(diagrams(), st.integers(2, 4))
+def test_a_drawing_that_goes_on_below_is_as_clear(diagram, bands):
+    check_drawing(diagram, bands=bands)
+
+
+def test_the_plant_fits_a_page():
+    from diagram.figures.drawing import WIDEST
+    from plant import production_plant
+
+    plant = production_plant()
+    check_drawing(plant, bands=5)
+    figure = plant.plot()
+    width, height = 72.0 * figure.get_size_inches()
+    assert width <= WIDEST + 40.0 and height < 2.0 * width, "1600 pixels wide at the size of its text"
+    told = [text.get_text() for text in figure.axes[0].texts]
+    assert {block.name for block in plant.blocks} <= set(told), "every block is there"
 
 
 def test_a_loop_stands_in_one_line_with_its_feedback_below():
@@ -243,7 +263,7 @@ def test_the_plant_is_folded_by_unit_to_fit_a_page():
     assert sorted(inside) == sorted(block.name for block in plant.blocks), "every block in one unit"
     check_drawing(plant, folded)
     figure = plant.plot(folded)
-    assert figure.get_figwidth() < 20.0 < 50.0 < plant.plot().get_figwidth(), "inches"
+    assert figure.get_figheight() < 0.3 * plant.plot().get_figheight()
     told = [text.get_text() for text in figure.axes[0].texts]
     assert {"separator 1", "13 blocks"} <= set(told)
     assert any("VPCS1" in text for text in told), "what is inside is said"

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from blocks import PI, FirstOrder, Gain, Ramp, Sine, Step, StickSlip
+from blocks import PI, FirstOrder, Gain, Integrator, Ramp, Sine, Step, StickSlip
 from diagram import simulate, wire
 from diagram.ensembles import ensemble
 from diagram.figures.panels import main_signals
@@ -220,9 +220,64 @@ def test_the_title_says_what_is_found():
 
     assert title([Sine("F", amplitude=2.0, period=20.0)]) == "case: F oscillates, period 20 s, amplitude 2"
     assert title([Ramp("F", slope=0.1)]) == "case: F goes from 0 to 20"
-    assert title([Step("F", 5.0, before=5.0)]) == "case: everything is at rest"
+    assert title([Step("F", 5.0, before=5.0)]) == "case: at rest: nothing moves"
 
 
 def test_a_stem_that_never_moves_is_stuck_throughout():
     still = simulate(LOOP, 10.0, params={"SP.after": 0.0})
     assert "stuck throughout" in plot_run(still).axes[1].get_legend_handles_labels()[1]
+
+
+README = [Step("SP", after=0.5), PI(K_p=0.4, T_i=10.0), StickSlip(F_s=2250.0, F_c=1250.0), FirstOrder(K=3.0, tau=10.0)]
+
+
+def test_a_short_start_up_does_not_squeeze_the_cycle():
+    run = simulate(wire(README), 600.0, every=0.1)
+    for ax, signal in zip(plot_run(run).axes, ("PV", "OP"), strict=True):
+        low, high = ax.get_ylim()
+        late = run.log[signal][run.log.t >= 300.0]
+        assert low < late.min() < late.max() < high and np.ptp(late) > 0.6 * (high - low), "the cycle fills the panel"
+        assert low > 0.0 and any(text.get_text().startswith("start-up goes down to 0") for text in ax.texts)
+
+
+def test_what_happens_in_the_middle_of_a_run_is_no_start_up():
+    ax = plot_run(simulate(wire([Step("SP", after=0.5, at=200.0), *README[1:]]), 600.0, every=0.1)).axes[0]
+    assert ax.get_ylim()[0] < 0.0 and not ax.texts
+
+
+def test_a_cycle_is_named_with_what_makes_it():
+    # published: period and amplitude as in the thesis's ideal loop with high stiction, 117 s
+    told = plot_run(simulate(wire(README), 600.0, every=0.1)).get_suptitle()
+    assert told == "MV sticks: the loop cycles with a period of 117 s, PV with an amplitude of 0.0283"
+    ideal = simulate(wire(README).in_mode("ideal"), 600.0, every=0.1)
+    assert "sticks" not in plot_run(ideal).get_suptitle()
+
+
+def test_a_set_point_that_swings_is_what_the_loop_follows():
+    source = Sine("SP", mean=1.0, amplitude=0.05, period=63.0)
+    loop = wire([source, PI(K_p=0.4, T_i=10.0), FirstOrder(K=3.0, tau=10.0, inputs="OP")])
+    s = 2j * np.pi / 63.0
+    forward = 0.4 * (1.0 + 1.0 / (10.0 * s)) * 3.0 / (10.0 * s + 1.0)
+    ratio = forward / (1.0 + forward)  # analytic: the closed loop at this frequency
+    later = -np.angle(ratio) * 63.0 / (2.0 * np.pi)
+    told = plot_run(simulate(loop, 1260.0, every=0.1)).get_suptitle()
+    follows = f"PV follows {later:.2g} s later, {abs(ratio):.2g} times as far"
+    assert told == f"SP swings by itself with a period of 63 s; {follows}"
+
+
+def test_a_loop_that_does_not_follow_its_set_point_is_said_to_stand():
+    run = simulate(wire([Sine("SP", amplitude=0.1, period=60.0), *README[1:]]), 600.0, every=0.1)
+    assert plot_run(run).get_suptitle() == "SP swings by itself with a period of 60 s; PV stands and MV is stuck"
+
+
+def test_an_oscillation_that_dies_out_is_said_to():
+    # analytic: s^2 + 2 zeta w s + w^2 with w = 1 rad/s and zeta = 0.02 shrinks to a third in 55 s
+    loop = [Step("SP", after=0.5), PI(K_p=0.04, T_i=0.04, low=-10.0, high=10.0), Integrator(K=1.0, T=1.0, inputs="OP")]
+    told = plot_run(simulate(wire(loop), 60.0, every=0.1)).get_suptitle()
+    assert told.startswith("PV oscillates and dies out, period 6.3")
+
+
+def test_rest_is_told_with_the_largest_move():
+    parts = [Sine("a", mean=5.0, amplitude=1e-13, period=3.0, unit="bar"), Step("b", 2.0, before=2.0, unit="bar")]
+    told = plot_run(simulate(wire(parts, outputs=["a", "b"]), 60.0, every=0.1)).get_suptitle()
+    assert told == "at rest: nothing moves by more than 2e-13 bar"

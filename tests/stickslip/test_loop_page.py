@@ -107,7 +107,7 @@ def test_it_prints(report, tmp_path):
     paper = tmp_path / "page.pdf"
     browser(f"--print-to-pdf={paper}", "--no-pdf-header-footer", report.as_uri())
     pages = len(re.findall(rb"/Type\s*/Page\b", paper.read_bytes()))
-    assert 3 <= pages <= 12
+    assert 3 <= pages <= 9, "two pictures of the evidence beside each other, not a page for each"
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
 """The page is one file that works offline: read as text, and in a browser where there is one."""
 
+import json
 import re
 import shutil
 from html.parser import HTMLParser
@@ -107,6 +108,21 @@ def test_a_narrow_window_scrolls_pictures_and_not_the_page(tmp_path):
     dom = browser("--window-size=600,900", "--virtual-time-budget=1000", "--dump-dom", file.as_uri()).stdout.decode()
     needed, there = map(int, re.search(r"<title>(\d+) (\d+)</title>", dom).groups())
     assert needed <= there
+
+
+def test_a_phone_shows_pv_against_op_whole(demo_page, tmp_path):
+    probe = """<script>addEventListener('load', () => { document.title = JSON.stringify(
+      [...document.querySelectorAll('.grid figure:not(.scroll) svg')].map(one => one.getBoundingClientRect().right));
+    })</script></body>"""
+    file = tmp_path / "demo.html"
+    file.write_text(demo_page.read_text(encoding="utf-8").replace("</body>", probe), encoding="utf-8")
+    frame = tmp_path / "phone.html"  # headless Chromium has no window as narrow
+    narrow = f"<iframe src='{file.name}' style='width: 390px; height: 900px; border: 0'></iframe>"
+    told = "<script>addEventListener('load', () => { document.title = frames[0].document.title })</script>"
+    frame.write_text(narrow + told, encoding="utf-8")
+    done = browser("--allow-file-access-from-files", "--virtual-time-budget=3000", "--dump-dom", frame.as_uri())
+    rights = json.loads(re.search(r"<title>(\[.*?\])</title>", done.stdout.decode()).group(1))
+    assert len(rights) >= 5 and max(rights) <= 390.0
 
 
 def test_it_prints(demo_page, tmp_path):

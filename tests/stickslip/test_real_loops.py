@@ -24,7 +24,7 @@ def test_every_file(call, real_data):
             assert method["reason"] and (method["index"] is not None or method["verdict"] != "stiction")
 
 
-def test_what_the_model_is_not_sure_of_gets_a_second_look(call, real_data):
+def test_simulation_stands_beside_a_verdict_that_the_model_is_not_sure_of(call, real_data):
     with open(real_data / "loops.csv", encoding="utf-8") as file:
         (row,) = (row for row in csv.DictReader(file) if row["loop"] == ASKED)
     result = call("check", real_data / row["file"], "--json", "-")

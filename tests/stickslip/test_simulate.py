@@ -106,3 +106,12 @@ def test_ctrl_c_has_an_exit_code_of_its_own(call, monkeypatch):
     monkeypatch.setattr(diagram, "simulate", lambda *a, **k: replace(whole(*a, **k), status=Status.INTERRUPTED))
     result = call("simulate", "sine")
     assert result.exit_code == 130 and "stopped early" in result.stderr
+
+
+def test_the_largest_step_is_kept_and_checked(call, tmp_path):
+    log = tmp_path / "log.csv"
+    done = call("simulate", "ideal_high", "--duration", "10", "--max-step", "0.01", "--out", log)
+    steps = int((done.stdout + done.stderr).split(" steps")[0].split()[-1])
+    assert done.exit_code == 0 and steps >= 1000  # analytic: 10 s in steps of 0.01 s at most
+    refused = call("simulate", "ideal_high", "--max-step", "-1")
+    assert refused.exit_code == 2 and "max_step = -1.0" in " ".join((refused.stdout + refused.stderr).split())

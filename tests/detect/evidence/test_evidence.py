@@ -133,3 +133,61 @@ def test_every_picture_is_drawn(seen):
     ):  # fmt: skip
         figure.canvas.draw()
     assert any("stem stands" in label for label in plot_trend(record, stem).axes[1].get_legend_handles_labels()[1])
+
+
+def test_a_logged_stem_is_shown_though_no_method_judged_it(seen):
+    found = stem_trend([play_fit.detect(seen)], seen)
+    assert found.logged and np.array_equal(found.mv, seen.mv[seen.good])
+    still = np.abs(np.diff(seen.mv)) < 1e-9
+    assert found.share == pytest.approx(np.mean(still), abs=0.1)
+
+
+def test_a_stem_at_rest_sticks_nowhere():
+    t = np.arange(600.0)
+    ripple = 0.2238 + 1e-14 * np.sin(t / 9.0)
+    still = LoopRecord.from_arrays(t, pv=ripple, op=ripple, mv=0.2238 + 0.0 * t)
+    found = stem_trend([], still)
+    assert found.logged and len(found.sticks) == 0
+
+
+def test_over_a_loop_at_rest_axes_are_wide_and_plain():
+    t = np.arange(600.0)
+    ripple = 0.2238 + 1e-14 * np.sin(t / 9.0)
+    still = LoopRecord.from_arrays(t, pv=ripple, op=ripple)
+    (ax,) = plot_pv_op(still, float("nan"), None).axes
+    ax.figure.canvas.draw()
+    for axis, limits in ((ax.xaxis, ax.get_xlim()), (ax.yaxis, ax.get_ylim())):
+        assert np.ptp(limits) == pytest.approx(0.02238) and axis.get_offset_text().get_text() == ""
+
+
+def test_a_start_up_does_not_squeeze_pv_against_op(seen):
+    pv = seen.pv.copy()
+    pv[:5] = -1000.0
+    (ax,) = plot_pv_op(LoopRecord.from_arrays(seen.t, pv=pv, op=seen.op), 60.0, None).axes
+    low, high = ax.get_ylim()
+    assert low < seen.pv.min() and high > seen.pv.max() and high - low < 2.0 * np.ptp(seen.pv)
+
+
+def test_sizes_over_time_are_whole_on_the_axis(seen):
+    from dataclasses import replace
+
+    found = over_time(seen)
+    assert all(w.probability is None for w in found.windows), "the logged stem answers"
+    (ax,) = plot_over_time(found).axes  # no empty panel of probabilities
+    assert ax.get_ylim()[1] > 1.1 * max(w.S.high for w in found.windows)
+    none = replace(found, windows=tuple(replace(w, S=None, probability=0.2) for w in found.windows))
+    assert [panel.get_ylabel() for panel in plot_over_time(none).axes] == ["probability\nof stiction"]
+
+
+def test_a_set_point_that_swings_is_what_pv_follows():
+    from detect.evidence import set_point_words
+
+    t = np.arange(1800.0)
+    wave = 2.0 * np.pi * t / 60.0
+    pv, op = 50.0 + 0.5 * np.sin(wave - 0.8), 50.0 + np.sin(wave)
+    swings = LoopRecord.from_arrays(t, pv=pv, op=op, sp=50.0 + np.sin(wave))
+    # analytic: 0.8 rad of a minute are 7.6 s
+    assert "PV follows 7.6 s later, 0.5 times as far" in set_point_words(swings, 60.0)
+    assert set_point_words(LoopRecord.from_arrays(t, pv=pv, op=op, sp=0.0 * t + 50.0), 60.0) == ""
+    stepped = LoopRecord.from_arrays(t, pv=pv, op=op, sp=np.where(t > 900.0, 51.0, 50.0))
+    assert set_point_words(stepped, 60.0) == "" and set_point_words(swings, float("nan")) == ""

@@ -135,17 +135,18 @@ def two_loops(slip: float) -> Log:
 
 def test_the_survey_calls_the_loop_whose_valve_slips():
     first, other = survey(two_loops(1.5)).suspects
-    assert (first.loop, first.word, first.slips.tag) == ("PC1", "stiction", "f")
+    assert (first.loop, first.suspected, first.slips.tag) == ("PC1", True, "f")
     assert pytest.approx(4.0, rel=0.02) == first.slips.S  # analytic
     assert "f jumps when OP has come back by 4 %" in first.reason
-    assert other.word is None and other.slips is None
+    assert not other.suspected and other.slips is None
 
 
-@pytest.mark.parametrize("own, word", [("inconclusive", "stiction"), ("not_applicable", "stiction"),
-                                       ("stiction", "stiction"), ("no_stiction", "no_stiction")])  # fmt: skip
-def test_what_other_tags_show_decides_where_the_loop_itself_leaves_it_open(own, word):
+@pytest.mark.parametrize(
+    "own, suspected", [("inconclusive", True), ("not_applicable", True), ("stiction", True), ("no_stiction", False)]
+)
+def test_what_other_tags_show_makes_a_suspect_and_no_verdict(own, suspected):
     found = {s.loop: s for s in survey(two_loops(1.5), {"PC1": own}).suspects}
-    assert found["PC1"].word == word
+    assert found["PC1"].suspected == suspected and found["PC1"].verdict == own
 
 
 def test_a_deadband_is_not_called_by_the_survey():
