@@ -9,9 +9,9 @@ from numba import njit
 
 from engine.advance import advance
 from engine.call import pointer_to
-from engine.events import watch_rates
+from engine.events import keep_inputs, watch_rates
 from engine.floats import copy
-from engine.layout import CURRENT, EVENTS_SEEN, FRESH, HOLD, N_SIGNALS, O_S, O_S0, O_X, O_Y0, N_STATES, T
+from engine.layout import CURRENT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, T
 from engine.sweep import signals
 
 
@@ -34,8 +34,7 @@ def put(ints, floats, places, z):  # type: ignore[no-untyped-def]
         return
     copy(W, I[O_Y0], I[O_X], I[N_STATES])
     signals(I, W, W[T])
-    for i in range(I[N_SIGNALS]):
-        W[I[O_S0] + i] = W[I[O_S] + i]
+    keep_inputs(I, W)
     watch_rates(I, W)
     I[CURRENT], I[FRESH] = 1, 2
 

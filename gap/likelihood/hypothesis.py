@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from diagram.diagram import Diagram
 from engine import layout as at
 from gap.insertion.effect import Effect
-from gap.likelihood.filtering import extended, followed, otherwise
+from engine.filtering import extended, followed, otherwise
 from gap.likelihood.frame import Frame
 from gap.likelihood.prepared import Prepared, played, prepared
 
