@@ -1,19 +1,21 @@
 """A reactor heated along a programme: the model of ``benchmarks/foreign/batch_ramp.py``."""
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _reactor(T: float, MV: float, load: float, K: float, tau: float) -> float:
     return K * MV * (140.0 - T) - (T - 20.0) / tau + load
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [degC] is open.
 
     The process calls what steam gives ``K`` [1/s], and the time constant of what is lost ``tau`` [s].
     """
-    return wire(
+    diagram = wire(
         [
             SampledPI(0.05, 900.0, dt=5.0, low=0.0, high=1.0, integral="present", T_t=5.0, start_op=0.05),
             IdealValve(),
@@ -32,3 +34,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="batch_ramp",
     )
+    return as_logged(diagram, element="sensor")

@@ -6,17 +6,19 @@ and logs only these.  The load of the vessel enters behind its dead time in the 
 
 import math
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _pipe(q: float, MV: float, load_p: float, K: float, tau: float) -> float:
     return (K * MV * math.sqrt(max(0.0, 1.0 + load_p - (q / 14.0) ** 2)) - q) / tau
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the cascade; the set point ``SP_T`` [degC] of its outer loop is open."""
-    return wire(
+    diagram = wire(
         [
             SampledPI(
                 0.25,
@@ -61,3 +63,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP_T"],
         name="cascade",
     )
+    return as_logged(diagram, inlet="vessel", flow_element="flow_sensor", temperature_element="temperature_sensor")

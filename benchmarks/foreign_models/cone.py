@@ -6,8 +6,10 @@ inwards.
 
 import math
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Historian, IdealValve, Noise, SampledPI, SampledSensor
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _cone(h: float, MV: float, load: float, K: float, tau: float) -> float:
@@ -15,12 +17,12 @@ def _cone(h: float, MV: float, load: float, K: float, tau: float) -> float:
     return (0.02 + load - K * 0.01 * MV * math.sqrt(level)) / (tau * level * level)
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [m] is open.
 
     The process calls the outflow of the open valve at 1 m ``K`` [m3/s] and the area at 1 m ``tau`` [m2].
     """
-    return wire(
+    diagram = wire(
         [
             SampledPI(
                 40.0,
@@ -48,3 +50,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="cone",
     )
+    return as_logged(diagram)

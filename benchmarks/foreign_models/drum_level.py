@@ -3,13 +3,15 @@
 hold = integral of 0.25 (w - 0.5 - load);    20 d collapse/dt = 6 w - collapse;    L = hold - collapse
 """
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import FirstOrder, Historian, IdealValve, Integrator, LeadLag, Noise, SampledPI, SampledSensor, Sum
-from diagram import Diagram, wire
+from diagram import wire
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [%] is open."""
-    return wire(
+    diagram = wire(
         [
             SampledPI(0.03, 250.0, dt=1.0, low=0.0, high=1.0, integral="present", T_t=1.0, start_op=0.5),
             IdealValve(),
@@ -25,3 +27,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="drum_level",
     )
+    return as_logged(diagram, bubbles="process", drum="process", element="sensor")

@@ -2,8 +2,10 @@
 
 import math
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _reactor(c: float, T: float, MV: float, load: float, K: float, tau: float) -> tuple[float, float]:
@@ -11,12 +13,12 @@ def _reactor(c: float, T: float, MV: float, load: float, K: float, tau: float) -
     return (1.0 - c - r) / tau, (340.0 + load - T + 50.0 * r - K * 0.01 * MV * (T - 290.0)) / tau
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [K] is open.
 
     The process calls the residence time ``tau`` [s] and the cooling of the open valve ``K`` [-].
     """
-    return wire(
+    diagram = wire(
         [
             SampledPI(
                 15.0, 500.0, dt=1.0, low=0.0, high=100.0, action="direct", integral="present", T_t=1.0, start_op=41.7
@@ -39,3 +41,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="exotherm",
     )
+    return as_logged(diagram, element="sensor")

@@ -10,12 +10,14 @@ and ``--plot FOLDER`` draws.
 
 import argparse
 import importlib
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.foreign.trial import Wired
 from diagram import Diagram, ensemble, simulate
 
 MODELS = (
@@ -30,8 +32,8 @@ def model(plant: str, noise_factor: float = 1.0, load_factor: float = 1.0) -> Di
     """Return the model of a plant; raises ``ValueError`` for a plant that has none."""
     if plant not in MODELS:
         raise ValueError(f"there is no model of {plant!r}; there are {', '.join(MODELS)}")
-    made: Callable[..., Diagram] = importlib.import_module(f"benchmarks.foreign_models.{plant}").model
-    return made(noise_factor, load_factor)
+    made: Callable[..., Wired] = importlib.import_module(f"benchmarks.foreign_models.{plant}").model
+    return made(noise_factor, load_factor).diagram
 
 
 def silent(diagram: Diagram) -> Diagram:
@@ -77,6 +79,39 @@ def following(diagram: Diagram, record: Signals, seeds: Sequence[int] = range(6)
         for name, distance in distances(record, still).items()
         if name not in diagram.open_inputs
     }
+
+
+def behind_switches(plant: str, moves: int = 2, rows: int = 10) -> dict[str, float]:
+    """Return how far the plant without noise and loads is from its model behind its first moves, in steps of the log.
+
+    A move is put at the scan since the row before that suits OP best.  For plants with one set point, which is stepped.
+    """
+    from benchmarks.foreign.record import plant as known
+    from benchmarks.foreign.record import record
+
+    of, diagram = known(plant), silent(model(plant))
+    (name,) = diagram.open_inputs
+    signals = record(plant, "none", 0.0, 0, 0.0, 0.0).signals
+    t = signals["time"]
+    before = of.scan * np.round(0.25 * t[-1] / of.scan)
+    found = np.flatnonzero(np.diff(signals[name]))[:moves] + 1
+    values = np.concatenate([[signals[name][0]], signals[name][found], signals[name][found[-1:]]])
+    at = np.concatenate([[0.0], before + t[found], [before + t[-1]]])
+    worst: dict[str, float] = {}
+    for j, row in enumerate(found, start=1):
+        log, best = {}, math.inf
+        last, first = before + t[row], before + t[row - 1]
+        for scan in of.scan * np.arange(np.floor(first / of.scan + 1e-9) + 1.0, np.floor(last / of.scan + 1e-9) + 1.0):
+            tried = {"time": np.where(np.arange(len(at)) == j, scan, at), name: values}
+            end = min(row + rows, len(t))
+            run = simulate(diagram, float(before + t[end - 1]), times=before + t[row:end], inputs={name: tried})
+            missed = float(np.abs(run.log["OP"] - signals["OP"][row:end]).max())
+            if missed < best:
+                at[j], log, best = scan, run.log, missed
+        for tag in (tag for tag in signals if tag in diagram.signals and tag != name):
+            error = float(np.abs(log[tag] - signals[tag][row:end]).max()) / of.tags[tag]
+            worst[tag] = max(error, worst.get(tag, 0.0))
+    return worst
 
 
 def _draw(plant: str, record: Signals, folder: Path) -> None:

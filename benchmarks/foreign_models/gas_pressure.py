@@ -1,19 +1,21 @@
 """Gas in a drum behind a choked vent valve: the model of ``benchmarks/foreign/gas_pressure.py``."""
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _drum(p: float, MV: float, load: float, K: float, tau: float) -> float:
     return (3.0 + load - K * p * MV) / tau
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [bar] is open.
 
     The process calls the valve's coefficient ``K`` [kg/(s bar)] and the drum's capacity ``tau`` [kg/bar].
     """
-    return wire(
+    diagram = wire(
         [
             SampledPI(
                 0.25, 12.0, dt=0.5, low=0.0, high=1.0, action="direct", integral="present", T_t=0.5, start_op=0.5
@@ -28,3 +30,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="gas_pressure",
     )
+    return as_logged(diagram, element="sensor")

@@ -3,13 +3,15 @@
 The load enters behind the dead time in the sheet and before it here: for a load that nobody measures both are the same.
 """
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
-from diagram import Diagram, wire
+from diagram import wire
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [degC] is open."""
-    return wire(
+    diagram = wire(
         [
             SampledPI(0.8, 45.0, dt=1.0, low=0.0, high=100.0, integral="present", T_t=1.0, start_op=50.0),
             IdealValve(),  # OP -> MV [%]
@@ -24,3 +26,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="heat_exchanger",
     )
+    return as_logged(diagram, inlet="process", element="sensor")

@@ -2,8 +2,10 @@
 
 import math
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import Diagram, wire
+from diagram import wire
 
 _K_A, _K_W = 10.0**-6.35, 1e-14
 
@@ -24,9 +26,9 @@ def _pH(W: float, B: float) -> float:
     return pH
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [pH] is open.  The process calls the tank's volume ``tau`` [L]."""
-    return wire(
+    diagram = wire(
         [
             SampledPI(0.04, 60.0, dt=2.0, low=0.0, high=1.0, integral="present", T_t=2.0, start_op=0.56),
             IdealValve(),
@@ -47,3 +49,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="neutralisation",
     )
+    return as_logged(diagram, element="sensor")

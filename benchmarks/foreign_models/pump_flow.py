@@ -1,7 +1,9 @@
 """A pump and an equal-percentage valve: the model of ``benchmarks/foreign/pump_flow.py``, OP and MV in %."""
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _pipe(Q: float, MV: float, load: float, K: float, tau: float) -> float:
@@ -9,13 +11,13 @@ def _pipe(Q: float, MV: float, load: float, K: float, tau: float) -> float:
     return (60.0 - 0.002 * Q * Q - (15.0 + load) - (Q / (K * f)) ** 2) / tau
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [m3/h] is open.
 
     The process calls the flow coefficient ``K`` [m3/h per root m] and the inertia ``tau`` [m s h/m3]; it has the body
     of the valve in it, so a factor of ``K`` is one of f.
     """
-    return wire(
+    diagram = wire(
         [
             SampledPI(0.2, 3.0, dt=1.0, low=0.0, high=100.0, integral="present", T_t=1.0, start_op=74.0),
             LeadLag("p", "OP", 0.0, 1.2, start=74.0, name="positioner"),
@@ -29,3 +31,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="pump_flow",
     )
+    return as_logged(diagram, positioner="valve", element="sensor")

@@ -7,17 +7,19 @@ rows (the noise of A's meter is in it) nobody knows.
 
 import math
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Gain, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Saturation, Sum
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _pipe(q: float, MV: float, load: float, K: float, tau: float) -> float:
     return (K * MV * math.sqrt(max(0.0, 1.0 + load - (q / 90.0) ** 2)) - q) / tau
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [kg/s] is open."""
-    return wire(
+    diagram = wire(
         [
             SampledPI(
                 0.006,
@@ -43,3 +45,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="ratio_feedforward",
     )
+    return as_logged(diagram, forward="controller", wanted="controller", element="sensor")

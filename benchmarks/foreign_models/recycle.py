@@ -1,19 +1,21 @@
 """Recycle of a compressor: the model of ``benchmarks/foreign/recycle.py``, OP and MV in %."""
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _compressor(p: float, m: float, MV: float, load: float, K: float, tau: float) -> tuple[float, float]:
     return (11.0 + load + K * MV - m) / tau, (p * (3.6 - 0.004 * m * m) - 8.0) / 0.2
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [kg/s] is open.
 
     The process calls the flow of the recycle valve per % ``K`` [kg/s] and the capacity of the drum ``tau`` [kg/bar].
     """
-    return wire(
+    diagram = wire(
         [
             SampledPI(5.0, 4.0, dt=0.25, low=0.0, high=100.0, integral="present", T_t=0.25, start_op=50.0),
             LeadLag("positioned", "OP", 0.0, 0.6, start=50.0, name="positioner"),
@@ -37,3 +39,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="recycle",
     )
+    return as_logged(diagram, positioner="valve", element="sensor", suction_element="suction_sensor")

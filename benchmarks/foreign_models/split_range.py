@@ -1,16 +1,18 @@
 """Cooling with one half of OP and heating with the other: the model of ``benchmarks/foreign/split_range.py``, in %."""
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import Equations, Historian, IdealValve, LeadLag, Lookup1D, Noise, SampledPI, SampledSensor
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _vessel(T: float, heating: float, cooling: float, load: float, tau: float) -> float:
     return (0.9 * heating - 0.012 * cooling * (T - 15.0) - 0.5 * (T - 25.0) + 20.0 + load) / tau
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [degC] is open.  The process calls its heat capacity ``tau``."""
-    return wire(
+    diagram = wire(
         [
             SampledPI(4.0, 250.0, dt=1.0, low=0.0, high=100.0, integral="present", T_t=1.0, start_op=50.0),
             Lookup1D("to_cooling", "OP", [0.0, 50.0], [100.0, 0.0]),
@@ -32,3 +34,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="split_range",
     )
+    return as_logged(diagram, element="sensor")

@@ -6,19 +6,21 @@ refused in a level loop as an algebraic loop.
 
 import math
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import PI, Equations, Historian, IdealValve, Noise, SampledSensor, Sum
-from diagram import Diagram, wire
+from diagram import wire
 
 
 def _tank(h: float, inflow: float, outlet: float, tau: float) -> float:
     return (inflow - outlet * math.sqrt(max(h, 0.0))) / tau
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return the loop; its set point ``SP`` [m] is open.  The process calls its area ``tau`` [m2]."""
-    return wire(
+    diagram = wire(
         [
-            PI(120.0, 80.0, low=0.0, high=100.0, T_t=0.5, start_op=50.0),  # the integral follows within half a second
+            PI(120.0, 80.0, low=0.0, high=100.0, T_t=0.05, start_op=50.0),  # the integral follows at once
             IdealValve(),
             Noise("load", sd=0.0008 * load_factor, dt=1.0, correlation_time=120.0, name="feed"),  # [m3/s]
             Sum("inflow", {"MV": 0.0004, "load": 1.0}),
@@ -29,3 +31,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP"],
         name="sqrt_tank",
     )
+    return as_logged(diagram)

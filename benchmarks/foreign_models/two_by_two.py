@@ -3,14 +3,16 @@
 OP and MV are in %, the loads in shares of full flow.
 """
 
+from benchmarks.foreign.trial import Wired
+from benchmarks.foreign_models.as_logged import as_logged
 from blocks import FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
-from diagram import Diagram, wire
+from diagram import wire
 
 
-def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
+def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:
     """Return both loops; their set points ``SP1`` and ``SP2`` [degC] are open."""
     shared = {"low": 0.0, "high": 100.0, "integral": "present", "T_t": 2.0, "start_op": 50.0}
-    return wire(
+    diagram = wire(
         [
             SampledPI(9.0, 80.0, dt=2.0, name="controller_1", inputs=["SP1", "PV1"], outputs="OP1", **shared),
             SampledPI(
@@ -62,3 +64,4 @@ def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Diagram:
         inputs=["SP1", "SP2"],
         name="two_by_two",
     )
+    return as_logged(diagram, element_1="sensor_1", element_2="sensor_2")

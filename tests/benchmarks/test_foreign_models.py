@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks.foreign.record import record
-from benchmarks.foreign_models.following import MODELS, following, model, played, silent
+from benchmarks.foreign_models.following import MODELS, behind_switches, following, model, played, silent
 
 
 @pytest.mark.parametrize("plant", MODELS)
@@ -40,6 +40,15 @@ def test_a_wrong_controller_does_not_follow(plant: str) -> None:
     wrong = wrong.with_params({f"{controller.name}.T_i": 3.0 * controller.params["T_i"]})
     found = following(wrong, record(plant, "none", 0.0, 0, 1.0, 1.0).signals)
     assert max(distance / own for distance, own in found.values()) > 1.5
+
+
+STEPPED = sorted({*MODELS} - {"batch_ramp", "ratio_feedforward", "two_by_two", "sqrt_tank"})
+
+
+@pytest.mark.parametrize("plant", STEPPED)
+def test_without_noise_and_load_a_plant_is_its_model_to_the_digits_of_its_log(plant: str) -> None:
+    # analytic: half a step of the log, and what the steps of time of the plant leave (snapshot: 4.6 in cascade)
+    assert max(behind_switches(plant).values()) < 5.0
 
 
 def test_without_noise_and_loads_a_model_repeats_itself() -> None:
