@@ -106,15 +106,8 @@ def wired(name: str) -> Callable[[], Wired] | None:
     module = f"benchmarks.foreign_models.{name}"
     if find_spec("benchmarks.foreign_models") is None or find_spec(module) is None:
         return None
-    build: Callable[[], Diagram] = import_module(module).model
-
-    def made() -> Wired:
-        """Return the model; its signals have the names of the tags, its blocks those of the data sheet."""
-        diagram = build()
-        known = {*map(str, diagram.signals), *diagram.open_inputs}
-        return Wired(diagram, {tag: (1.0, tag) for tag in plant(name).tags if tag in known}, {})
-
-    return made
+    build: Callable[[], Wired] = import_module(module).model
+    return build
 
 
 def diagnosed(run: Run, ask: Callable[[Wired, Log], Answer] | None = None) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Diagnose a record by one likelihood: the model alone, every effect, and whether the best of them is enough."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from gap.likelihood.fit import Fit
 from gap.likelihood.frame import Frame
 from gap.likelihood.judge import Verdict, enough, judged
 from gap.likelihood.prepared import NoFilter
-from gap.likelihood.search import Candidate, candidates, fitted, legal, model_alone, price
+from gap.likelihood.search import Candidate, candidates, fitted, gross, legal, model_alone, price, settled
 from gap.records.model import nuisances, silenced
 from gap.records.record import Record
 from gap.records.start import start_values
@@ -63,15 +63,18 @@ def one_hypothesis(frame: Frame):  # type: ignore[no-untyped-def]
 
 def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
     """Return what explains a record."""
-    null = model_alone(frame)
-    found = candidates(null, legal(null.hypothesis.frame, catalogue), progress)
+    rough = model_alone(replace(frame, apart=True))
+    found = candidates(rough, legal(rough.hypothesis.frame, catalogue), progress)
+    null = settled(rough)
     alone = judged(null, found, seed)
-    fits = fitted(null, found, progress)
+    fits = fitted(rough, found, progress)
     gained = null.nll - fits[0].nll if fits else 0.0
     gap = alone.unusual or gained > 0.5 * alone.limit**2 if np.isfinite(alone.limit) else alone.unusual
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, (), found)
-    best = judged(fits[0], found, seed)
+    mine = fits[0].hypothesis
+    beside = [c for c in found if (c.looked.hypothesis.effect, c.looked.hypothesis.place) != (mine.effect, mine.place)]
+    best = judged(fits[0], [] if gross(rough) else beside, seed)  # far from the log no direction is right
     same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
     return Outcome(null, alone, fits, best, gap, same if good else (), found)

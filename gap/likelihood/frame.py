@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from blocks.role import Role
 from diagram.diagram import Diagram
 from gap.records.model import Nuisance, known_within, nuisances, silenced
-from gap.records.record import Record, rounding
+from gap.records.record import Record, rounding, switch_rows, switches
 
 Floats = NDArray[np.float64]
 SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most
 WHITE, LOAD, TIME = 3.0, 4.0, 5.0  # factors within which noise, loads and their time constants are fitted
+NEAR = 4  # rows behind a switch that tell when it was
 DRAWS = 20  # of a noise from row to row, at most
 SAME = 1e-6  # of an interval: stops nearer to each other are one
 FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is known to
@@ -22,10 +23,13 @@ FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is know
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """``model`` with its nuisances, started as the record starts, its logged sources open; ``record`` of its signals."""
+    """``model`` with its nuisances, started as the record starts, its logged sources open; ``record`` of its signals;
+    ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched.
+    """
 
     model: Diagram
     record: Record
+    apart: bool = False
 
     @cached_property
     def quiet(self) -> Diagram:
@@ -77,7 +81,12 @@ class Frame:
     @cached_property
     def counted(self) -> NDArray[np.bool_]:
         """Which rows count."""
-        return np.arange(len(self.Y)) >= self.skipped
+        found = np.arange(len(self.Y)) >= self.skipped
+        for s in self.record.played if self.apart else ():
+            if switches(self.record.log, s):
+                for k in range(NEAR):
+                    found[np.minimum(switch_rows(self.record.log, s) + k, len(found) - 1)] = False
+        return found
 
     @cached_property
     def free(self) -> dict[str, tuple[float, float]]:

@@ -9,7 +9,7 @@ of their own and are fitted with all that is free in the model.
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,9 @@ from gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
 
 Floats = NDArray[np.float64]
 BY_DIGITS = ("quantisation",)  # effects that the digits of a log show, and no likelihood of rows does
-TRIED, FINISHED = 8, 3  # effects that are fitted; those of them that are fitted to the end
+TRIED = 10  # effects that are fitted
+LAGGING = 25.0  # nats by which a first fit may lag behind the best to be fitted to the end
+SETTLING = 3  # times that a fit and the switches of its inputs follow each other
 FIRST, APPROACH = 2, 4  # rounds of a first fit, and of one with the gains of the model before it
 FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
@@ -36,6 +38,7 @@ CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 BRACKETED = 10  # steps towards the likeliest size where the model's own gains say nothing
+AT_BOUND = 0.01  # share of a bound, within which a parameter stands at it
 GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
 CALM = 4.0  # standard deviations from which on innovations count less
 
@@ -68,9 +71,20 @@ def model_alone(frame: Frame) -> Fit:
                 best = found if found.nll < best.nll else best
     if best is not known:
         best = best.again()
-    noise = [name for name in frame.free if name in one.noise_keys]
-    best = refined(with_switches(best), noise).best
-    return refined(with_switches(best), tuple(frame.free))
+    return refined(best, tuple(frame.free))
+
+
+def settled(fit: Fit) -> Fit:
+    """Return a fit in all rows, its inputs switching when that suits it."""
+    one = fit.hypothesis
+    start = tried(one.of(replace(one.frame, apart=False)), fit.best.values)
+    for _ in range(SETTLING if start is not None else 0):
+        start = with_switches(start)
+        fit = refined(start, free_names(one), FIRST)
+        if fit.best.hypothesis.frame.record.leads == start.hypothesis.frame.record.leads and fit.best is start:
+            break
+        start = fit.best
+    return fit
 
 
 def legal(frame: Frame, catalogue: Iterable[Effect]) -> list[Hypothesis]:
@@ -105,8 +119,8 @@ def fitted(null: Fit, found: Sequence[Candidate], progress: Progress = None) -> 
                 first.append(refined(start, free_names(start.hypothesis), FIRST))
             tell(k + 1, len(chosen))
     first.sort(key=price)
-    best = [refined(with_switches(fit.best), free_names(fit.hypothesis)) for fit in first[:FINISHED]]
-    return sorted([*best, *first[FINISHED:]], key=price)
+    near = [fit for fit in first if price(fit) < price(first[0]) + LAGGING] if first else []
+    return sorted((settled(fit) for fit in near), key=price)
 
 
 def price(fit: Fit) -> float:
@@ -174,7 +188,15 @@ def _best_size(null: Fit, one: Hypothesis) -> Candidate | None:
 
 
 def gross(null: Fit) -> bool:
-    """Return whether the model is so far from the log that its own gains say nothing of anything else."""
+    """Return whether the model is so far from the log that its own gains say nothing of anything else.
+
+    So are those of a model whose noise, or a load, wants to be larger than it can be.
+    """
+    one = null.hypothesis
+    for name in one.noise_keys & null.best.values.keys():
+        low, high = one.bounds[name]
+        if min(null.best.values[name] / low, high / null.best.values[name]) < 1.0 + AT_BOUND:
+            return True
     return float(np.nanmean(np.minimum(np.abs(null.best.judged), FAR) ** 2)) > GROSS
 
 
