@@ -55,4 +55,4 @@ def lines(X: Values, y: Values, nu: float, floor: float, steps: int = STEPS, w: 
         weights = (nu + 1.0) / (nu + left * left / squares)
     constant = math.lgamma(0.5 * (nu + 1.0)) - math.lgamma(0.5 * nu) - 0.5 * math.log(nu * math.pi)
     each = constant - 0.5 * np.log(squares) - 0.5 * (nu + 1.0) * np.log1p(left * left / (nu * squares))
-    return Lines(each, b[:, :, 0], weights)
+    return Lines(np.asarray(each), np.asarray(b[:, :, 0], dtype=np.float64), np.asarray(weights, dtype=np.float64))

@@ -1,14 +1,16 @@
 """One record: by how many nats a stem that sticks tells PV better than the best rival without a stick, for every size.
 
-    stick    w = stem of OP (``prepare.stick``), S = 10^(i/8), J/S in {0, 0.3, 0.6, 1}, three starts where S is large
+    stick    w = stem of OP, S = 10^(i/8), J/S in {0, 0.4, 1}, three starts where S is large; with a jump both as Kano's
+             stem moves, which sticks where OP stops, and as He's, which sticks again after each slip
     rivals   no input; OP; OP with any delay; OP through a bent characteristic; another answer to OP each way; another
              past of PV each way, as a sensor with hysteresis has
     score    log L - p/2 ln n,   p coefficients, and a delay that was chosen; S and J are the valve's, not the record's,
              and are paid for where records are pooled
 
-The order of the past, the tails of the errors and the delay k are those that suit OP best, without any stick; three
-delays beside each other are weighed, because what hangs on one of them is no valve.  Sizes are powers of one number in
-the unit of OP, so that those of several days are the same.
+The order of the past and the tails of the errors are those that suit OP best, without any stick.  Three delays beside
+each other are weighed, because what hangs on one of them is no valve: 1, 2, 3, and three up to that which suits OP best
+where it is longer.  A stick makes OP like long delays, at which no stick is seen any more; so the short ones stay.
+Sizes are powers of one number in the unit of OP, so that those of several days are the same.
 
 Source: the prediction-error likelihood of a loop is textbook (Ljung, System Identification, 1999); rivals and limits
 are ours.
@@ -19,22 +21,25 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from detect.likelihood.regression import lines
 from detect.likelihood.rows import LATEST, Rows, past, rows_of
-from detect.prepare.stick import stick, turns
+from detect.prepare.stick import stick
+from detect.prepare.valve_models import he
 
 __all__ = ["FINER", "Gains", "Stems", "stems_of"]
 
 Values = npt.NDArray[np.float64]
 Size = int  # S = 10^(size / FINER)
+KANO, HE = 0.0, 1.0
 COARSE, FINER = 8, 32  # sizes a decade: looked through, and about the best
 SMALLEST, LARGEST = 0.03, 1.5  # S over OP's travel
-JUMPS = (0.0, 0.3, 0.6, 1.0)  # J over S
-STARTS = (-0.9, 0.0, 0.9)  # of f_S, where the stem may not move for long
+JUMPS = ((0.0, KANO), (0.4, KANO), (1.0, KANO), (0.4, HE), (1.0, HE))  # J over S, and the law of the stem
+STARTS = (-0.9, 0.0, 0.9)  # of f_S (Kano) or f_D (He), where the stem may not move for long
 ORDERS = ((3, 3), (6, 5), (10, 8))  # rows of PV's and the input's past
 TAILS = (5.0, 3.0, 10.0, 50.0)  # degrees of freedom; the first for the search of order and delay
 DELAYS = (1, 2, 3, 4, 6, 8, 11, 15, 20)
@@ -50,7 +55,7 @@ class Gains:
 
     k : delay [rows]; sizes : (m,) ``Size`` of each column
     score : (m, 2) of a play and of a stick with a jump [nats];  sections : (m, 2, SECTIONS) log-likelihood of tenths
-    jump : (m,) J / S of the best jump;  start : (m, 2) start of the best stem
+    shape : (m, 2, 3) J / S, law and start of the best stem, as ``Stems.stem`` takes it
     rivals : score and (SECTIONS,) log-likelihoods of each, by name
     answer : static gain of PV's answer to OP
     """
@@ -59,8 +64,7 @@ class Gains:
     sizes: npt.NDArray[np.intp]
     score: Values
     sections: Values
-    jump: Values
-    start: Values
+    shape: Values
     rivals: dict[str, tuple[float, Values]]
     answer: float
 
@@ -98,18 +102,17 @@ class Stems:
         b, y, rows = self.order[1], self._kept(self.rows.y), self.rows
         rivals = self._rivals(k)
         tried = [
-            (i, j, at)
+            (10.0 ** (i / FINER), j, law, at)
             for i in sizes
-            for j in JUMPS
+            for j, law in JUMPS
             for at in (STARTS if 10.0 ** (i / FINER) >= 0.5 * rows.travel else (0.0,))
         ]
-        which, jumps, starts = (np.array(column) for column in zip(*tried, strict=True))
-        S = 10.0 ** (which / FINER)
-        inputs = self._inputs(rows.input(stick(rows.op, S, jumps * S, starts)), k, b)
+        S, jumps, laws, starts = (np.array(column) for column in zip(*tried, strict=True))
+        inputs = self._inputs(rows.input(_stems(rows.op, S, jumps, laws, starts)), k, b)
         first = self._screened(inputs, y)
         kept = np.array([
-            (lanes := np.flatnonzero((which == i) & ((jumps > 0.0) == jumping)))[np.argmax(first[lanes])]
-            for i in sizes for jumping in (False, True)
+            (lanes := np.flatnonzero((size == S) & ((jumps > 0.0) == jumping)))[np.argmax(first[lanes])]
+            for size in dict.fromkeys(S.tolist()) for jumping in (False, True)
         ])  # fmt: skip
         X = np.concatenate([np.broadcast_to(self.base, (len(kept), *self.base.shape)), inputs[kept]], axis=2)
         fitted = lines(X, y, self.tail, rows.floor, 4, self.weights)
@@ -118,23 +121,34 @@ class Stems:
         own = 1.0 - float(np.sum(plain[2 : 2 + a]))
         return Gains(
             k, np.array(sizes), (fitted.total - cost).reshape(-1, 2), _tenths(fitted.each).reshape(-1, 2, SECTIONS),
-            jumps[kept].reshape(-1, 2)[:, 1], starts[kept].reshape(-1, 2),
+            np.column_stack([jumps, laws, starts])[kept].reshape(-1, 2, 3),
             {name: (score, _tenths(each[None])[0]) for name, (score, each, _) in rivals.items()},
             float(np.sum(plain[2 + a :])) / (own if abs(own) > 1e-3 else math.copysign(1e-3, own)),
         )  # fmt: skip
+
+    @cached_property
+    def promising(self) -> bool:
+        """Whether any play or full stick seems to tell PV better than OP, by one look with fixed weights; cheap."""
+        k, rows = self.ks[1], self.rows
+        least = FINER * math.log10(0.1 * rows.travel)
+        sizes = [10.0 ** (i / FINER) for i in self.size_range() if i >= least]
+        tried = [(S, j, law, 0.0) for S in sizes for j, law in (JUMPS[0], JUMPS[2], JUMPS[4])]
+        inputs = rows.input(np.column_stack([rows.op, _stems(rows.op, *np.array(tried).T)]))
+        told = self._screened(self._inputs(inputs, k, self.order[1]), self._kept(rows.y))
+        return bool(np.max(told[1:]) > told[0])
 
     @property
     def count(self) -> int:
         """Rows that count."""
         return len(self.base)
 
-    def stem(self, S: float, J: float, start: float) -> Values:
-        """The stem at full rate, (m,) [unit of OP]."""
-        return stick(self.rows.op, S, J, start)
+    def stem(self, S: float, shape: Values) -> Values:
+        """The stem of size S and of shape (J / S, law, start) at full rate, (m,) [unit of OP]."""
+        return _stems(self.rows.op, *np.array([[S, *shape]]).T)[:, 0]
 
-    def reversals(self, S: float, J: float, start: float) -> int:
+    def reversals(self, S: float, shape: Values) -> int:
         """How often such a stem turns round."""
-        moves = np.sign(np.diff(self.stem(S, J, start)))
+        moves = np.sign(np.diff(self.stem(S, shape)))
         moves = moves[moves != 0.0]
         return int(np.sum(moves[1:] != moves[:-1]))
 
@@ -219,15 +233,27 @@ def stems_of(op: Values, pv: Values) -> Stems | None:
         X = np.stack([np.concatenate([bases[i], past(u, d, b)[rows.used]], axis=1) for d in delays])
         score[i] = lines(X, y, TAILS[0], rows.floor, 4).total - logs * X.shape[2]
     near = score[:, :NEAR]
-    i, at = np.unravel_index(int(np.argmax(score)), score.shape)
-    if score[i, at] < near.max() + SURE:
-        i, at = np.unravel_index(int(np.argmax(near)), near.shape)
+    best = score if score.max() >= near.max() + SURE else near
+    i, at = (int(n) for n in np.unravel_index(int(np.argmax(best)), best.shape))
     (a, b), d = ORDERS[i], delays[at]
     X = np.concatenate([bases[i], past(u, d, b)[rows.used]], axis=1)[None]
     fits = {nu: lines(X, y, nu, rows.floor) for nu in TAILS}
     tail = max(TAILS, key=lambda nu: float(fits[nu].total[0]))
-    ks = (1, 2, 3) if d <= NEAR else tuple(sorted({round(0.5 * d), round(0.75 * d), d}))
+    ks = (1, 2, 3) if d <= NEAR else (1, 2, 3, round(0.5 * d), round(0.75 * d), d)
     return Stems(rows, ks, (a, b), tail, fits[tail].w[0], bases[i], delays)
+
+
+def _stems(u: Values, S: Values, jumps: Values, laws: Values, starts: Values) -> Values:
+    """Stems (n, m) of OP u (n,) for S, J / S, law and start (m,)."""
+    found = np.empty((len(u), len(S)))
+    kano = laws == KANO
+    if kano.any():
+        found[:, kano] = stick(u, S[kano], (jumps * S)[kano], starts[kano])
+    for start in STARTS:
+        these = (laws == HE) & (starts == start)
+        if these.any():
+            found[:, these] = he(u, S[these], (jumps * S)[these], start).T
+    return found
 
 
 def _tenths(each: Values) -> Values:
