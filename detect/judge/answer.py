@@ -147,7 +147,9 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         if silent or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
             return _from_still(still)
         still = still._replace(means="open", why=PV_ANSWERS)
-    evidence = None if opinion.probability >= model.accuse else evidence_on(loop, opinion.probability <= model.clear)
+    evidence = (
+        None if opinion.probability >= model.accuse else evidence_on(loop, _may_clear(view, found, opinion, model))
+    )
     said = _judged(loop, view, found, with_evidence(opinion, evidence), model, evidence)
     return said if still is None or still.turned == 0 else replace(said, reason=f"{_stands(still)} {said.reason}")
 
@@ -216,8 +218,8 @@ def _concluded(
     if seen is not None and seen.accuses:
         S = Amount(seen.S, seen.low, seen.high, unit)
         J = replace(J, value=min(J.value, seen.S), low=min(J.low, seen.S), high=min(J.high, seen.S))
-    hidden = found[f"play_hidden_{model.hidden}"]
-    limit = (hidden * travel, unit) if hidden < 0.9 else None
+    hidden = _hidden(found, model)
+    limit = None if hidden is None else (hidden * travel, unit)
     p, stem = said.probability, loop.record.mv is not None
     causes = dict(said.causes)
     todo = next_step(causes, S, stem, settled=False)
@@ -232,7 +234,7 @@ def _concluded(
         reason = f"{chances} S is about {S}, J about {J}. OP travels {_travelled(travel, unit)}."
         return Answer("stiction", p, causes, S, J, limit, reason, next_step({"stiction": 1.0}, S, stem))
     if p <= model.clear:
-        kept = _kept_open(found, limit, travel) or not_earned(seen, unit == PERCENT)
+        kept = _kept_open(found, hidden) or not_earned(loop, seen, unit == PERCENT)
         if not kept and limit is not None and seen is not None:
             size = max(limit[0], seen.claim)
             reason = (
@@ -272,7 +274,19 @@ def _at_end(loop: Prepared, allowed: float = 0.1) -> str:
     return f"PV stands at an end of its span in {of_samples}: log it within its range."
 
 
-def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, travel: float) -> str:
+def _hidden(found: Mapping[str, float], model: Model) -> float | None:
+    """The detection limit [share of OP's travel]; None where nearly any stick could hide."""
+    hidden = found[f"play_hidden_{model.hidden}"]
+    return hidden if hidden < 0.9 else None
+
+
+def _may_clear(view: View, found: Mapping[str, float], said: Opinion, model: Model) -> bool:
+    """Whether nothing but dead travel by likelihood could still stand against clearing."""
+    kept = _shortcoming(view, said) or _kept_open(found, _hidden(found, model))
+    return said.probability <= model.clear and not kept
+
+
+def _kept_open(found: Mapping[str, float], hidden: float | None) -> str:
     """Why a small probability does not clear the valve; "" where it does."""
     follows = found["linear_r2"]
     if follows < FOLLOWS:
@@ -280,7 +294,7 @@ def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, trav
             f"Little speaks for stiction, but OP through a lag tells {max(follows, 0.0):.0%} of PV ({FOLLOWS:.0%} "
             "needed to clear the valve): PV moves for other reasons."
         )
-    if limit is None or limit[0] > CLEARED * travel:
+    if hidden is None or hidden > CLEARED:
         return f"Little speaks for stiction, but a stick of {CLEARED:.0%} of OP's travel or more could hide here."
     return ""
 

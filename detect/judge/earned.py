@@ -23,18 +23,21 @@ from detect.prepare.prepared import Prepared
 __all__ = ["evidence_on", "not_earned", "with_evidence"]
 
 TEMPER, MOST = 10.0, 5.0  # nats of evidence that count as one, and the most that count
+PROMISE = 5.0  # nats of a first look below which no second one is worth its time
 DEAD_TRAVEL = ("stiction", "deadband")
 DRAWN = ("compressed",)  # facts of the data behind which PV is drawn by a historian
 
 
-def evidence_on(loop: Prepared, to_clear: bool = True) -> Evidence | None:
+def evidence_on(loop: Prepared, to_clear: bool) -> Evidence | None:
     """Return the evidence of a record; None where a historian has drawn PV or OP, or too little of them is left.
 
-    Where it is not wanted ``to_clear``, it is not worked out unless one look promises dead travel.
+    It is not worked out where one look shows that it would change nothing: a stick promises too little to be called,
+    and either clearing is not asked for (``to_clear``) or the stick promises too much for it.
     """
     if loop.op_drawn.present or any(fact.code in DRAWN for fact in loop.present) or loop.stems is None:
         return None
-    return loop.dead_travel if to_clear or loop.stems.promising else None
+    promise = loop.stems.promise
+    return loop.dead_travel if promise >= PROMISE or (to_clear and promise <= 0.0) else None
 
 
 def with_evidence(opinion: Opinion, found: Evidence | None) -> Opinion:
@@ -55,12 +58,12 @@ def with_evidence(opinion: Opinion, found: Evidence | None) -> Opinion:
     return replace(opinion, causes=causes)
 
 
-def not_earned(found: Evidence | None, percent: bool) -> str:
+def not_earned(loop: Prepared, found: Evidence | None, percent: bool) -> str:
     """Return why the record does not clear the valve; "" where it does."""
-    if found is None:
-        why = "PV or OP is drawn by a historian or hardly there, so no dead travel can be excluded."
-    elif found.clears:
-        return ""
+    if found is not None:
+        why = "" if found.clears else said(found, percent)
+    elif loop.stems is not None and loop.stems.promise > 0.0:
+        why = "A stem that sticks tells PV no worse than OP itself does."
     else:
-        why = said(found, percent)
-    return f"Little speaks for stiction, but clearing must be earned. {why}"
+        why = "PV or OP is drawn by a historian or hardly there, so no dead travel can be excluded."
+    return f"Little speaks for stiction, but clearing must be earned. {why}" if why else ""

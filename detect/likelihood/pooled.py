@@ -1,21 +1,22 @@
 """Evidence of one valve from one record or from many: log-likelihoods of days add up, because the valve is the same.
 
     G(S)    = sum over records of the score of S, where there are several by the mean likelihood of S and the sizes
-              beside it, because a stick is not quite the same each day, less the score of that rival which tells all records best, less ln(n)/2 for S and as much for J
-    G       = max of G(S) over S >= 0.1 of OP's travel [nats];   G_d = G without its best tenth of all records
+              beside it, because a stick is not quite the same each day; less the score of that rival which tells all
+              records best, less ln(n)/2 for S and as much for J
+    G       = max of G(S) over S >= 0.1 of OP's travel [nats];   G_d = G without the best tenth of any record
     against = loss of the likeliest S >= 0.15 of OP's travel against the best rival [nats]
 
     bent    = the most that a stick, a bent characteristic, another answer each way or a sensor with hysteresis gains
               over a straight line [nats]
 
 A valve has dead travel where G >= 10, G_d >= 5, the stem turns at least four times and, of days that tell anything,
-no more speak against than for it: all that at two of three delays beside each other.  It is shown to have none where
-every S from 0.15 of OP's travel on loses 10 nats at all delays, a straight line tells PV best, PV answers OP by 10 nats
-at all, that answer keeps sign and size over the delays, and OP turns at least four times.  Else the record leaves it
-open, and so it does where there are fewer than ten samples between two turns of OP.  Bootstrap tests pass a one-way
-drift; turns, the tenth and delays do not.  A valve that sticks often makes a bent rival look good, in place of the
-stick: of 170 sticky loops (training law, seed 70001) 10 lost every S without the rule on the straight line, and 3 with
-it, two of them of S below 0.15 of OP's travel.
+no more speak against than for it and no single one is all there is: all that at two of three delays beside each other.
+It is shown to have none where every S from 0.15 of OP's travel on loses 10 nats at all delays, a straight line tells PV
+best, PV answers OP by 10 nats at all, that answer keeps sign and size over the delays, and OP turns at least four
+times.  Else the record leaves it open, and so it does where there are fewer than ten samples between two turns of OP.
+Bootstrap tests pass a one-way drift; turns, the tenth and delays do not.  A valve that sticks often makes a bent rival
+look good, in place of the stick: of 170 sticky loops (training law, seed 70001) 10 lost every S without the rule on the
+straight line, and 3 with it, two of them of S below 0.15 of OP's travel.
 
 Source: ours; the limits are those of a trial on real and simulated loops, kept as they were, but for the straight
 line.
@@ -222,13 +223,13 @@ def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: npt.NDArray[np.in
     at = tuple(int(one[i, j]) for one in chosen)
     sections = np.concatenate([part.sections[a, j] - part.rivals[rival][1] for part, a in zip(kept, at, strict=True)])
     gain = float(total[i, j])
-    without = gain - float(np.sum(np.maximum(np.sort(sections)[-len(kept) :], 0.0)))
+    without = gain - max(float(sections.max()), 0.0)
     turned = 0
     for one, part, a in zip(records, kept, at, strict=True):
         S = 10.0 ** (part.sizes[a] / FINER)
         turned += one.reversals(S, part.shape[a, j])
     adds = [part.score[a, j] - part.rivals[rival][0] for part, a in zip(kept, at, strict=True)]
-    agree = sum(x > SAYS for x in adds) >= sum(x < -SAYS for x in adds)
+    agree = sum(x > SAYS for x in adds) >= sum(x < -SAYS for x in adds) and (len(adds) == 1 or gain > max(adds))
     holds = gain >= GAIN and without >= WITHOUT_BEST and turned >= TURNS and agree
     return _At(holds, gain, without, turned, int(grid[i]), bool(j), total, grid, at, tuple(kept), rival, sections)
 
