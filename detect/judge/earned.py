@@ -20,12 +20,19 @@ from detect.likelihood.pooled import Evidence
 from detect.likelihood.words import said
 from detect.prepare.prepared import Prepared
 
-__all__ = ["evidence_on", "not_earned", "with_evidence"]
+__all__ = ["evidence_on", "not_earned", "usable", "with_evidence"]
 
 TEMPER, MOST = 10.0, 5.0  # nats of evidence that count as one, and the most that count
 PROMISE = 5.0  # nats of a first look below which no second one is worth its time
 DEAD_TRAVEL = ("stiction", "deadband")
-DRAWN = ("compressed",)  # facts of the data behind which PV is drawn by a historian
+# Facts of the data behind which PV tells nothing of the stem.
+DRAWN = ("compressed", "frozen_pv", "pv_unresponsive", "manual_mode", "constant_signal", "signal_missing")
+
+
+def usable(loop: Prepared) -> bool:
+    """Whether a record can be weighed: no historian has drawn PV or OP, and enough of them is left."""
+    drawn = loop.op_drawn.present or any(fact.code in DRAWN for fact in loop.present)
+    return not drawn and loop.stems is not None
 
 
 def evidence_on(loop: Prepared, to_clear: bool) -> Evidence | None:
@@ -34,7 +41,7 @@ def evidence_on(loop: Prepared, to_clear: bool) -> Evidence | None:
     It is not worked out where one look shows that it would change nothing: a stick promises too little to be called,
     and either clearing is not asked for (``to_clear``) or the stick promises too much for it.
     """
-    if loop.op_drawn.present or any(fact.code in DRAWN for fact in loop.present) or loop.stems is None:
+    if not usable(loop) or loop.stems is None:
         return None
     promise = loop.stems.promise
     return loop.dead_travel if promise >= PROMISE or (to_clear and promise <= 0.0) else None
