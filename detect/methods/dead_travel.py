@@ -14,7 +14,7 @@ What is found is dead travel: a jump is told only where it gains.  Real sticky v
 with play looks like them.  Many days of one valve are pooled by ``likelihood.pooled.evidence_of``.
 
 Source: ours; the likelihood is textbook (Ljung, System Identification, 1999).  Not for records drawn by a historian,
-of fewer than 100 rows, or where PV answers within a sample.  Cost: 0.1 s for 750 samples, 0.3 s for 5,000; of a longer
+of fewer than 100 rows, or where PV answers within a sample.  Cost: 0.2 s for 750 samples, 0.5 s for 3,000; of a longer
 record the last part.
 """
 

@@ -1,6 +1,7 @@
 """``stickslip check`` on several loops, of one file or of several: a table, the groups, and where to look first."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -211,11 +212,11 @@ def _page(
             shared.append(section)
     for tag in tags:
         told = WORDS[tag.verdict]
-        section = Section(f"{tag.tag}: {len(tag.records)} records", told.spoken.upper(), told.kind, tag.answer.reason)
-        section = replace(section, after=tag.answer.action)
+        name, answer = f"{tag.tag}: {len(tag.records)} records", tag.answer
+        section = Section(name, told.spoken.upper(), told.kind, answer.reason, after=answer.action)
         section.figures += [figure_to_svg(tag.plot()), table_to_html(list(DAYS), tag.rows)]
         shared.append(section)
-    answers = [answer for _, found in judged for answer in found]
+    answers = [one for _, found in judged for one in found]
     said = [k for k in range(len(COLUMNS)) if k < 2 or any(row[k] not in ("", "-") for _, row in rows)]
     links = [f"#s{1 + len(shared) + number}" for number, _ in rows]
     kinds = [WORDS[answers[number].verdict].kind for number, _ in rows]
