@@ -117,9 +117,8 @@ def check_many(
     if faults:
         return 2
     of_tags = {record: tag.verdict for tag in tags for record in tag.records}  # of several records, all together
-    every = [(file, answer) for file, answers in judged for answer in answers]
-    words = [of_tags.get(_called(file, answer.loop), answer.verdict) for file, answer in every]
-    return int("stiction" in words)
+    every = [(file, one) for file, answers in judged for one in answers]
+    return int(any(of_tags.get(_called(file, one.loop), one.verdict) == "stiction" for file, one in every))
 
 
 def _called(file: Path, loop: str) -> str:
