@@ -24,6 +24,7 @@ from detect.judge.answer import answer
 from detect.methods import (
     bicoherence,
     change_no_change,
+    dead_travel,
     hagglund2011,
     hammerstein,
     high_passed_pv,
@@ -47,7 +48,7 @@ PLACES = {"ramp": "OP up and down", "flow": "flow loop", "lag": "slow loop", "le
 CONTROLLERS = {"flow": (0.3, 4.0, 2.0), "lag": (0.5, 10.0, 10.0), "level": (1.2, 120.0, 50.0)}  # K_p, T_i, tau or T
 SECONDS, SETTLED = 3000, 600
 STEMS = (stem_play, parallelogram, change_no_change, qualitative_movements, window_tests)
-OTHERS = (play_fit, hammerstein, bicoherence, segmentation, hagglund2011, high_passed_pv, shifted_pv)
+OTHERS = (play_fit, dead_travel, hammerstein, bicoherence, segmentation, hagglund2011, high_passed_pv, shifted_pv)
 GIVE_J = ("stem_play", "qualitative_movements", "hammerstein")
 
 

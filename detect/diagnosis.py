@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 from detect.chances import chance
 from detect.judge.answer import Amount, Answer, answer
 from detect.judge.combine import Combine
+from detect.judge.pooled import pooled
 from detect.judge.voted import beside, voted
+from detect.likelihood.pooled import Evidence
 from detect.method import Method
 from detect.prepare.fact import Fact
 from detect.prepare.harris import Harris
@@ -25,7 +27,7 @@ from logs.shown import Shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose", "found_on"]
+__all__ = ["SCHEMA", "Diagnosis", "ask", "diagnose", "found_on", "found_on_all"]
 
 SCHEMA = "stickslip.check/2"
 UNSURE = (0.2, 0.85)  # probabilities between which simulation beside the model tells more (docs/methods.md)
@@ -179,6 +181,11 @@ def diagnose(
 def found_on(loop: Prepared, verdicts: Sequence[Verdict], combine: Combine | None) -> Answer:
     """The answer on a loop: the calibrated one, or what ``combine`` makes of the verdicts of the methods."""
     return answer(loop) if combine is None else voted(verdicts, combine, loop.record.mv is not None)
+
+
+def found_on_all(loops: Sequence[Prepared], answers: Sequence[Answer], evidence: Evidence | None) -> Answer:
+    """The answer on one valve from its records, what is said of each, and what they add up to."""
+    return pooled(loops, answers, evidence)
 
 
 def _amount(found: Answer) -> dict[str, Amount] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Literal
 
-__all__ = ["Process", "measurement_in", "measurement_of", "process_of", "tag_in"]
+__all__ = ["Process", "measurement_in", "measurement_of", "process_of", "tag_in", "valve_in"]
 
 Process = Literal["self_regulating", "integrating", "unknown"]
 
@@ -43,6 +43,23 @@ def tag_in(text: str) -> str:
     """
     found = _TAG.search(text)
     return found["tag"] if found else ""
+
+
+# What names of one loop's records end in: a date with or without a time of day, or the number of a day or part.
+_RECORD = re.compile(
+    r"[-_. ](?:(?:19|20)\d{2}[-_.]?\d{2}[-_.]?\d{2}(?:[-_ T.]?\d{2}[-_:.]?\d{2}(?:[-_:.]?\d{2})?)?"
+    r"|(?:day|week|part|window|run)[-_ ]?\d+)$",
+    re.IGNORECASE,
+)
+
+
+def valve_in(name: str) -> str:
+    """The name of a record without the date or number at its end: what the records of one valve share.
+
+    >>> [valve_in(name) for name in ("FIC46005_20240613_2155", "LOOP_day2", "FIC101", "CHEM10", "TIC-5 2024-01-31")]
+    ['FIC46005', 'LOOP', 'FIC101', 'CHEM10', 'TIC-5']
+    """
+    return _RECORD.sub("", name)
 
 
 def measurement_of(tag: str) -> str:

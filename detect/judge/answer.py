@@ -6,9 +6,10 @@
        travels and turns back, the valve sticks unless PV answers OP, so that the tag is dead (``still_stem``)
     3. where PV bends each time OP has come back by the same travel, its valve is seen to slip (``own_slips``)
     4. the features go to the model, which was calibrated on simulated loops only
-    5. "stiction" from the probability ``accuse`` on, from ``LEVEL`` on in a process known to integrate, with S and J
-       "no stiction" only as a claim with a size: probability below ``clear``, OP turned back, PV follows OP, and a
-       stick above the detection limit would have shown
+    5. where the model leaves it open, the record's own likelihood of dead travel counts beside it (``earned``)
+    6. "stiction" from the probability ``accuse`` on, from ``LEVEL`` on in a process known to integrate, with S and J
+       "no stiction" only as a claim with a size: probability below ``clear``, OP turned back, PV follows OP, a stick
+       above the detection limit would have shown, and dead travel is excluded by likelihood
        all else is inconclusive, with the reason
 
 The detection limit is the largest S that tells PV about as well as the best model does (``features.play``).
@@ -23,12 +24,15 @@ import numpy as np
 
 from detect.chances import chance
 from detect.judge.actions import CAUSES, confirming_steps
+from detect.judge.earned import evidence_on, not_earned, with_evidence
 from detect.judge.features import features_of, view_of
 from detect.judge.features.view import LONGEST, View
 from detect.judge.grounds import grounds
 from detect.judge.model import Model, Opinion, calibrated, rounded
 from detect.judge.own_slips import own_slips
 from detect.judge.still_stem import Still, still_stem
+from detect.likelihood.pooled import Evidence
+from detect.likelihood.words import said as in_words
 from detect.plantwide.slips import Slips
 from detect.prepare.prepared import STEPS_MAX, Prepared
 from detect.prepare.recent import recent, samples_per_period
@@ -37,11 +41,12 @@ from detect.words import Word
 
 __all__ = ["Amount", "Answer", "answer", "next_step"]
 
-CLEARED = 0.5  # of OP's travel: a larger detection limit clears nothing
+CLEARED = 0.25  # of OP's travel: a larger detection limit clears nothing
 FOLLOWS = 0.5  # share of PV's variance that OP through a lag must tell, to clear
 UNLIKE = 0.03  # share of features beyond all simulated ones from which on the model is not asked
 # Facts of the data behind which nothing can be judged, where they forbid it.
 REFUSED = ("no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
+PERCENT = "% of OP"
 SAMPLES = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which no simulation that is learnt from shows.  From
 # this probability on 2 % of such loops are called (training law, 63000 to 63002; ``benchmarks.detect --only levels``).
@@ -142,7 +147,10 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         if silent or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
             return _from_still(still)
         still = still._replace(means="open", why=PV_ANSWERS)
-    said = _judged(loop, view, found, opinion, model)
+    evidence = (
+        None if opinion.probability >= model.accuse else evidence_on(loop, _may_clear(view, found, opinion, model))
+    )
+    said = _judged(loop, view, found, with_evidence(opinion, evidence), model, evidence)
     return said if still is None or still.turned == 0 else replace(said, reason=f"{_stands(still)} {said.reason}")
 
 
@@ -168,11 +176,19 @@ def _sampled(loop: Prepared) -> str:
 def _unit(loop: Prepared) -> tuple[float, str]:
     """What an amount in the unit of OP is multiplied by, and the unit it then has."""
     percent = loop.op_percent(1.0)
-    return (percent, "% of OP") if percent is not None else (1.0, "in the unit of OP")
+    return (percent, PERCENT) if percent is not None else (1.0, "in the unit of OP")
 
 
-def _judged(loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model) -> Answer:
-    told = _concluded(loop, view, found, said, model)
+def _judged(
+    loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model, seen: Evidence | None
+) -> Answer:
+    told = _concluded(loop, view, found, said, model, seen)
+    if seen is not None and seen.accuses:
+        return replace(
+            told,
+            assumptions=_looked_at(loop, view),
+            reason=f"{told.reason} {in_words(seen, _unit(loop)[1] == PERCENT)}",
+        )
     settled = told.word in ("stiction", "no_stiction")
     because = grounds(found, model.shares(found), told.word == "stiction") if settled else ()
     return replace(told, assumptions=_looked_at(loop, view), because=because)
@@ -193,12 +209,17 @@ def _looked_at(loop: Prepared, view: View) -> tuple[str, ...]:
     )
 
 
-def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model) -> Answer:
+def _concluded(
+    loop: Prepared, view: View, found: Mapping[str, float], said: Opinion, model: Model, seen: Evidence | None
+) -> Answer:
     scale, unit = _unit(loop)
     travel = view.travel * view.op_scale * scale
     S, J = (Amount(value * travel, low * travel, high * travel, unit) for value, low, high in (said.S, said.J))
-    hidden = found[f"play_hidden_{model.hidden}"]
-    limit = (hidden * travel, unit) if hidden < 0.9 else None
+    if seen is not None and seen.accuses:
+        S = Amount(seen.S, seen.low, seen.high, unit)
+        J = replace(J, value=min(J.value, seen.S), low=min(J.low, seen.S), high=min(J.high, seen.S))
+    hidden = _hidden(found, model)
+    limit = None if hidden is None else (hidden * travel, unit)
     p, stem = said.probability, loop.record.mv is not None
     causes = dict(said.causes)
     todo = next_step(causes, S, stem, settled=False)
@@ -213,12 +234,13 @@ def _concluded(loop: Prepared, view: View, found: Mapping[str, float], said: Opi
         reason = f"{chances} S is about {S}, J about {J}. OP travels {_travelled(travel, unit)}."
         return Answer("stiction", p, causes, S, J, limit, reason, next_step({"stiction": 1.0}, S, stem))
     if p <= model.clear:
-        kept = _kept_open(found, limit, travel)
-        if kept is None and limit is not None:
-            size = max(limit[0], 0.08 * travel)
+        kept = _kept_open(found, hidden) or not_earned(loop, seen, unit == PERCENT)
+        if not kept and limit is not None and seen is not None:
+            size = max(limit[0], seen.claim)
             reason = (
                 f"S is below {rounded(size):g} {unit}: OP travels {_travelled(travel, unit)} and turns back, PV "
-                f"follows it, and a larger stick would have shown. {chances}"
+                f"follows it, and a larger stick would have shown. From {rounded(seen.claim):g} {unit} on dead travel "
+                f"is excluded by {seen.loss:.0f} nats. {chances}"
             )
             return Answer("no_stiction", p, causes, None, None, (size, unit), reason, next_step(causes, S, stem))
         return Answer("inconclusive", p, causes, None, None, limit, f"{kept} {chances}", todo)
@@ -252,17 +274,29 @@ def _at_end(loop: Prepared, allowed: float = 0.1) -> str:
     return f"PV stands at an end of its span in {of_samples}: log it within its range."
 
 
-def _kept_open(found: Mapping[str, float], limit: tuple[float, str] | None, travel: float) -> str | None:
-    """Why a small probability does not clear the valve; None where it does."""
+def _hidden(found: Mapping[str, float], model: Model) -> float | None:
+    """The detection limit [share of OP's travel]; None where nearly any stick could hide."""
+    hidden = found[f"play_hidden_{model.hidden}"]
+    return hidden if hidden < 0.9 else None
+
+
+def _may_clear(view: View, found: Mapping[str, float], said: Opinion, model: Model) -> bool:
+    """Whether nothing but dead travel by likelihood could still stand against clearing."""
+    kept = _shortcoming(view, said) or _kept_open(found, _hidden(found, model))
+    return said.probability <= model.clear and not kept
+
+
+def _kept_open(found: Mapping[str, float], hidden: float | None) -> str:
+    """Why a small probability does not clear the valve; "" where it does."""
     follows = found["linear_r2"]
     if follows < FOLLOWS:
         return (
             f"Little speaks for stiction, but OP through a lag tells {max(follows, 0.0):.0%} of PV ({FOLLOWS:.0%} "
             "needed to clear the valve): PV moves for other reasons."
         )
-    if limit is None or limit[0] > CLEARED * travel:
+    if hidden is None or hidden > CLEARED:
         return f"Little speaks for stiction, but a stick of {CLEARED:.0%} of OP's travel or more could hide here."
-    return None
+    return ""
 
 
 def _others(causes: Mapping[str, float]) -> str:

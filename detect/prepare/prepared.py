@@ -15,7 +15,7 @@ import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -40,6 +40,10 @@ from detect.prepare.smoothing import moving_average, noise_std
 from detect.prepare.stale import without_stale
 from logs import LoopRecord, read_loop
 from logs.files.frames import frame_kind
+
+if TYPE_CHECKING:
+    from detect.likelihood.pooled import Evidence
+    from detect.likelihood.stems import Stems
 
 __all__ = ["CUT", "STEPS_MAX", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
 
@@ -121,6 +125,25 @@ class Prepared(RecordSignals):
         """Whether PV follows OP; at no lag the PV-OP picture shows the controller."""
         grid = self.whole
         return causality(grid.op, grid.pv, grid.e, self.period / grid.dt if len(grid) else math.nan)
+
+    @cached_property
+    def stems(self) -> Stems | None:
+        """The record ready for the likelihood of stems, in % of OP where its span is known; None where too little is.
+
+        Stale samples are as they were logged: the likelihood leaves them out itself.
+        """
+        from detect.likelihood.stems import stems_of
+
+        grid = self.with_stale.whole
+        percent = self.op_percent(1.0)
+        return stems_of(grid.op if percent is None else percent * grid.op, grid.pv) if len(grid) else None
+
+    @cached_property
+    def dead_travel(self) -> Evidence | None:
+        """What the record says of dead travel of its valve; None where too little of it moves or is left."""
+        from detect.likelihood.pooled import evidence_of
+
+        return None if self.stems is None else evidence_of([self.stems])
 
     @property
     def health(self) -> tuple[Fact, ...]:

@@ -1,6 +1,7 @@
 """``stickslip check`` on several loops, of one file or of several: a table, the groups, and where to look first."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -9,11 +10,14 @@ from stickslip.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
     from detect import Diagnosis, Survey
+    from detect.prepare.prepared import Prepared
+    from detect.tag import Tag
     from logs import Log, LoopRecord
 
 SCHEMA = "stickslip.check-many/1"
 COLUMNS = ("loop", "verdict", "seen in", "probability", "period [s]", "OP travel [%]", "what the other tags show")
 FIRST = ("stiction", "inconclusive", "no_stiction", "not_applicable")  # verdicts in the order to look at them
+DAYS = ("record", "by itself", "S", "gain [nats]", "adds [nats]", "reversals")
 OF_ONE = ("pv", "op", "sp", "mv", "mode", "op_span", "loop")  # options that name one loop or its columns
 
 
@@ -60,6 +64,7 @@ def check_many(
 
     That is 2 where a file cannot be read (the others are judged all the same), 1 where a loop is called sticky, else 0.
     """
+    from detect.prepare.prepared import prepared
     from stickslip.commands.one_loop import diagnosed, with_told
 
     check_targets({"--html": html, "--json": json_file})
@@ -68,16 +73,21 @@ def check_many(
     found = [read for read in found if not read.fault]
     if not found:
         raise ValueError("; ".join(fault for _, fault in faults))
-    judged = [
-        (read.file, [diagnosed(with_told(one, measurement, None, infer=True)) for one in read.records])
-        for read in found
-    ]
+    loops = [[prepared(with_told(one, measurement, None, infer=True)) for one in read.records] for read in found]
+    judged = [(read.file, [diagnosed(one) for one in each]) for read, each in zip(found, loops, strict=True)]
+    tags = _tags(judged, loops)
     surveys = [_surveyed(read, answers) for read, (_, answers) in zip(found, judged, strict=True)]
     rows = _rows(judged, surveys)
     say(f"{len(rows)} loops, those to look at first on top:", bold=True)
     say.table(list(COLUMNS[:-1]), [row[:-1] for _, row in rows])
     for why in dict.fromkeys(row[-1] for _, row in rows if row[-1]):  # what is said of several loops is said once
         say.paragraph(f"{', '.join(row[0] for _, row in rows if row[-1] == why)}: {why}.", "  - ")
+    for tag in tags:
+        say(tag.headline, bold=True)
+        say.paragraph(tag.answer.reason)
+        say.table(list(DAYS), tag.rows)
+        if tag.answer.action:
+            say.paragraph(f"Next: {tag.answer.action}")
     for read, one in zip(found, surveys, strict=True):
         if one is not None:
             say(f"{read.file.name}: oscillations that tags share", bold=True)
@@ -85,7 +95,7 @@ def check_many(
                 say.paragraph(words, "  - ")
     say("One loop in full: stickslip check FILE --loop NAME")
     if html is not None:
-        write_whole(html, _page(judged, surveys, rows).encode())
+        write_whole(html, _page(judged, surveys, rows, tags).encode())
         say(f"report: {html}")
     say.document(
         {
@@ -98,6 +108,7 @@ def check_many(
                 }
                 for (file, answers), one in zip(judged, surveys, strict=True)
             ],
+            "tags": [tag.to_dict() for tag in tags],
             "skipped": [{"file": str(file), "reason": reason} for file, reason in faults],
         }
     )
@@ -105,7 +116,30 @@ def check_many(
         complain(reason)
     if faults:
         return 2
-    return int(any(answer.verdict == "stiction" for _, answers in judged for answer in answers))
+    of_tags = {record: tag.verdict for tag in tags for record in tag.records}  # of several records, all together
+    every = [(file, one) for file, answers in judged for one in answers]
+    return int(any(of_tags.get(_called(file, one.loop), one.verdict) == "stiction" for file, one in every))
+
+
+def _called(file: Path, loop: str) -> str:
+    """Return how a record is called among those of its valve: by its file, and by its tag where that says more."""
+    return file.stem if loop in ("", file.stem) else f"{file.stem}: {loop}"
+
+
+def _tags(judged: "Sequence[tuple[Path, list[Diagnosis]]]", loops: "Sequence[Sequence[Prepared]]") -> "list[Tag]":
+    """Return the verdict on every valve of which several files hold a record; those of one valve share its tag."""
+    from detect.tag import judge_tag
+    from logs.tags import valve_in
+
+    parts: dict[str, list[tuple[Prepared, Diagnosis, str]]] = {}
+    for (file, answers), each in zip(judged, loops, strict=True):
+        for loop, answer in zip(each, answers, strict=True):
+            parts.setdefault(valve_in(answer.loop), []).append((loop, answer, _called(file, answer.loop)))
+    return [
+        replace(judge_tag(name, [p[0] for p in part], [p[1] for p in part]), records=tuple(p[2] for p in part))
+        for name, part in parts.items()
+        if len(part) > 1
+    ]
 
 
 def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
@@ -162,6 +196,7 @@ def _page(
     judged: "Sequence[tuple[Path, list[Diagnosis]]]",
     surveys: "Sequence[Survey | None]",
     rows: list[tuple[int, list[str]]],
+    tags: "Sequence[Tag]",
 ) -> str:
     from detect.words import WORDS
     from stickslip.commands.one_loop import section_of
@@ -174,7 +209,13 @@ def _page(
             if one.groups:
                 section.figures.append(figure_to_svg(one.plot()))
             shared.append(section)
-    answers = [answer for _, found in judged for answer in found]
+    for tag in tags:
+        told = WORDS[tag.verdict]
+        name, answer = f"{tag.tag}: {len(tag.records)} records", tag.answer
+        section = Section(name, told.spoken.upper(), told.kind, answer.reason, after=answer.action)
+        section.figures += [figure_to_svg(tag.plot()), table_to_html(list(DAYS), tag.rows)]
+        shared.append(section)
+    answers = [one for _, found in judged for one in found]
     said = [k for k in range(len(COLUMNS)) if k < 2 or any(row[k] not in ("", "-") for _, row in rows)]
     links = [f"#s{1 + len(shared) + number}" for number, _ in rows]
     kinds = [WORDS[answers[number].verdict].kind for number, _ in rows]

@@ -1,0 +1,105 @@
+"""One valve, many records: one answer, from what every record says and from the evidence that they add up to.
+
+    odds of stiction   = median over the records of the model's odds, times those of the pooled evidence (``earned``)
+    seen               where more than half of the records show the stem or the valve's own slips, these answer
+    cleared            only where that is the median, no record calls stiction, and the pooled evidence excludes it
+
+The model errs alike on records of one loop, so its odds are not multiplied; likelihoods are, because each day brings
+new noise.  So a weak trace that agrees over weeks is found, and one odd day is not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from detect.chances import chance
+from detect.judge.actions import CAUSES
+from detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
+from detect.judge.earned import usable, with_evidence
+from detect.judge.model import Model, Opinion, calibrated
+from detect.likelihood.pooled import Evidence, evidence_of
+from detect.likelihood.words import said
+from detect.prepare.prepared import Prepared
+from detect.verdict import Word
+
+__all__ = ["evidence_of_all", "pooled"]
+
+
+def evidence_of_all(loops: Sequence[Prepared]) -> tuple[Evidence | None, tuple[int, ...]]:
+    """Return the evidence of the records of one valve, and on which it rests; one that is there twice counts once."""
+    kept: list[int] = []
+    for i, loop in enumerate(loops):
+        same = [j for j in kept if np.array_equal(loops[j].record.pv, loop.record.pv, equal_nan=True)]
+        if usable(loop) and not same:
+            kept.append(i)
+    stems = [loops[i].stems for i in kept]
+    return (evidence_of([one for one in stems if one is not None]) if kept else None), tuple(kept)
+
+
+def pooled(
+    loops: Sequence[Prepared], answers: Sequence[Answer], found: Evidence | None, model: Model | None = None
+) -> Answer:
+    """Return the answer on one valve from its records, what is said of each, and their evidence."""
+    model = model or calibrated()
+    seen = [a for a in answers if a.probability is None and a.word == "stiction"]
+    judged = [a for a in answers if a.probability is not None]
+    percent = all(loop.op_percent(1.0) is not None for loop in loops)
+    unit = PERCENT if percent else "in the unit of OP"
+    evidence = "" if found is None else said(found, percent)
+    if 2 * len(seen) > len(answers):
+        first = max(seen, key=lambda a: 0.0 if a.S is None else a.S.value)
+        return replace(first, reason=f"In {len(seen)} of {len(answers)} records: {first.reason}")
+    if not judged:
+        reason = f"None of the {len(answers)} records can be judged. {answers[0].reason}"
+        return Answer("not_applicable", None, {}, None, None, None, reason, "")
+    names = judged[0].causes
+    mean = {name: float(np.median([_odds(a.causes.get(name, 0.0)) for a in judged])) for name in names}
+    total = math.fsum(mean.values())
+    plain = Opinion({name: p / total for name, p in mean.items()}, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
+    opinion = with_evidence(plain, found)
+    p = opinion.probability
+    integrates = any(loop.integrating for loop in loops)
+    word: Word = "stiction" if p >= (LEVEL if integrates else model.accuse) else "inconclusive"
+    excused = found is not None and found.clears and not any(a.word == "stiction" for a in answers)
+    if p <= model.clear and excused and any(a.word == "no_stiction" for a in judged):
+        word = "no_stiction"
+    own = [a.word for a in answers]
+    told = ", ".join(f"{own.count(w)} {w.replace('_', ' ')}" for w in dict.fromkeys(own))
+    level = f" {LEVELS_CYCLE} only from {100.0 * LEVEL:g} % on." if integrates and word != "stiction" else ""
+    reason = (
+        f"{len(answers)} records of one valve, by themselves {told}. Together: probability of stiction {chance(p)}, "
+        f"{CAUSES[_second(opinion)].spoken} {chance(opinion.causes[_second(opinion)])}.{level} {evidence}"
+    )
+    S = _size(found, [a.S for a in answers if a.S is not None], unit)
+    stem = any(loop.record.mv is not None for loop in loops)
+    causes = {"stiction": 1.0} if word == "stiction" else opinion.causes
+    action = (
+        next((a.action for a in judged if a.word == word), "")
+        if S is None
+        else next_step(causes, S, stem, settled=word != "inconclusive")
+    )
+    limit = None if found is None or word != "no_stiction" else (found.claim, unit)
+    return Answer(word, p, opinion.causes, S if word == "stiction" else None, None, limit, reason.strip(), action)
+
+
+def _odds(p: float) -> float:
+    p = min(max(p, 1e-6), 1.0 - 1e-6)
+    return p / (1.0 - p)
+
+
+def _second(opinion: Opinion) -> str:
+    return next(name for name in opinion.causes if name != "stiction")
+
+
+def _size(found: Evidence | None, own: Sequence[Amount], unit: str) -> Amount | None:
+    """S of the evidence where that calls it, else the middle of what the records say."""
+    if found is not None and found.accuses:
+        return Amount(found.S, found.low, found.high, unit)
+    if not own:
+        return None
+    value, low, high = (float(np.median([getattr(one, part) for one in own])) for part in ("value", "low", "high"))
+    return Amount(value, low, high, own[0].unit)

@@ -1,0 +1,58 @@
+"""Straight lines through rows whose errors have heavy tails: the log-likelihood under Student's t, many lines at once.
+
+    y = X b + s e,   e Student t of nu degrees of freedom
+    w = (nu + 1) / (nu + (r / s)^2),   b = least squares with weights w,   s^2 = mean(w r^2),   again
+
+A few steps of this climb to the largest likelihood (Lange, Little and Taylor 1989, J. Am. Stat. Assoc. 84:881).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Lines", "lines"]
+
+Values = npt.NDArray[np.float64]
+STEPS = 8
+RIDGE = 1e-9  # of the mean diagonal: columns that repeat each other must not stop the fit
+
+
+class Lines(NamedTuple):
+    """c lines through n rows: each (c, n) log-likelihood of every row [nats]; b (c, p); w (c, n) weights [-]."""
+
+    each: Values
+    b: Values
+    w: Values
+
+    @property
+    def total(self) -> Values:
+        """Log-likelihood of every line, (c,) [nats]."""
+        return np.asarray(self.each.sum(axis=1))
+
+
+def lines(X: Values, y: Values, nu: float, floor: float, steps: int = STEPS, w: Values | None = None) -> Lines:
+    """Fit c lines, X (c, n, p), to y (n,); ``floor`` [unit of y] is the least s, ``w`` (n,) weights to start from.
+
+    >>> x = np.linspace(-1, 1, 50)
+    >>> found = lines(np.stack([np.ones(50), x], axis=1)[None], 2 + 3 * x, 5.0, 0.01)
+    >>> found.b.round(3).tolist()
+    [[2.0, 3.0]]
+    """
+    c, n, p = X.shape
+    turned = np.ascontiguousarray(X.transpose(0, 2, 1))
+    weights = np.ones((c, n)) if w is None else np.broadcast_to(w, (c, n))
+    for _ in range(steps):
+        weighted = turned * weights[:, None, :]
+        gram = weighted @ X
+        gram[:, range(p), range(p)] += RIDGE * np.trace(gram, axis1=1, axis2=2)[:, None] / p + 1e-300
+        b = np.linalg.solve(gram, (weighted @ y)[:, :, None])
+        left = y - (X @ b)[:, :, 0]
+        squares = np.maximum(np.mean(weights * left * left, axis=1), floor**2)[:, None]
+        weights = (nu + 1.0) / (nu + left * left / squares)
+    constant = math.lgamma(0.5 * (nu + 1.0)) - math.lgamma(0.5 * nu) - 0.5 * math.log(nu * math.pi)
+    each = constant - 0.5 * np.log(squares) - 0.5 * (nu + 1.0) * np.log1p(left * left / (nu * squares))
+    return Lines(np.asarray(each), np.asarray(b[:, :, 0], dtype=np.float64), np.asarray(weights, dtype=np.float64))
