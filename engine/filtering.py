@@ -96,7 +96,7 @@ def taken_in(values, before, r, width, D, Y, z, y, gains, e, S):  # type: ignore
     n, m = len(z), len(y)
     own = np.empty(width)
     for i in range(m):
-        if not values[i] == values[i]:
+        if values[i] != values[i]:
             continue
         s = 0.0
         for j in range(width):
@@ -271,9 +271,10 @@ def extended(  # type: ignore[no-untyped-def]
     ``noisy`` (q,) of the noises in force, which stand ``at`` (q,) in the state; ``size`` (n,) of states.
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
     of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
-    of rounding.  ``z`` (n,), ``L`` (n, n) of which ``columns`` count: the state before the first stop.  Written are
-    the slopes ``A`` (k, n, n), ``B`` (k, n, q), ``H`` (k, m, n), ``G`` (k, m, q), the noise that was in ``force`` before
-    each stop (k, q), and the ``gains`` (rows, n + m, m).
+    of rounding.  ``z`` (n,), ``L`` (n, n) of which ``columns`` count: the state before the first stop.
+
+    Written are the slopes ``A`` (k, n, n), ``B`` (k, n, q), ``H`` (k, m, n), ``G`` (k, m, q), the noise that was in
+    ``force`` before each stop (k, q), and the ``gains`` (rows, n + m, m).
     """
     n, m, q = len(places), len(shown), len(noisy)
     no_rows, nothing = np.empty((1, 0)), np.full(m, np.nan)
@@ -335,7 +336,7 @@ def otherwise(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     """Filter a log with other noise along the path of a known filter, in its slopes: see ``extended``.
 
-    ``phi``, ``force`` and ``gains`` are those of the known filter, ``shown`` (rows, m) what its mean showed at each row.
+    ``phi``, ``force`` and ``gains`` are those of the known filter, ``shown`` (rows, m) what its mean showed at rows.
     """
     n, m, q = A.shape[1], values.shape[1], len(at)
     nothing = np.full(m, np.nan)

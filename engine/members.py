@@ -4,7 +4,6 @@ A member is given by the numbers that stand in certain ``places`` of the floats:
 parameters that hold a noise in force.  Everything else, clocks and counters included, is that of the run it leaves.
 """
 
-import numpy as np
 from numba import njit
 
 from engine.advance import advance

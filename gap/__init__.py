@@ -12,7 +12,8 @@ records        what a model and a log bring              fits          sizes of 
 insertion      how an effect gets into a diagram         explanations  one effect, two, none: side by side
 floors         what a record without a gap would leave   telling       words, sizes, shrinkage, the next test
 linearised     residuals of diagrams too large to replay between rows
-filters        diagnosis by a Kalman filter, where loads are not measured
+filters        diagnosis by a Kalman filter, where loads are not measured and the loop is linear between scans
+likelihood     the same for any other loop: the filter's prediction is the run of the diagram itself
 calibrating    how often names are right, on runs with known effects
 """
 

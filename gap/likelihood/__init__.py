@@ -1,1 +1,8 @@
-"""One likelihood of a log given a diagram: the diagram's own run is the filter's prediction."""
+"""One likelihood of a log given a diagram: the diagram's own run is the filter's prediction.
+
+prepared     a model made ready: noise as inputs that are held, dead times as scan values (``late``)
+frame        what all hypotheses of a record share            hypothesis   an effect at a place, and what it leaves
+fit          sizes by Fisher's scoring                        switches     when an input switched between two rows
+search       every effect by its score, the likeliest fitted  judge        whether what is left is usual
+diagnosing   the question as a whole                          telling      the report
+"""

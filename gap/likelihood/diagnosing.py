@@ -10,6 +10,7 @@ from diagram.progress import Progress
 from gap.insertion.effect import Effect
 from gap.likelihood.fit import Fit
 from gap.likelihood.frame import Frame
+from gap.likelihood.hypothesis import Hypothesis
 from gap.likelihood.judge import Verdict, enough, judged
 from gap.likelihood.prepared import NoFilter
 from gap.likelihood.search import Candidate, candidates, fitted, gross, legal, model_alone, price, settled
@@ -18,14 +19,14 @@ from gap.records.record import Record
 from gap.records.start import start_values
 
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
-MOST_STATES = 40  # of a diagram whose filter is quick enough
+MOST_BLOCKS, MOST_STATES = 40, 60  # of a diagram whose filter is quick enough
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """What was found: ``null`` the model alone, ``alone`` how unusual what it leaves is; ``fits`` of effects, the
-    likeliest first, ``best`` how unusual what the first leaves is; ``gap`` whether there is one, ``named`` the fits that
-    the record does not tell apart, none where none is enough; ``looked`` all candidates.
+    likeliest first, ``best`` how unusual what the first leaves is; ``gap`` whether there is one, ``named`` the fits
+    that the record does not tell apart, none where none is enough; ``looked`` all candidates.
     """
 
     null: Fit
@@ -42,29 +43,23 @@ def frame_of(model: Diagram, record: Record) -> Frame | None:
 
     The filter is for models with loads that nobody measures: without any, a pinned replay leaves nothing to estimate.
     """
-    if not any(one.correlation_time > 0.0 for one in nuisances(model)):
+    if not any(one.correlation_time > 0.0 for one in nuisances(model)) or len(model.blocks) > MOST_BLOCKS:
         return None
     frame = Frame(model.starting_at(start_values(silenced(model), record)), record)
     try:
-        if len(one_hypothesis(frame).prepared.states) > MOST_STATES:
+        alone = Hypothesis(frame)
+        if len(alone.prepared.states) > MOST_STATES:
             return None
-        one_hypothesis(frame).filtered({})
+        alone.filtered({})
     except (NoFilter, ArithmeticError):
         return None
     return frame
 
 
-def one_hypothesis(frame: Frame):  # type: ignore[no-untyped-def]
-    """Return the hypothesis that the model is right."""
-    from gap.likelihood.hypothesis import Hypothesis
-
-    return Hypothesis(frame)
-
-
 def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
     """Return what explains a record."""
     rough = model_alone(replace(frame, apart=True))
-    found = candidates(rough, legal(rough.hypothesis.frame, catalogue), progress)
+    found = candidates(rough, legal(rough, catalogue), progress)
     null = settled(rough)
     alone = judged(null, found, seed)
     fits = fitted(rough, found, progress)

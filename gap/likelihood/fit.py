@@ -166,7 +166,9 @@ def _step(
     one = now.hypothesis
     at = np.array([coordinate(one, name, now.values[name]) for name in names])
     ends = np.array([[coordinate(one, name, end) for end in one.bounds[name]] for name in names])
-    widest = WIDEST * np.maximum(1.0, [1.0 if logarithmic(one, name) else abs(x) for name, x in zip(names, at, strict=True)])
+    widest = WIDEST * np.maximum(
+        1.0, [1.0 if logarithmic(one, name) else abs(x) for name, x in zip(names, at, strict=True)]
+    )
     low = np.minimum(np.maximum(ends[:, 0] - at, -widest), -1e-12)
     high = np.maximum(np.minimum(ends[:, 1] - at, widest), 1e-12)
     A = information + damped * np.diag(np.diag(information)) + 1e-12 * np.eye(len(g)) * np.trace(information)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from diagram.diagram import Diagram
 from engine import layout as at
-from gap.insertion.effect import Effect
 from engine.filtering import extended, followed, otherwise
+from gap.insertion.effect import Effect
 from gap.likelihood.frame import Frame
 from gap.likelihood.prepared import Prepared, played, prepared
 

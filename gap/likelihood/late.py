@@ -16,7 +16,7 @@ from blocks.role import Role
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     n = int(p[2])
     back = min(max(p[0] / p[1], 0.0), n - 1.0)
-    j = int(math.floor(back))
+    j = math.floor(back)
     w = back - j
     for i in range(n - 1, 0, -1):
         d[i] = d[i - 1]
@@ -39,7 +39,7 @@ class Late(Block):
     period_param = "dt"
 
     def __init__(self, theta: float, *, dt: float, longest: float, start: float = 0.0, name: str = "late") -> None:
-        scans = int(math.ceil(longest / dt - 1e-9)) + 2
+        scans = math.ceil(longest / dt - 1e-9) + 2
         super().__init__(
             name=name, params={"theta": theta, "dt": dt, "scans": float(scans)},
             memory={f"u_{i}": start for i in range(scans)}, start_output=[start],

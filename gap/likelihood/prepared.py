@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.arithmetic import Sum
-from blocks.noise import Noise, seeded
+from blocks.noise import seeded
 from blocks.recorded import Recorded
 from blocks.sources import Constant
 from diagram import wire
@@ -59,14 +59,11 @@ class Prepared:
             block = d.blocks[b]
             found += [(f"{block.name}.{s}", c.states[b] + i) for i, s in enumerate(block.state_names)]
             found += [
-                (f"{block.name}.{s}", c.memory[b] + i)
-                for i, s in enumerate(block.memory_names) if s not in NOT_SMOOTH
+                (f"{block.name}.{s}", c.memory[b] + i) for i, s in enumerate(block.memory_names) if s not in NOT_SMOOTH
             ]
             if block.sampled:
                 first = plan.flat[b].first_signal
-                found += [
-                    (f"{block.name}={s}", c.signals[first + j]) for j, s in enumerate(block.output_labels)
-                ]
+                found += [(f"{block.name}={s}", c.signals[first + j]) for j, s in enumerate(block.output_labels)]
         for _, holder, _, _ in self.noise:
             b = d.block_index(holder)
             found.append((f"{holder}.value", c.params[b] + d.blocks[b].param_index("value")))
@@ -113,10 +110,9 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
                 new = Late(theta, dt=dt, longest=most, start=block.value_before, name=f"{block.name}:late{j}")
                 quiet = quiet.insert(str(s), new, readers=block.name)
                 late[f"{block.name}.{block.dead_time_param}"] = f"{new.name}.theta"
-    log = record.log
     given = {s: played(record, s) for s in record.played}
     quiet = close(quiet, given) if given else quiet
-    shown = [s for s in record.pinned]
+    shown = list(record.pinned)
     blocks = [*quiet.blocks, Sum(TIED, dict.fromkeys(shown, 1.0), name=TIED)]
     tied = wire(blocks, outputs=[TIED])
     plan = tied.plan()

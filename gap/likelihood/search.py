@@ -10,6 +10,7 @@ of their own and are fitted with all that is free in the model.
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +18,17 @@ from numpy.typing import NDArray
 from blocks.arithmetic import Sum
 from blocks.recorded import Recorded
 from diagram import wire
+from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
 from gap.fits.loads import is_load, planned
 from gap.insertion.effect import Effect
 from gap.likelihood.fit import Fit, coordinate, refined, tried, value
 from gap.likelihood.frame import Frame
-from gap.likelihood.switches import with_switches
 from gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
+from gap.likelihood.switches import with_switches
 
 Floats = NDArray[np.float64]
+NOISE = "sensor_noise"
 BY_DIGITS = ("quantisation",)  # effects that the digits of a log show, and no likelihood of rows does
 TRIED = 10  # effects that are fitted
 LAGGING = 25.0  # nats by which a first fit may lag behind the best to be fitted to the end
@@ -87,11 +90,16 @@ def settled(fit: Fit) -> Fit:
     return fit
 
 
-def legal(frame: Frame, catalogue: Iterable[Effect]) -> list[Hypothesis]:
-    """Return the hypotheses that a catalogue has for a record."""
+def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
+    """Return the hypotheses that a catalogue has for a record.
+
+    Noise within the bounds of every fit is no effect: more noise is one where the model alone wants more than that.
+    """
+    frame = null.hypothesis.frame
+    left_out = BY_DIGITS if at_bound(null) else (*BY_DIGITS, NOISE)
     return [
         Hypothesis(frame, effect, place)
-        for effect in catalogue if not effect.of_log and effect.name not in BY_DIGITS
+        for effect in catalogue if not effect.of_log and effect.name not in left_out
         for place in effect.places(frame.model)
     ]  # fmt: skip
 
@@ -182,7 +190,11 @@ def _best_size(null: Fit, one: Hypothesis) -> Candidate | None:
             continue
         if gross(null):
             scored = null.nll - looked.nll, scored[1]
-        if best is None or scored[0] > best.gain + CLOSE or (scored[0] > best.gain - CLOSE and looked.nll < best.looked.nll):
+        if (
+            best is None
+            or scored[0] > best.gain + CLOSE
+            or (scored[0] > best.gain - CLOSE and looked.nll < best.looked.nll)
+        ):
             best = Candidate(looked, *scored)
     return best
 
@@ -192,12 +204,16 @@ def gross(null: Fit) -> bool:
 
     So are those of a model whose noise, or a load, wants to be larger than it can be.
     """
-    one = null.hypothesis
-    for name in one.noise_keys & null.best.values.keys():
-        low, high = one.bounds[name]
-        if min(null.best.values[name] / low, high / null.best.values[name]) < 1.0 + AT_BOUND:
-            return True
+    if at_bound(null):
+        return True
     return float(np.nanmean(np.minimum(np.abs(null.best.judged), FAR) ** 2)) > GROSS
+
+
+def at_bound(null: Fit) -> bool:
+    """Return whether noise, or a load, wants to be larger or slower than every fit lets it."""
+    one, values = null.hypothesis, null.best.values
+    known = [(values[name], *one.bounds[name]) for name in sorted(one.noise_keys & values.keys())]
+    return any(min(now / low, high / now) < 1.0 + AT_BOUND for now, low, high in known)
 
 
 def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
@@ -236,7 +252,7 @@ def basis(fit: Fit) -> Floats:
 
 def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
     """Return the sizes of an effect to look at first."""
-    effect, f = one.effect, one.frame
+    effect, _f = one.effect, one.frame
     assert effect is not None
     if is_load(effect):
         return _loads(null, one)
@@ -302,8 +318,8 @@ def _response(null: Fit, one: Hypothesis) -> Floats | None:
     push = np.zeros(len(t))
     push[at] = size
     wave = [Recorded("wave", t, push, hold="previous"), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
-    kicked = _Kicked(f, signal=signal, wave=wire(wave, ["in"], ["out"], name=f"{one.place}:pulse"))
-    moved = tried(kicked, null.best.values, null.best)
+    pushed = f.model.insert(signal, wire(wave, ["in"], ["out"], name=f"{one.place}:pulse"))
+    moved = tried(_Kicked(f, kicked=pushed), null.best.values, null.best)
     if moved is None:
         return None
     h = np.nan_to_num((moved.e - null.best.e) / size)[at:]
@@ -314,10 +330,9 @@ def _response(null: Fit, one: Hypothesis) -> Floats | None:
 class _Kicked(Hypothesis):
     """The model with a wave added to a signal."""
 
-    signal: str = ""
-    wave: object = None
+    kicked: Diagram | None = None
 
-    @property
-    def changed(self):  # type: ignore[no-untyped-def, override]
-        """Return the model with the wave."""
-        return self.frame.model.insert(self.signal, self.wave)
+    @cached_property
+    def changed(self) -> Diagram:
+        """The model with the wave."""
+        return self.kicked or self.frame.model

@@ -4,62 +4,67 @@ Every switch is tried at the same few instants of its interval, one run for each
 in the rows behind.  Of a controller that scans only its scans count.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gap.likelihood.fit import tried
+from gap.likelihood.frame import Frame
 from gap.likelihood.hypothesis import Innovations
 from gap.records.record import switch_rows, switches
 
+Floats = NDArray[np.float64]
+Leads = Mapping[str, Mapping[int, float]]
 BEHIND = 5  # rows in which a switch shows
-TRIED, FINER = 12, 4  # instants of an interval, and of a part of it
+TRIED, FINER = 12, 4  # instants of an interval, and of a part of it to both sides
 LATE = 1e-6  # share of an interval by which a switch stays behind the row before
+GAIN = 1.0  # nats that other instants must gain
 
 
 def with_switches(now: Innovations) -> Innovations:
     """Return a filter of the same values with inputs that switch when it suits the record; the same if none does."""
     frame = now.hypothesis.frame
-    log = frame.record.log
-    switching = [s for s in frame.record.played if switches(log, s)]
+    switching = [s for s in frame.record.played if switches(frame.record.log, s)]
     if not switching:
         return now
-    dt = log.dt
-    scanned = frame.scanned
-    step = max(scanned, dt / TRIED) if scanned else dt / TRIED
-    options = np.arange(0.0, dt * (1.0 - LATE), step)
-    best = _placed(now, switching, {s: {} for s in switching}, options, 0.0)
-    if best is not now and not scanned:
-        near = best.hypothesis.frame.record.leads
+    most = frame.record.log.dt * (1.0 - LATE)
+    step = frame.scanned or frame.record.log.dt / TRIED
+    best = _placed(now, {s: {} for s in switching}, np.arange(0.0, most, step), most)
+    if best is not now and not frame.scanned:
         fine = np.linspace(-0.5, 0.5, 2 * FINER + 1) * step
-        best = _placed(best, switching, near, fine, dt * (1.0 - LATE))
+        best = _placed(best, best.hypothesis.frame.record.leads, fine, most)
     if best is now:
         return now
     own = tried(best.hypothesis, now.values)
     return own if own is not None and own.nll < now.nll else now
 
 
-def _placed(now, switching, about, options, most):  # type: ignore[no-untyped-def]
-    """Return what is left if each switch lies at the likeliest of some instants ``about`` where it is thought to be."""
+def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats, most: float) -> Innovations:
+    """Return what is left if each switch lies at the likeliest of some ``steps`` [s] from where it is thought to be."""
     frame = now.hypothesis.frame
-    log = frame.record.log
-    rows = {s: switch_rows(log, s).tolist() for s in switching}
-    loss, leads = [], []
-    for option in options:
-        trial = {s: {k: float(np.clip(about[s].get(k, 0.0) + option, 0.0, most or np.inf)) for k in rows[s]} for s in rows}
+    rows = {s: switch_rows(frame.record.log, s).tolist() for s in about}
+    losses, leads = [], []
+    for step in steps:
+        trial = {
+            s: {k: float(np.clip(known.get(k, 0.0) + step, 0.0, most)) for k in rows[s]} for s, known in about.items()
+        }
         found = tried(now.hypothesis.of(_with_leads(frame, trial)), now.values, now)
         if found is None:
             return now
-        loss.append(found.losses)
+        losses.append(found.losses)
         leads.append(trial)
-    cost = np.array(loss)
-    chosen = {
-        s: {k: leads[int(np.argmin(cost[:, k : k + BEHIND].sum(axis=1)))][s][k] for k in rows[s]} for s in rows
-    }  # fmt: skip
-    found = tried(now.hypothesis.of(_with_leads(frame, chosen)), now.values, now)
+    cost = np.array(losses)
+    likeliest = {
+        s: {k: leads[int(np.argmin(cost[:, k : k + BEHIND].sum(axis=1)))][s][k] for k in rows[s]} for s in about
+    }
+    found = tried(now.hypothesis.of(_with_leads(frame, likeliest)), now.values, now)
     before = tried(now.hypothesis, now.values, now)
-    return found if found is not None and before is not None and found.nll < before.nll - 1.0 else now
+    return found if found is not None and before is not None and found.nll < before.nll - GAIN else now
 
 
-def _with_leads(frame, leads):  # type: ignore[no-untyped-def]
-    return replace(frame, record=replace(frame.record, leads={s: {k: v for k, v in one.items() if v} for s, one in leads.items()}))
+def _with_leads(frame: Frame, leads: Leads) -> Frame:
+    """Return what hypotheses share if inputs switch so long before the rows that show it."""
+    early = {s: {k: lead for k, lead in known.items() if lead > 0.0} for s, known in leads.items()}
+    return replace(frame, record=replace(frame.record, leads=early))
