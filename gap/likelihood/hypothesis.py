@@ -71,7 +71,7 @@ class Hypothesis:
         return found
 
     def filtered(self, values: Mapping[str, float], near: "Innovations | None" = None) -> "Innovations":
-        """Return what a filter of these values leaves; with the gains of ``near``, which is quicker, only the mean moves.
+        """Return what a filter of these values leaves; with the gains of ``near``, which is quicker, its mean alone.
 
         Raises ``ArithmeticError`` where a run of the diagram fails.
         """
@@ -229,7 +229,7 @@ def sequential(values: Floats, shown: Floats, gains: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Where a filter began, ``z``; how much of each noise stayed, ``phi``; its ``slopes`` at each stop (``extended``)."""
+    """Where a filter began, ``z``; how much of each noise stayed, ``phi``; its ``slopes`` at stops (``extended``)."""
 
     z: Floats
     phi: Floats

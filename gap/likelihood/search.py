@@ -68,8 +68,8 @@ def model_alone(frame: Frame) -> Fit:
         near = best.values
         for by_sd in STARTS:
             for by_time in STARTS:
-                other = {f"{load.block}.sd": near[f"{load.block}.sd"] * by_sd,
-                         f"{load.block}.correlation_time": near[f"{load.block}.correlation_time"] * by_time}  # fmt: skip
+                sd, time = f"{load.block}.sd", f"{load.block}.correlation_time"
+                other = {sd: near[sd] * by_sd, time: near[time] * by_time}
                 found = one.noisier(known, {**best.values, **other})
                 best = found if found.nll < best.nll else best
     if best is not known:
@@ -81,7 +81,9 @@ def settled(fit: Fit) -> Fit:
     """Return a fit in all rows, its inputs switching when that suits it."""
     one = fit.hypothesis
     start = tried(one.of(replace(one.frame, apart=False)), fit.best.values)
-    for _ in range(SETTLING if start is not None else 0):
+    if start is None:
+        return fit
+    for _ in range(SETTLING):
         start = with_switches(start)
         fit = refined(start, free_names(one), FIRST)
         if fit.best.hypothesis.frame.record.leads == start.hypothesis.frame.record.leads and fit.best is start:
@@ -96,7 +98,7 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
     Noise within the bounds of every fit is no effect: more noise is one where the model alone wants more than that.
     """
     frame = null.hypothesis.frame
-    left_out = BY_DIGITS if at_bound(null) else (*BY_DIGITS, NOISE)
+    left_out: tuple[str, ...] = BY_DIGITS if at_bound(null) else (*BY_DIGITS, NOISE)
     return [
         Hypothesis(frame, effect, place)
         for effect in catalogue if not effect.of_log and effect.name not in left_out

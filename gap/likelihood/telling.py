@@ -148,8 +148,8 @@ def _report(
     gained = max(o.null.nll - after.nll, 0.0)
     kind = "none" if not o.gap else ("filter, white" if o.named else "filter, unknown")
     evidence = Evidence(kind, gained)
-    return GapReport(bool(causes), where, causes, ranks, None, tuple(words), _notes(o, after), f.record.log.t[f.skipped :],
-                     shown, f.model, evidence)  # fmt: skip
+    t, notes = f.record.log.t[f.skipped :], _notes(o, after)
+    return GapReport(bool(causes), where, causes, ranks, None, tuple(words), notes, t, shown, f.model, evidence)
 
 
 def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from logs import Log
 from tests.gap.root_tank import framed, logged, tank
 
 STEADY = 120  # rows after which a filter has forgotten how it began
+FLOWS = [1.5, 1.8, 1.35, 1.6]
 SAME = 1e-6  # nats a row by which two programs for one filter may differ
 
 
@@ -29,7 +30,7 @@ def site_log(model: Diagram, levels: list[float], every: float) -> Log:
 
 @pytest.mark.parametrize(
     ("model", "levels"),
-    [(site_flow(), [1.5, 1.8, 1.35, 1.6]), (second_order_flow(), [1.5, 1.8, 1.35, 1.6]), (level_loop(), [0.5, 0.55, 0.45, 0.5])],
+    [(site_flow(), FLOWS), (second_order_flow(), FLOWS), (level_loop(), [0.5, 0.55, 0.45, 0.5])],
     ids=["first order", "second order with dead time", "integrating"],
 )  # fmt: skip
 def test_linear_scanned_loops_have_the_likelihood_of_their_exact_filter(model: Diagram, levels: list[float]) -> None:
