@@ -13,7 +13,7 @@ insertion      how an effect gets into a diagram         explanations  one effec
 floors         what a record without a gap would leave   telling       words, sizes, shrinkage, the next test
 linearised     residuals of diagrams too large to replay between rows
 filters        diagnosis by a Kalman filter, where loads are not measured and the loop is linear between scans
-likelihood     the same for any other loop: the filter's prediction is the run of the diagram itself
+likelihood     one likelihood for any diagram, which is to take the place of the rest: not yet what ``diagnose`` asks
 calibrating    how often names are right, on runs with known effects
 """
 
