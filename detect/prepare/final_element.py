@@ -33,5 +33,5 @@ def no_valve(record: LoopRecord) -> Fact:
     moves_none = measurement_in(unit) in NO_VALVES or unit.strip().casefold() in MACHINES
     present = record.mv_name is None and (bool(below) or moves_none)
     why = f"OP is the set point of {below}" if below else f"OP is in {unit}"
-    text = f"There is no valve in this loop: {why}." if present else "Nothing says that OP moves no valve."
+    text = f"There is no valve in this loop: {why}." if present else "OP is not known to move anything but a valve."
     return Fact("no_valve", present, float(present), 0.5, text, "Judge the loop that has the valve.")

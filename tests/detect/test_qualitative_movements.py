@@ -43,7 +43,8 @@ def test_valves(valve, simulated):
     v = detect(simulated(valve, S=6.0, J=4.0))
     assert v.verdict == "stiction", v.reason
     assert 5.0 < v.amount_percent_op < 6.0  # S = 6 %, less what smoothing takes off the turns of OP
-    assert v.evidence["J"] == pytest.approx(0.04, rel=0.05)  # true: as made, and MV is a fraction here
+    # true: as made, and MV is a fraction here; a move holds what the stem goes on behind its slip, 6 % at most measured
+    assert 0.038 < v.evidence["J"] < 0.044
 
 
 def test_flow_loop_without_mv(sticky, bare):
