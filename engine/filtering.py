@@ -19,7 +19,7 @@ from numba import njit
 
 from engine.layout import COUNT, EVENTS, N_BLOCKS, R
 from engine.layout import H as H0
-from engine.members import arrive, pass_instant, put, read, restore
+from engine.restarts import arrive, pass_instant, put, read, restore
 
 WIDE = math.sqrt(3.0)
 DROPPED = 1e-13  # share of its size below which what is left of a state's variance is rounding
@@ -169,17 +169,17 @@ def slopes_at(  # type: ignore[no-untyped-def]
     """Write the slopes of what a stretch and the stop behind it make of the state, and of a noise drawn there."""
     n, m = len(places), len(shown)
     no_rows = np.empty((1, 0))
-    up, down, y_up, y_down, member = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
+    up, down, y_up, y_down, moved_z = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
     for i in range(n):
         variance = 0.0
         for j in range(columns):
             variance += L[i, j] ** 2
         far = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
         for way in range(2):
-            member[:] = z
-            member[i] += far if way == 0 else -far
+            moved_z[:] = z
+            moved_z[i] += far if way == 0 else -far
             restore(I, W, base_I, base_W)
-            put(I, W, places, member)
+            put(I, W, places, moved_z)
             status = arrive(I, W, buffer, no_rows, t)
             if status == 0:
                 for j in range(len(noisy)):

@@ -41,7 +41,7 @@ from detect.words import Word
 
 __all__ = ["Amount", "Answer", "answer", "next_step"]
 
-CLEARED = 0.25  # of OP's travel: a larger detection limit clears nothing
+CLEARED = 0.5  # of OP's travel: a larger detection limit clears nothing
 FOLLOWS = 0.5  # share of PV's variance that OP through a lag must tell, to clear
 UNLIKE = 0.03  # share of features beyond all simulated ones from which on the model is not asked
 # Facts of the data behind which nothing can be judged, where they forbid it.

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from diagram.diagram import Diagram
-from engine import layout as at
 from engine.filtering import extended, followed, otherwise
+from engine.restarts import kept_sizes
 from gap.insertion.effect import Effect
 from gap.likelihood.frame import Frame
 from gap.likelihood.prepared import Prepared, played, prepared
@@ -95,7 +95,7 @@ class Hypothesis:
         gains = np.zeros((len(f.Y), n + m, m))
         slopes = tuple(np.empty((len(times), *shape)) for shape in ((n, n), (n, q), (m, n), (m, q), (q,)))
         status = extended(
-            I, W, buffer, len(I), int(I[at.SAVED]), self._places, self._shown, self._places[self._where], self._where,
+            I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], self._where,
             size, times, row_of, phi, sd, f.Y, f.r, z.copy(), L, columns, *slopes, gains, e, S,
         )  # fmt: skip
         _complain(status)
@@ -184,7 +184,7 @@ class Hypothesis:
 
     def _gains(self, near: "Innovations") -> Floats:
         """Return the gains of another filter for the states that both have; other states are not set right."""
-        mine, theirs = self._names, near.hypothesis._names
+        mine, theirs = self.names, near.hypothesis.names
         if mine == theirs:
             return near.gains
         n, m = len(mine), len(self.frame.signals)
@@ -195,7 +195,7 @@ class Hypothesis:
         return gains
 
     @cached_property
-    def _names(self) -> list[str]:
+    def names(self) -> list[str]:
         return [name for name, _ in self.prepared.states]
 
     @cached_property
@@ -205,7 +205,7 @@ class Hypothesis:
     @cached_property
     def _where(self) -> Whole:
         """Where in the state the noises in force stand."""
-        return np.array([self._names.index(f"{holder}.value") for _, holder, *_ in self.prepared.noise], dtype=np.int64)
+        return np.array([self.names.index(f"{holder}.value") for _, holder, *_ in self.prepared.noise], dtype=np.int64)
 
     @cached_property
     def _shown(self) -> Whole:

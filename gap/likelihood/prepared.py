@@ -15,7 +15,7 @@ from blocks.sources import Constant
 from diagram import wire
 from diagram.diagram import Diagram
 from diagram.inputs import close
-from engine import layout as at
+from engine.restarts import never_paused
 from engine.run import Settings, prepare
 from engine.snapshot import Snapshot
 from engine.table import Component
@@ -79,7 +79,7 @@ class Prepared:
         """Return the arrays of a run that has not begun; ``diagram`` the same one with other parameters."""
         I, W = prepare(self.component, Settings(max_steps=BUDGET), t0)
         self.diagram.plan().fill(Snapshot(self.component, I, W), (diagram or self.diagram).blocks)
-        I[at.PAUSE_AT] = np.iinfo(np.int64).max
+        never_paused(I)
         return I, W
 
 

@@ -1,16 +1,17 @@
-"""Members: runs of one component that leave the same instant in states of their own, for filters that spread a state.
+"""Runs of one component that leave the same instant in states of their own, for filters that spread a state.
 
-A member is given by the numbers that stand in certain ``places`` of the floats: states, memories, held outputs, and
+Each is given by the numbers that stand in certain ``places`` of the floats: states, memories, held outputs, and
 parameters that hold a noise in force.  Everything else, clocks and counters included, is that of the run it leaves.
 """
 
+import numpy as np
 from numba import njit
 
 from engine.advance import advance
 from engine.call import pointer_to
 from engine.events import keep_inputs, watch_rates
 from engine.floats import copy
-from engine.layout import CURRENT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, T
+from engine.layout import CURRENT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, PAUSE_AT, SAVED, T
 from engine.sweep import signals
 
 
@@ -57,3 +58,13 @@ def pass_instant(ints, floats, buffer, no_rows):  # type: ignore[no-untyped-def]
     """Let everything happen that is due at the present instant; return a status."""
     ints[HOLD] = 0
     return advance(ints, floats, buffer, no_rows[0], no_rows, floats[T], False)
+
+
+def kept_sizes(I):  # type: ignore[no-untyped-def]
+    """Return how many integers and floats of a run have to be kept to go back to it."""
+    return len(I), int(I[SAVED])
+
+
+def never_paused(I):  # type: ignore[no-untyped-def]
+    """Let a run go on without coming back to Python after some steps."""
+    I[PAUSE_AT] = np.iinfo(np.int64).max
