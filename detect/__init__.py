@@ -8,8 +8,8 @@ One loop in five lines:
 >>> t = np.arange(1000.0)
 >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
 >>> answer = diagnose(loop)
->>> print(answer.verdict)
-no_stiction
+>>> print(answer.verdict)  # clearing must be earned
+inconclusive
 
 ``answer.reason`` says why, ``answer.to_dict()`` is ready for JSON, ``answer.plot()`` draws it. A single method is a
 module with a CARD, Params and ``detect(record) -> Verdict``; all of them stand in METHODS. One from outside the

@@ -147,7 +147,7 @@ def diagnose(
     >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
     >>> answer = diagnose(loop)
     >>> answer.verdict, answer.to_dict()["schema"]
-    ('no_stiction', 'stickslip.check/2')
+    ('inconclusive', 'stickslip.check/2')
     """
     from detect import METHODS
 

@@ -68,3 +68,8 @@ def kept_sizes(I):  # type: ignore[no-untyped-def]
 def never_paused(I):  # type: ignore[no-untyped-def]
     """Let a run go on without coming back to Python after some steps."""
     I[PAUSE_AT] = np.iinfo(np.int64).max
+
+
+def standing(W, places):  # type: ignore[no-untyped-def]
+    """Return where a run stands, (places,)."""
+    return W[places].copy()

@@ -215,7 +215,7 @@ def stems_of(op: Values, pv: Values) -> Stems | None:
     >>> u = 5 * np.sin(t / 25) + np.sin(t / 80)
     >>> y = np.concatenate([[0.0], stick(u, 2.0)[:-1]]) + 0.1 * rng.normal(size=2000)
     >>> found = stems_of(u, y).gains(1)
-    >>> round(10 ** (found.sizes[found.score[:, 0].argmax()] / FINER), 1)
+    >>> round(float(10 ** (found.sizes[found.score[:, 0].argmax()] / FINER)), 1)
     1.8
     """
     rows = rows_of(op, pv)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from diagram.diagram import Diagram
 from engine.filtering import extended, followed, otherwise
-from engine.restarts import kept_sizes
+from engine.restarts import kept_sizes, standing
 from gap.insertion.effect import Effect
 from gap.likelihood.frame import Frame
 from gap.likelihood.prepared import Prepared, played, prepared
@@ -79,7 +79,7 @@ class Hypothesis:
         full = {**self.nominal, **values}
         I, W = p.fresh(float(f.stops[0][0]), self._diagram(full))
         phi, sd = self._noise(full)
-        z = W[self._places].copy()
+        z = standing(W, self._places)
         n, m, q = len(z), len(f.signals), len(p.noise)
         times, row_of = f.stops
         buffer = np.empty((EVENTS, 4))

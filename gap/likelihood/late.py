@@ -28,8 +28,8 @@ class Late(Block):
     """What enters arrives later by ``theta`` [s], in scans of ``dt`` [s], at most ``longest`` [s].
 
     >>> from diagram import drive
-    >>> drive(Late(2.0, dt=1.0, longest=4.0), [0.0, 1.0, 2.0, 3.0], every=1.0).log["out"].tolist()
-    [0.0, 0.0, 0.0, 1.0]
+    >>> drive(Late(2.0, dt=1.0, longest=4.0), 3.0, every=1.0, **{"in": 1.0}).log["out"].tolist()
+    [0.0, 0.0, 1.0, 1.0]
     """
 
     role = Role.PROCESS
