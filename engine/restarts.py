@@ -10,6 +10,7 @@ from numba import njit
 from engine.advance import advance
 from engine.call import pointer_to
 from engine.events import keep_inputs, watch_rates
+from engine.flat import Floats, Ints
 from engine.floats import copy
 from engine.layout import CURRENT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, PAUSE_AT, SAVED, T
 from engine.sweep import signals
@@ -60,16 +61,17 @@ def pass_instant(ints, floats, buffer, no_rows):  # type: ignore[no-untyped-def]
     return advance(ints, floats, buffer, no_rows[0], no_rows, floats[T], False)
 
 
-def kept_sizes(I):  # type: ignore[no-untyped-def]
+def kept_sizes(I: Ints) -> tuple[int, int]:
     """Return how many integers and floats of a run have to be kept to go back to it."""
     return len(I), int(I[SAVED])
 
 
-def never_paused(I):  # type: ignore[no-untyped-def]
+def never_paused(I: Ints) -> None:
     """Let a run go on without coming back to Python after some steps."""
     I[PAUSE_AT] = np.iinfo(np.int64).max
 
 
-def standing(W, places):  # type: ignore[no-untyped-def]
+def standing(W: Floats, places: Ints) -> Floats:
     """Return where a run stands, (places,)."""
-    return W[places].copy()
+    found: Floats = W[places].copy()
+    return found
