@@ -300,7 +300,6 @@ def extended(  # type: ignore[no-untyped-def]
         if status != 0:
             return status
         next_I[:], next_W[:] = I[:kept], W[:saved]
-        restore(I, W, next_I, next_W)
         read(W, places, behind)
         read(W, shown, y)
         slot = same_kind(base_I, next_I, kinds, known, times, phi, sd, k)

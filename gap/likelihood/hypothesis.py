@@ -156,7 +156,7 @@ class Hypothesis:
     @cached_property
     def noise_keys(self) -> frozenset[str]:
         """The parameters that only make the random numbers of the model larger, or slower."""
-        return frozenset(f"{one.block}.{key}" for one, *_ in self.prepared.noise for key in ("sd", "correlation_time"))
+        return frozenset(f"{one.block}.{key}" for one, _ in self.prepared.noise for key in ("sd", "correlation_time"))
 
     def _noise(self, values: Mapping[str, float]) -> tuple[Floats, Floats]:
         """Return how much of each noise stays at each stop, and the standard deviation of what is drawn there."""
@@ -164,7 +164,7 @@ class Hypothesis:
         times, _ = f.stops
         gap = np.diff(times, prepend=times[0])
         phi, drawn = np.ones((len(times), len(self.prepared.noise))), np.zeros((len(times), len(self.prepared.noise)))
-        for j, (one, *_) in enumerate(self.prepared.noise):
+        for j, (one, _) in enumerate(self.prepared.noise):
             sd = settings.get(f"{one.block}.sd", one.sd)
             T = settings.get(f"{one.block}.correlation_time", one.correlation_time)
             phi[:, j] = np.exp(-gap / T) if T > 0.0 else np.where(f.drawn(one), 0.0, 1.0)
@@ -196,6 +196,7 @@ class Hypothesis:
 
     @cached_property
     def names(self) -> list[str]:
+        """Names of the state."""
         return [name for name, _ in self.prepared.states]
 
     @cached_property
@@ -205,7 +206,7 @@ class Hypothesis:
     @cached_property
     def _where(self) -> Whole:
         """Where in the state the noises in force stand."""
-        return np.array([self.names.index(f"{holder}.value") for _, holder, *_ in self.prepared.noise], dtype=np.int64)
+        return np.array([self.names.index(f"{holder}.value") for _, holder in self.prepared.noise], dtype=np.int64)
 
     @cached_property
     def _shown(self) -> Whole:

@@ -48,14 +48,14 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     away = [(f"a little of {c.looked.hypothesis.effect.name} at {c.looked.hypothesis.place}", c.direction)
             for c in others if c.looked.hypothesis.effect is not None]  # fmt: skip
     directions = _apart(fit, away)
-    name, size = largest(fit, fit.best.e, directions)
+    name, size = largest(fit, directions)
     one, f = fit.hypothesis, fit.hypothesis.frame
     usual = []
     for log in without_gap(one.model(fit.best.values), f.record, RUNS, seed + 1):
         run = one.of(replace(f, record=replace(f.record, log=log)))
         left = tried(run, fit.best.values, fit.best)
         if left is not None:
-            usual.append(largest(replace(fit, best=left), left.e, directions)[1])
+            usual.append(largest(replace(fit, best=left), directions)[1])
     if len(usual) < RUNS // 2:
         return Verdict(size, name, 1.0, math.inf)
     b = float(np.std(usual, ddof=1)) * math.sqrt(6.0) / math.pi
@@ -69,10 +69,10 @@ def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
     return verdict.size <= max(verdict.limit, LITTLE * alone.size)
 
 
-def largest(fit: Fit, e: Floats, directions: Sequence[tuple[str, Floats]]) -> tuple[str, float]:
+def largest(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> tuple[str, float]:
     """Return the figure that innovations pass least, and its size."""
     found = checks(fit.best)  # type: ignore[arg-type]
-    calm = np.nan_to_num(e) * trusted(fit)
+    calm = np.nan_to_num(fit.best.e) * trusted(fit)
     found |= {name: float(np.sum(calm * d)) for name, d in directions}
     name = max(found, key=lambda key: abs(found[key]), default="")
     return name, abs(found.get(name, 0.0))

@@ -43,9 +43,8 @@ class Prepared:
 
     diagram: Diagram
     component: Component
-    noise: tuple[tuple[Nuisance, str, float, float], ...]
+    noise: tuple[tuple[Nuisance, str], ...]
     late: Mapping[str, str]
-    signals: tuple[str, ...]
 
     @cached_property
     def states(self) -> tuple[tuple[str, int], ...]:
@@ -64,16 +63,10 @@ class Prepared:
             if block.sampled:
                 first = plan.flat[b].first_signal
                 found += [(f"{block.name}={s}", c.signals[first + j]) for j, s in enumerate(block.output_labels)]
-        for _, holder, _, _ in self.noise:
+        for _, holder in self.noise:
             b = d.block_index(holder)
             found.append((f"{holder}.value", c.params[b] + d.blocks[b].param_index("value")))
         return tuple(found)
-
-    def place(self, key: str) -> int:
-        """Return where a parameter ``block.name`` stands."""
-        block, _, name = self.late.get(key, key).rpartition(".")
-        b = self.diagram.block_index(block)
-        return self.component.params[b] + self.diagram.blocks[b].param_index(name)
 
     def fresh(self, t0: float, diagram: Diagram | None = None) -> tuple[Whole, Floats]:
         """Return the arrays of a run that has not begun; ``diagram`` the same one with other parameters."""
@@ -89,16 +82,15 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
     ``scan`` [s] of its controllers; ``longest`` [s] that a dead time may become, at least twice what it is.
     """
     quiet = silenced(model)
-    noise: list[tuple[Nuisance, str, float, float]] = []
+    noise: list[tuple[Nuisance, str]] = []
     for one in nuisances(model):
-        block = model[one.block]
-        signal = str(block.output_labels[0])
+        signal = str(model[one.block].output_labels[0])
         holder = f"{one.block}:noise"
         quiet = quiet.insert(
             signal, Sum(signal, {signal: 1.0, holder: 1.0}, name=f"{one.block}:noisy"), inputs=[holder]
         )
         quiet = close(quiet, {holder: Constant(holder, 0.0, name=holder)})
-        noise.append((one, holder, float(block.period), float(block.params.get("offset", 0.0))))
+        noise.append((one, holder))
     late: dict[str, str] = {}
     for block in list(quiet.blocks):
         if block.dead_time_param and block.dead_time > 0.0:
@@ -112,15 +104,12 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
                 late[f"{block.name}.{block.dead_time_param}"] = f"{new.name}.theta"
     given = {s: played(record, s) for s in record.played}
     quiet = close(quiet, given) if given else quiet
-    shown = list(record.pinned)
-    blocks = [*quiet.blocks, Sum(TIED, dict.fromkeys(shown, 1.0), name=TIED)]
-    tied = wire(blocks, outputs=[TIED])
-    plan = tied.plan()
-    component = next(c for c in plan.components if tied.block_index(TIED) in c.blocks)
+    tied = wire([*quiet.blocks, Sum(TIED, dict.fromkeys(record.pinned, 1.0), name=TIED)], outputs=[TIED])
+    component = next(c for c in tied.plan().components if tied.block_index(TIED) in c.blocks)
     if component.hosted:
         raise NoFilter("a block runs in Python")
     inside = {tied.blocks[b].name for b in component.blocks if b < len(tied.blocks)}
-    return Prepared(tied, component, tuple(n for n in noise if n[1] in inside), late, tuple(shown))
+    return Prepared(tied, component, tuple(n for n in noise if n[1] in inside), late)
 
 
 def played(record: Record, signal: str, name: str = "") -> Recorded:
