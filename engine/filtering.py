@@ -7,7 +7,8 @@
                       D -= K Y s / (s + sqrt(s r))                     one signal after the other
 
 The mean follows every nonlinearity, since f is the run of the diagram; differences go over sqrt 3 standard deviations
-of each state, which keeps the third moment.  A, B, H and G are kept: with them other sizes of noise need no run.
+of each state, which keeps the third moment.  A, B, H and G are kept: with them other sizes of noise need no run.  They
+serve other stops that they foretell.
 Source: the extended filter of Anderson and Moore, Optimal Filtering (1979), section 8.2, in the square root form of
 Potter (Maybeck, Stochastic Models, Estimation and Control 1 (1979), section 7.3).
 """
@@ -24,6 +25,7 @@ from engine.restarts import arrive, pass_instant, put, read, restore
 WIDE = math.sqrt(3.0)
 DROPPED = 1e-13  # share of its size below which what is left of a state's variance is rounding
 NARROWEST = 1e-7  # of a state's size: the least difference that shows a slope
+FACTOR = 2  # columns of the spread's factor, over what is needed at least: more of them, and it is narrowed less often
 BENT = 0.05  # share of its spread by which a stop may lie off the slopes of another that stand for its own
 KINDS = 8  # of stops whose slopes are kept
 STALE = 0.1  # of the rounding's variance: a value that is surer, and is as foretold, says nothing
@@ -65,29 +67,51 @@ def compressed(D, columns, size, L):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def spread_to(A, B, H, G, sd, L, columns, D, Y):  # type: ignore[no-untyped-def]
-    """Write the spread behind a stop, of the state to ``D`` and of signals to ``Y``; return how many columns it has."""
+def spread_to(A, B, H, G, sd, D, columns, E, Y):  # type: ignore[no-untyped-def]
+    """Write the spread behind a stop, of the state to ``E`` and of signals to ``Y``; return how many columns it has."""
     n, m, q = len(A), len(H), len(sd)
-    for j in range(columns):
-        for i in range(n):
-            s = 0.0
-            for k in range(n):
-                s += A[i, k] * L[k, j]
-            D[i, j] = s
-        for i in range(m):
-            s = 0.0
-            for k in range(n):
-                s += H[i, k] * L[k, j]
-            Y[i, j] = s
+    for i in range(n):
+        E[i, :columns] = 0.0
+        for k in range(n):
+            if A[i, k] != 0.0:  # a dead time is a chain of states, each of which has one slope
+                for j in range(columns):
+                    E[i, j] += A[i, k] * D[k, j]
+    for i in range(m):
+        Y[i, :columns] = 0.0
+        for k in range(n):
+            if H[i, k] != 0.0:
+                for j in range(columns):
+                    Y[i, j] += H[i, k] * D[k, j]
     width = columns
     for j in range(q):
         if sd[j] > 0.0:
             for i in range(n):
-                D[i, width] = B[i, j] * sd[j]
+                E[i, width] = B[i, j] * sd[j]
             for i in range(m):
                 Y[i, width] = G[i, j] * sd[j]
             width += 1
     return width
+
+
+@njit(cache=True, error_model="numpy")
+def narrowed(D, columns, size, q):  # type: ignore[no-untyped-def]
+    """Write a factor ``D`` with fewer columns where it has no room for those of ``q`` noises; return how many."""
+    if columns + q <= D.shape[1]:
+        return columns
+    L = np.empty((len(D), len(D)))
+    columns = compressed(D, columns, size, L)
+    D[:, :columns] = L[:, :columns]
+    return columns
+
+
+@njit(cache=True, error_model="numpy")
+def with_room(pool, count):  # type: ignore[no-untyped-def]
+    """Return a pool of slopes that has room for one more."""
+    if count < len(pool):
+        return pool
+    larger = np.empty((2 * count, pool.shape[1], pool.shape[2]))
+    larger[:count] = pool
+    return larger
 
 
 @njit(cache=True, error_model="numpy")
@@ -163,7 +187,7 @@ def followed(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def slopes_at(  # type: ignore[no-untyped-def]
-    I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, L, columns,
+    I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, D, columns,
     A, B, H, G,
 ):  # fmt: skip
     """Write the slopes of what a stretch and the stop behind it make of the state, and of a noise drawn there."""
@@ -173,7 +197,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
     for i in range(n):
         variance = 0.0
         for j in range(columns):
-            variance += L[i, j] ** 2
+            variance += D[i, j] ** 2
         far = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
         for way in range(2):
             moved_z[:] = z
@@ -231,39 +255,38 @@ def same_kind(base, behind, kinds, known, times, phi, sd, k):  # type: ignore[no
 
 
 @njit(cache=True, error_model="numpy")
-def reused(k, other, z, behind, y, from_z, to_z, to_y, sd, L, columns, size, A, B, H, G, D, Y):  # type: ignore[no-untyped-def]
-    """Take the slopes of another stop if they foretell this one within a small part of its spread; else return -1.
+def foretold(A, B, H, G, sd, D, columns, E, Y, z, behind, y, from_z, to_z, to_y, size):  # type: ignore[no-untyped-def]
+    """Return how many columns the spread has by slopes of another stop; -1 if they do not foretell this one.
 
-    Else return how many columns the spread has.
+    They do if they miss it by a small part of its spread at most.
     """
     n, m = len(z), len(y)
-    width = spread_to(A[other], B[other], H[other], G[other], sd[k], L, columns, D, Y)
+    width = spread_to(A, B, H, G, sd, D, columns, E, Y)
     for i in range(n):
         off = behind[i] - to_z[i]
         for j in range(n):
-            off -= A[other, i, j] * (z[j] - from_z[j])
+            off -= A[i, j] * (z[j] - from_z[j])
         variance = 0.0
         for j in range(width):
-            variance += D[i, j] ** 2
+            variance += E[i, j] ** 2
         if off**2 > BENT**2 * variance + (NARROWEST * size[i]) ** 2:
             return -1
     for i in range(m):
         off = y[i] - to_y[i]
         for j in range(n):
-            off -= H[other, i, j] * (z[j] - from_z[j])
+            off -= H[i, j] * (z[j] - from_z[j])
         variance = 0.0
         for j in range(width):
             variance += Y[i, j] ** 2
         if off**2 > BENT**2 * variance + (NARROWEST * abs(y[i])) ** 2:
             return -1
-    A[k], B[k], H[k], G[k] = A[other], B[other], H[other], G[other]
     return width
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, shown, noisy, at, size, times, row_of, phi, sd, values, r,
-    z, L, columns, A, B, H, G, force, gains, e, S,
+    z, spread, which, force, gains, e, S,
 ):  # fmt: skip
     """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
@@ -271,26 +294,32 @@ def extended(  # type: ignore[no-untyped-def]
     ``noisy`` (q,) of the noises in force, which stand ``at`` (q,) in the state; ``size`` (n,) of states.
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
     of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
-    of rounding.  ``z`` (n,), ``L`` (n, n) of which ``columns`` count: the state before the first stop.
+    of rounding.  ``z`` (n,), ``spread`` (n, columns): the state before the first stop, and a factor of its variance.
 
-    Written are the slopes ``A`` (k, n, n), ``B`` (k, n, q), ``H`` (k, m, n), ``G`` (k, m, q), the noise that was in
-    ``force`` before each stop (k, q), and the ``gains`` (rows, n + m, m).
+    Written are the noise that was in ``force`` before each stop (k, q), and the ``gains`` (rows, n + m, m).  Returned
+    behind the status are pools of slopes ``A`` (i, n, n), ``B`` (i, n, q), ``H`` (i, m, n), ``G`` (i, m, q): those of
+    stop k stand at ``which[k]``.
     """
     n, m, q = len(places), len(shown), len(noisy)
     no_rows, nothing = np.empty((1, 0)), np.full(m, np.nan)
     base_I, base_W = I[:kept].copy(), W[:saved].copy()
     next_I, next_W = I[:kept].copy(), W[:saved].copy()
     stop_I, stop_W = I[:kept].copy(), W[:saved].copy()
-    D, Y = np.empty((n, n + q)), np.empty((m, n + q))
+    room = FACTOR * (n + q)
+    D, E, Y = np.empty((n, room)), np.empty((n, room)), np.empty((m, room))
+    columns = spread.shape[1]
+    D[:, :columns] = spread
     at_stop, behind, y = np.empty(n), np.empty(n), np.empty(m)
     kinds, known = np.zeros((KINDS, I[N_BLOCKS]), dtype=np.int64), np.full(KINDS, -1)
     from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
+    A, B, H, G = np.empty((KINDS, n, n)), np.empty((KINDS, n, q)), np.empty((KINDS, m, n)), np.empty((KINDS, m, q))
+    count, status = 0, 0
     for k in range(len(times)):
         restore(I, W, base_I, base_W)
         put(I, W, places, z)
         status = arrive(I, W, buffer, no_rows, times[k])
         if status != 0:
-            return status
+            break
         for j in range(q):
             force[k, j] = W[noisy[j]]
             W[noisy[j]] *= phi[k, j]
@@ -298,23 +327,29 @@ def extended(  # type: ignore[no-untyped-def]
         read(W, places, at_stop)
         status = pass_instant(I, W, buffer, no_rows)
         if status != 0:
-            return status
+            break
         next_I[:], next_W[:] = I[:kept], W[:saved]
         read(W, places, behind)
         read(W, shown, y)
+        columns = narrowed(D, columns, size, q)
         slot = same_kind(base_I, next_I, kinds, known, times, phi, sd, k)
         width = -1
         if slot >= 0 and known[slot] >= 0:
-            width = reused(k, known[slot], z, behind, y, from_z[slot], to_z[slot], to_y[slot], sd, L, columns, size,
-                           A, B, H, G, D, Y)  # fmt: skip
+            i = which[known[slot]]
+            width = foretold(A[i], B[i], H[i], G[i], sd[k], D, columns, E, Y, z, behind, y,
+                             from_z[slot], to_z[slot], to_y[slot], size)  # fmt: skip
+            which[k] = i
         if width < 0:
+            A, B, H, G = with_room(A, count), with_room(B, count), with_room(H, count), with_room(G, count)
             status = slopes_at(
                 I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],
-                z, at_stop, L, columns, A[k], B[k], H[k], G[k],
+                z, at_stop, D, columns, A[count], B[count], H[count], G[count],
             )  # fmt: skip
             if status != 0:
-                return status
-            width = spread_to(A[k], B[k], H[k], G[k], sd[k], L, columns, D, Y)
+                break
+            width = spread_to(A[count], B[count], H[count], G[count], sd[k], D, columns, E, Y)
+            which[k] = count
+            count += 1
             if slot >= 0:
                 known[slot] = k
                 from_z[slot], to_z[slot], to_y[slot] = z, behind, y
@@ -322,15 +357,15 @@ def extended(  # type: ignore[no-untyped-def]
         row = row_of[k]
         if row >= 0:
             before = values[row - 1] if row > 0 else nothing
-            taken_in(values[row], before, r, width, D, Y, z, y, gains[row], e[row], S[row])
-        columns = compressed(D, width, size, L)
+            taken_in(values[row], before, r, width, E, Y, z, y, gains[row], e[row], S[row])
+        D, E, columns = E, D, width
         base_I[:], base_W[:] = next_I, next_W
-    return 0
+    return status, A[:count].copy(), B[:count].copy(), H[:count].copy(), G[:count].copy()
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def otherwise(  # type: ignore[no-untyped-def]
-    at, size, row_of, phi, other_phi, other_sd, values, r, L, columns, A, B, H, G, force, shown, gains, other_gains,
+    at, size, row_of, phi, other_phi, other_sd, values, r, spread, which, force, A, B, H, G, shown, gains, other_gains,
     e, S,
 ):  # fmt: skip
     """Filter a log with other noise along the path of a known filter, in its slopes: see ``extended``.
@@ -339,24 +374,30 @@ def otherwise(  # type: ignore[no-untyped-def]
     """
     n, m, q = A.shape[1], values.shape[1], len(at)
     nothing = np.full(m, np.nan)
-    D, Y = np.empty((n, n + q)), np.empty((m, n + q))
+    room = FACTOR * (n + q)
+    D, E, Y = np.empty((n, room)), np.empty((n, room)), np.empty((m, room))
+    columns = spread.shape[1]
+    D[:, :columns] = spread
     a, h = np.empty((n, n)), np.empty((m, n))
     aside, moved, y, known = np.zeros(n), np.empty(n), np.empty(m), np.empty(m)
     for k in range(len(row_of)):
-        a[:], h[:] = A[k], H[k]
+        i_k = which[k]
+        a[:], h[:] = A[i_k], H[i_k]
+        b, g = B[i_k], G[i_k]
         for j in range(q):
             more = other_phi[k, j] - phi[k, j]
             for i in range(n):
-                a[i, at[j]] += more * B[k, i, j]
+                a[i, at[j]] += more * b[i, j]
             for i in range(m):
-                h[i, at[j]] += more * G[k, i, j]
-        width = spread_to(a, B[k], h, G[k], other_sd[k], L, columns, D, Y)
+                h[i, at[j]] += more * g[i, j]
+        columns = narrowed(D, columns, size, q)
+        width = spread_to(a, b, h, g, other_sd[k], D, columns, E, Y)
         for i in range(n):
             s = 0.0
             for j in range(n):
                 s += a[i, j] * aside[j]
             for j in range(q):
-                s += (other_phi[k, j] - phi[k, j]) * B[k, i, j] * force[k, j]
+                s += (other_phi[k, j] - phi[k, j]) * b[i, j] * force[k, j]
             moved[i] = s
         row = row_of[k]
         if row >= 0:
@@ -365,10 +406,10 @@ def otherwise(  # type: ignore[no-untyped-def]
                 for j in range(n):
                     s += h[i, j] * aside[j]
                 for j in range(q):
-                    s += (other_phi[k, j] - phi[k, j]) * G[k, i, j] * force[k, j]
+                    s += (other_phi[k, j] - phi[k, j]) * g[i, j] * force[k, j]
                 y[i] = s
             before = values[row - 1] if row > 0 else nothing
-            taken_in(values[row], before, r, width, D, Y, moved, y, other_gains[row], e[row], S[row])
+            taken_in(values[row], before, r, width, E, Y, moved, y, other_gains[row], e[row], S[row])
             known[:] = shown[row]
             for i in range(m):
                 if values[row, i] == values[row, i]:
@@ -378,4 +419,4 @@ def otherwise(  # type: ignore[no-untyped-def]
                     for p in range(m):
                         known[p] += gains[row, n + p, i] * off
         aside[:] = moved
-        columns = compressed(D, width, size, L)
+        D, E, columns = E, D, width

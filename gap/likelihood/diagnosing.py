@@ -13,7 +13,8 @@ from gap.likelihood.frame import Frame
 from gap.likelihood.hypothesis import Hypothesis
 from gap.likelihood.judge import Verdict, enough, judged
 from gap.likelihood.prepared import NoFilter
-from gap.likelihood.search import Candidate, candidates, fitted, gross, legal, model_alone, price, settled
+from gap.likelihood.search import SETTLING, Candidate, candidates, fitted, gross, legal, model_alone, price, settled
+from gap.likelihood.switches import with_switches
 from gap.records.model import nuisances, silenced
 from gap.records.record import Record
 from gap.records.start import start_values
@@ -56,8 +57,19 @@ def frame_of(model: Diagram, record: Record) -> Frame | None:
     return frame
 
 
+def when_switched(frame: Frame) -> Frame:
+    """Return the frame with inputs that switch when it suits the model as it is stated."""
+    now = Hypothesis(frame).filtered({})
+    for _ in range(SETTLING):
+        before, now = now, with_switches(now)
+        if now is before:
+            break
+    return now.hypothesis.frame
+
+
 def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
     """Return what explains a record."""
+    frame = when_switched(frame)
     rough = model_alone(replace(frame, apart=True))
     found = candidates(rough, legal(rough, catalogue), progress)
     null = settled(rough)

@@ -90,16 +90,16 @@ class Hypothesis:
             _complain(status)
             e = sequential(f.Y, shown, gains[:, n:]) / np.sqrt(near.S)
             return Innovations(self, full, e, near.S, gains, shown)
-        size, L, columns = self._start(z)
+        size, spread = self._start(z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
-        gains = np.zeros((len(f.Y), n + m, m))
-        slopes = tuple(np.empty((len(times), *shape)) for shape in ((n, n), (n, q), (m, n), (m, q), (q,)))
-        status = extended(
+        gains, force = np.zeros((len(f.Y), n + m, m)), np.empty((len(times), q))
+        which = np.zeros(len(times), dtype=np.int64)
+        status, *slopes = extended(
             I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], self._where,
-            size, times, row_of, phi, sd, f.Y, f.r, z.copy(), L, columns, *slopes, gains, e, S,
+            size, times, row_of, phi, sd, f.Y, f.r, z.copy(), spread, which, force, gains, e, S,
         )  # fmt: skip
         _complain(status)
-        return Innovations(self, full, e, S, gains, None, Path(z, phi, slopes))
+        return Innovations(self, full, e, S, gains, None, Path(z, phi, (which, force, *slopes)))
 
     def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
         """Return what is left with other noise, in the slopes of a known filter of the same path."""
@@ -108,10 +108,10 @@ class Hypothesis:
         path = known.path
         assert path is not None
         phi, sd = self._noise(full)
-        size, L, columns = self._start(path.z)
+        size, spread = self._start(path.z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
         gains = np.zeros_like(known.gains)
-        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, L, columns, *path.slopes, known.shown,
+        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, *path.slopes, known.shown,
                   known.gains, gains, e, S)  # fmt: skip
         return Innovations(self, full, e, S, gains)
 
@@ -172,15 +172,10 @@ class Hypothesis:
             drawn[0, j] = sd
         return phi, drawn
 
-    def _start(self, z: Floats) -> tuple[Floats, Floats, int]:
-        """Return the size of each state, and a factor of what is not known of it at the start."""
+    def _start(self, z: Floats) -> tuple[Floats, Floats]:
+        """Return the size of each state, and a factor of what is not known of it at the start, (states, columns)."""
         size = np.maximum(np.abs(z), LEAST)
-        L, columns = np.zeros((len(z), len(z))), 0
-        for i in range(len(z)):
-            if i not in self._where:
-                L[i, columns] = UNSURE * size[i]
-                columns += 1
-        return size, L, columns
+        return size, np.delete(np.diag(UNSURE * size), self._where, axis=1)
 
     def _gains(self, near: "Innovations") -> Floats:
         """Return the gains of another filter for the states that both have; other states are not set right."""

@@ -31,7 +31,7 @@ def with_switches(now: Innovations) -> Innovations:
         return now
     most = frame.record.log.dt * (1.0 - LATE)
     step = frame.scanned or frame.record.log.dt / TRIED
-    best = _placed(now, {s: {} for s in switching}, np.arange(0.0, most, step), most)
+    best = _placed(now, {s: {} for s in switching}, np.append(np.arange(0.0, most, step), most), most)
     if best is not now and not frame.scanned:
         fine = np.linspace(-0.5, 0.5, 2 * FINER + 1) * step
         best = _placed(best, best.hypothesis.frame.record.leads, fine, most)
