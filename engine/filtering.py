@@ -7,10 +7,11 @@
                       D -= K Y s / (s + sqrt(s r))                     one signal after the other
 
 The mean follows every nonlinearity, since f is the run of the diagram; differences go over sqrt 3 standard deviations
-of each state, which keeps the third moment.  A, B, H and G are kept: with them other sizes of noise need no run.  They
+of each state, which keeps the third moment; what bends there (a limit, a kink) adds to the spread.  A, B, H and G are kept: with them other sizes of noise need no run.  They
 serve other stops that they foretell.
 Source: the extended filter of Anderson and Moore, Optimal Filtering (1979), section 8.2, in the square root form of
-Potter (Maybeck, Stochastic Models, Estimation and Control 1 (1979), section 7.3).
+Potter (Maybeck, Stochastic Models, Estimation and Control 1 (1979), section 7.3); second differences in the spread as
+in Norgaard, Poulsen and Ravn, Automatica 36 (2000), section 4.
 """
 
 import math
@@ -23,9 +24,11 @@ from engine.layout import H as H0
 from engine.restarts import arrive, pass_instant, put, read, restore
 
 WIDE = math.sqrt(3.0)
+SHARP = 12.0  # mean square of b x^2 is c^2 / 12, where c = f(+) + f(-) - 2 f(0) sqrt 3 standard deviations away
 DROPPED = 1e-13  # share of its size below which what is left of a state's variance is rounding
 NARROWEST = 1e-7  # of a state's size: the least difference that shows a slope
 FACTOR = 2  # columns of the spread's factor, over what is needed at least: more of them, and it is narrowed less often
+FAR = 4.0  # standard deviations within which a row may find the state
 BENT = 0.05  # share of its spread by which a stop may lie off the slopes of another that stand for its own
 KINDS = 8  # of stops whose slopes are kept
 STALE = 0.1  # of the rounding's variance: a value that is surer, and is as foretold, says nothing
@@ -83,20 +86,28 @@ def spread_to(A, B, H, G, sd, D, columns, E, Y):  # type: ignore[no-untyped-def]
                 for j in range(columns):
                     Y[i, j] += H[i, k] * D[k, j]
     width = columns
-    for j in range(q):
-        if sd[j] > 0.0:
+    for j in range(q + 1):  # the last is what bends
+        by = sd[j] if j < q else 1.0
+        if by > 0.0 and (j < q or bent(B, G)):
             for i in range(n):
-                E[i, width] = B[i, j] * sd[j]
+                E[i, width] = B[i, j] * by
             for i in range(m):
-                Y[i, width] = G[i, j] * sd[j]
+                Y[i, width] = G[i, j] * by
             width += 1
     return width
 
 
 @njit(cache=True, error_model="numpy")
+def bent(B, G):  # type: ignore[no-untyped-def]
+    """Return whether slopes have a bend, which stands in the last column."""
+    q = B.shape[1] - 1
+    return np.any(B[:, q] != 0.0) or np.any(G[:, q] != 0.0)
+
+
+@njit(cache=True, error_model="numpy")
 def narrowed(D, columns, size, q):  # type: ignore[no-untyped-def]
     """Write a factor ``D`` with fewer columns where it has no room for those of ``q`` noises; return how many."""
-    if columns + q <= D.shape[1]:
+    if columns + q + 1 <= D.shape[1]:
         return columns
     L = np.empty((len(D), len(D)))
     columns = compressed(D, columns, size, L)
@@ -115,83 +126,122 @@ def with_room(pool, count):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def taken_in(values, before, r, width, D, Y, z, y, gains, e, S):  # type: ignore[no-untyped-def]
-    """Let a row of a log set the state right, one signal after the other; ``before`` the values of the row before."""
+def taken_in(i, value, before, r, width, E, F, Y, z, back, y, gains, e, S):  # type: ignore[no-untyped-def]
+    """Let signal ``i`` of a row set the state right, and the signals behind it; return whether it says anything.
+
+    ``before``: its value in the row before.  ``back``, of the factor ``F``: where the run left from, and what is drawn.
+    """
     n, m = len(z), len(y)
-    own = np.empty(width)
-    for i in range(m):
-        if values[i] != values[i]:
-            continue
-        s = 0.0
+    if value != value:
+        return False
+    s = 0.0
+    for j in range(width):
+        s += Y[i, j] * Y[i, j]
+    off = value - y[i]
+    if s < STALE * r and (value == before or off * off < 3.1 * r):
+        return False  # held, or at a limit: nothing random is in it
+    s += r
+    e[i], S[i] = off / math.sqrt(s), s
+    less = 1.0 / (1.0 + math.sqrt(r / s))
+    own = Y[i, :width].copy()
+    set_right(E, own, width, s, off, less, z, gains[:n, i])
+    set_right(Y, own, width, s, off, less, y, gains[n : n + m, i])
+    set_right(F, own, width, s, off, less, back, gains[n + m :, i])
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def set_right(E, own, width, s, off, less, z, gains):  # type: ignore[no-untyped-def]
+    """Move ``z`` of the factor ``E`` by what an innovation ``off`` of variance ``s`` says, and narrow its spread."""
+    for p in range(len(E)):
+        g = 0.0
         for j in range(width):
-            s += Y[i, j] * Y[i, j]
-        off = values[i] - y[i]
-        if s < STALE * r[i] and (values[i] == before[i] or off * off < 3.1 * r[i]):
-            continue  # held, or at a limit: nothing random is in it
-        s += r[i]
-        e[i], S[i] = off / math.sqrt(s), s
-        less = 1.0 / (1.0 + math.sqrt(r[i] / s))
+            g += E[p, j] * own[j]
+        g /= s
+        z[p] += g * off
+        gains[p] = g
         for j in range(width):
-            own[j] = Y[i, j]
-        for p in range(n):
-            g = 0.0
-            for j in range(width):
-                g += D[p, j] * own[j]
-            g /= s
-            z[p] += g * off
-            gains[p, i] = g
-            for j in range(width):
-                D[p, j] -= less * g * own[j]
-        for p in range(m):
-            g = 0.0
-            for j in range(width):
-                g += Y[p, j] * own[j]
-            g /= s
-            y[p] += g * off
-            gains[n + p, i] = g
-            for j in range(width):
-                Y[p, j] -= less * g * own[j]
+            E[p, j] -= less * g * own[j]
+
+
+@njit(cache=True, error_model="numpy")
+def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # type: ignore[no-untyped-def]
+    """Run from a state ``z`` past an instant, where noise goes on and is ``drawn``; return a status."""
+    no_rows = np.empty((1, 0))
+    restore(I, W, base_I, base_W)
+    put(I, W, places, z)
+    status = arrive(I, W, buffer, no_rows, t)
+    if status != 0:
+        return status
+    for j in range(len(noisy)):
+        W[noisy[j]] = W[noisy[j]] * phi[j] + drawn[j]
+    return pass_instant(I, W, buffer, no_rows)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def followed(  # type: ignore[no-untyped-def]
-    I, W, buffer, places, shown, noisy, times, row_of, phi, values, gains, z, at_rows,
+    I, W, buffer, kept, saved, places, shown, noisy, times, row_of, phi, values, gains, kinks, z, at_rows, missed,
 ):  # fmt: skip
-    """Follow the mean alone, set right by known ``gains`` (rows, n + m, m); write what it shows to ``at_rows``."""
-    n, m = len(places), len(shown)
-    no_rows, y = np.empty((1, 0)), np.empty(m)
+    """Follow the mean alone, set right by known ``gains`` (see ``extended``); ``kinks``: rows that are run again.
+
+    Written are what the mean shows ``at_rows``, and what each signal ``missed`` once those before it are known.
+    """
+    n, m, q = len(places), len(shown), len(noisy)
+    no_rows, y, back = np.empty((1, 0)), np.empty(m), np.zeros(n + q)
+    base_I, base_W = I[:kept].copy(), W[:saved].copy()
     for k in range(len(times)):
+        row = row_of[k]
+        again = row >= 0 and kinks[row]
+        if again:
+            base_I[:], base_W[:] = I[:kept], W[:saved]
+            back[:n], back[n:] = z, 0.0
         put(I, W, places, z)
         status = arrive(I, W, buffer, no_rows, times[k])
         if status != 0:
             return status
-        for j in range(len(noisy)):
+        for j in range(q):
             W[noisy[j]] *= phi[k, j]
         status = pass_instant(I, W, buffer, no_rows)
         if status != 0:
             return status
         read(W, places, z)
-        row = row_of[k]
-        if row >= 0:
-            read(W, shown, y)
-            at_rows[row] = y
-            for i in range(m):
-                if values[row, i] == values[row, i]:
-                    off = values[row, i] - y[i]
-                    for p in range(n):
-                        z[p] += gains[row, p, i] * off
-                    for p in range(m):
-                        y[p] += gains[row, n + p, i] * off
+        if row < 0:
+            continue
+        read(W, shown, y)
+        at_rows[row] = y
+        for i in range(m):
+            if values[row, i] != values[row, i]:
+                continue
+            off = values[row, i] - y[i]
+            missed[row, i] = off
+            for p in range(n):
+                z[p] += gains[row, p, i] * off
+            for p in range(m):
+                y[p] += gains[row, n + p, i] * off
+            if again:
+                for p in range(n + q):
+                    back[p] += gains[row, n + m + p, i] * off
+                status = arrived(I, W, buffer, base_I, base_W, places, noisy, times[k], phi[k], back[:n], back[n:])
+                if status != 0:
+                    return status
+                read(W, places, z)
+                read(W, shown, y)
     return 0
 
 
 @njit(cache=True, error_model="numpy")
 def slopes_at(  # type: ignore[no-untyped-def]
     I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, D, columns,
-    A, B, H, G,
+    behind, y, A, B, H, G,
 ):  # fmt: skip
-    """Write the slopes of what a stretch and the stop behind it make of the state, and of a noise drawn there."""
-    n, m = len(places), len(shown)
+    """Write the slopes of what a stretch and the stop behind it make of the state, and of a noise drawn there.
+
+    The last columns of ``B`` and ``G`` are what bends: the root of the mean square of what slopes leave.
+    """
+    n, m, q = len(places), len(shown), len(noisy)
+    bend, y_bend, most = np.zeros(n), np.zeros(m), 0.0
+    B[:, q] = 0.0
+    G[:, q] = 0.0
     no_rows = np.empty((1, 0))
     up, down, y_up, y_down, moved_z = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
     for i in range(n):
@@ -215,6 +265,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
             read(W, shown, y_up if way == 0 else y_down)
         A[:, i] = (up - down) / (2.0 * far)
         H[:, i] = (y_up - y_down) / (2.0 * far)
+        most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, most, B[:, q], G[:, q])
     for j in range(len(noisy)):
         B[:, j] = 0.0
         G[:, j] = 0.0
@@ -230,7 +281,49 @@ def slopes_at(  # type: ignore[no-untyped-def]
                 read(W, shown, y_up if way == 0 else y_down)
             B[:, j] = (up - down) / (2.0 * far)
             G[:, j] = (y_up - y_down) / (2.0 * far)
+            most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, most, B[:, q], G[:, q])
+    one_bend(A, H, B, G, sd, D, columns, bend, y_bend)
     return 0
+
+
+@njit(cache=True, error_model="numpy")
+def add_bend(up, down, middle, y_up, y_down, y_middle, bend, y_bend, most, way, y_way):  # type: ignore[no-untyped-def]
+    """Add the squares of what slopes leave to both sides; keep the ``way`` of the largest; return its size."""
+    total = 0.0
+    for i in range(len(bend)):
+        bend[i] += (up[i] + down[i] - 2.0 * middle[i]) ** 2
+    for i in range(len(y_bend)):
+        c = y_up[i] + y_down[i] - 2.0 * y_middle[i]
+        y_bend[i] += c**2
+        total += c**2
+    if total > most:
+        for i in range(len(bend)):
+            way[i] = up[i] + down[i] - 2.0 * middle[i]
+        for i in range(len(y_bend)):
+            y_way[i] = y_up[i] + y_down[i] - 2.0 * y_middle[i]
+        return total
+    return most
+
+
+@njit(cache=True, error_model="numpy")
+def one_bend(A, H, B, G, sd, D, columns, bend, y_bend):  # type: ignore[no-untyped-def]
+    """Make one column of what bends, with the signs of the largest; none where it is a small part of the spread."""
+    n, m, q = len(A), len(H), len(sd)
+    shows = False
+    for i in range(m):
+        variance = 0.0
+        for j in range(columns):
+            s = 0.0
+            for k in range(n):
+                s += H[i, k] * D[k, j]
+            variance += s * s
+        for j in range(q):
+            variance += (G[i, j] * sd[j]) ** 2
+        shows = shows or y_bend[i] / SHARP > BENT**2 * variance
+    for i in range(n):
+        B[i, q] = math.copysign(math.sqrt(bend[i] / SHARP), B[i, q]) if shows else 0.0
+    for i in range(m):
+        G[i, q] = math.copysign(math.sqrt(y_bend[i] / SHARP), G[i, q]) if shows else 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -283,10 +376,59 @@ def foretold(A, B, H, G, sd, D, columns, E, Y, z, behind, y, from_z, to_z, to_y,
     return width
 
 
+@njit(cache=True, error_model="numpy")
+def straight(  # type: ignore[no-untyped-def]
+    I, W, buffer, base_I, base_W, places, shown, noisy, probed, t, phi, sd, z, D, columns, y, width, Y, reach, aside, drawn,
+):  # fmt: skip
+    """Return whether signals follow their slopes over ``reach`` standard deviations: a limit near by bends them."""
+    n, moved = len(z), np.empty(len(y))
+    for i in range(len(y)):
+        variance = 0.0
+        for j in range(width):
+            variance += Y[i, j] ** 2
+        if not probed[i] or variance == 0.0:
+            continue
+        for way in (reach, -reach):
+            far = way / math.sqrt(variance)
+            for p in range(n):
+                aside[p] = z[p]
+                for j in range(columns):
+                    aside[p] += far * D[p, j] * Y[i, j]
+            c = columns
+            for j in range(len(noisy)):
+                drawn[j] = 0.0
+                if sd[j] > 0.0:
+                    drawn[j] = far * sd[j] * Y[i, c]
+                    c += 1
+            if arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, aside, drawn) != 0:
+                return False
+            read(W, shown, moved)
+            off = moved[i] - y[i] - way * math.sqrt(variance)
+            if off**2 > 9.0 * BENT**2 * variance:
+                return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def joint(D, columns, sd, width, bends):  # type: ignore[no-untyped-def]
+    """Return the factor of the state that a stretch left from, of what is drawn at its end, and of the bend."""
+    n, q = len(D), len(sd)
+    F = np.zeros((n + q + 1, D.shape[1]))
+    F[:n, :columns] = D[:, :columns]
+    c = columns
+    for j in range(q):
+        if sd[j] > 0.0:
+            F[n + j, c] = sd[j]
+            c += 1
+    if bends:
+        F[n + q, width - 1] = 1.0
+    return F
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, shown, noisy, at, size, times, row_of, phi, sd, values, r,
-    z, spread, which, force, gains, e, S,
+    probed, z, spread, which, force, gains, kinks, at_rows, e, S,
 ):  # fmt: skip
     """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
@@ -294,25 +436,29 @@ def extended(  # type: ignore[no-untyped-def]
     ``noisy`` (q,) of the noises in force, which stand ``at`` (q,) in the state; ``size`` (n,) of states.
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
     of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
-    of rounding.  ``z`` (n,), ``spread`` (n, columns): the state before the first stop, and a factor of its variance.
+    of rounding; ``probed`` which signals are asked whether they bend.  ``z`` (n,), ``spread`` (n, columns): the state
+    before the first stop, and a factor of its variance.
 
-    Written are the noise that was in ``force`` before each stop (k, q), and the ``gains`` (rows, n + m, m).  Returned
-    behind the status are pools of slopes ``A`` (i, n, n), ``B`` (i, n, q), ``H`` (i, m, n), ``G`` (i, m, q): those of
-    stop k stand at ``which[k]``.
+    Written are the noise that was in ``force`` before each stop (k, q), what the mean shows ``at_rows``, the ``gains``
+    (rows, 2 n + m + q + 1, m) of the state, of signals, of the state one stop before, of what was drawn since and of
+    the bend, the latter three only at rows with ``kinks``: these are run again with what each signal says.  Returned
+    behind the status are pools of slopes ``A`` (i, n, n), ``B`` (i, n, q + 1), ``H`` (i, m, n), ``G`` (i, m, q + 1):
+    those of stop k stand at ``which[k]``.
     """
     n, m, q = len(places), len(shown), len(noisy)
     no_rows, nothing = np.empty((1, 0)), np.full(m, np.nan)
     base_I, base_W = I[:kept].copy(), W[:saved].copy()
     next_I, next_W = I[:kept].copy(), W[:saved].copy()
     stop_I, stop_W = I[:kept].copy(), W[:saved].copy()
-    room = FACTOR * (n + q)
+    room = FACTOR * (n + q + 1)
     D, E, Y = np.empty((n, room)), np.empty((n, room)), np.empty((m, room))
     columns = spread.shape[1]
     D[:, :columns] = spread
     at_stop, behind, y = np.empty(n), np.empty(n), np.empty(m)
     kinds, known = np.zeros((KINDS, I[N_BLOCKS]), dtype=np.int64), np.full(KINDS, -1)
     from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
-    A, B, H, G = np.empty((KINDS, n, n)), np.empty((KINDS, n, q)), np.empty((KINDS, m, n)), np.empty((KINDS, m, q))
+    A, B, H, G = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1)), np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
+    aside, drawn, back, nowhere = np.empty(n), np.empty(q), np.empty(n + q + 1), np.empty((0, room))
     count, status = 0, 0
     for k in range(len(times)):
         restore(I, W, base_I, base_W)
@@ -339,25 +485,49 @@ def extended(  # type: ignore[no-untyped-def]
             width = foretold(A[i], B[i], H[i], G[i], sd[k], D, columns, E, Y, z, behind, y,
                              from_z[slot], to_z[slot], to_y[slot], size)  # fmt: skip
             which[k] = i
+            if width >= 0 and not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k],
+                                           sd[k], z, D, columns, y, width, Y, WIDE, aside, drawn):  # fmt: skip
+                width = -1
         if width < 0:
             A, B, H, G = with_room(A, count), with_room(B, count), with_room(H, count), with_room(G, count)
             status = slopes_at(
                 I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],
-                z, at_stop, D, columns, A[count], B[count], H[count], G[count],
+                z, at_stop, D, columns, behind, y, A[count], B[count], H[count], G[count],
             )  # fmt: skip
             if status != 0:
                 break
             width = spread_to(A[count], B[count], H[count], G[count], sd[k], D, columns, E, Y)
             which[k] = count
             count += 1
-            if slot >= 0:
+            if slot >= 0 and not bent(B[which[k]], G[which[k]]):
                 known[slot] = k
                 from_z[slot], to_z[slot], to_y[slot] = z, behind, y
-        z[:] = behind
         row = row_of[k]
         if row >= 0:
+            at_rows[row] = y
+            back[:n], back[n:] = z, 0.0
+            F = nowhere
+            kinks[row] = not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k],
+                                      z, D, columns, y, width, Y, FAR, aside, drawn)  # fmt: skip
+            if kinks[row]:
+                F = joint(D, columns, sd[k], width, bent(B[which[k]], G[which[k]]))
             before = values[row - 1] if row > 0 else nothing
-            taken_in(values[row], before, r, width, E, Y, z, y, gains[row], e[row], S[row])
+            z[:] = behind
+            for i in range(m):
+                took = taken_in(i, values[row, i], before[i], r[i], width, E, F, Y, z, back, y, gains[row], e[row], S[row])
+                if took and kinks[row]:
+                    status = arrived(I, W, buffer, base_I, base_W, places, noisy, times[k], phi[k], back[:n], back[n : n + q])
+                    if status != 0:
+                        break
+                    next_I[:], next_W[:] = I[:kept], W[:saved]
+                    read(W, places, z)
+                    read(W, shown, y)
+                    z += back[n + q] * B[which[k], :, q]
+                    y += back[n + q] * G[which[k], :, q]
+            if status != 0:
+                break
+        else:
+            z[:] = behind
         D, E, columns = E, D, width
         base_I[:], base_W[:] = next_I, next_W
     return status, A[:count].copy(), B[:count].copy(), H[:count].copy(), G[:count].copy()
@@ -365,19 +535,20 @@ def extended(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def otherwise(  # type: ignore[no-untyped-def]
-    at, size, row_of, phi, other_phi, other_sd, values, r, spread, which, force, A, B, H, G, shown, gains, other_gains,
-    e, S,
+    at, size, row_of, phi, other_phi, other_sd, values, r, spread, which, force, A, B, H, G, shown, missed, gains,
+    other_gains, e, S,
 ):  # fmt: skip
     """Filter a log with other noise along the path of a known filter, in its slopes: see ``extended``.
 
-    ``phi``, ``force`` and ``gains`` are those of the known filter, ``shown`` (rows, m) what its mean showed at rows.
+    ``phi``, ``force`` and ``gains`` are those of the known filter; ``shown`` (rows, m) what its mean showed at rows, and
+    ``missed`` what it missed there.
     """
     n, m, q = A.shape[1], values.shape[1], len(at)
-    nothing = np.full(m, np.nan)
-    room = FACTOR * (n + q)
+    room = FACTOR * (n + q + 1)
     D, E, Y = np.empty((n, room)), np.empty((n, room)), np.empty((m, room))
     columns = spread.shape[1]
     D[:, :columns] = spread
+    nowhere, back = np.empty((0, room)), np.empty(0)
     a, h = np.empty((n, n)), np.empty((m, n))
     aside, moved, y, known = np.zeros(n), np.empty(n), np.empty(m), np.empty(m)
     for k in range(len(row_of)):
@@ -408,12 +579,17 @@ def otherwise(  # type: ignore[no-untyped-def]
                 for j in range(q):
                     s += (other_phi[k, j] - phi[k, j]) * g[i, j] * force[k, j]
                 y[i] = s
-            before = values[row - 1] if row > 0 else nothing
-            taken_in(values[row], before, r, width, E, Y, moved, y, other_gains[row], e[row], S[row])
             known[:] = shown[row]
             for i in range(m):
-                if values[row, i] == values[row, i]:
-                    off = values[row, i] - known[i]
+                if values[row, i] != values[row, i]:
+                    continue
+                off = missed[row, i]
+                if off == off:  # where a row was run again, it missed other than its slopes foretell: so would this one
+                    y[i] += values[row, i] - known[i] - off
+                before = values[row - 1, i] if row > 0 else math.nan
+                taken_in(i, values[row, i], before, r[i], width, E, nowhere, Y, moved, back, y, other_gains[row], e[row],
+                         S[row])  # fmt: skip
+                if off == off:
                     for p in range(n):
                         moved[p] -= gains[row, p, i] * off
                     for p in range(m):

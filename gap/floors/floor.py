@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.block import Block
-from blocks.recorded import Recorded
 from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
@@ -169,9 +168,9 @@ def _played(record: Record) -> Mapping[str, Block] | Log:
     In a large diagram a set point is written where it switches only, at which a run has to stop, and not at each row.
     """
     log = record.log
-    if record.filter is None and not record.leads:
+    if record.filter is None and not record.leads and not record.ramps:
         return Log(log.t, {s: log[s] for s in record.played})
-    return {s: Recorded(s, *record.as_played(s), hold="previous") for s in record.played}
+    return {s: record.source(s) for s in record.played}
 
 
 def skipped_rows(rows: int, settling: float = 0.0) -> int:

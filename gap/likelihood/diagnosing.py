@@ -14,7 +14,7 @@ from gap.likelihood.hypothesis import Hypothesis
 from gap.likelihood.judge import Verdict, enough, judged
 from gap.likelihood.prepared import NoFilter
 from gap.likelihood.search import SETTLING, Candidate, candidates, fitted, gross, legal, model_alone, price, settled
-from gap.likelihood.switches import with_switches
+from gap.likelihood.switches import with_ramps, with_switches
 from gap.records.model import nuisances, silenced
 from gap.records.record import Record
 from gap.records.start import start_values
@@ -59,7 +59,7 @@ def frame_of(model: Diagram, record: Record) -> Frame | None:
 
 def when_switched(frame: Frame) -> Frame:
     """Return the frame with inputs that switch when it suits the model as it is stated."""
-    now = Hypothesis(frame).filtered({})
+    now = with_ramps(Hypothesis(frame).filtered({}))
     for _ in range(SETTLING):
         before, now = now, with_switches(now)
         if now is before:

@@ -53,6 +53,11 @@ class Frame:
         return tuple(sorted(self.record.pinned, key=lambda s: s in self.ops))
 
     @cached_property
+    def probed(self) -> NDArray[np.bool_]:
+        """Signals that tell whether anything bends within the spread: outputs of controllers, else all."""
+        return np.array([s in self.ops or not self.ops for s in self.signals])
+
+    @cached_property
     def Y(self) -> Floats:
         """Logged values, (rows, signals); NaN where they are not good."""
         log = self.record.log

@@ -13,7 +13,7 @@ from engine.filtering import extended, followed, otherwise
 from engine.restarts import kept_sizes, standing
 from gap.insertion.effect import Effect
 from gap.likelihood.frame import Frame
-from gap.likelihood.prepared import Prepared, played, prepared
+from gap.likelihood.prepared import Prepared, prepared
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -84,36 +84,37 @@ class Hypothesis:
         times, row_of = f.stops
         buffer = np.empty((EVENTS, 4))
         if near is not None:
-            gains, shown = self._gains(near), np.empty(f.Y.shape)
-            status = followed(I, W, buffer, self._places, self._shown, self._places[self._where], times, row_of, phi,
-                              f.Y, gains, z, shown)  # fmt: skip
+            gains, shown, missed = self._gains(near), np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
+            status = followed(
+                I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], times, row_of, phi,
+                f.Y, gains, near.kinks, z, shown, missed,
+            )  # fmt: skip
             _complain(status)
-            e = sequential(f.Y, shown, gains[:, n:]) / np.sqrt(near.S)
-            return Innovations(self, full, e, near.S, gains, shown)
+            return Innovations(self, full, missed / np.sqrt(near.S), near.S, gains, near.kinks, shown)
         size, spread = self._start(z)
-        e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
-        gains, force = np.zeros((len(f.Y), n + m, m)), np.empty((len(times), q))
-        which = np.zeros(len(times), dtype=np.int64)
+        e, S, shown = (np.full(f.Y.shape, np.nan) for _ in range(3))
+        gains, force = np.zeros((len(f.Y), 2 * n + m + q + 1, m)), np.empty((len(times), q))
+        which, kinks = np.zeros(len(times), dtype=np.int64), np.zeros(len(f.Y), dtype=np.bool_)
         status, *slopes = extended(
-            I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], self._where,
-            size, times, row_of, phi, sd, f.Y, f.r, z.copy(), spread, which, force, gains, e, S,
+            I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], self._where, size, times,
+            row_of, phi, sd, f.Y, f.r, f.probed, z.copy(), spread, which, force, gains, kinks, shown, e, S,
         )  # fmt: skip
         _complain(status)
-        return Innovations(self, full, e, S, gains, None, Path(z, phi, (which, force, *slopes)))
+        return Innovations(self, full, e, S, gains, kinks, shown, Path(z, phi, (which, force, *slopes)))
 
     def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
         """Return what is left with other noise, in the slopes of a known filter of the same path."""
         f = self.frame
         full = {**known.values, **values}
-        path = known.path
-        assert path is not None
+        path, shown = known.path, known.shown
+        assert path is not None and shown is not None
         phi, sd = self._noise(full)
         size, spread = self._start(path.z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
         gains = np.zeros_like(known.gains)
-        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, *path.slopes, known.shown,
-                  known.gains, gains, e, S)  # fmt: skip
-        return Innovations(self, full, e, S, gains)
+        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, *path.slopes, shown,
+                  known.missed, known.gains, gains, e, S)  # fmt: skip
+        return Innovations(self, full, e, S, gains, known.kinks)
 
     def of(self, frame: Frame) -> "Hypothesis":
         """Return the same hypothesis of another record of the same rows and set points."""
@@ -148,9 +149,9 @@ class Hypothesis:
     def _played(self) -> Diagram:
         """The prepared diagram with inputs that switch when the record has them switch."""
         record, found = self.frame.record, self.prepared.diagram
-        for s in record.leads:
+        for s in (*record.leads, *record.ramps):
             name = found.blocks[found.driven[s][0]].name
-            found = found.replace(name, played(record, s, name))
+            found = found.replace(name, record.source(s, name))
         return found
 
     @cached_property
@@ -182,11 +183,16 @@ class Hypothesis:
         mine, theirs = self.names, near.hypothesis.names
         if mine == theirs:
             return near.gains
-        n, m = len(mine), len(self.frame.signals)
-        gains = np.zeros((len(self.frame.Y), n + m, m))
+        n, m, k = len(mine), len(self.frame.signals), len(theirs)
         both = [(i, theirs.index(name)) for i, name in enumerate(mine) if name in theirs]
         here, there = (np.array(side, dtype=np.int64) for side in zip(*both, strict=True))
-        gains[:, here], gains[:, n:] = near.gains[:, there], near.gains[:, len(theirs) :]
+        holders = [[holder for _, holder in one.prepared.noise] for one in (self, near.hypothesis)]
+        gains = np.zeros((len(self.frame.Y), 2 * n + m + len(holders[0]) + 1, m))
+        gains[:, here], gains[:, n : n + m] = near.gains[:, there], near.gains[:, k : k + m]
+        gains[:, n + m + here] = near.gains[:, k + m + there]
+        for j, name in enumerate(holders[0]):
+            if name in holders[1]:
+                gains[:, 2 * n + m + j] = near.gains[:, 2 * k + m + holders[1].index(name)]
         return gains
 
     @cached_property
@@ -214,15 +220,6 @@ def _complain(status: int) -> None:
         raise ArithmeticError(f"a run of the diagram failed, with status {status}")
 
 
-def sequential(values: Floats, shown: Floats, gains: Floats) -> Floats:
-    """Return what each signal of a row misses when those before it are known, (rows, m); ``gains`` (rows, m, m)."""
-    y, missed = shown.copy(), np.full(values.shape, np.nan)
-    for i in range(values.shape[1]):
-        missed[:, i] = values[:, i] - y[:, i]
-        y += np.nan_to_num(gains[:, :, i] * missed[:, i : i + 1])
-    return missed
-
-
 @dataclass(frozen=True, eq=False)
 class Path:
     """Where a filter began, ``z``; how much of each noise stayed, ``phi``; its ``slopes`` at stops (``extended``)."""
@@ -235,8 +232,8 @@ class Path:
 @dataclass(frozen=True, eq=False)
 class Innovations:
     """What a hypothesis with certain ``values`` leaves: ``e`` (rows, signals) of unit variance if it is right, their
-    variances ``S``, and the ``gains`` of the filter; ``means`` what its mean showed at each row if that is known, and
-    the ``path`` that it took.
+    variances ``S``, and the ``gains`` of the filter; ``kinks`` the rows near a limit or a kink (see ``extended``);
+    ``shown`` what its mean showed at each row before the row set it right, and the ``path`` that it took.
     """
 
     hypothesis: Hypothesis
@@ -244,7 +241,8 @@ class Innovations:
     e: Floats
     S: Floats
     gains: Floats
-    means: Floats | None = None
+    kinks: NDArray[np.bool_]
+    shown: Floats | None = None
     path: Path | None = None
 
     def again(self) -> "Innovations":
@@ -255,18 +253,6 @@ class Innovations:
     def explanation(self) -> Hypothesis:
         """The hypothesis."""
         return self.hypothesis
-
-    @cached_property
-    def shown(self) -> Floats:
-        """What the mean of the filter showed at each row before the row set it right, (rows, signals)."""
-        if self.means is not None:
-            return self.means
-        m = self.e.shape[1]
-        n = self.gains.shape[1] - m
-        missed, off = np.nan_to_num(self.missed), np.zeros(self.e.shape)
-        for i in range(m):  # what a signal misses once those before it are known is less by their part
-            off[:, i] = missed[:, i] + sum(self.gains[:, n + i, j] * missed[:, j] for j in range(i))
-        return np.where(np.isfinite(self.hypothesis.frame.Y), self.hypothesis.frame.Y - off, np.nan)
 
     @cached_property
     def losses(self) -> Floats:

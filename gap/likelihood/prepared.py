@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from blocks.arithmetic import Sum
 from blocks.noise import seeded
-from blocks.recorded import Recorded
 from blocks.sources import Constant
 from diagram import wire
 from diagram.diagram import Diagram
@@ -102,7 +101,7 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
                 new = Late(theta, dt=dt, longest=most, start=block.value_before, name=f"{block.name}:late{j}")
                 quiet = quiet.insert(str(s), new, readers=block.name)
                 late[f"{block.name}.{block.dead_time_param}"] = f"{new.name}.theta"
-    given = {s: played(record, s) for s in record.played}
+    given = {s: record.source(s) for s in record.played}
     quiet = close(quiet, given) if given else quiet
     tied = wire([*quiet.blocks, Sum(TIED, dict.fromkeys(record.pinned, 1.0), name=TIED)], outputs=[TIED])
     component = next(c for c in tied.plan().components if tied.block_index(TIED) in c.blocks)
@@ -110,8 +109,3 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
         raise NoFilter("a block runs in Python")
     inside = {tied.blocks[b].name for b in component.blocks if b < len(tied.blocks)}
     return Prepared(tied, component, tuple(n for n in noise if n[1] in inside), late)
-
-
-def played(record: Record, signal: str, name: str = "") -> Recorded:
-    """Return the source that plays a logged input as the record has it switch."""
-    return Recorded(signal, *record.as_played(signal), hold="previous", name=name)

@@ -1,4 +1,4 @@
-"""When an input switched: the log says between which two rows, the filter says when.
+"""When an input switched: the log says between which two rows, the filter says when; and whether it is a ramp.
 
 Every switch is tried at the same few instants of its interval, one run for each; it takes the instant that is likeliest
 in the rows behind.  Of a controller that scans only its scans count.
@@ -20,6 +20,7 @@ Leads = Mapping[str, Mapping[int, float]]
 BEHIND = 5  # rows in which a switch shows
 TRIED, FINER = 12, 4  # instants of an interval, and of a part of it to both sides
 LATE = 1e-6  # share of an interval by which a switch stays behind the row before
+FEWEST = 3  # rows at which an input moves, that may be a ramp
 GAIN = 1.0  # nats that other instants must gain
 
 
@@ -39,6 +40,18 @@ def with_switches(now: Innovations) -> Innovations:
         return now
     own = tried(best.hypothesis, now.values)
     return own if own is not None and own.nll < now.nll else now
+
+
+def with_ramps(now: Innovations) -> Innovations:
+    """Return a filter of the same values with inputs that go in lines where they move at row after row, if they do."""
+    frame = now.hypothesis.frame
+    for s in frame.record.played:
+        if len(switch_rows(frame.record.log, s)) > FEWEST and not switches(frame.record.log, s):
+            record = replace(frame.record, ramps=frame.record.ramps | {s})
+            found = tried(replace(now.hypothesis, frame=replace(frame, record=record)), now.values)
+            now = found if found is not None and found.nll < now.nll - GAIN else now
+            frame = now.hypothesis.frame
+    return now
 
 
 def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats, most: float) -> Innovations:

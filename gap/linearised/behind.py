@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.recorded import Recorded
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
 from gap.floors.floor import EXACT
@@ -72,7 +71,7 @@ def behind(diagram: Diagram, record: Record, signals: Sequence[str], given: Mapp
     many = max((len(v) for v in given.values()), default=1)
     run = ensemble(
         diagram, log.duration, t0=float(log.t[0]), times=times, params=dict(given), seeds=np.zeros(many, dtype=int),
-        inputs={s: Recorded(s, *record.as_played(s), hold="previous") for s in record.played}, signals=moving,
+        inputs={s: record.source(s) for s in record.played}, signals=moving,
         progress=False, settings=EXACT,
     )  # fmt: skip
     own, fine = np.searchsorted(times, log.t), np.searchsorted(times, t)

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.recorded import Recorded
 from diagram.changes import part
 from diagram.diagram import Diagram
 from diagram.ensembles.running import ensemble
@@ -31,7 +30,7 @@ def as_inputs(
     found: dict[str, Any] = {}
     for s in signals:
         if s in record.played:
-            found[s] = Recorded(s, *record.as_played(s), hold="previous")
+            found[s] = record.source(s)
         elif not moves(diagram, s):
             found[s] = held(logs[0], s) if len(logs) == 1 else [held(log, s) for log in logs]
         else:

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from blocks.recorded import Recorded
 from diagram.diagram import Diagram
 from logs import Log
 
@@ -17,6 +18,7 @@ FINEST = 1e-12  # of the largest value: numbers themselves are not more exact
 FEW = 0.1  # distinct values for each row, at most, where a signal has few
 UNEVEN = 0.02  # how far, in steps, they may lie off their lattice
 APART = 2.5  # roundings of the log by which they lie apart, where it has rounded them again
+BRIEF = 1e-6  # share of a row's interval in which a step is made among ramps
 RARE = 0.1  # share of rows at which a set point switches, at most
 FEWEST = 20  # rows below which a record says too little
 
@@ -123,7 +125,8 @@ class Record:
     ``lattices`` those whose lattice is the sensor's own, not the log's rounding; ``used`` logged signals that the model
     drives and that are taken as they are, not judged; ``filter`` what makes residuals of it where no replay does;
     ``suspects`` the blocks at which a gap can be, none named: all; ``computed`` the rounding of signals that were
-    computed from logged ones [their unit]; ``leads`` by how much [s] before the row that shows it an input switched.
+    computed from logged ones [their unit]; ``leads`` by how much [s] before the row that shows it an input switched;
+    ``ramps`` inputs that move from row to row and go in lines between them.
     """
 
     log: Log
@@ -135,18 +138,30 @@ class Record:
     suspects: tuple[str, ...] = ()
     computed: Mapping[str, float] = field(default_factory=dict)
     leads: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
+    ramps: frozenset[str] = frozenset()
 
-    def as_played(self, signal: str) -> tuple[Floats, Floats]:
-        """Return times [s] at which an input takes on a new value, and these values; the last row ends them.
+    def source(self, signal: str, name: str = "") -> Recorded:
+        """Return what plays a logged input: held between its switches, each of which lies its lead before its row.
 
-        A switch lies its lead before the row that shows it.
+        Where a ramp moves at row after row, lines join the rows.
         """
         t, v = self.log.t, self.log[signal]
-        moved = np.flatnonzero(np.concatenate([[True], np.diff(v) != 0.0]))
+        moved = np.diff(v, prepend=np.nan) != 0.0
         known = self.leads.get(signal, {})
-        early = np.array([known.get(int(k), 0.0) for k in moved])
-        end = t[-1] + self.log.dt
-        return np.append(t[moved] - early, end), np.append(v[moved], v[-1])
+        times, values = [float(t[0])], [float(v[0])]
+        for k in np.flatnonzero(moved)[1:]:
+            at = float(t[k]) - known.get(int(k), 0.0)
+            joined = signal in self.ramps and ((moved[k - 1] and k > 1) or (k + 1 < len(v) and moved[k + 1]))
+            if signal in self.ramps:
+                times.append(float(t[k - 1]) if joined else at - BRIEF * (t[k] - t[k - 1]))
+                values.append(float(v[k - 1]))
+            times.append(at)
+            values.append(float(v[k]))
+        times.append(float(t[-1]) + self.log.dt)
+        values.append(float(v[-1]))
+        fresh = np.diff(times, prepend=-np.inf) > 0.0
+        hold = "linear" if signal in self.ramps else "previous"
+        return Recorded(signal, np.array(times)[fresh], np.array(values)[fresh], hold=hold, name=name)
 
     @cached_property
     def steps(self) -> dict[str, float]:
