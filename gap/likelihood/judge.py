@@ -23,6 +23,7 @@ from gap.likelihood.search import Candidate, basis, trusted
 Floats = NDArray[np.float64]
 RUNS = 24  # of a hypothesis, which say what is usual
 ALARM = 0.005  # share of right hypotheses that are called wrong
+QUARTILES = (0.25, 0.5, 0.75)
 LITTLE = 0.02  # share of what the model alone leaves, that an effect may leave of it: no model is exact
 
 
@@ -53,15 +54,21 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     usual = []
     for log in without_gap(one.model(fit.best.values), f.record, RUNS, seed + 1):
         run = one.of(replace(f, record=replace(f.record, log=log)))
-        left = tried(run, fit.best.values, fit.best)
+        left = tried(run, fit.best.values, None if fit.best.kinks.any() else fit.best)  # kinks of a run are its own
         if left is not None:
             usual.append(largest(replace(fit, best=left), directions)[1])
     if len(usual) < RUNS // 2:
         return Verdict(size, name, 1.0, math.inf)
-    b = float(np.std(usual, ddof=1)) * math.sqrt(6.0) / math.pi
-    a = float(np.mean(usual)) - 0.5772 * b
+    low, middle, high = np.quantile(usual, QUARTILES)  # of some runs a filter loses the track
+    b = float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0]))
+    a = float(middle) - _gumbel(QUARTILES[1]) * b
     p = -math.expm1(-math.exp(-min((size - a) / b, 700.0)))
-    return Verdict(size, name, p, a - b * math.log(-math.log1p(-ALARM)))
+    return Verdict(size, name, p, a + b * _gumbel(1.0 - ALARM))
+
+
+def _gumbel(share: float) -> float:
+    """Return what a share of the largest of many standard figures stays below."""
+    return -math.log(-math.log(share))
 
 
 def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
