@@ -28,6 +28,7 @@ SHARP = 12.0  # mean square of b x^2 is c^2 / 12, where c = f(+) + f(-) - 2 f(0)
 DROPPED = 1e-13  # share of its size below which what is left of a state's variance is rounding
 NARROWEST = 1e-7  # of a state's size: the least difference that shows a slope
 FACTOR = 2  # columns of the spread's factor, over what is needed at least: more of them, and it is narrowed less often
+KINKED = 0.5  # standard deviations by which signals may miss their slopes over all that is likely
 FAR = 4.0  # standard deviations within which a row may find the state
 BENT = 0.05  # share of its spread by which a stop may lie off the slopes of another that stand for its own
 KINDS = 8  # of stops whose slopes are kept
@@ -404,7 +405,7 @@ def straight(  # type: ignore[no-untyped-def]
                 return False
             read(W, shown, moved)
             off = moved[i] - y[i] - way * math.sqrt(variance)
-            if off**2 > 9.0 * BENT**2 * variance:
+            if off**2 > KINKED**2 * variance:
                 return False
     return True
 

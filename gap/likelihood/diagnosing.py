@@ -1,5 +1,6 @@
 """Diagnose a record by one likelihood: the model alone, every effect, and whether the best of them is enough."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -13,12 +14,25 @@ from gap.likelihood.frame import Frame
 from gap.likelihood.hypothesis import Hypothesis
 from gap.likelihood.judge import Verdict, enough, judged
 from gap.likelihood.prepared import NoFilter
-from gap.likelihood.search import SETTLING, Candidate, candidates, fitted, gross, legal, model_alone, price, settled
+from gap.likelihood.search import (
+    SETTLING,
+    Candidate,
+    candidates,
+    fitted,
+    free_parameters,
+    gross,
+    legal,
+    model_alone,
+    price,
+    schwarz,
+    settled,
+)
 from gap.likelihood.switches import with_ramps, with_switches
 from gap.records.model import nuisances, silenced
 from gap.records.record import Record
 from gap.records.start import start_values
 
+ODDS = 10.0  # to one, for an effect against none
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
 MOST_BLOCKS, MOST_STATES = 40, 60  # of a diagram whose filter is quick enough
 
@@ -67,16 +81,28 @@ def when_switched(frame: Frame) -> Frame:
     return now.hypothesis.frame
 
 
+def worth(one: Candidate) -> float:
+    """Return what an effect promises beyond what its parameters cost [nats]."""
+    count, rows = free_parameters(one.looked), float(np.isfinite(one.looked.judged).sum())
+    return one.gain - schwarz(count, rows)
+
+
+def needed(found: Sequence[Candidate]) -> float:
+    """Return how many nats make an effect a gap by itself: the choice among all costs some, and odds of ``ODDS``."""
+    return math.log(max(len(found), 1)) + math.log(ODDS)
+
+
 def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: Progress = None) -> Outcome:
     """Return what explains a record."""
     frame = when_switched(frame)
     rough = model_alone(replace(frame, apart=True))
     found = candidates(rough, legal(rough, catalogue), progress)
     null = settled(rough)
-    alone = judged(null, found, seed)
+    alone = judged(null, [], seed)
+    if not alone.unusual and all(worth(c) < needed(found) for c in found):
+        return Outcome(null, alone, (), None, False, (), found)
     fits = fitted(rough, found, progress)
-    gained = null.nll - fits[0].nll if fits else 0.0
-    gap = alone.unusual or gained > 0.5 * alone.limit**2 if np.isfinite(alone.limit) else alone.unusual
+    gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, (), found)
     mine = fits[0].hypothesis

@@ -109,9 +109,11 @@ def legal(null: Fit, catalogue: Iterable[Effect]) -> list[Hypothesis]:
 def candidates(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress = None) -> list[Candidate]:
     """Return the best first size of every hypothesis that the record feels, the highest score first."""
     found = []
+    stated = tried(null.hypothesis, null.hypothesis.frame.stated) if gross(null) else None
+    near = stated or null.best
     with reporting(progress, len(hypotheses), "effects") as tell:
         for k, one in enumerate(hypotheses):
-            best = _best_size(null, one)
+            best = _best_size(null, one, near)
             if best is not None:
                 found.append(best)
             tell(k + 1, len(hypotheses))
@@ -134,13 +136,19 @@ def fitted(null: Fit, found: Sequence[Candidate], progress: Progress = None) -> 
 
 
 def price(fit: Fit) -> float:
-    """Return the nll and what the parameters of an effect cost by Schwarz's criterion, half ln n each [nats]."""
-    one = fit.hypothesis
-    if one.effect is None:
-        return fit.nll
-    n = float(np.isfinite(fit.best.judged).sum())
-    count = sum(1 for p in one.effect.parameters if math.isfinite(fit.best.values[p.name]))
-    return fit.nll + 0.5 * count * math.log(max(n, 2.0))
+    """Return the nll and what the parameters of an effect cost [nats]."""
+    return fit.nll + schwarz(free_parameters(fit.best), float(np.isfinite(fit.best.judged).sum()))
+
+
+def schwarz(parameters: int, values: float) -> float:
+    """Return what parameters cost by Schwarz's criterion, half ln n each [nats]."""
+    return 0.5 * parameters * math.log(max(values, 2.0))
+
+
+def free_parameters(left: Innovations) -> int:
+    """Return how many parameters of its effect a hypothesis uses."""
+    effect = left.hypothesis.effect
+    return sum(1 for p in effect.parameters if math.isfinite(left.values[p.name])) if effect else 0
 
 
 def free_names(one: Hypothesis) -> tuple[str, ...]:
@@ -154,14 +162,15 @@ def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
     hypothesis = one.looked.hypothesis
     names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
     if gross(null):
-        return _bracketed(one.looked)
+        size = _bracketed(one.looked)
+        return tried(hypothesis, size.values)
     near = refined(one.looked, names, APPROACH, null.best).best
     own = tried(hypothesis, near.values)
     return own if own is not None else tried(hypothesis, one.looked.values)
 
 
 def _bracketed(start: Innovations) -> Innovations:
-    """Return the likeliest size of an effect with one parameter near a start, each with a filter of its own."""
+    """Return the likeliest size of an effect with one parameter near a start, all with the gains of the start."""
     one = start.hypothesis
     names = [p.name for p in one.effect.parameters if not p.nuisance and p.smooth] if one.effect else []
     if len(names) != 1:
@@ -171,7 +180,7 @@ def _bracketed(start: Innovations) -> Innovations:
     low, high = (coordinate(one, name, end) for end in one.bounds[name])
     step = 0.25 * min(high - low, 1.0)
     for _ in range(BRACKETED):
-        ahead = [tried(one, {**best.values, name: value(one, name, min(max(at + way * step, low), high))})
+        ahead = [tried(one, {**best.values, name: value(one, name, min(max(at + way * step, low), high))}, start)
                  for way in (1.0, -1.0)]  # fmt: skip
         near = min((x for x in ahead if x is not None), key=lambda x: x.nll, default=None)
         if near is None or near.nll >= best.nll:
@@ -181,12 +190,12 @@ def _bracketed(start: Innovations) -> Innovations:
     return best
 
 
-def _best_size(null: Fit, one: Hypothesis) -> Candidate | None:
-    """Return the size of the highest score; None if the record feels none."""
+def _best_size(null: Fit, one: Hypothesis, near: Innovations) -> Candidate | None:
+    """Return the size of the highest score with the gains of ``near``; None if the record feels none."""
     best: Candidate | None = None
     at = one.frame.stated if gross(null) else {key: null.best.values[key] for key in one.frame.free}
     for size in sizes(null, one):
-        looked = tried(one, {**at, **size}, None if gross(null) else null.best)
+        looked = tried(one, {**at, **size}, near)
         scored = None if looked is None else score(null, looked)
         if looked is None or scored is None:
             continue
