@@ -7,8 +7,9 @@
                       D -= K Y s / (s + sqrt(s r))                     one signal after the other
 
 The mean follows every nonlinearity, since f is the run of the diagram; differences go over sqrt 3 standard deviations
-of each state, which keeps the third moment; what bends there (a limit, a kink) adds to the spread.  A, B, H and G are kept: with them other sizes of noise need no run.  They
-serve other stops that they foretell.
+of each state, which keeps the third moment; what bends there (a limit, a kink) adds to the spread.  Slopes serve other
+stops that they foretell, and other sizes of noise, which need no run.  Near a limit a row is run again from the stop
+before it, with what each of its signals says.
 Source: the extended filter of Anderson and Moore, Optimal Filtering (1979), section 8.2, in the square root form of
 Potter (Maybeck, Stochastic Models, Estimation and Control 1 (1979), section 7.3); second differences in the spread as
 in Norgaard, Poulsen and Ravn, Automatica 36 (2000), section 4.
@@ -379,7 +380,8 @@ def foretold(A, B, H, G, sd, D, columns, E, Y, z, behind, y, from_z, to_z, to_y,
 
 @njit(cache=True, error_model="numpy")
 def straight(  # type: ignore[no-untyped-def]
-    I, W, buffer, base_I, base_W, places, shown, noisy, probed, t, phi, sd, z, D, columns, y, width, Y, reach, aside, drawn,
+    I, W, buffer, base_I, base_W, places, shown, noisy, probed, t, phi, sd, z, D, columns, y, width, Y, reach, aside,
+    drawn,
 ):  # fmt: skip
     """Return whether signals follow their slopes over ``reach`` standard deviations: a limit near by bends them."""
     n, moved = len(z), np.empty(len(y))
@@ -458,7 +460,8 @@ def extended(  # type: ignore[no-untyped-def]
     at_stop, behind, y = np.empty(n), np.empty(n), np.empty(m)
     kinds, known = np.zeros((KINDS, I[N_BLOCKS]), dtype=np.int64), np.full(KINDS, -1)
     from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
-    A, B, H, G = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1)), np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
+    A, B = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1))
+    H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
     aside, drawn, back, nowhere = np.empty(n), np.empty(q), np.empty(n + q + 1), np.empty((0, room))
     count, status = 0, 0
     for k in range(len(times)):
@@ -508,16 +511,18 @@ def extended(  # type: ignore[no-untyped-def]
             at_rows[row] = y
             back[:n], back[n:] = z, 0.0
             F = nowhere
-            kinks[row] = not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k],
-                                      z, D, columns, y, width, Y, FAR, aside, drawn)  # fmt: skip
+            kinks[row] = not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k],
+                                      sd[k], z, D, columns, y, width, Y, FAR, aside, drawn)  # fmt: skip
             if kinks[row]:
                 F = joint(D, columns, sd[k], width, bent(B[which[k]], G[which[k]]))
             before = values[row - 1] if row > 0 else nothing
             z[:] = behind
             for i in range(m):
-                took = taken_in(i, values[row, i], before[i], r[i], width, E, F, Y, z, back, y, gains[row], e[row], S[row])
+                took = taken_in(i, values[row, i], before[i], r[i], width, E, F, Y, z, back, y, gains[row], e[row],
+                                S[row])  # fmt: skip
                 if took and kinks[row]:
-                    status = arrived(I, W, buffer, base_I, base_W, places, noisy, times[k], phi[k], back[:n], back[n : n + q])
+                    status = arrived(I, W, buffer, base_I, base_W, places, noisy, times[k], phi[k], back[:n],
+                                     back[n : n + q])  # fmt: skip
                     if status != 0:
                         break
                     next_I[:], next_W[:] = I[:kept], W[:saved]
@@ -541,8 +546,8 @@ def otherwise(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     """Filter a log with other noise along the path of a known filter, in its slopes: see ``extended``.
 
-    ``phi``, ``force`` and ``gains`` are those of the known filter; ``shown`` (rows, m) what its mean showed at rows, and
-    ``missed`` what it missed there.
+    ``phi``, ``force`` and ``gains`` are those of the known filter; ``shown`` (rows, m) what its mean showed at rows,
+    and ``missed`` what it missed there.
     """
     n, m, q = A.shape[1], values.shape[1], len(at)
     room = FACTOR * (n + q + 1)
@@ -588,8 +593,8 @@ def otherwise(  # type: ignore[no-untyped-def]
                 if off == off:  # where a row was run again, it missed other than its slopes foretell: so would this one
                     y[i] += values[row, i] - known[i] - off
                 before = values[row - 1, i] if row > 0 else math.nan
-                taken_in(i, values[row, i], before, r[i], width, E, nowhere, Y, moved, back, y, other_gains[row], e[row],
-                         S[row])  # fmt: skip
+                taken_in(i, values[row, i], before, r[i], width, E, nowhere, Y, moved, back, y, other_gains[row],
+                         e[row], S[row])  # fmt: skip
                 if off == off:
                     for p in range(n):
                         moved[p] -= gains[row, p, i] * off

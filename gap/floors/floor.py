@@ -122,6 +122,17 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
 
     ``seed``: the first of ``runs`` consecutive seeds.
     """
+    log, played = record.log, {s: record.log[s] for s in record.played}
+    found, logs = unrounded(model, record, runs, seed), []
+    for i in range(len(next(iter(found.values()), ()))):
+        values = record.rounded({s: runs_of[i] for s, runs_of in found.items()})
+        quality = {s: log.good(s) for s in found}
+        logs.append(Log(log.t, {**played, **values}, quality=quality))
+    return logs
+
+
+def unrounded(model: Diagram, record: Record, runs: int, seed: int) -> dict[str, Floats]:
+    """Return what runs of the model with its nuisances have at the record's rows, (runs that succeed, rows)."""
     log, driven = record.log, [*record.pinned, *record.used]
     many = ensemble(
         model,
@@ -134,13 +145,8 @@ def without_gap(model: Diagram, record: Record, runs: int, seed: int) -> list[Lo
         progress=False,
         settings=_exact(record),
     )
-    played = {s: log[s] for s in record.played}
-    logs = []
-    for i in np.flatnonzero(many.ok):
-        values = record.rounded({s: many.values[s][i] for s in driven})
-        quality = {s: log.good(s) for s in driven}
-        logs.append(Log(log.t, {**played, **values}, quality=quality))
-    return logs
+    ok = np.flatnonzero(many.ok)
+    return {s: many.values[s][ok] for s in driven}
 
 
 def undisturbed(quiet: Diagram, record: Record) -> Log:

@@ -14,6 +14,7 @@ from gap.likelihood.frame import Frame
 from gap.likelihood.hypothesis import Hypothesis
 from gap.likelihood.judge import Verdict, enough, judged
 from gap.likelihood.prepared import NoFilter
+from gap.likelihood.relevance import RELEVANT, moved
 from gap.likelihood.search import (
     SETTLING,
     Candidate,
@@ -41,7 +42,8 @@ MOST_BLOCKS, MOST_STATES = 40, 60  # of a diagram whose filter is quick enough
 class Outcome:
     """What was found: ``null`` the model alone, ``alone`` how unusual what it leaves is; ``fits`` of effects, the
     likeliest first, ``best`` how unusual what the first leaves is; ``gap`` whether there is one, ``named`` the fits
-    that the record does not tell apart, none where none is enough; ``looked`` all candidates.
+    that the record does not tell apart, none where none is enough; ``looked`` all candidates; ``share`` by
+    which the first fit moves the signals.
     """
 
     null: Fit
@@ -51,6 +53,7 @@ class Outcome:
     gap: bool
     named: Sequence[Fit]
     looked: Sequence[Candidate]
+    share: float = 1.0
 
 
 def frame_of(model: Diagram, record: Record) -> Frame | None:
@@ -105,6 +108,9 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, (), found)
+    share = moved(fits[0], seed) if price(fits[0]) < null.nll else 1.0
+    if share < RELEVANT:
+        return Outcome(null, alone, fits, None, False, (), found, share)
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.looked.hypothesis.effect, c.looked.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if gross(rough) else beside, seed)  # far from the log no direction is right

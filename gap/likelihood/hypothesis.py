@@ -95,12 +95,12 @@ class Hypothesis:
         e, S, shown = (np.full(f.Y.shape, np.nan) for _ in range(3))
         gains, force = np.zeros((len(f.Y), 2 * n + m + q + 1, m)), np.empty((len(times), q))
         which, kinks = np.zeros(len(times), dtype=np.int64), np.zeros(len(f.Y), dtype=np.bool_)
-        status, *slopes = extended(
-            I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], self._where, size, times,
-            row_of, phi, sd, f.Y, f.r, f.probed, z.copy(), spread, which, force, gains, kinks, shown, e, S,
+        status, *pools = extended(
+            I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], self._where, size,
+            times, row_of, phi, sd, f.Y, f.r, f.probed, z.copy(), spread, which, force, gains, kinks, shown, e, S,
         )  # fmt: skip
         _complain(status)
-        return Innovations(self, full, e, S, gains, kinks, shown, Path(z, phi, (which, force, *slopes)))
+        return Innovations(self, full, e, S, gains, kinks, shown, Path(z, phi, which, force, tuple(pools)))
 
     def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
         """Return what is left with other noise, in the slopes of a known filter of the same path."""
@@ -112,8 +112,8 @@ class Hypothesis:
         size, spread = self._start(path.z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
         gains = np.zeros_like(known.gains)
-        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, *path.slopes, shown,
-                  known.missed, known.gains, gains, e, S)  # fmt: skip
+        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, path.which, path.force, *path.slopes,
+                  shown, known.missed, known.gains, gains, e, S)  # fmt: skip
         return Innovations(self, full, e, S, gains, known.kinks)
 
     def of(self, frame: Frame) -> "Hypothesis":
@@ -222,10 +222,14 @@ def _complain(status: int) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Where a filter began, ``z``; how much of each noise stayed, ``phi``; its ``slopes`` at stops (``extended``)."""
+    """Where a filter began, ``z``; how much of each noise stayed, ``phi``; ``which`` of the ``slopes`` a stop has, and
+    the noise in ``force`` before it (see ``extended``).
+    """
 
     z: Floats
     phi: Floats
+    which: Whole
+    force: Floats
     slopes: tuple[Floats, ...]
 
 

@@ -9,6 +9,7 @@ from gap.answers.evidence import Evidence
 from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Size, Where, listed
 from gap.likelihood.diagnosing import Outcome
 from gap.likelihood.fit import Fit
+from gap.likelihood.relevance import RELEVANT
 from gap.likelihood.search import price
 from gap.telling.creep import about_creep
 from gap.telling.structure import by_wiring
@@ -28,6 +29,12 @@ def told(o: Outcome) -> GapReport:
             "No gap of relevance: the log is as the model with its nuisances would write it (the largest of its checks "
             f"is {o.alone.size:.1f} standard deviations, {o.alone.name}; {o.alone.limit:.1f} are usual)."
         ]
+        if o.fits and o.share < RELEVANT:
+            near = o.fits[0]
+            words = [
+                f"No gap of relevance: {_name(near)} at {near.hypothesis.place} would explain the log best, but it "
+                f"moves no signal by more than {o.share:.2g} of its movement; less than {RELEVANT:g} is no gap."
+            ]
         return _report(o, words, o.null)
     return _named(o) if o.named else _unknown(o)
 

@@ -1,0 +1,28 @@
+"""Whether an effect matters: how far it moves the signals of runs that have the same noise and loads.
+
+share = rms(run with the effect - run without) / standard deviation of the run without        the largest signal's
+"""
+
+import numpy as np
+
+from gap.floors.floor import unrounded
+from gap.likelihood.fit import Fit
+
+RUNS = 3
+RELEVANT = 0.01  # of a signal's movement: no plant computes like its model, and what is less is no gap
+
+
+def moved(with_effect: Fit, seed: int = 0) -> float:
+    """Return the share of its movement by which an effect moves the signal that it moves most."""
+    one = with_effect.hypothesis
+    frame, best = one.frame, with_effect.best.values
+    free = {key: best[key] for key in frame.free}
+    neutral = type(one)(frame).model(free)
+    without = unrounded(neutral, frame.record, RUNS, seed + 1)
+    found = unrounded(one.model(best), frame.record, RUNS, seed + 1)
+    shares = [0.0]
+    for s, values in without.items():
+        natural = float(np.mean(np.var(values, axis=1)))
+        if natural > 0.0 and found[s].shape == values.shape:
+            shares.append(float(np.sqrt(np.mean((found[s] - values) ** 2) / natural)))
+    return max(shares)
