@@ -112,8 +112,8 @@ class Hypothesis:
         size, spread = self._start(path.z)
         e, S = np.full(f.Y.shape, np.nan), np.full(f.Y.shape, np.nan)
         gains = np.zeros_like(known.gains)
-        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, path.which, path.force, *path.slopes,
-                  shown, known.missed, known.gains, gains, e, S)  # fmt: skip
+        otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, path.which, path.force,
+                  *path.slopes, shown, known.missed, known.gains, gains, e, S)  # fmt: skip
         return Innovations(self, full, e, S, gains, known.kinks)
 
     def of(self, frame: Frame) -> "Hypothesis":

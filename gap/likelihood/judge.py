@@ -5,7 +5,7 @@
     p = 1 - exp(-exp(-(T - a) / b))          a, b of Gumbel's law, from runs of the hypothesis with its own noise
 
 One question for the model alone ("is there a gap?") and for the effect that is named ("is it enough?").
-Source of the law of largest values: Gumbel, Statistics of Extremes (1958), section 5.2.
+Source of the law of largest values, and of the least b: Gumbel, Statistics of Extremes (1958), sections 5.2 and 4.2.
 """
 
 import math
@@ -60,7 +60,8 @@ def judged(fit: Fit, others: Sequence[Candidate], seed: int = 0) -> Verdict:
     if len(usual) < RUNS // 2:
         return Verdict(size, name, 1.0, math.inf)
     low, middle, high = np.quantile(usual, QUARTILES)  # of some runs a filter loses the track
-    b = float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0]))
+    least = 1.0 / math.sqrt(2.0 * math.log(2.0 * max(figures(fit, directions), 2)))  # of independent normal figures
+    b = max(float(high - low) / (_gumbel(QUARTILES[2]) - _gumbel(QUARTILES[0])), least)
     a = float(middle) - _gumbel(QUARTILES[1]) * b
     p = -math.expm1(-math.exp(-min((size - a) / b, 700.0)))
     return Verdict(size, name, p, a + b * _gumbel(1.0 - ALARM))
@@ -78,11 +79,20 @@ def enough(fit: Fit, verdict: Verdict, alone: Verdict) -> bool:
 
 def largest(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> tuple[str, float]:
     """Return the figure that innovations pass least, and its size."""
-    found = checks(fit.best)  # type: ignore[arg-type]
-    calm = np.nan_to_num(fit.best.e) * trusted(fit)
-    found |= {name: float(np.sum(calm * d)) for name, d in directions}
+    found = _figures(fit, directions)
     name = max(found, key=lambda key: abs(found[key]), default="")
     return name, abs(found.get(name, 0.0))
+
+
+def figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> int:
+    """Return how many figures innovations have to pass."""
+    return len(_figures(fit, directions))
+
+
+def _figures(fit: Fit, directions: Sequence[tuple[str, Floats]]) -> dict[str, float]:
+    found = checks(fit.best)  # type: ignore[arg-type]
+    calm = np.nan_to_num(fit.best.e) * trusted(fit)
+    return found | {name: float(np.sum(calm * d)) for name, d in directions}
 
 
 def _apart(fit: Fit, away: Sequence[tuple[str, Floats]]) -> list[tuple[str, Floats]]:

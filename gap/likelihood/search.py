@@ -38,6 +38,7 @@ FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES = 5  # of a size whose neutral value is none at all
 CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
+STANDS = 3  # rows at which a signal stands at its limit, at least
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 BRACKETED = 10  # steps towards the likeliest size where the model's own gains say nothing
@@ -292,18 +293,20 @@ def _limits(one: Hypothesis) -> list[dict[str, float]]:
     f, effect = one.frame, one.effect
     assert effect is not None
     signals = [str(s) for s in f.model[one.place].output_labels + f.model[one.place].input_labels]
-    op = next((s for s in signals if s in f.signals), f.ops[-1] if f.ops else "")
-    if not op:
+    own = [str(s) for s in f.model[one.place].output_labels]
+    shown = next((s for s in signals if s in f.signals), f.ops[-1] if f.ops else "")
+    if not shown:
         return []
-    low, high = f.model.signal_spans.get(op, (0.0, 1.0))
+    low, high = f.model.signal_spans.get(shown, (0.0, 1.0))
     to_unit = 100.0 / (high - low) if effect.parameters[0].unit.startswith("%") else 1.0
-    values = np.sort(f.Y[:, f.signals.index(op)][np.isfinite(f.Y[:, f.signals.index(op)])])
+    values = np.sort(f.Y[:, f.signals.index(shown)][np.isfinite(f.Y[:, f.signals.index(shown)])])
     zero = low if to_unit != 1.0 else 0.0
     found = []
-    for share in CUT:
+    for share in (CUT[0],) if shown in own else CUT:
         k = int(share * (len(values) - 1))
-        found.append({"low": (values[k] - zero) * to_unit})
-        found.append({"high": (values[-1 - k] - zero) * to_unit})
+        for name, value in (("low", values[k]), ("high", values[-1 - k])):
+            if shown not in own or np.count_nonzero(values == value) >= STANDS:  # what is logged shows its limits
+                found.append({name: (value - zero) * to_unit})
     return [{k: float(v) for k, v in size.items() if one.bounds[k][0] < v < one.bounds[k][1]} for size in found]
 
 
