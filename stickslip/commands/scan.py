@@ -66,7 +66,7 @@ def command(
     """
     check_targets({"--html": html, "--csv": csv_file, "--json": json_file}, source=Path(source))
     if reports is not None and html is None:
-        raise ValueError("--reports writes beside --html, which is not given; add --html FILE")
+        raise ValueError("--reports writes beside --html, which is missing; add --html FILE")
     from diagram.progress import reporting
     from scan import scan
 

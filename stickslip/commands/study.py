@@ -278,7 +278,7 @@ def _page(result: "StudyResult", figures: "dict[str, Figure]") -> str:
         missing = Section("Runs without a result", f"{count} of {len(result)}", "open", "Most frequent first.")
         missing.figures.append(table_to_html(["runs", "reason"], [[str(n), text] for text, n in reasons[:50]]))
         sections.append(missing)
-    asked = Section("What was asked", "request", "good", "The same request on the same folder changes nothing.")
+    asked = Section("The request", "request", "good", "The same request on the same folder changes nothing.")
     asked.figures.append(table_to_html(["", ""], [[key, _spelt(value)] for key, value in request.items()]))
     sections.append(asked)
     lead = LEAD.format(since=request["measure_from"], until=request["duration"])

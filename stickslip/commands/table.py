@@ -170,7 +170,7 @@ def _tell(say: Speaker, found: "Comparison") -> None:
         say.table(["method", "verdict", "index", "limit", "% OP", "ms"], shown)
         total = sum(judged.milliseconds)
         say(f"{judged.samples} samples: {judged.preparation:.0f} ms to prepare, {total:.0f} ms for all methods")
-        say("The verdict is the calibrated one, as of check; the methods stand beside it (* on trial).")
+        say("The verdict is the calibrated one, as in check; the methods are for comparison (* on trial).")
         for row in rows:
             say.paragraph(row[-1], f"  {row[1]}: ")
         say()
