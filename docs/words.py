@@ -33,7 +33,7 @@ def sentences(page: str) -> list[str]:
     text = re.sub(r"```.*?```|<!--.*?-->|!\[.*?\]\(.*?\)", "\n\n", page, flags=re.S)
     text = re.sub(r"^(#.*|\|.*|---+)$", "\n", text, flags=re.M)
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
-    text = re.sub(r"`[^`]*`", "CODE", text)
+    text = re.sub(r"``.*?``|`[^`]*`", "CODE", text)
     text = re.sub(r"\*+", "", text)
     text = re.sub(r"^\s*(?:[-+]|\d+\.)\s+", "\n\n", text, flags=re.M)
     found = []
