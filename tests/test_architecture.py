@@ -89,6 +89,46 @@ def test_imports_follow_the_arrows() -> None:
     assert upward("detect", {"diagram.wire", "control.matlab", "logs.log", "numpy"}) == {"diagram", "control"}
 
 
+def used_rooms() -> dict[str, set[str]]:
+    """Return, for each room, the rooms that its files import."""
+    used: dict[str, set[str]] = {room: set() for room in ROOMS}
+    for room, path in FILES:
+        used[str(room)] |= {entered for module in imported(path) if (entered := room_of(module)) not in (None, room)}
+    return used
+
+
+def drawn(used: dict[str, set[str]]) -> str:
+    """Return the rooms from top to bottom, each with those that it stands on directly.
+
+    >>> print(drawn({"logs": set(), "blocks": {"logs"}, "gap": {"blocks", "logs"}}))
+    gap     stands on  blocks
+    blocks  stands on  logs
+    logs
+    """
+    order = list(TopologicalSorter(used).static_order())
+    below: dict[str, set[str]] = {}
+    for room in order:
+        below[room] = used[room].union(*(below[other] for other in used[room]))
+    height: dict[str, int] = {}
+    for room in order:
+        height[room] = 1 + max((height[other] for other in used[room]), default=0)
+    width = max(map(len, used))
+    lines = []
+    for room in sorted(used, key=lambda room: (-height[room], room)):
+        direct = used[room].difference(*(below[other] for other in used[room]))
+        lines.append(f"{room:{width}}  stands on  {', '.join(sorted(direct))}" if direct else room)
+    return "\n".join(lines)
+
+
+def test_the_drawing_of_the_rooms_is_that_of_the_imports() -> None:
+    assert f"```\n{drawn(used_rooms())}\n```" in CONTRIBUTING, f"put this into it:\n{drawn(used_rooms())}"
+
+
+def test_no_room_has_a_permission_that_it_does_not_use() -> None:
+    used = used_rooms()
+    assert {room: allowed - used[room] for room, allowed in ROOMS.items() if allowed - used[room]} == {}
+
+
 def loaded(path: Path) -> set[str]:
     """Return the modules, by their full names, that a file imports as it is loaded."""
     found = set()

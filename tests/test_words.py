@@ -12,6 +12,7 @@ words = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(words)
 
 PLAIN = (  # a page that is rewritten is added here, and stays so
+    "CONTRIBUTING.md",
     "README.md", "SECURITY.md", "docs/README.md", "docs/blocks.md", "docs/choose.md", "docs/compose.md",
     "docs/cuts.md", "docs/effects.md", "docs/examples.md", "docs/gap.md", "docs/linearise.md", "docs/methods.md",
     "docs/noise.md", "docs/python_control.md", "docs/reading.md", "docs/replay.md", "docs/scan.md", "docs/schemas.md",
