@@ -11,8 +11,8 @@ Sampled every dt (``SampledSensor``):
 in   PV  process variable            out  PV_m  measured process variable (same unit)
 tau  lag [s]   factor  span factor [-]   bias [unit of PV]   drift [unit of PV / s]   low, high, sd, step [unit of PV]
 
-Before its first sample a ``SampledSensor`` takes the signal for a straight line, too, from ``start`` on: where PV stands
-elsewhere at that sample, it has been on its way for one ``dt``.
+Before its first sample a ``SampledSensor`` takes the signal for a straight line, too, from ``start`` on: where PV
+stands elsewhere at that sample, it has been on its way for one ``dt``.
 
 Source: the usual textbook elements; the line between samples is the first-order hold of Astrom and Wittenmark,
 Computer-Controlled Systems, 3rd ed. 1997.  Valid for sensors slower than their own dynamics of higher order; not for
