@@ -38,6 +38,13 @@ factor multiplies what the model has, ``PV`` and ``process input`` are the units
 brackets has to be found for a replay but is no part of the effect's size.  How to add one is in
 [CONTRIBUTING.md](../CONTRIBUTING.md).
 
+Where an effect can be follows from the role, the parameters and the inputs of a block.  ``process_gain`` changes a
+parameter called ``K``, and stands as a gain before a process of one input that has none.  ``process_time_constant``
+wants a parameter called ``tau``, ``T`` or ``omega``.  ``dead_time`` wants a process of one input.  A process of your
+own (``Equations``) is a place for all three if its parameters have these names and one signal enters it.  If it has
+two inputs, wire a ``DeadTime`` between the valve and it; a dead time of 0 will do.  ``process_gain`` and ``dead_time``
+then have their place there.  ``effect("dead_time").places(model)`` lists the places.
+
 From logged OP, PV and SP alone, with linear blocks, nothing tells apart ``valve_gain``, ``process_gain`` and
 ``sensor_span``; ``positioner_lag``, ``second_lag`` and ``sensor_lag``; ``valve_leak``, ``sensor_bias`` and a
 ``step_disturbance`` from the start; in a separator ``real_gas`` and ``gas_temperature``.
