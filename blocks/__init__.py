@@ -6,7 +6,7 @@ controllers  PI PID SampledPI RelayTuner
 valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
              Positioner (pneumatic, in front of a stem)
              KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
-processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay Tank
+processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay Tank Overflow
 sensors      Sensor SampledSensor
 arithmetic   Sum Gain Product Divide Lookup1D Lookup2D
 switching    Saturation DeadZone Quantiser RateLimiter Relay Switch MinSelect MaxSelect
@@ -48,6 +48,7 @@ from blocks.lookup_1d import Lookup1D
 from blocks.lookup_2d import Lookup2D
 from blocks.lugre_stem import LuGreStem
 from blocks.noise import Noise
+from blocks.overflow import Overflow
 from blocks.periodic import Sine, Slug, Square, Triangle
 from blocks.pi import PI
 from blocks.pid import PID
@@ -129,6 +130,7 @@ __all__ = [
     "MaxSelect",
     "MinSelect",
     "Noise",
+    "Overflow",
     "Pin",
     "Plenum",
     "Port",

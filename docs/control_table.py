@@ -126,6 +126,7 @@ TRIALS: dict[str, Trial] = {
         lambda: b.VariableDelay("out", "in", "theta", dt=0.5, longest=10.0, start=0.5), ((0.5, 0.3), (5.0, 1.0))
     ),
     "Tank": Trial(lambda: b.Tank(2.0, 0.5, top=1.2)),
+    "Overflow": Trial(lambda: b.Overflow(1.2), ((2.0, 1.0), (1.5, 0.0), (1.2, 0.0))),
     "Sensor": Trial(lambda: b.Sensor(2.0, bias=0.01, low=0.0, high=0.7)),
     "SampledSensor": Trial(lambda: b.SampledSensor(0.5, sd=0.01, seed=1)),
     "Sum": signal(b.Sum, {"in_1": 1.0, "in_2": -1.0}),

@@ -52,7 +52,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Processes of test loops": {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
-        "VariableDelay": TEXTBOOK, "Tank": "Schoukens and Noel 2017",
+        "VariableDelay": TEXTBOOK, "Tank": "Schoukens and Noel 2017", "Overflow": "mass balance",
     },
     "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
     "Arithmetic": {
