@@ -38,7 +38,7 @@ def seen(d: Drawn) -> Seen:
     made = tuned(d)
     n = made.numbers
     out = np.zeros((4, n.steps // made.every))
-    run(n, made.every, out)
+    run(np.random.default_rng(d.seed), n, made.every, out)
     sp, pv, op, stem = out[:, min(20, out.shape[1] // 10) :]
     dt = made.every * n.h
     t = np.arange(len(pv)) * dt

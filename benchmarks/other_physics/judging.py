@@ -1,4 +1,4 @@
-"""What the verdict says of one loop, with the evidence by likelihood, by the learnt model alone, and by evidence alone."""
+"""What is said of one loop: by the verdict, by the learnt model alone, and by the evidence of likelihood alone."""
 
 from __future__ import annotations
 

@@ -55,7 +55,6 @@ class Numbers(NamedTuple):
     base: float  # of the disturbance that is always there
     manual_from: float  # [s]
     manual_to: float
-    seed: int
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -69,9 +68,8 @@ def _wave(shape: int, x: float) -> float:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def run(n: Numbers, every: int, out: Any) -> None:
-    """Simulate; ``out`` (4, rows): SP, PV, OP and stem at each ``every``-th step."""
-    np.random.seed(n.seed)
+def run(r: Any, n: Numbers, every: int, out: Any) -> None:
+    """Simulate with the random numbers of ``r``; ``out`` (4, rows): SP, PV, OP and stem at each ``every``-th step."""
     s = np.zeros(8)
     if n.law in (0, 5):
         s[1] = s[3] = 1.0  # it stands
@@ -80,19 +78,19 @@ def run(n: Numbers, every: int, out: Any) -> None:
     x = y = sp = op = shown = held = filtered = total = slope = 0.0
     coloured = coloured_2 = moved_to = y_2 = sum_2 = phase = 0.0
     before = 0.0
-    phase = np.random.random()
+    phase = r.random()
     for k in range(n.steps):
         t = k * n.h
         load = 0.0
         if k % n.scan == 0:
             dt = n.h * n.scan
             a = math.exp(-dt / (3.0 * n.time + dt))
-            coloured = a * coloured + math.sqrt(1.0 - a * a) * np.random.normal()
+            coloured = a * coloured + math.sqrt(1.0 - a * a) * r.normal()
             b = math.exp(-dt / (0.3 * n.time + dt))
-            coloured_2 = b * coloured_2 + math.sqrt(1.0 - b * b) * np.random.normal()
-            phase += dt / n.time + n.wander * math.sqrt(dt / n.time) * np.random.normal()
-            if np.random.random() < dt / (3.0 * n.time):
-                moved_to = 2.0 * np.random.random() - 1.0
+            coloured_2 = b * coloured_2 + math.sqrt(1.0 - b * b) * r.normal()
+            phase += dt / n.time + n.wander * math.sqrt(dt / n.time) * r.normal()
+            if r.random() < dt / (3.0 * n.time):
+                moved_to = 2.0 * r.random() - 1.0
         load = n.base * coloured_2
         if k < 20 * n.scan:
             load += 0.5 * max(n.S, n.base)  # a push, so that what can cycle does
@@ -115,7 +113,7 @@ def run(n: Numbers, every: int, out: Any) -> None:
             held = min(max(held, y - 0.5 * n.sticking), y + 0.5 * n.sticking)
             seen = held
         if k % n.scan == 0:
-            shown = seen + n.noise * np.random.normal()
+            shown = seen + n.noise * r.normal()
             part = 1.0 - math.exp(-n.h * n.scan / n.filter) if n.filter > 0.0 else 1.0
             last = filtered
             filtered += part * (shown - filtered)

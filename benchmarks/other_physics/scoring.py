@@ -1,4 +1,4 @@
-"""Figures of the verdict on loops of known truth: over all, by family, and whether the draw itself gives the truth away.
+"""Figures of the verdict on loops of known truth: over all, by family, and whether the draw gives the truth away.
 
     AUC                 chance that a loop that sticks is more probable than a sound one; 0.5 where nothing is said
     found               share of the sticky loops above the probability that 2 % of the sound ones exceed

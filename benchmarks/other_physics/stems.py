@@ -2,7 +2,7 @@
 
 Forces count in % of OP: the spring's stiffness is one, so that at rest stem = air.  s: what a valve remembers,
 
-    s[0] stem   s[1] speed   s[2] air   s[3] way (-1, 0, 1)   s[4] bristle or mark   s[5] plug   s[6] positioner's sum
+    s[0] stem   s[1] speed   s[2] air   s[3] way (-1, 0, 1)   s[4] bristle or mark   s[5] linkage   s[6] positioner
 
 f_s = (S + J) / 2 holds a stem that stands, f_d = (S - J) / 2 drags one that moves.
 
@@ -33,7 +33,7 @@ def moved(s: Any, op: float, h: float, law: int, S: float, J: float, lag: float,
                 error = 0.0
             s[6] = min(max(s[6] + error * h / (20.0 * lag), -20.0), 20.0)
         driven = op + GAIN * error + s[6]
-        S, J = S * (1.0 + GAIN), J * (1.0 + GAIN)
+        S = S * (1.0 + GAIN)  # it takes dead travel down by its gain; a slip is over before it answers
     before = s[2]
     s[2] += (driven - s[2]) * (1.0 - math.exp(-h / lag))
     if positioner >= 2:
@@ -49,10 +49,9 @@ def moved(s: Any, op: float, h: float, law: int, S: float, J: float, lag: float,
     elif law == 4 or law == 6:
         _bristles(s, air, h, law == 4, f_s, f_d, 0.5 * S, lag, J)
     elif law == 5:
-        half = 0.25 * S  # half of the dead travel is play of the linkage, and what is left of it sticks
-        _kano_on(s, air, before, 0.5 * S, min(J, 0.5 * S))
-        s[5] = min(max(s[5], s[4] - half), s[4] + half)
-        s[0] = s[5]
+        half = 0.25 * S  # half of the dead travel is play of the linkage; what is left sticks behind it
+        s[5] = min(max(s[5], air - half), air + half)
+        _stuck(s, s[5], 0.5 * S, min(J, 0.5 * S))
     else:
         s[0] = min(max(s[0], air - 0.5 * S), air + 0.5 * S)
 
@@ -72,16 +71,16 @@ def _kano(s: Any, air: float, before: float, S: float, J: float, f_d: float) -> 
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _kano_on(s: Any, air: float, before: float, S: float, J: float) -> None:
-    """A sticking actuator, whose place is kept in s[4], by forces: it stands until air is f_s away."""
+def _stuck(s: Any, drive: float, S: float, J: float) -> None:
+    """Chen's stem by forces: it stands until ``drive`` is f_s away, and moves along until ``drive`` turns."""
     f_s, f_d = 0.5 * (S + J), 0.5 * (S - J)
-    c = air - s[4]
+    c = drive - s[0]
     if s[1] == 0.0 and s[3] * c < f_d:
         s[1] = 1.0
     if s[1] == 1.0 and abs(c) > f_s:
         s[1], s[3] = 0.0, math.copysign(1.0, c)
     if s[1] == 0.0 and s[3] != 0.0:
-        s[4] = air - s[3] * f_d
+        s[0] = drive - s[3] * f_d
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]

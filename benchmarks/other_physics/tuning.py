@@ -89,12 +89,12 @@ def tuned(d: Drawn) -> Tuned:
         form=FORMS.index(d.form), zone=0.0, step_op=0.0, filter=smooth, low=-45.0, high=45.0,
         law=LAWS.index("backlash"), S=0.0, J=0.0, air=air, mass=d.mass * air**2, positioner=0, sticking=0.0, noise=0.0,
         driver=DRIVERS.index(d.driver), size=1.0, time=period, shape=d.shape, wander=d.wander, base=0.0,
-        manual_from=-1.0, manual_to=-1.0, seed=d.seed,
+        manual_from=-1.0, manual_to=-1.0,
     )  # fmt: skip
     size = 0.0
     if d.driver not in ("nothing", "tuning"):
         trial = np.zeros((4, rows))
-        run(numbers, every, trial)
+        run(np.random.default_rng(d.seed), numbers, every, trial)
         moved = float(np.subtract(*np.percentile(trial[2], [97, 3])))
         size = min(d.travel * d.S, 60.0) / moved if moved > 1e-9 and math.isfinite(moved) else 0.0
         if d.driver in ("periodic_sp", "moving_sp", "master"):
@@ -103,8 +103,10 @@ def tuned(d: Drawn) -> Tuned:
     return Tuned(
         numbers._replace(
             size=size, base=d.base * d.S, law=LAWS.index(d.law), S=sticky * d.S, J=sticky * d.S * ratio,
-            positioner=POSITIONERS.index(d.positioner), sticking=d.hysteresis * swing, noise=min(d.noise * swing, 0.3 * d.S / K_p),
-            zone=d.zone * swing, step_op=d.step_op * d.S, low=-half if half > 0.0 and d.seed % 2 else -45.0,
+            positioner=POSITIONERS.index(d.positioner), sticking=d.hysteresis * swing,
+            noise=min(d.noise * swing, 0.3 * d.S / K_p),
+            zone=d.zone * swing, step_op=d.step_op * d.S,
+            low=-half if half > 0.0 and d.seed % 2 else -45.0,
             high=half if half > 0.0 and not d.seed % 2 else 45.0,
             manual_from=start if d.manual else -1.0, manual_to=start + d.manual * span if d.manual else -1.0,
         ),
