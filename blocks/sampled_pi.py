@@ -58,7 +58,8 @@ class SampledPI(Block):
 
     ``low``, ``high`` [unit of OP]; ``T_t`` [s]; ``start_error``: SP - PV at the start [unit of PV].
     ``integral``: "previous" or "present", the error that the integral has taken in when the output is made; the
-    parameter ``present`` [-] is 0 or 1.
+    parameter ``present`` [-] is 0 or 1.  ``own`` [units of
+    their own]: parameters that a subclass has besides, for its ``plain_step``.
     Raises ``BlockError`` as ``PI`` does, and for dt <= 0.
 
     >>> pi = SampledPI(K_p=0.4, T_i=10.0, dt=1.0, start_op=0.5)
@@ -73,6 +74,7 @@ class SampledPI(Block):
     period_param = "dt"
     limit_params = ("low", "high")
     offset_param = "offset"
+    plain_step = staticmethod(_plain_step)
 
     def __init__(
         self,
@@ -94,13 +96,14 @@ class SampledPI(Block):
         outputs: Labels = None,
         units: Mapping[str, str] | None = None,
         spans: Mapping[str, tuple[float, float]] | None = None,
+        own: Mapping[str, float] | None = None,
     ) -> None:
         if integral not in INTEGRAL:
             raise BlockError(f"{name}: integral = {integral!r}; {nearest(str(integral), list(INTEGRAL))}")
         scan = {"dt": dt, "offset": offset, "present": INTEGRAL[integral]}
-        params = tuned(K_p, T_i, low, high, T_t, action, anti_windup, name) | scan
+        params = tuned(K_p, T_i, low, high, T_t, action, anti_windup, name) | scan | dict(own or {})
         self.anti_windup = anti_windup
-        self.kernels = Kernels(step=_conditional_step if anti_windup == "conditional" else _plain_step)
+        self.kernels = Kernels(step=_conditional_step if anti_windup == "conditional" else type(self).plain_step)
         self.check(params, name)
         super().__init__(
             name=name,
