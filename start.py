@@ -23,7 +23,7 @@ TEST_STEPS = [
     ["mypy"],
     ["python", "-m", "benchmarks.simulate", "--quick"],
     ["python", "-m", "benchmarks.plant", "--quick"],
-    ["python", "-m", "pytest", "-n", "auto", "-q"],
+    ["python", "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-q"],
 ]
 
 

@@ -226,7 +226,9 @@ def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:
         unreadable = any(fact.code == "signal_missing" for fact in loop.present)
         said.append((kind_of_tag(record) if unreadable else loop.kind).text)
     if not record.measurement:
-        said.append("What is measured is not told by tag or --measurement; the record is judged for any.")
+        said.append(
+            "Neither the tag nor --measurement says what is measured; the record is judged for any measurement."
+        )
     if record.op_percent is None:
         said.append("OP is taken to be within its limits: its span is not known, and sizes are in the unit of OP.")
     if found.probability is not None:

@@ -48,7 +48,17 @@ def latent() -> None:
     log = simulate(real, 7200.0, every=1.0, inputs={"SP": set_point}, signals=["SP", "PV", "OP"]).log
     report = diagnose(ideal_flow(), log)
     keep("gap", replayed(report, log).plot())
+    keep("gap_diagram", report.plot_diagram())
     keep("latent_input", latent_input(report, log).plot())
+
+
+def plant() -> None:
+    """The production plant of the README: the stem of the gas valve, the pressure before it and the shaft's torque."""
+    from diagram import simulate
+    from plant import kicked, production_plant
+
+    run = simulate(kicked(production_plant(F_s="high")), 1200.0, every=0.5, method="stiff")
+    keep("plant", run.plot(["OP_VPCS1", "MV_VPCS1", "p_1", "tau_d"]))
 
 
 def linear() -> None:
@@ -115,5 +125,5 @@ def both_simulators() -> None:
 
 
 if __name__ == "__main__":
-    for draw in (topologies, linear, latent, spread, judged, both_simulators):
+    for draw in (topologies, plant, linear, latent, spread, judged, both_simulators):
         draw()

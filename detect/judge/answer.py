@@ -51,9 +51,7 @@ SAMPLES = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which no simulation that is learnt from shows.  From
 # this probability on 2 % of such loops are called (training law, 63000 to 63002; ``benchmarks.detect --only levels``).
 LEVEL = 0.99
-LEVELS_CYCLE = (
-    "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV tells them apart"
-)
+LEVELS_CYCLE = "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
 # Probability of a PV that does not answer OP, below which a stem that stands is not called stuck: of loops whose valve
 # works and whose stem tag is frozen 7 % lie above it, of loops whose valve passes nothing on 68 % (training law, seeds
 # 72100 to 72102).
@@ -335,7 +333,7 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
             sizes[name] = Amount(plain[0], plain[1], plain[2], unit)
     S = sizes["S"]
     action = next_step({"stiction": 1.0}, S, True) if S is not None else ""
-    reason = f"The stem is logged, so it answers and PV is not asked. {told.reason}"
+    reason = f"The stem is logged, so the verdict comes from it and not from PV. {told.reason}"
     return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)
 
 

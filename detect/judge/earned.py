@@ -70,7 +70,7 @@ def not_earned(loop: Prepared, found: Evidence | None, percent: bool) -> str:
     if found is not None:
         why = "" if found.clears else said(found, percent)
     elif loop.stems is not None and loop.stems.promise > 0.0:
-        why = "A stem that sticks tells PV no worse than OP itself does."
+        why = "A stem that sticks predicts PV as well as OP itself does."
     else:
         why = "PV or OP is drawn by a historian or hardly there, so no dead travel can be excluded."
     return f"Little speaks for stiction, but clearing must be earned. {why}" if why else ""

@@ -50,8 +50,8 @@ def _new(found: Found, sticks: bool) -> str:
 
 def _play(found: Found, sticks: bool) -> str:
     ratio = found.get("play_ratio", math.nan)
-    told = f"the error of PV told from OP is {ratio:.2f} times as large without a stick as with one"
-    return f"{told}, and the same stick tells all parts of the record" if sticks else f"A stick tells little: {told}"
+    told = f"the error of PV predicted from OP is {ratio:.2f} times as large without a stick as with one"
+    return f"{told}, and the same stick fits all parts of the record" if sticks else f"A stick predicts little: {told}"
 
 
 def _stands(found: Found, sticks: bool) -> str:

@@ -8,7 +8,6 @@ A few steps of this climb to the largest likelihood (Lange, Little and Taylor 19
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,6 @@ __all__ = ["Lines", "lines"]
 
 Values = npt.NDArray[np.float64]
 STEPS = 8
-RIDGE = 1e-9  # of the mean diagonal: columns that repeat each other must not stop the fit
 
 
 class Lines(NamedTuple):
@@ -42,17 +40,10 @@ def lines(X: Values, y: Values, nu: float, floor: float, steps: int = STEPS, w: 
     >>> found.b.round(3).tolist()
     [[2.0, 3.0]]
     """
+    from detect.likelihood.kernels import climb
+
     c, n, p = X.shape
-    turned = np.ascontiguousarray(X.transpose(0, 2, 1))
-    weights = np.ones((c, n)) if w is None else np.broadcast_to(w, (c, n))
-    for _ in range(steps):
-        weighted = turned * weights[:, None, :]
-        gram = weighted @ X
-        gram[:, range(p), range(p)] += RIDGE * np.trace(gram, axis1=1, axis2=2)[:, None] / p + 1e-300
-        b = np.linalg.solve(gram, (weighted @ y)[:, :, None])
-        left = y - (X @ b)[:, :, 0]
-        squares = np.maximum(np.mean(weights * left * left, axis=1), floor**2)[:, None]
-        weights = (nu + 1.0) / (nu + left * left / squares)
-    constant = math.lgamma(0.5 * (nu + 1.0)) - math.lgamma(0.5 * nu) - 0.5 * math.log(nu * math.pi)
-    each = constant - 0.5 * np.log(squares) - 0.5 * (nu + 1.0) * np.log1p(left * left / (nu * squares))
-    return Lines(np.asarray(each), np.asarray(b[:, :, 0], dtype=np.float64), np.asarray(weights, dtype=np.float64))
+    weights = np.ones((c, n)) if w is None else np.tile(w, (c, 1))
+    each, b = np.empty((c, n)), np.empty((c, p))
+    climb(np.ascontiguousarray(X), np.ascontiguousarray(y), nu, floor, steps, weights, each, b)
+    return Lines(each, b, weights)

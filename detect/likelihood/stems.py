@@ -22,6 +22,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +35,7 @@ from detect.prepare.valve_models import he
 __all__ = ["FINER", "Gains", "Stems", "stems_of"]
 
 Values = npt.NDArray[np.float64]
+Fitted = tuple[float, Values, Values]  # score, log-likelihood of every row and coefficients
 Size = int  # S = 10^(size / FINER)
 KANO, HE = 0.0, 1.0
 COARSE, FINER = 8, 32  # sizes a decade: looked through, and about the best
@@ -47,6 +49,7 @@ NEAR, SURE = 4, 3.0  # a longer delay than NEAR is believed from so many nats on
 LATE = "OP with another delay"
 SECTIONS = 10  # of a record, whose gains are kept apart
 FEWEST = 100  # rows
+STEPS = 4  # of the fit of a stick, from the weights of the line through OP
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,16 @@ class Gains:
     answer: float
 
 
+class Tried(NamedTuple):
+    """Stems of several sizes, jumps over S, laws and starts, (c,) each, as inputs (n, c) of the rows."""
+
+    S: Values
+    jumps: Values
+    laws: Values
+    starts: Values
+    inputs: Values
+
+
 @dataclass(eq=False)
 class Stems:
     """A record whose stems can be weighed at any size.
@@ -84,6 +97,7 @@ class Stems:
     base: Values
     delays: tuple[int, ...]
     _gains: dict[int, Gains] = field(default_factory=dict)
+    _inputs_of: dict[tuple[Size, ...], Tried] = field(default_factory=dict)
 
     def size_range(self) -> range:
         """The coarse sizes of this record, as ``Size``."""
@@ -101,21 +115,15 @@ class Stems:
         """The gains of sticks of these sizes at delay k [rows]."""
         b, y, rows = self.order[1], self._kept(self.rows.y), self.rows
         rivals = self._rivals(k)
-        tried = [
-            (10.0 ** (i / FINER), j, law, at)
-            for i in sizes
-            for j, law in JUMPS
-            for at in (STARTS if 10.0 ** (i / FINER) >= 0.5 * rows.travel else (0.0,))
-        ]
-        S, jumps, laws, starts = (np.array(column) for column in zip(*tried, strict=True))
-        inputs = self._inputs(rows.input(_stems(rows.op, S, jumps, laws, starts)), k, b)
-        first = self._screened(inputs, y)
+        S, jumps, laws, starts, stems = self._tried(tuple(sizes))
+        first = self._screened(stems, k)
         kept = np.array([
             (lanes := np.flatnonzero((size == S) & ((jumps > 0.0) == jumping)))[np.argmax(first[lanes])]
             for size in dict.fromkeys(S.tolist()) for jumping in (False, True)
         ])  # fmt: skip
-        X = np.concatenate([np.broadcast_to(self.base, (len(kept), *self.base.shape)), inputs[kept]], axis=2)
-        fitted = lines(X, y, self.tail, rows.floor, 4, self.weights)
+        inputs = self._inputs(stems[:, kept], k, b)
+        X = np.concatenate([np.broadcast_to(self.base, (len(kept), *self.base.shape)), inputs], axis=2)
+        fitted = lines(X, y, self.tail, rows.floor, STEPS, self.weights)
         cost = 0.5 * math.log(len(y)) * X.shape[2]
         a, plain = self.order[0], rivals["OP"][2]
         own = 1.0 - float(np.sum(plain[2 : 2 + a]))
@@ -126,6 +134,21 @@ class Stems:
             float(np.sum(plain[2 + a :])) / (own if abs(own) > 1e-3 else math.copysign(1e-3, own)),
         )  # fmt: skip
 
+    def _tried(self, sizes: tuple[Size, ...]) -> Tried:
+        """The stems of these sizes, which are the same at all delays; kept."""
+        if sizes not in self._inputs_of:
+            rows = self.rows
+            tried = [
+                (10.0 ** (i / FINER), j, law, at)
+                for i in sizes
+                for j, law in JUMPS
+                for at in (STARTS if 10.0 ** (i / FINER) >= 0.5 * rows.travel else (0.0,))
+            ]
+            S, jumps, laws, starts = (np.array(column) for column in zip(*tried, strict=True))
+            stems = rows.input(_stems(rows.op, S, jumps, laws, starts))
+            self._inputs_of[sizes] = Tried(S, jumps, laws, starts, stems)
+        return self._inputs_of[sizes]
+
     @cached_property
     def promise(self) -> float:
         """By how many nats a play or a full stick seems to tell PV better than OP; one look, with fixed weights."""
@@ -134,7 +157,7 @@ class Stems:
         sizes = [10.0 ** (i / FINER) for i in self.size_range() if i >= least]
         tried = [(S, j, law, 0.0) for S in sizes for j, law in (JUMPS[0], JUMPS[2], JUMPS[4])]
         inputs = rows.input(np.column_stack([rows.op, _stems(rows.op, *np.array(tried).T)]))
-        told = self._screened(self._inputs(inputs, k, self.order[1]), self._kept(rows.y))
+        told = self._screened(inputs, k)
         return 0.5 * self.count * float(np.max(told[1:]) - told[0])
 
     @property
@@ -160,23 +183,20 @@ class Stems:
         lagged = past(w, k, b)[self.rows.used]
         return np.ascontiguousarray(np.moveaxis(lagged, 2, 0)) if lagged.ndim == 3 else lagged[None]
 
-    def _screened(self, inputs: Values, y: Values) -> Values:
-        """Log-likelihood of every lane but for a constant, at the weights of the line through OP."""
-        w, base = self.weights, self.base
-        root = np.sqrt(w)
-        q, _ = np.linalg.qr(base * root[:, None])
+    def _screened(self, inputs: Values, k: int) -> Values:
+        """Log-likelihood of every input (n, c) but for a constant, at the weights of the line through OP, (c,)."""
+        from detect.likelihood.kernels import told_by
+
+        root, y = np.sqrt(self.weights), self._kept(self.rows.y)
+        q, _ = np.linalg.qr(self.base * root[:, None])
         target = y * root
         target = target - q @ (q.T @ target)
-        X = inputs * root[:, None]
-        X = X - q @ (q.T @ X)
-        turned = X.transpose(0, 2, 1)
-        gram, cross = turned @ X, turned @ target
-        p = gram.shape[1]
-        gram[:, range(p), range(p)] += 1e-9 * np.trace(gram, axis1=1, axis2=2)[:, None] + 1e-300
-        told = np.sum(cross * np.linalg.solve(gram, cross[:, :, None])[:, :, 0], axis=1)
-        return np.asarray(-np.log(np.maximum(target @ target - told, 1e-300)))
+        told = np.empty((inputs.shape[1], self.order[1]))
+        at = np.flatnonzero(self.rows.used) + LATEST
+        told_by(np.ascontiguousarray(inputs.T), at, k, root, np.ascontiguousarray(q.T), target, told)
+        return np.asarray(-np.log(np.maximum(target @ target - told[:, 0], 1e-300)))
 
-    def _rivals(self, k: int) -> dict[str, tuple[float, Values, Values]]:
+    def _rivals(self, k: int) -> dict[str, Fitted]:
         """Score, log-likelihood of every row and coefficients of each rival at delay k."""
         rows, (_, b), y = self.rows, self.order, self._kept(self.rows.y)
         u = rows.input(rows.op)
@@ -185,7 +205,6 @@ class Stems:
         low, high = np.percentile(u, [100.0 / 3.0, 200.0 / 3.0])
         plain = self._inputs(u, k, b)[0]
         inputs: dict[str, list[Values]] = {
-            "nothing": [],
             "OP": [plain],
             "a bent characteristic": [plain, *(self._inputs(np.maximum(u - at, 0.0), k, b)[0] for at in (low, high))],
             "another answer each way": [
@@ -193,15 +212,23 @@ class Stems:
             ],
             "a sensor with hysteresis": [plain, self.base[:, 2:4] * risen, risen],
         }  # fmt: skip
-        found = {}
+        found = dict(self._at_any_delay)
         for name, parts in inputs.items():
             found[name] = self._rival(np.concatenate([self.base, *parts], axis=1)[None], y)
-        late = np.stack([np.concatenate([self.base, self._inputs(u, d, b)[0]], axis=1) for d in self.delays])
-        score, each, line = self._rival(late, y)
-        found[LATE] = (score - 0.5 * math.log(len(y)), each, line)
         return found
 
-    def _rival(self, X: Values, y: Values) -> tuple[float, Values, Values]:
+    @cached_property
+    def _at_any_delay(self) -> dict[str, Fitted]:
+        """The rivals that are the same whatever delay is assumed."""
+        b, y, u = self.order[1], self._kept(self.rows.y), self.rows.input(self.rows.op)
+        late = np.stack([np.concatenate([self.base, self._inputs(u, d, b)[0]], axis=1) for d in self.delays])
+        score, each, line = self._rival(late, y)
+        return {
+            "nothing": self._rival(self.base[None], y),
+            LATE: (score - 0.5 * math.log(len(y)), each, line),  # the delay was chosen
+        }
+
+    def _rival(self, X: Values, y: Values) -> Fitted:
         fitted = lines(X, y, self.tail, self.rows.floor)
         i = int(np.argmax(fitted.total))
         return float(fitted.total[i]) - 0.5 * math.log(len(y)) * X.shape[2], fitted.each[i], fitted.b[i]

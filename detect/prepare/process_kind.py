@@ -49,7 +49,7 @@ def kind_of_tag(record: LoopRecord) -> Kind:
     if record.measurement == "flow":
         return Kind(False, "The process is taken as self-regulating: the tag is a flow.")
     if record.measurement == "pressure":
-        return Kind(False, "The process is taken as self-regulating: the tag is a pressure, taken for that of a gas.")
+        return Kind(False, "The process is taken as self-regulating: the tag is a pressure, taken as that of a gas.")
     return Kind(None, "The process is taken as self-regulating: nothing says otherwise.")
 
 

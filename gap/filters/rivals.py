@@ -34,7 +34,7 @@ SIZES = (0.15, 0.4, 1.0, 2.5)  # of what the source gives in the model
 NEARBY, ROUNDS = (0.7, 1.4), 3  # sizes near the best; steps of its fit
 LITTLE = 0.01  # relative size of a little of an effect
 OVERTONES = (2, 3)  # of a periodic load that are looked at
-TIE = 4.0  # nats by which a wrong one may be ahead by chance: explanations that the record does not tell apart
+TIE = 4.0  # nats by which a wrong one may be ahead by chance: explanations that the record does not separate
 LIKE = 1.0  # nats the same of a gain that follows a plan, and of noise that grows: which of the two is likelier decides
 
 

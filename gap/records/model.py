@@ -122,7 +122,7 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, or rows are too few.
     """
     if len(log) < FEWEST:
-        raise GapError(f"the log has {len(log)} rows, which is too few to tell a gap; give at least {FEWEST}")
+        raise GapError(f"the log has {len(log)} rows, which is too few to find a gap; give at least {FEWEST}")
     if log.duration > LONGEST * log.dt * len(log):
         raise GapError(
             f"the log has {len(log)} rows over {log.duration:.3g} s, though a row every {log.dt:.3g} s is the rule; "

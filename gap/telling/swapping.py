@@ -37,7 +37,7 @@ class Swap:
         given = " and ".join(self.given)
         return (
             f"Swap test: with {given} from the log in place of the model's, the error of {self.signal} in a free run "
-            f"goes from {self.before:.2g} to {self.after:.2g} ({100.0 * self.share:.0f} % of what noise leaves)."
+            f"falls from {self.before:.2g} to {self.after:.2g} ({100.0 * self.share:.0f} % of what exceeds the noise)."
         )
 
 
