@@ -17,7 +17,7 @@ from gap.filters.hysteresis import followed_on, left
 from gap.filters.limiting import reach
 from gap.filters.reading import Filtering
 from gap.telling.creep import about_creep
-from gap.telling.sizes import BLOCKS, SEEN, SURE
+from gap.telling.sizes import SEEN, SURE, shrinkage_of_losses
 from gap.telling.structure import by_wiring
 from gap.telling.words import LISTED, NO_PLACE
 
@@ -186,11 +186,7 @@ def _ranking(o: Outcome, sure: float) -> tuple[Rank, ...]:
 
 
 def held_out(o: Outcome) -> Shrinkage | None:
-    """Return how far the gap shrinks behind the part of the record on which the model and the effect are fitted again.
-
-    Loss of a row and signal, less what the effect's own filter would leave if its innovations were of unit size, plus
-    1/2, which is the floor.
-    """
+    """Return how far the gap shrinks behind the part of the record on which the model and the effect are fitted again."""
     best = o.same[0].best
     if best.explanation.effect is None or best.explanation.effect.of_log:
         return None
@@ -198,21 +194,7 @@ def held_out(o: Outcome) -> Shrinkage | None:
     first = round(SEEN * len(f.Y))
     before = _ahead(o.plain.best, first)
     after = _ahead(best, first)
-    signals = best.e.shape[1]
-    reference = (after.losses[first:] - 0.5 * np.nansum(after.e[first:] ** 2 - 1.0, axis=1)) / signals - 0.5
-    b, a = before.losses[first:] / signals - reference, after.losses[first:] / signals - reference
-    parts = np.array_split(np.arange(len(b)), BLOCKS)
-    bs, as_ = np.array([b[part].mean() for part in parts]), np.array([a[part].mean() for part in parts])
-    fraction = _fraction(bs.mean(), as_.mean())
-    rng = np.random.default_rng(0)
-    drawn = [_fraction(bs[k].mean(), as_[k].mean()) for k in rng.integers(0, len(bs), (400, len(bs)))]
-    low, high = np.quantile(drawn, (0.05, 0.95))
-    return Shrinkage(float(bs.mean()), float(as_.mean()), 0.5, fraction, float(low), float(high))
-
-
-def _fraction(before: float, after: float) -> float:
-    removable = before - 0.5
-    return float(np.clip((before - after) / removable, -9.0, 1.0)) if removable > 1e-6 else 0.0
+    return shrinkage_of_losses(before.losses, after.losses, after.e, first)
 
 
 def _ahead(one: Filtered, first: int) -> Filtered:

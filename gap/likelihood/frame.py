@@ -24,12 +24,14 @@ FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is know
 @dataclass(frozen=True, eq=False)
 class Frame:
     """``model`` with its nuisances, started as the record starts, its logged sources open; ``record`` of its signals;
-    ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched.
+    ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched; ``seen`` the share of the
+    rows, from the first, that a fit sees.
     """
 
     model: Diagram
     record: Record
     apart: bool = False
+    seen: float = 1.0
 
     @cached_property
     def quiet(self) -> Diagram:
@@ -86,7 +88,8 @@ class Frame:
     @cached_property
     def counted(self) -> NDArray[np.bool_]:
         """Which rows count."""
-        found = np.arange(len(self.Y)) >= self.skipped
+        row = np.arange(len(self.Y))
+        found = (row >= self.skipped) & (row < self.seen * len(row))
         for s in self.record.played if self.apart else ():
             if switches(self.record.log, s):
                 for k in range(NEAR):

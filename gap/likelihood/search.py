@@ -22,7 +22,7 @@ from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
 from gap.fits.loads import is_load, planned
 from gap.insertion.effect import Effect
-from gap.likelihood.fit import Fit, coordinate, refined, tried, value
+from gap.likelihood.fit import Fit, coordinate, refined, tried, value, width
 from gap.likelihood.frame import Frame
 from gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
 from gap.likelihood.switches import with_switches
@@ -38,10 +38,11 @@ FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES = 5  # of a size whose neutral value is none at all
 CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
+JUMPS = (0.0, 0.35, 0.8)  # of S, from which a search for a jump begins
 STANDS = 3  # rows at which a signal stands at its limit, at least
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
 CLOSE = 1.0  # nats of scores between which the likelier size counts
-BRACKETED = 10  # steps towards the likeliest size where the model's own gains say nothing
+WALKED, STEP = 8, 0.25  # steps towards the likeliest size, and the first of a coordinate, where no slope shows it
 AT_BOUND = 0.01  # share of a bound, within which a parameter stands at it
 GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
 CALM = 4.0  # standard deviations from which on innovations count less
@@ -161,33 +162,51 @@ def free_names(one: Hypothesis) -> tuple[str, ...]:
 def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
     """Return a filter of its own of a candidate, its size fitted with the gains of the model before."""
     hypothesis = one.looked.hypothesis
+    effect = hypothesis.effect
+    assert effect is not None
     names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
+    if effect.hidden:
+        return _stepped(_stepped(one.looked, one.looked) or one.looked)
     if gross(null):
-        size = _bracketed(one.looked)
+        size = _walked(one.looked, one.looked)
         return tried(hypothesis, size.values)
     near = refined(one.looked, names, APPROACH, null.best).best
     own = tried(hypothesis, near.values)
     return own if own is not None else tried(hypothesis, one.looked.values)
 
 
-def _bracketed(start: Innovations) -> Innovations:
-    """Return the likeliest size of an effect with one parameter near a start, all with the gains of the start."""
+def _stepped(start: Innovations, near: Innovations | None = None) -> Innovations | None:
+    """Return a filter of its own of the likeliest sizes near a start, which no slope shows; with gains ``near`` it."""
+    own = start if near is None else tried(start.hypothesis, start.values)
+    if own is None:
+        return None
+    ahead = tried(own.hypothesis, _walked(start, own).values)
+    return ahead if ahead is not None and ahead.nll < own.nll else own
+
+
+def _walked(start: Innovations, near: Innovations) -> Innovations:
+    """Return the likeliest sizes of an effect near a start, all with the gains of ``near``, step by step."""
     one = start.hypothesis
-    names = [p.name for p in one.effect.parameters if not p.nuisance and p.smooth] if one.effect else []
-    if len(names) != 1:
+    names = [p.name for p in one.effect.parameters if not p.nuisance and math.isfinite(start.values[p.name])] \
+        if one.effect else []  # fmt: skip
+    best = tried(one, start.values, near)
+    if best is None:
         return start
-    (name,) = names
-    best, at = start, coordinate(one, name, start.values[name])
-    low, high = (coordinate(one, name, end) for end in one.bounds[name])
-    step = 0.25 * min(high - low, 1.0)
-    for _ in range(BRACKETED):
-        ahead = [tried(one, {**best.values, name: value(one, name, min(max(at + way * step, low), high))}, start)
-                 for way in (1.0, -1.0)]  # fmt: skip
-        near = min((x for x in ahead if x is not None), key=lambda x: x.nll, default=None)
-        if near is None or near.nll >= best.nll:
-            step *= 0.4
+    ends = {name: [coordinate(one, name, end) for end in one.bounds[name]] for name in names}
+    step = {name: STEP * min(high - low, 1.0) for name, (low, high) in ends.items()}
+    if {"S", "J"} <= step.keys():
+        step["J"] = STEP * best.values["S"] / width(one, "J")  # a jump is part of S
+    for _ in range(WALKED):
+        moves = [(name, way) for name in names for way in (1.0, -1.0)]
+        ahead = []
+        for name, way in moves:
+            at = coordinate(one, name, best.values[name]) + way * step[name]
+            ahead.append(tried(one, {**best.values, name: value(one, name, at)}, near))
+        found = min((x for x in ahead if x is not None), key=lambda x: x.nll, default=None)
+        if found is None or found.nll >= best.nll:
+            step = {name: 0.5 * size for name, size in step.items()}
         else:
-            best, at = near, coordinate(one, name, near.values[name])
+            best = found
     return best
 
 
@@ -270,6 +289,10 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
         return _loads(null, one)
     if one.own == ("low", "high"):
         return _limits(one)
+    if effect.hidden and set(one.own) == {"S", "J"}:
+        low, high = one.bounds["S"]
+        several = np.geomspace(low, high, SIZES + 2)[1:-1].tolist()
+        return [{"S": S, "J": share * S} for S in several for share in JUMPS]
     found: list[dict[str, float]] = [{}]
     for p in effect.parameters:
         if p.nuisance:
@@ -304,9 +327,9 @@ def _limits(one: Hypothesis) -> list[dict[str, float]]:
     found = []
     for share in (CUT[0],) if shown in own else CUT:
         k = int(share * (len(values) - 1))
-        for name, value in (("low", values[k]), ("high", values[-1 - k])):
-            if shown not in own or np.count_nonzero(values == value) >= STANDS:  # what is logged shows its limits
-                found.append({name: (value - zero) * to_unit})
+        for name, end in (("low", values[k]), ("high", values[-1 - k])):
+            if shown not in own or np.count_nonzero(values == end) >= STANDS:  # what is logged shows its limits
+                found.append({name: (end - zero) * to_unit})
     return [{k: float(v) for k, v in size.items() if one.bounds[k][0] < v < one.bounds[k][1]} for size in found]
 
 

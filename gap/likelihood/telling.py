@@ -6,9 +6,10 @@ import numpy as np
 
 from blocks.role import Role
 from gap.answers.evidence import Evidence
-from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Size, Where, listed
+from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
 from gap.likelihood.diagnosing import Outcome
 from gap.likelihood.fit import Fit
+from gap.likelihood.held_out import held_out
 from gap.likelihood.relevance import RELEVANT
 from gap.likelihood.search import price
 from gap.telling.creep import about_creep
@@ -59,7 +60,10 @@ def _named(o: Outcome) -> GapReport:
     sure = (1.0 - OUTSIDE * _doubt(o)) * sum(shares[fit] for fit in o.named)
     where = Where(one.place, sure, places, _by_place(o))
     cause = Cause(effect.name, one.place, sure, others, found)
-    return _report(o, words, best, where, (cause,), _ranking(o, sure))
+    shrunk = held_out(o.null, best)
+    if shrunk is not None:
+        words.append(shrinks(shrunk))
+    return _report(o, words, best, where, (cause,), _ranking(o, sure), shrunk)
 
 
 def _unknown(o: Outcome) -> GapReport:
@@ -147,7 +151,7 @@ def abnormal_segment(null: Fit) -> tuple[str, ...]:
 
 def _report(
     o: Outcome, words: Sequence[str], after: Fit, where: Where | None = None, causes: tuple[Cause, ...] = (),
-    ranks: tuple[Rank, ...] = (),
+    ranks: tuple[Rank, ...] = (), shrunk: Shrinkage | None = None,
 ) -> GapReport:  # fmt: skip
     f = o.null.hypothesis.frame
     both = np.stack([o.null.best.judged, after.best.judged])
@@ -156,7 +160,7 @@ def _report(
     kind = "none" if not o.gap else ("filter, white" if o.named else "filter, unknown")
     evidence = Evidence(kind, gained)
     t, notes = f.record.log.t[f.skipped :], _notes(o, after)
-    return GapReport(bool(causes), where, causes, ranks, None, tuple(words), notes, t, shown, f.model, evidence)
+    return GapReport(bool(causes), where, causes, ranks, shrunk, tuple(words), notes, t, shown, f.model, evidence)
 
 
 def _notes(o: Outcome, after: Fit) -> tuple[str, ...]:

@@ -41,11 +41,25 @@ def shrinkage(before: Floats, after: Floats, floor: float, first: int) -> Shrink
     ``before``, ``after`` innovations (rows, signals) of the model as it is and with effects that were fitted on earlier
     rows; ``floor`` mean loss without a gap.
     """
-    pieces = [
-        (float(losses(before[part]).mean()), float(losses(after[part]).mean()))
-        for part in np.array_split(np.arange(first, len(before)), BLOCKS)
-    ]
-    b, a = np.array(pieces).T
+    rows = slice(first, None)
+    return _by_stretches(losses(before[rows]).mean(axis=1), losses(after[rows]).mean(axis=1), floor)
+
+
+def shrinkage_of_losses(before: Floats, after: Floats, e: Floats, first: int) -> Shrinkage:
+    """Return how far the gap shrinks on the rows from ``first`` on, from a likelihood's losses of rows (rows,).
+
+    ``e`` (rows, signals) innovations with effects.  A loss counts less what the effect's own filter would leave if its
+    innovations were of unit size, plus 1/2, which is the floor.
+    """
+    signals = e.shape[1]
+    reference = (after[first:] - 0.5 * np.nansum(e[first:] ** 2 - 1.0, axis=1)) / signals - 0.5
+    return _by_stretches(before[first:] / signals - reference, after[first:] / signals - reference, 0.5)
+
+
+def _by_stretches(before: Floats, after: Floats, floor: float) -> Shrinkage:
+    """Return the shrinkage, with the interval that the scatter over stretches gives."""
+    parts = np.array_split(np.arange(len(before)), BLOCKS)
+    b, a = (np.array([loss[part].mean() for part in parts]) for loss in (before, after))
     fraction = _fraction(b.mean(), a.mean(), floor)
     rng = np.random.default_rng(0)
     drawn = [_fraction(b[k].mean(), a[k].mean(), floor) for k in rng.integers(0, len(b), (400, len(b)))]

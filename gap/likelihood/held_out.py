@@ -1,0 +1,24 @@
+"""How far a gap shrinks on rows that the fit of its effect has not seen."""
+
+from dataclasses import replace
+
+from gap.answers.report import Shrinkage
+from gap.likelihood.fit import Fit, refined, tried
+from gap.likelihood.hypothesis import Innovations
+from gap.likelihood.search import FIRST, free_names
+from gap.telling.sizes import SEEN, shrinkage_of_losses
+
+
+def held_out(null: Fit, best: Fit) -> Shrinkage | None:
+    """Return how far the gap shrinks behind the part of the record on which model and effect are fitted again."""
+    before, after = _of_first_rows(null), _of_first_rows(best)
+    if before is None or after is None:
+        return None
+    return shrinkage_of_losses(before.losses, after.losses, after.e, round(SEEN * len(after.e)))
+
+
+def _of_first_rows(fit: Fit) -> Innovations | None:
+    one = fit.hypothesis
+    first = one.of(replace(one.frame, seen=SEEN))
+    start = tried(first, fit.best.values)
+    return None if start is None else refined(start, free_names(one), FIRST).best
