@@ -186,7 +186,7 @@ def _ranking(o: Outcome, sure: float) -> tuple[Rank, ...]:
 
 
 def held_out(o: Outcome) -> Shrinkage | None:
-    """Return how far the gap shrinks behind the part of the record on which the model and the effect are fitted again."""
+    """Return how far the gap shrinks behind the part of the record on which model and effect are fitted again."""
     best = o.same[0].best
     if best.explanation.effect is None or best.explanation.effect.of_log:
         return None

@@ -24,8 +24,8 @@ FINEST = 1e-6  # of a signal's spread: what a signal that is not rounded is know
 @dataclass(frozen=True, eq=False)
 class Frame:
     """``model`` with its nuisances, started as the record starts, its logged sources open; ``record`` of its signals;
-    ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched; ``seen`` the share of the
-    rows, from the first, that a fit sees.
+    ``apart``: whether rows just behind a switch of an input are left out, as long as nobody knows when it switched;
+    ``seen`` the share of the rows, from the first, that a fit sees.
     """
 
     model: Diagram

@@ -62,7 +62,8 @@ def _named(o: Outcome) -> GapReport:
     cause = Cause(effect.name, one.place, sure, others, found)
     shrunk = held_out(o.null, best)
     if shrunk is not None:
-        words.append(shrinks(shrunk))
+        by = f"{100.0 * shrunk.fraction:.0f} % ({100.0 * shrunk.low:.0f} to {100.0 * shrunk.high:.0f} %)"
+        words.append(f"On rows that the fit has not seen the gap shrinks by {by}.")
     return _report(o, words, best, where, (cause,), _ranking(o, sure), shrunk)
 
 
