@@ -34,6 +34,7 @@ from gap.records.record import Record
 from gap.records.start import start_values
 
 ODDS = 10.0  # to one, for an effect against none
+ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
 MOST_BLOCKS, MOST_STATES = 40, 60  # of a diagram whose filter is quick enough
 
@@ -102,18 +103,25 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     found = candidates(rough, legal(rough, catalogue), progress)
     null = settled(rough)
     alone = judged(null, [], seed)
-    if not alone.unusual and all(worth(c) < needed(found) for c in found):
+    if not alone.unusual and all(worth(c) + ROUGHLY < needed(found) for c in found):
         return Outcome(null, alone, (), None, False, (), found)
     fits = fitted(rough, found, progress)
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))
     if not gap or not fits:
         return Outcome(null, alone, fits, None, gap, (), found)
-    share = moved(fits[0], seed) if price(fits[0]) < null.nll else 1.0
-    if share < RELEVANT:
-        return Outcome(null, alone, fits, None, False, (), found, share)
     mine = fits[0].hypothesis
     beside = [c for c in found if (c.looked.hypothesis.effect, c.looked.hypothesis.place) != (mine.effect, mine.place)]
     best = judged(fits[0], [] if gross(rough) else beside, seed)  # far from the log no direction is right
-    same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
     good = price(fits[0]) < null.nll and enough(fits[0], best, alone)
-    return Outcome(null, alone, fits, best, gap, same if good else (), found)
+    share = moved(fits[0], seed) if good or not alone.unusual else 1.0
+    if share < RELEVANT:
+        return Outcome(null, alone, fits, None, False, (), found, share)
+    same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
+    return Outcome(null, alone, fits, best, gap, _likeliest_first(same) if good else (), found)
+
+
+def _likeliest_first(same: Sequence[Fit]) -> Sequence[Fit]:
+    """Return fits that the record does not tell apart, what nests another before it: a stem that slips, a deadband."""
+    named = {fit.hypothesis.effect.name for fit in same if fit.hypothesis.effect}
+    nesting = [fit for fit in same if fit.hypothesis.effect and fit.hypothesis.effect.nests in named]
+    return [*nesting, *(fit for fit in same if fit not in nesting)]

@@ -148,9 +148,13 @@ def schwarz(parameters: int, values: float) -> float:
 
 
 def free_parameters(left: Innovations) -> int:
-    """Return how many parameters of its effect a hypothesis uses."""
+    """Return how many parameters of its effect a hypothesis uses.
+
+    A jump costs nothing by itself: where OP moves in steps, stems of one S - J leave the same log.
+    """
     effect = left.hypothesis.effect
-    return sum(1 for p in effect.parameters if math.isfinite(left.values[p.name])) if effect else 0
+    used = [p.name for p in effect.parameters if math.isfinite(left.values[p.name])] if effect else []
+    return len(used) - ({"S", "J"} <= set(used))
 
 
 def free_names(one: Hypothesis) -> tuple[str, ...]:
