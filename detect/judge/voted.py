@@ -14,7 +14,7 @@ __all__ = ["beside", "voted"]
 
 
 def voted(verdicts: Sequence[Verdict], combine: Combine, stem_logged: bool) -> Answer:
-    """What ``combine`` makes of the verdicts that vote; those on trial are told beside.
+    """The verdict that ``combine`` makes of the voting methods; those on trial are listed separately.
 
     Raises ValueError if ``combine`` gives no word of a verdict.
     """

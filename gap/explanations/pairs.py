@@ -1,4 +1,4 @@
-"""Two effects at once, where one is not adequate: pairs that lines propose, then a second effect beside the best."""
+"""Two effects at once, if one is not enough: pairs that linear fits propose, then a second effect with the best one."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
