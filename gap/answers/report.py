@@ -84,8 +84,8 @@ class GapReport(Shown):
     """The outcome of ``diagnose``: words first (``print(report)``), ``plot()``, ``to_dict()``.
 
     ``gap`` says whether there is one; ``where``, ``causes``, ``ranking`` and ``shrinkage`` are as named; ``words`` is
-    the report in sentences.  ``residuals`` gives for each signal the innovations of the model as it is and
-    with the causes, (2, rows), at ``t`` (rows,) [s].  ``evidence`` is the basis of the answer.  ``seen`` lists, if there is no
+    the report in sentences.  ``residuals`` gives for each signal the innovations of the model as it is and with the
+    causes, (2, rows), at ``t`` (rows,) [s].  ``evidence`` is the basis of the answer.  ``seen`` lists, if there is no
     gap, the sizes from which on each effect would have shown.
     """
 
