@@ -1,4 +1,7 @@
-"""Draws the pictures of the documentation again: ``python docs/pictures.py`` from the root of the repository."""
+"""Draws the pictures of the documentation again: ``python docs/pictures.py`` from the root of the repository.
+
+``python docs/pictures.py latent judged`` draws those of these functions only.
+"""
 
 import sys
 import tempfile
@@ -124,6 +127,20 @@ def both_simulators() -> None:
     keep("python_control", figure)
 
 
+def level_station() -> None:
+    """The static map of ``docs/gap_real.md``, where the record is."""
+    from benchmarks.gap.real import DATA, picture
+
+    if not DATA.exists():
+        print(f"gap_level_station is not drawn: no data at {DATA}; set STICKSLIP_DATA", file=sys.stderr)
+        return
+    keep("gap_level_station", picture())
+
+
+DRAWN = (topologies, plant, linear, latent, spread, judged, both_simulators, level_station)
+
 if __name__ == "__main__":
-    for draw in (topologies, plant, linear, latent, spread, judged, both_simulators):
-        draw()
+    wanted = sys.argv[1:] or [draw.__name__ for draw in DRAWN]
+    for draw in DRAWN:
+        if draw.__name__ in wanted:
+            draw()

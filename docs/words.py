@@ -75,16 +75,30 @@ def plainness(page: str) -> Plainness:
     return Plainness(sum(lengths), max(lengths), 100.0 * passive / max(len(lines), 1), own)
 
 
-def pages() -> list[Path]:
-    """Return the pages of the repository but its changelog, those for users first."""
-    found = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
-    return sorted((p for p in found if p.name != "CHANGELOG.md"), key=lambda p: ("evidence" in p.parts, str(p)))
+def pages(revision: str = "") -> dict[str, str]:
+    """Return the text of each page but the changelog, by its path, now or as it was at a revision of the repository.
+
+    Raises CalledProcessError for a revision that there is not.
+    """
+    if revision:
+        names = _git("ls-tree", "-r", "--name-only", revision).splitlines()
+        texts = {name: _git("show", f"{revision}:{name}") for name in names if _is_page(name)}
+    else:
+        names = [str(path.relative_to(ROOT)) for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]]
+        texts = {name: (ROOT / name).read_text() for name in names if _is_page(name)}
+    return dict(sorted(texts.items(), key=lambda page: (_is_evidence(page[0]), page[0])))
 
 
-def before(page: Path, revision: str) -> str:
-    """Return a page as it was at a revision of the repository, empty where it was not there."""
-    name = f"{revision}:{page.relative_to(ROOT)}"
-    return subprocess.run(["git", "show", name], cwd=ROOT, capture_output=True, text=True, check=False).stdout
+def _is_page(name: str) -> bool:
+    return name.endswith(".md") and name != "CHANGELOG.md" and (name.startswith("docs/") or "/" not in name)
+
+
+def _is_evidence(name: str) -> bool:
+    return name.startswith("docs/evidence/")
+
+
+def _git(*arguments: str) -> str:
+    return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True).stdout
 
 
 def main() -> None:
@@ -93,24 +107,23 @@ def main() -> None:
     options.add_argument("--since", metavar="REVISION", help="show each figure at this revision, too")
     options.add_argument("--long", action="store_true", help=f"print the sentences of more than {LIMIT} words")
     chosen = options.parse_args()
-    print(f"{'page':36} {'words':>13} {'longest':>9} {'passive %':>11} {'own words':>11}")
-    totals = {False: [0, 0], True: [0, 0]}
-    for page in pages():
-        text = page.read_text()
-        states = [plainness(before(page, chosen.since))] if chosen.since else []
-        states.append(plainness(text))
-        for state, k in zip(states[::-1], (1, 0), strict=False):
-            totals["evidence" in page.parts][k] += state.words
-        cells = [" > ".join(f"{value:.0f}" for value in column) for column in zip(*map(_row, states), strict=True)]
-        print(f"{page.relative_to(ROOT)!s:36} {cells[0]:>13} {cells[1]:>9} {cells[2]:>11} {cells[3]:>11}")
+    now, then = pages(), pages(chosen.since) if chosen.since else {}
+    print(f"{'page':36} {'words':>13} {'longest':>11} {'passive %':>11} {'own words':>11}")
+    for name, text in now.items():
+        earlier = then.get(name, then.get(name.replace("evidence/", "")))  # a page may have moved
+        states = [plainness(page) for page in (earlier, text) if page is not None]
+        rows = zip(*((s.words, s.longest, s.passive, s.own) for s in states), strict=True)
+        cells = [" > ".join(f"{value:.0f}" for value in row) for row in rows]
+        print(f"{name:36} {cells[0]:>13} {cells[1]:>11} {cells[2]:>11} {cells[3]:>11}")
         if chosen.long:
             print(*(f"    {length(s)}: {s}" for s in sentences(text) if length(s) > LIMIT), sep="\n")
-    for evidence, name in ((False, "user's pages"), (True, "evidence")):
-        print(f"{name:36} {' > '.join(str(n) for n in totals[evidence][not chosen.since :]):>13}")
-
-
-def _row(state: Plainness) -> tuple[float, ...]:
-    return state.words, state.longest, state.passive, state.own
+    for evidence, title in ((False, "user's pages"), (True, "evidence")):
+        sums = [
+            sum(plainness(text).words for name, text in texts.items() if _is_evidence(name) == evidence)
+            for texts in (then, now)
+            if texts
+        ]
+        print(f"{title:36} {' > '.join(map(str, sums)):>13}")
 
 
 if __name__ == "__main__":

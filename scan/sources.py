@@ -108,7 +108,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Source:
-    """The loops to scan, as jobs, with what tells this source from another.
+    """The loops to scan, as jobs, with the identity of their source.
 
     name : str
         As the user gave it.

@@ -407,3 +407,10 @@ def test_no_room_is_above_a_quarter_of_the_house():
         lines[room.split("/")[0]] += len(path.read_text().splitlines())
     largest = max(lines, key=lambda room: lines[room])
     assert lines[largest] <= 0.25 * sum(lines.values()), (largest, lines)
+
+
+def test_no_test_replaces_a_private_function_by_its_name() -> None:
+    patched = re.compile(r"""(?:setattr|patch)\(\s*["'][\w.]*\._\w+["']""")
+    tests = {path: path.read_text() for path in (ROOT / "tests").rglob("*.py")}
+    assert [str(path.relative_to(ROOT)) for path, source in tests.items() if patched.search(source)] == []
+    assert patched.search("monkeypatch.setattr(" + '"gap.explanations.pairs._fits", 1)')

@@ -27,7 +27,7 @@ BETTER = 1.05  # rms without play over rms with it: below, the fitted stem says 
 
 @dataclass(frozen=True, eq=False)
 class StemTrend:
-    """The stem beside OP.
+    """The stem and OP over time.
 
     t : (n,) [s]; op, mv : (n,) in the unit of OP and of the stem
     sticks : (k, 2) [s], from where to where the stem stood while OP moved

@@ -293,7 +293,8 @@ def _kept_open(found: Mapping[str, float], hidden: float | None) -> str:
             "needed to clear the valve): PV moves for other reasons."
         )
     if hidden is None or hidden > CLEARED:
-        return f"Little speaks for stiction, but a stick of {CLEARED:.0%} of OP's travel or more could hide here."
+        share = f"{100.0 * CLEARED:.0f} % of OP's travel"
+        return f"Little speaks for stiction, but a stick of {share} or more could hide here."
     return ""
 
 

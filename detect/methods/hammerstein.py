@@ -1,4 +1,4 @@
-"""A sticky valve before a linear process, fitted to OP and PV: how much better it tells PV than the process alone.
+"""A sticky valve before a linear process, fitted to OP and PV: how much better it predicts PV than the process alone.
 
     OP -> valve(S, J) -> G(q) -> PV,        F(S, J) = 100 (1 - |PV - model| / |PV - mean PV|) %
 
@@ -294,7 +294,7 @@ def _extremes(x: Values, each: int, most: int) -> Values:
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:
-    """PV beside the model, and F over the triangle of S and J with its region of confidence."""
+    """PV and the model over time, and F over the triangle of S and J with its region of confidence."""
     from detect.figures.verdict import draw_reason
     from logs.style import INK, SOFT, tidy
 

@@ -21,7 +21,7 @@ RANDOM = frozenset(seeded(0))
 
 
 class NotAffine(ValueError):
-    """A block bends, or is at a limit, where it is looked at."""
+    """A block is nonlinear, or at a limit, at the point of linearisation."""
 
 
 @dataclass(frozen=True, eq=False)

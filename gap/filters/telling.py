@@ -30,7 +30,7 @@ ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from whic
 
 
 def told(outcome: Outcome, sureness: Sureness) -> GapReport:
-    """Return the report of an outcome; ``sureness`` how often such answers are right."""
+    """Return the report of an outcome; ``sureness`` gives how often such answers are right."""
     if not outcome.gap:
         return _no_gap(outcome, sureness)
     return _named(outcome, sureness) if outcome.same else _unknown(outcome, sureness)

@@ -1,4 +1,4 @@
-"""A diagram as a diagnosis uses it: its nuisances told apart, its set points taken from the log.
+"""A diagram as a diagnosis uses it: its noise and loads are separate, and its set points come from the log.
 
 Nuisances are blocks that draw random numbers (``sd`` > 0): sensor noise, loads that nobody measures.  For a replay they
 are silenced, for runs without a gap they draw.

@@ -1,4 +1,4 @@
-"""The piece of a model around a place, alone: what the logged signals beside it drive it to."""
+"""The piece of a model around a place, alone, driven by the logged signals around it."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING

@@ -17,8 +17,8 @@ from gap.floors.problem import Problem
 
 @dataclass(frozen=True)
 class Swap:
-    """``given`` signals taken from the log; ``signal`` that is looked at; its error ``before`` and ``after``,
-    and what ``noise`` makes of it without a gap [unit].
+    """The swap test: ``given`` signals come from the log. ``before`` and ``after`` are the errors of ``signal``, and
+    ``noise`` is its error without a gap [unit].
     """
 
     given: tuple[str, ...]

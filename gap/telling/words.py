@@ -84,7 +84,7 @@ def named(
     kind: str = "complete",
     rival: UnmeasuredLoad | None = None,
 ) -> GapReport:
-    """Return the report of a gap with one cause; ``same`` what cannot be told apart, the best first.
+    """Return the report of a gap with one cause; ``same`` are the fits that the log cannot separate, the best first.
 
     ``rival``: the load that nobody measures which suits the record best.
     """
@@ -179,7 +179,7 @@ def disturbance_only(problem: Problem, rival: UnmeasuredLoad | None, total: floa
 
 
 def next_test(problem: Problem, same: Sequence[Fit]) -> str:
-    """Return in words which tag or which move of the set point would tell some effects apart."""
+    """Return in words which tag or which move of the set point would separate some effects."""
     found = tags(problem, same)
     if found:
         return f"a log of {listed(found[:3])} would separate them"
@@ -292,7 +292,7 @@ def abnormal_segment(problem: Problem) -> tuple[str, ...]:
 
 
 def ranking(fits: Sequence[Fit], same: Sequence[Fit], sure: float) -> tuple[Rank, ...]:
-    """Return the explanations in order; those that cannot be told apart share the probability of the first."""
+    """Return the explanations in order; those that the log cannot separate share the probability of the first."""
     if not fits:
         return ()
     weight = np.exp(-np.minimum(np.array([fit.total - fits[0].total for fit in fits]) / 20.0, 50.0))

@@ -288,9 +288,7 @@ def _methods(diagnosis: "Diagnosis") -> "Section | None":
     if not diagnosis.methods:
         return None
     counts = [
-        f"{n} {said.of_several}"
-        for word, said in WORDS.items()
-        if (n := sum(v.verdict == word for v in diagnosis.methods))
+        said.counted(n) for word, said in WORDS.items() if (n := sum(v.verdict == word for v in diagnosis.methods))
     ]
     section = Section("What every method says", "", "open", f"Of {len(diagnosis.methods)} methods {', '.join(counts)}.")
     section.before = (

@@ -1,4 +1,4 @@
-"""The signals that the patterns are looked for in: OP, PV, e, their steps, and what is new in PV, on 16 points a turn.
+"""The signals that are searched for patterns: OP, PV, e, their steps, and the innovations of PV, on 16 points a turn.
 
     u, y, e     over their standard deviation              du, dy   steps over theirs
     r           y less its least-squares prediction from four past values of y and of u at lags 1, 2, 3, 5, 8
@@ -71,7 +71,7 @@ def _over(x: Values) -> Values:
 
 
 def innovations(u: Values, y: Values) -> Values:
-    """What is new in y (n,) beside its past and u (n,): ``r`` of the module, zero where the past is short."""
+    """The innovations of y (n,) given its past and u (n,): ``r`` of the module, zero where the past is short."""
     deep, n = max(LAGS), len(u)
     past = [y[deep - k : n - k] for k in PAST] + [u[deep - k : n - k] for k in LAGS]
     columns = np.stack([np.ones(n - deep), *past])

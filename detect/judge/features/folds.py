@@ -32,7 +32,7 @@ FITTED = ("ratio", "r2", "size", "size_mean", "jump", "jump_gain", "small", "lar
 
 
 def fold(v: View) -> tuple[Values, Values, float, float, int] | None:
-    """Mean cycle of u and of y, (32,), the shares of their variance that it tells [-], and the number of cycles."""
+    """Mean cycle of u and of y, (32,), the shares of their variance that it explains [-], and the number of cycles."""
     at = crossings_of(v.u, v.turn)[0]
     rising = at[0::2] if len(at) else at
     length = np.diff(rising)

@@ -27,7 +27,7 @@ def _add(z: Any, w: Any, factor: Any, out: Any) -> None:
 def tried(
     x: Any, mean: Any, target: Any, load: Any, kind: int, a: Any, shifts: Any, number: int, gain: Any, which: Any
 ) -> None:
-    """Raise ``gain`` (s, c) and set ``which`` (s, c) where one filter and one of the dead times tells more of PV.
+    """Raise ``gain`` (s, c) and set ``which`` (s, c) where one filter with one of the dead times explains more of PV.
 
     x (m, s, c), mean (s, c), target (n, s) the last n samples of PV less their load, load (n, 2) of length 1,
     ``shifts`` (d,) dead times [samples], ``number`` of the first of them.
