@@ -37,6 +37,9 @@ from gap.floors.cache import keep, kept
 from gap.floors.floor import Floor, measured
 from gap.floors.problem import Problem, Settled
 from gap.insertion.effect import Effect
+from gap.likelihood.diagnosing import frame_of
+from gap.likelihood.diagnosing import outcome as outcome_of
+from gap.likelihood.telling import told as told_by_likelihood
 from gap.linearised.chance import priced
 from gap.linearised.filtered import filter_of
 from gap.linearised.usual import floor_of_record, suspected
@@ -78,6 +81,9 @@ def diagnose(
     if filtering is not None:
         sure = kept_calibration(filtering.model, record).sureness
         return told_by_filters(outcome(filtering, catalogue, seed, progress, stem), sure)
+    frame = frame_of(opened, record) if stem is None else None
+    if frame is not None:
+        return told_by_likelihood(outcome_of(frame, catalogue, seed, progress))
     problem = _prepared(opened, record, seed)
     legal = candidates(problem, problem.quiet, catalogue)
     fits = ranked(legal, progress)
