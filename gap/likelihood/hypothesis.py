@@ -20,6 +20,7 @@ Whole = NDArray[np.int64]
 UNSURE = 0.02  # of its size: what is not known of a state at the start
 LEAST = 1e-3  # size of a state that starts at less
 FAR = 8.0  # standard deviations beyond which an innovation counts in proportion only
+CLIPPED = 6.0  # standard deviations as far as which an innovation is judged
 EVENTS = 4096  # that one interval may hold
 
 
@@ -291,5 +292,5 @@ class Innovations:
 
     @cached_property
     def judged(self) -> Floats:
-        """The innovations that count."""
-        return self.e[self.hypothesis.frame.skipped :]
+        """The innovations that count, each as far as ``CLIPPED``: a row at which a filter errs is no gap."""
+        return np.clip(self.e[self.hypothesis.frame.skipped :], -CLIPPED, CLIPPED)
