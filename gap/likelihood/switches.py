@@ -55,14 +55,19 @@ def with_ramps(now: Innovations) -> Innovations:
 
 
 def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats, most: float) -> Innovations:
-    """Return what is left if each switch lies at the likeliest of some ``steps`` [s] from where it is thought to be."""
+    """Return what is left if each switch lies at the likeliest of some ``steps`` [s] from where it is thought to be.
+
+    A switch that no step makes likelier stays.
+    """
     frame = now.hypothesis.frame
     rows = {s: switch_rows(frame.record.log, s).tolist() for s in about}
+    stays = {s: {k: frame.record.leads.get(s, {}).get(k, 0.0) for k in rows[s]} for s in about}
+    moved = [
+        {s: {k: float(np.clip(known.get(k, 0.0) + step, 0.0, most)) for k in rows[s]} for s, known in about.items()}
+        for step in steps
+    ]
     losses, leads = [], []
-    for step in steps:
-        trial = {
-            s: {k: float(np.clip(known.get(k, 0.0) + step, 0.0, most)) for k in rows[s]} for s, known in about.items()
-        }
+    for trial in (stays, *moved):
         found = tried(now.hypothesis.of(_with_leads(frame, trial)), now.values, now)
         if found is None:
             return now
@@ -73,8 +78,7 @@ def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats, mos
         s: {k: leads[int(np.argmin(cost[:, k : k + BEHIND].sum(axis=1)))][s][k] for k in rows[s]} for s in about
     }
     found = tried(now.hypothesis.of(_with_leads(frame, likeliest)), now.values, now)
-    before = tried(now.hypothesis, now.values, now)
-    return found if found is not None and before is not None and found.nll < before.nll - GAIN else now
+    return found if found is not None and found.nll < float(cost[0][frame.counted].sum()) - GAIN else now
 
 
 def _with_leads(frame: Frame, leads: Leads) -> Frame:
