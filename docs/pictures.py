@@ -128,7 +128,7 @@ def both_simulators() -> None:
 
 
 def level_station() -> None:
-    """The static map of ``docs/gap_real.md``, where the record is."""
+    """The static map of ``docs/evidence/gap_real.md``, where the record is."""
     from benchmarks.gap.real import DATA, picture
 
     if not DATA.exists():

@@ -55,6 +55,8 @@ SLOW = ("demo", "reproduce")
 LINES: dict[str, tuple[Sequence[str], ...]] = {
     "check": (("check", "FIC101.csv"), ("check", "still.csv")),
     "check, several loops": (("check", "FIC101.csv", "unit.csv"),),
+    "fit": (("fit", "sticky.csv"),),
+    "remedy": (("remedy", "sticky.csv"),),
     "valve": (("valve", "steps.csv"),),
     "table": (("table", "FIC101.csv", "--method", "area_ratio", "--method", "curve_fit"),),
     "table --cards": (("table", "--cards", "--method", "area_ratio"),),
@@ -85,6 +87,12 @@ def inputs(folder: Path) -> None:
     (folder / "run.csv").write_text(
         "time,OP,PV\n" + "".join(f"{i},{0.5 + (i > 99)},{0.5 + (i > 120)}\n" for i in range(400))
     )
+    from remedy.example import sticky
+
+    made = sticky(hours=1.0, seed=3)
+    columns = zip(made.t, made.sp, made.pv, made.op, strict=True)  # type: ignore[arg-type]
+    lines = "".join(f"{t:g},{sp:.5g},{pv:.5g},{op:.5g}\n" for t, sp, pv, op in columns)
+    (folder / "sticky.csv").write_text("time,SP,PV,OP\n" + lines)
     (folder / "model.py").write_text(MODEL)
     (folder / "plant").mkdir()
     (folder / "plant" / "FIC101.csv").write_text(export)

@@ -10,6 +10,8 @@ from stickslip import __version__
 COMMANDS = {
     "demo": "five short stories with known truth, and two real loops, as one HTML page",
     "check": "read one loop from a file and say whether its valve sticks",
+    "fit": "fit a loop to its own log: controller, valve, process, load and noise, with intervals",
+    "remedy": "what to do about a sticky valve until the shutdown, each remedy tried on the fitted loop",
     "valve": "deadband, resolution and step response of a valve from a step test",
     "table": "all detection methods side by side on a file, a folder or a case; --cards describes them",
     "scan": "judge every loop of a folder, a historian file or a query, and rank the valves to look at",
@@ -28,6 +30,7 @@ Start here:
   stickslip demo                      see what this is about (writes stickslip-demo/index.html)
   stickslip check my_loop.csv         is the valve sticking? in words first
   stickslip check my_loop.csv --op OUT.CV --pv PV.CV --process integrating
+  stickslip remedy my_loop.csv        what to do about it until the shutdown
   stickslip table my_loop.csv         what every detection method says of it
   stickslip simulate ideal_high --numbers   the thesis's loop: published beside reproduced
 

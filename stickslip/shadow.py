@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 PACKAGES = (
-    "blocks", "calibration", "cases", "detect", "diagram", "engine", "gap", "logs", "plant", "scan", "study",
+    "blocks", "calibration", "cases", "detect", "diagram", "engine", "gap", "logs", "plant", "remedy", "scan", "study",
 )  # fmt: skip
 OTHERS = ("click", "control", "filelock", "filterpy", "matplotlib", "numba", "numpy", "polars", "rich", "scipy")
 

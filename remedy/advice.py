@@ -1,0 +1,226 @@
+"""Which remedy helps: each tried on the fitted loops, against doing nothing, and one recommended or none.
+
+    score = sd(SP - PV) / that of none + 0.05 travel / that of none        of each fitted loop, the median over all
+
+Of the settings of a remedy the one with the least score stands for it.  Recommended is the remedy of least score of
+those that are allowed: its sd is at most 0.85 of that of none in at least 19 of 20 fitted loops, and its score is
+lower.  The margin is for plants that are not the fit's.  Until the shutdown these are settings and programs of the
+controller; at the shutdown, the valve too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remedy.loop_fit import LoopFit, Size, size_of
+from remedy.remedies import REMEDIES
+from remedy.remedies.setting import Situation
+from remedy.trial import NOTHING, Outcome, outcomes, series, settling
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Advice", "Tried", "remedies"]
+
+Floats = NDArray[np.float64]
+TRAVEL = 0.05  # weight of travel
+LESS = 0.85  # of the sd of none, that it must not exceed
+SURE = 0.95  # share of the fitted loops on which it must swing so much less
+Say = Callable[[str], None]
+
+
+def _quiet(_: str) -> None:
+    return
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """One remedy with its best setting: ``score`` [-], ``better`` the share of loops that swing so much less than now.
+
+    sp_time, load_time : settling of the tuning after a step of SP and of a load [s]; inf where longer than the run
+    """
+
+    name: str
+    at_shutdown: bool
+    not_for: str
+    outcome: Outcome
+    score: float
+    better: float
+    sp_time: Size
+    load_time: Size
+
+    @property
+    def settings(self) -> str:
+        """What to set, as a person enters it."""
+        return self.outcome.setting.words
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        one = self.outcome
+        return {
+            "name": self.name, "settings": dict(one.setting.values), "words": self.settings,
+            "pv_sd": size_of(one.pv_sd).to_dict(), "op_sd": size_of(one.op_sd).to_dict(),
+            "travel_per_h": size_of(one.travel).to_dict(), "reversals_per_h": size_of(one.reversals).to_dict(),
+            "sp_settling_s": self.sp_time.to_dict(), "load_settling_s": self.load_time.to_dict(),
+            "score": self.score, "better_in": self.better, "at_shutdown": self.at_shutdown, "not_for": self.not_for,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Advice:
+    """What helps a loop: ``none``, each remedy ``tried``, the names recommended until and at the shutdown, or None."""
+
+    fit: LoopFit
+    none: Tried
+    tried: tuple[Tried, ...]
+    until_shutdown: str | None
+    at_shutdown: str | None
+
+    def __getitem__(self, name: str) -> Tried:
+        return next(one for one in self.tried if one.name == name)
+
+    @property
+    def cost(self) -> tuple[Size, Size]:
+        """What it costs to leave the stick: sd of SP - PV over that without stick, and its travel less that, per h."""
+        free = self["valve repaired"].outcome if any(t.name == "valve repaired" for t in self.tried) else None
+        none = self.none.outcome
+        if free is None:
+            return Size(1.0, 1.0, 1.0), Size(0.0, 0.0, 0.0)
+        return size_of(none.pv_sd / np.maximum(free.pv_sd, 1e-300)), size_of(none.travel - free.travel)
+
+    def words(self) -> list[str]:
+        """The recommendation in sentences."""
+        if not self.fit.sticks:
+            return ["No stick is seen in this loop, so there is nothing to make up for."]
+        sd = float(np.median(self.none.outcome.pv_sd))
+        found = []
+        for when, name in (("Until the shutdown", self.until_shutdown), ("At the shutdown", self.at_shutdown)):
+            if name is None:
+                found.append(f"{when}: nothing that was tried helps for sure; leave the loop as it is.")
+                continue
+            one = self[name]
+            low, high = np.percentile(one.outcome.pv_sd / self.none.outcome.pv_sd, [5.0, 95.0])
+            caveat = f" Not where there is: {one.not_for}." if one.not_for else ""
+            found.append(
+                f"{when}: {name}, {one.settings}. The standard deviation of SP - PV goes from {sd:.3g} to "
+                f"{np.median(one.outcome.pv_sd):.3g} ({100 * low:.0f} to {100 * high:.0f} % of now), "
+                f"travel from {np.median(self.none.outcome.travel):.3g} to {np.median(one.outcome.travel):.3g} "
+                f"{self.fit.op_unit} an hour.{caveat}"
+            )
+        harm = [one.name for one in self.tried if np.median(one.outcome.pv_sd) > 1.02 * sd]
+        if harm:
+            found.append(f"In these loops it gets worse with: {', '.join(harm)}.")
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """The advice for JSON."""
+        one, (ratio, travel) = self.none.outcome, self.cost
+        return {
+            "loop": self.fit.name,
+            "none": {
+                "pv_sd": size_of(one.pv_sd).to_dict(), "op_sd": size_of(one.op_sd).to_dict(),
+                "travel_per_h": size_of(one.travel).to_dict(), "reversals_per_h": size_of(one.reversals).to_dict(),
+            },
+            "remedies": [each.to_dict() for each in self.tried],
+            "until_shutdown": self.until_shutdown, "at_shutdown": self.at_shutdown,
+            "cost": {"pv_sd_ratio": ratio.to_dict(), "travel_per_h": travel.to_dict()},
+            "words": self.words(), "fit": self.fit.to_dict(),
+        }  # fmt: skip
+
+    def rows(self) -> list[list[str]]:
+        """The table: remedy, sd of SP - PV with its interval and beside none, travel, reversals, settling."""
+        none = self.none.outcome
+        found = []
+        for each in (self.none, *self.tried):
+            one = each.outcome
+            low, middle, high = np.percentile(one.pv_sd, [5.0, 50.0, 95.0])
+            less, same, more = 100.0 * np.percentile(one.pv_sd / none.pv_sd, [5.0, 50.0, 95.0])
+            found.append([
+                each.name, f"{middle:.3g} ({low:.3g} to {high:.3g})", f"{same:.0f} ({less:.0f} to {more:.0f})",
+                f"{np.median(one.op_sd):.3g}", f"{24 * np.median(one.travel):.4g}",
+                f"{24 * np.median(one.reversals):.0f}", _time(each.sp_time), _time(each.load_time),
+            ])  # fmt: skip
+        return found
+
+    def columns(self) -> list[str]:
+        """The heads of ``rows``."""
+        pv, op = self.fit.pv_unit or "PV", self.fit.op_unit
+        return [
+            "remedy", f"sd of SP - PV [{pv}]", "% of none", f"sd of OP [{op}]", f"travel/day [{op}]",
+            "turns/day", "SP step [s]", "load step [s]",
+        ]  # fmt: skip
+
+    def plot(self) -> Figure:
+        """PV now and then, side by side, and travel against variability of all remedies."""
+        from remedy.figures import plot_advice
+
+        return plot_advice(self)
+
+
+def _time(size: Size) -> str:
+    return "long" if size.value is None or not math.isfinite(size.value) else f"{size.value:.0f}"
+
+
+def _situation(fit: LoopFit) -> Situation:
+    def middle(key: str) -> float:
+        return float(np.median([abs(getattr(one, key)) for one in fit.members]))
+
+    K_p, T_i, _ = series(fit)
+    day = fit.days[0]
+    e = day.pv - (np.mean(day.pv) if day.sp is None else day.sp)
+    lag = middle("tau_2") + (0.0 if fit.best.integrating else middle("tau"))
+    return Situation(
+        K_p, T_i, fit.controller.dt, fit.sticks * middle("S"), fit.sticks * middle("J"), middle("K"), lag,
+        middle("theta"), fit.noise_sd.value or 0.0, float(np.std(e)), fit.best.integrating, fit.K.value is not None,
+        fit.op_unit, fit.pv_unit or "PV",
+    )  # fmt: skip
+
+
+def _score(one: Outcome, none: Outcome) -> float:
+    swing, travel = none.pv_sd + 1e-300, none.travel + 1e-9 * float(np.max(none.travel) or 1.0)
+    return float(np.median(one.pv_sd / swing + TRAVEL * one.travel / travel))
+
+
+def remedies(fit: LoopFit, progress: Say = _quiet) -> Advice:
+    """Return what each remedy would do to a fitted loop, and which to take; ``progress`` is told what is done.
+
+    >>> from remedy import fit
+    >>> from remedy.example import sticky
+    >>> advice = remedies(fit(sticky()))
+    >>> advice.none.score, len(advice.tried)
+    (1.05, 10)
+    """
+    at = _situation(fit)
+    plans = [(one.TITLE, one.AT_SHUTDOWN, one.NOT_FOR, one.settings(at)) for one in REMEDIES]
+    plans = [plan for plan in plans if plan[3]]
+    settings = [NOTHING, *(setting for plan in plans for setting in plan[3])]
+    progress(f"trying {len(settings) - 1} settings of {len(plans)} remedies on the fitted loops")
+    found = outcomes(fit, settings)
+    none, left, chosen = found[0], found[1:], []
+    for name, shutdown, not_for, own in plans:
+        mine, left = left[: len(own)], left[len(own) :]
+        best = min(mine, key=lambda one: _score(one, none))
+        chosen.append((name, shutdown, not_for, best))
+    times = settling(fit, [NOTHING, *(best.setting for *_, best in chosen)])
+    tried = [
+        Tried(
+            name, shutdown, not_for, best, _score(best, none), float(np.mean(best.pv_sd <= LESS * none.pv_sd)),
+            size_of(sp), size_of(load),
+        )
+        for (name, shutdown, not_for, best), (sp, load) in zip(
+            [("none", False, "", none), *chosen], times, strict=True
+        )
+    ]  # fmt: skip
+    allowed = [
+        one for one in tried[1:] if fit.sticks and one.better >= SURE and one.score < tried[0].score
+    ]  # fmt: skip
+    allowed.sort(key=lambda one: one.score)
+    until = next((one.name for one in allowed if not one.at_shutdown), None)
+    shut = next((one.name for one in allowed if one.at_shutdown), None)
+    return Advice(fit, tried[0], tuple(tried[1:]), until, shut or until)

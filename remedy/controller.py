@@ -1,0 +1,138 @@
+"""Read a controller off OP, SP and PV: gain, integral and derivative time.
+
+    over m rows     OP_k - OP_(k-m) = K_p (e_k - e_(k-m)) + K_p dt/T_i sum_(k-m <= j < k) e_j
+                                      - K_p T_d (D_k - D_(k-m)),   D_k = (PV_k - PV_(k-1)) / dt
+
+That is the law whose integral takes in the error of the last scan.  One that takes in the present error is the same law
+with other numbers: K_p and T_i of that one read as K_p (1 + dt/T_i) and T_i + dt.
+A line through all rows in which OP stands at no limit; m is chosen so that K_p and K_p/T_i are known best: short
+spans suit a log of every scan, long ones a log that is rounded or coarser than the scan.  Without SP its level is one
+more unknown.  A derivative is told where it leaves a tenth less.
+Source: textbook, the velocity form (Astrom and Hagglund, Advanced PID Control, 2006, section 3.6).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Controller", "controller_of"]
+
+Floats = NDArray[np.float64]
+SPANS = (1, 4, 16, 64)  # rows
+DERIVATIVE = 0.9  # of what is left, that a derivative must get below
+AT_LIMIT = 8  # rows at an extreme of OP that make it a limit
+LEAST = 0.5  # of the moves of OP that the law must tell
+
+
+@dataclass(frozen=True)
+class Controller:
+    """The law that OP follows.
+
+    K_p : signed, positive where OP falls with PV [unit of OP / unit of PV];  T_i, T_d, dt : [s];  T_i = inf: none
+    K_p_sd, rate_sd : standard deviations of K_p and of K_p/T_i;  low, high : limits of OP [its unit]
+    told : share of OP's moves that the law tells
+    """
+
+    K_p: float
+    T_i: float
+    T_d: float
+    dt: float
+    low: float
+    high: float
+    told: float
+    K_p_sd: float
+    rate_sd: float
+
+    @property
+    def form(self) -> str:
+        """P, PI or PID."""
+        return f"P{'I' if math.isfinite(self.T_i) else ''}{'D' if self.T_d > 0.0 else ''}"
+
+    def spread(self, key: str) -> tuple[float, float]:
+        """The 90 % interval of K_p or T_i."""
+        if key == "K_p":
+            return self.K_p - 1.645 * self.K_p_sd, self.K_p + 1.645 * self.K_p_sd
+        rate = abs(self.K_p) / self.T_i
+        most, least = rate + 1.645 * self.rate_sd, max(rate - 1.645 * self.rate_sd, 1e-9 * rate)
+        return abs(self.K_p) / most, abs(self.K_p) / least
+
+
+def limits_of(op: Floats, span: tuple[float, float] | None) -> tuple[float, float]:
+    """The limits of OP: where it rests at an extreme for some rows, else its span, else none."""
+    low, high = span or (-math.inf, math.inf)
+    if span is None or np.ptp(op) > 0.0:
+        low = float(op.min()) if np.sum(op == op.min()) >= AT_LIMIT and _runs(op == op.min()) else low
+        high = float(op.max()) if np.sum(op == op.max()) >= AT_LIMIT and _runs(op == op.max()) else high
+    return low, high
+
+
+def _runs(at: NDArray[np.bool_]) -> bool:
+    """Whether there is a run of ``AT_LIMIT`` True."""
+    padded = np.concatenate([[0], at.astype(int), [0]])
+    edges = np.flatnonzero(np.diff(padded))
+    return bool(len(edges) and (edges[1::2] - edges[::2]).max() >= AT_LIMIT)
+
+
+def controller_of(op: Floats, pv: Floats, sp: Floats | None, dt: float, limits: tuple[float, float]) -> Controller:
+    """The law that OP (n,) follows on an even grid of ``dt`` [s]; its ``told`` says how well.
+
+    >>> e = np.random.default_rng(1).normal(size=500)
+    >>> op = 2.0 * e + np.concatenate([[0.0], np.cumsum(2.0 * e / 10.0)[:-1]])
+    >>> law = controller_of(op, -e, np.zeros(500), 1.0, (-np.inf, np.inf))
+    >>> round(law.K_p, 6), round(law.T_i, 6), law.form
+    (2.0, 10.0, 'PI')
+    """
+    e = -pv if sp is None else sp - pv
+    slope = np.concatenate([[0.0], np.diff(pv)]) / dt
+    free = (op > limits[0]) & (op < limits[1])
+    found = [one for m in SPANS if 8 * m < len(op) if (one := _line(op, e, None, free, dt, m, sp))]
+    if not found:
+        return Controller(math.nan, math.inf, 0.0, dt, *limits, 0.0, math.nan, math.nan)
+    _, b, sd, told, m, left = min(found, key=lambda one: one[0])
+    more = _line(op, e, slope, free, dt, m, sp)
+    T_d = 0.0
+    if more and more[5] < DERIVATIVE * left and more[1][2] * more[1][0] < 0.0:
+        _, b, sd, told, _, _ = more
+        T_d = float(-b[2] / b[0])
+    K_p, rate = float(b[0]), float(b[1])
+    integrates = rate * K_p > 0.0 and abs(rate) > 3.0 * sd[1]
+    return Controller(K_p, K_p / rate if integrates else math.inf, T_d, dt, *limits, told, float(sd[0]), float(sd[1]))
+
+
+_Line = tuple[float, Floats, Floats, float, int, float]
+
+
+def _line(
+    op: Floats, e: Floats, slope: Floats | None, free: NDArray[np.bool_], dt: float, m: int, sp: Floats | None
+) -> _Line | None:
+    """How badly gain and rate are known, coefficients, their spread, share told, m, and what is left."""
+    total = np.concatenate([[0.0], np.cumsum(e)[:-1]]) * dt  # without the error of the row itself
+    integral = total[m:] - total[:-m]
+    columns = [e[m:] - e[:-m], integral]
+    if slope is not None:
+        columns.append(slope[m:] - slope[:-m])
+    if sp is None:
+        columns.append(np.full(len(integral), m * dt))
+    y = op[m:] - op[:-m]
+    inside = np.concatenate([[0], np.cumsum(~free)])
+    kept = (inside[m + 1 :] - inside[: -m - 1] == 0) & (np.arange(len(y)) > 1)
+    X, y = np.column_stack(columns)[kept], y[kept]
+    if len(y) < 10 * X.shape[1] or not np.any(y):
+        return None
+    size = np.sqrt(np.mean(X**2, axis=0)) + 1e-300
+    b, *_ = np.linalg.lstsq(X / size, y, rcond=None)
+    left = y - X / size @ b
+    near = np.abs(left) <= 4.0 * np.median(np.abs(left)) + 1e-12 * np.ptp(y)  # moves by hand, tags that come late
+    if np.mean(near) > 0.5:
+        b, *_ = np.linalg.lstsq(X[near] / size, y[near], rcond=None)
+    left = (y - X / size @ b)[near] if np.mean(near) > 0.5 else left
+    variance = float(np.mean(left**2)) * m / len(left)
+    sd = np.sqrt(np.maximum(variance * np.diag(np.linalg.pinv(X.T @ X / len(y) / np.outer(size, size))), 0.0)) / size
+    b = b / size
+    told = max(1.0 - float(np.sum(left**2) / max(np.sum((y[near] if np.mean(near) > 0.5 else y) ** 2), 1e-300)), 0.0)
+    known = (sd[0] / max(abs(b[0]), 1e-300)) ** 2 + (sd[1] / max(abs(b[1]), 1e-300)) ** 2
+    return float(known), b, sd, told, m, float(np.mean(left**2))

@@ -1,0 +1,125 @@
+"""Fit a loop to its own log: controller from OP, SP and PV; valve and process by likelihood; load and noise, the rest.
+
+    1  the controller is read off (``controller``)
+    2  the likeliest loop without stick, and with it (``search``); the stick is believed where it gains
+    3  an ensemble of loops about as likely; what each leaves of PV is its load and noise
+
+The stick is believed where it gains ``SURE`` nats over the best loop without it, or ``GAIN`` where the dead travel of
+``detect.likelihood`` accuses too, which weighs rivals: a bent characteristic, a sensor with hysteresis.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from detect.likelihood.pooled import Evidence, evidence_of
+from detect.likelihood.stems import stems_of
+from detect.prepare.prepared import prepared
+from logs import LoopRecord
+from remedy.controller import LEAST, controller_of, limits_of
+from remedy.loop_fit import LoopFit
+from remedy.process import Day, day_of, told
+from remedy.search import best_with, best_without, ensemble_of
+
+__all__ = ["FitError", "fit"]
+
+GAIN, SURE = 5.0, 10.0  # nats
+NEAR = 10.0  # nats within which both kinds of process are tried with a stick
+FEWEST = 200  # samples
+Say = Callable[[str], None]
+
+
+class FitError(ValueError):
+    """A record to which no loop can be fitted; the message says why, and what would help."""
+
+
+def _quiet(_: str) -> None:
+    return
+
+
+def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed: int = 0) -> LoopFit:
+    """Return the loop fitted to a record, or to several of one loop, which are pooled.
+
+    ``progress`` is told what is done; ``seed`` of the ensemble.  Raises ``FitError`` where the record is too
+    short, OP or PV stands, or OP does not follow SP and PV.
+
+    >>> from logs import LoopRecord
+    >>> fit(LoopRecord.from_arrays([0, 1, 2], pv=[1, 2, 1], op=[5, 5, 5]))
+    Traceback (most recent call last):
+    ...
+    remedy.fitting.FitError: the record has 3 samples on an even grid; 200 are needed, a few hours at the scan are good
+    """
+    given = [records] if isinstance(records, LoopRecord) else list(records)
+    if not given:
+        raise FitError("records is empty; give at least one record of the loop")
+    loops = [prepared(record) for record in given]
+    days, notes = [], []
+    for loop in loops:
+        grid = loop.with_stale.whole
+        if len(grid) < FEWEST:
+            raise FitError(
+                f"the record has {len(grid)} samples on an even grid; {FEWEST} are needed, "
+                "a few hours at the scan are good"
+            )
+        day = day_of(grid.t, grid.op, grid.pv, grid.sp)
+        if day is None:
+            raise FitError("OP or PV stands still all along; log a stretch in automatic in which both move")
+        days.append(day)
+    if any(abs(day.dt - days[0].dt) > 0.02 * days[0].dt for day in days):
+        raise FitError(
+            f"the records have rows every {', '.join(f'{day.dt:g}' for day in days)} s; give records of one interval"
+        )
+    progress("reading the controller off OP, SP and PV")
+    span = given[0].op_span
+    limits = limits_of(np.concatenate([day.op for day in days]), span)
+    main = max(days, key=lambda day: len(day.op))
+    law = controller_of(main.op, main.pv, main.sp, main.dt, limits)
+    if not law.told >= LEAST or law.K_p == 0.0:
+        raise FitError(
+            f"a PI law tells {100 * law.told:.0f} % of how OP moves ({100 * LEAST:.0f} % are needed); log the "
+            "controller's own OP and SP at its scan, in automatic, without compression"
+        )
+    if main.sp is None:
+        notes.append("SP is not logged; it is taken to stand.")
+    if law.told < 0.9:
+        notes.append(f"The PI law tells {100 * law.told:.0f} % of how OP moves; settings are as unsure.")
+    progress("fitting the process without stick")
+    kind = loops[0].integrating
+    without = best_without(days, kind, math.copysign(1.0, law.K_p))
+    evidence = _evidence(days)
+    best, gain, sticks = without[0], 0.0, False
+    if evidence is not None:
+        progress("fitting the valve")
+        tried = [best_with(days, one, evidence.S) for one in without if one.nll < without[0].nll + NEAR]
+        stuck = min(tried, key=lambda one: one.nll)
+        gain = without[0].nll - stuck.nll
+        sticks = gain >= SURE or (gain >= GAIN and evidence.accuses)
+        best = stuck if sticks else best
+    if best.loop.K == 0.0:
+        raise FitError("PV shows no answer to OP; log a stretch in which the set point or the load moves")
+    progress("drawing loops that are about as likely")
+    members = ensemble_of(days, best, seed)
+    if not sticks and gain >= GAIN:
+        notes.append(f"A stick would gain {gain:.0f} nats, which is not enough to believe it.")
+    lefts = tuple(
+        tuple(
+            day.pv[: own.shape[1]] - one.K * own[1]
+            for own, day in zip(told(days, one, best.noises).shown, days, strict=True)
+        )
+        for one in members
+    )
+    excluded = evidence.claim if evidence is not None else math.inf
+    return LoopFit(
+        given[0].name, "% of OP" if span is not None and tuple(span) == (0.0, 100.0) else "unit of OP",
+        given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), without[0], best, members, gain, sticks,
+        excluded, lefts, tuple(notes),
+    )  # fmt: skip
+
+
+def _evidence(days: Sequence[Day]) -> Evidence | None:
+    """The evidence of dead travel of all days; None where too little of them moves."""
+    stems = [one for day in days if (one := stems_of(day.op, day.pv)) is not None]
+    return evidence_of(stems) if stems else None

@@ -1,0 +1,248 @@
+"""A loop fitted to its own log: what is known of it, with intervals, as words, JSON and an editable Python file."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remedy.controller import Controller
+from remedy.process import Day, Loop
+from remedy.search import Found
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["LoopFit", "Size"]
+
+Floats = NDArray[np.float64]
+WIDE, NARROW = 2.0, 1.5  # high over low: K and J are not told beyond the one, K J is told within the other
+
+
+@dataclass(frozen=True)
+class Size:
+    """A value with its 90 % interval; None with a ``reason`` where the record does not tell it."""
+
+    value: float | None
+    low: float | None
+    high: float | None
+    reason: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON, which has no infinite numbers."""
+        own: dict[str, Any] = {
+            key: x if x is not None and math.isfinite(x) else None
+            for key, x in (("value", self.value), ("low", self.low), ("high", self.high))
+        }
+        return own | ({"reason": self.reason} if self.reason else {})
+
+    def __str__(self) -> str:
+        if self.value is None:
+            return f"not told: {self.reason}"
+        if self.low is None or self.high is None:
+            return f"{self.value:.3g}"
+        return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
+
+
+def size_of(values: Floats, reason: str = "") -> Size:
+    """Median and 90 % interval of an ensemble (n,); with a ``reason``, the interval alone."""
+    way: Any = "linear" if np.isfinite(values).all() else "nearest"
+    low, middle, high = (float(x) for x in np.percentile(values, [5.0, 50.0, 95.0], method=way))
+    return Size(None if reason else middle, low, high, reason)
+
+
+@dataclass(frozen=True, eq=False)
+class LoopFit:
+    """A fitted loop.
+
+    name : of the loop;  op_unit, pv_unit : units;  controller : the law of OP
+    days : the records;  without, found : the likeliest loop without stick, and the one that is believed
+    members : loops about as likely, the best first;  gain : what the stick gains [nats];  sticks : believed or not
+    lefts : of each member and day, what is left at PV (members, days) of (n,) [unit of PV]
+    notes : what is to be said besides
+
+    >>> from remedy.example import sticky
+    >>> from remedy import fit
+    >>> found = fit(sticky())                                   # S = 5 %, J = 1.5 %, K = 1.2, tau = 30 s
+    >>> found.sticks, found.S.low < 5.0 < found.S.high
+    (True, True)
+    """
+
+    name: str
+    op_unit: str
+    pv_unit: str
+    controller: Controller
+    days: tuple[Day, ...]
+    without: Found
+    found: Found
+    members: tuple[Loop, ...]
+    gain: float
+    sticks: bool
+    excluded: float
+    lefts: tuple[tuple[Floats, ...], ...]
+    notes: tuple[str, ...]
+
+    def _each(self, key: str) -> Floats:
+        return np.array([float(getattr(one, key)) for one in self.members])
+
+    @property
+    def best(self) -> Loop:
+        """The likeliest loop."""
+        return self.members[0]
+
+    @cached_property
+    def S(self) -> Size:
+        """Dead travel: movement of OP after a turn until the stem moves [unit of OP]."""
+        if self.sticks:
+            return size_of(self._each("S"))
+        high = self.excluded if math.isfinite(self.excluded) else None
+        return Size(0.0, 0.0, high, "" if high else "no stick is seen, and the record does not exclude one")
+
+    @cached_property
+    def J(self) -> Size:
+        """Slip jump [unit of OP]."""
+        if not self.sticks:
+            return Size(0.0, 0.0, self.S.high)
+        J = self._each("J")
+        return size_of(J, self._only_product("J") if _ratio(J) > WIDE and self.best.J > 0.1 * self.best.S else "")
+
+    @cached_property
+    def K(self) -> Size:
+        """Gain of the process [unit of PV per unit of OP, and per s where it integrates]."""
+        K = self._each("K")
+        unsure = "the interval spans more than a factor of two" if _ratio(K) > WIDE else ""
+        return size_of(K, self._only_product("K") if unsure and self.sticks else unsure)
+
+    @cached_property
+    def KJ(self) -> Size:
+        """How far PV goes after a slip, K J [unit of PV]: told where K and J alone are not."""
+        return size_of(self._each("K") * self._each("J"))
+
+    def _only_product(self, key: str) -> str:
+        product = self._each("K") * self._each("J")
+        if self.sticks and _ratio(product) < NARROW:
+            return f"only K J = {np.median(product):.3g} shows in this record, not {key} alone"
+        return "the interval spans more than a factor of two"
+
+    @cached_property
+    def tau(self) -> Size:
+        """Time constant [s]; not there where the process integrates."""
+        return Size(None, None, None, "the process integrates") if self.best.integrating else size_of(self._each("tau"))
+
+    @cached_property
+    def tau_2(self) -> Size:
+        """Second time constant [s]."""
+        return size_of(self._each("tau_2"))
+
+    @cached_property
+    def theta(self) -> Size:
+        """Dead time [s]."""
+        return size_of(self._each("theta"))
+
+    @cached_property
+    def _noise_load(self) -> tuple[Floats, Floats]:
+        """Standard deviation of noise and of load in each member, at PV [unit of PV].
+
+        A load that wanders as a first-order autoregression and white noise have the autocovariances
+        r_k = load^2 rho^k, and noise^2 on top of r_0 (r_1 and r_2 tell load and rho).
+        """
+        noise, load = [], []
+        for own in self.lefts:
+            v = own[0]
+            v = v - v.mean()
+            total = float(v @ v) / len(v)
+            first, second = (float(v[k:] @ v[:-k]) / len(v) for k in (1, 2))
+            rho = min(max(second / first, 0.05), 0.999) if first > 0.0 else 0.05
+            slow = min(max(first, 0.0) / rho, total)
+            load.append(math.sqrt(slow))
+            noise.append(math.sqrt(max(total - slow, 0.0)))
+        return np.array(noise), np.array(load)
+
+    @property
+    def noise_sd(self) -> Size:
+        """Standard deviation of white noise on PV [unit of PV]."""
+        return size_of(self._noise_load[0])
+
+    @property
+    def load_sd(self) -> Size:
+        """Standard deviation of the load as it comes to PV without control [unit of PV]."""
+        return size_of(self._noise_load[1])
+
+    @cached_property
+    def one_step_error(self) -> float:
+        """Spread of what the best loop does not foretell of PV, one row ahead, over that of PV [-]."""
+        y = np.concatenate([day.rows for day in self.days])
+        return float(np.mean([one.s for one in self.found.noises]) / max(np.std(y), 1e-300))
+
+    @cached_property
+    def free_error(self) -> float:
+        """Spread of PV less that of the best loop with its stem alone, without load and noise, over that of PV [-]."""
+        left = np.concatenate([one - one.mean() for one in self.lefts[0]])
+        pv = np.concatenate([day.pv - day.pv.mean() for day in self.days])
+        return float(np.std(left) / max(np.std(pv), 1e-300))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fit for JSON."""
+        law = self.controller
+        K_p, T_i = (Size(value, *law.spread(key)) for key, value in (("K_p", law.K_p), ("T_i", law.T_i)))
+        if not math.isfinite(law.T_i):
+            T_i = Size(None, None, None, "no integral action is seen")
+        return {
+            "loop": self.name,
+            "valve": {
+                "sticks": self.sticks, "gain_nats": self.gain, "S": self.S.to_dict(), "J": self.J.to_dict(),
+                "law": "follows" if self.best.follows else "sticks again at every scan", "unit": self.op_unit,
+            },
+            "controller": {
+                "form": law.form, "K_p": K_p.to_dict(), "T_i": T_i.to_dict(), "T_d": {"value": law.T_d},
+                "scan": law.dt, "low": _finite(law.low), "high": _finite(law.high), "told": law.told,
+            },
+            "process": {
+                "K": self.K.to_dict(), "KJ": self.KJ.to_dict(), "tau": self.tau.to_dict(),
+                "tau_2": self.tau_2.to_dict(), "theta": self.theta.to_dict(), "integrating": self.best.integrating,
+            },
+            "load_sd": self.load_sd.to_dict(), "noise_sd": self.noise_sd.to_dict(),
+            "one_step_error": self.one_step_error, "free_error": self.free_error,
+            "records": len(self.days), "notes": list(self.notes),
+        }  # fmt: skip
+
+    def rows(self) -> list[list[str]]:
+        """What is known, as rows of a table: what, value with its 90 % interval, unit."""
+        law, pv, op = self.controller, self.pv_unit or "PV", self.op_unit
+        per = "/s" if self.best.integrating else ""
+        T_i = Size(law.T_i, *law.spread("T_i")) if math.isfinite(law.T_i) else Size(None, None, None, "no integral")
+        valve = [["dead travel S", str(self.S), op], ["slip jump J", str(self.J), op]]
+        lag = [] if self.best.integrating else [["time constant", str(self.tau), "s"]]
+        return [
+            ["controller K_p", str(Size(law.K_p, *law.spread("K_p"))), f"{op} per {pv}"],
+            ["controller T_i", str(T_i), "s"],
+            *([["controller T_d", f"{law.T_d:.3g}", "s"]] if law.T_d else []),
+            *valve, ["process gain K", str(self.K), f"{pv}{per} per {op}"], ["slip at PV, K J", str(self.KJ), pv + per],
+            *lag, ["second time constant", str(self.tau_2), "s"], ["dead time", str(self.theta), "s"],
+            ["load at PV", str(self.load_sd), pv], ["noise at PV", str(self.noise_sd), pv],
+        ]  # fmt: skip
+
+    def to_python(self) -> str:
+        """The best loop as a Python file that a person can read, edit and run."""
+        from remedy.python_file import python_of
+
+        return python_of(self)
+
+    def plot(self) -> Figure:
+        """The log against the loop: the likeliest stem, its PV, and the free loop with what is left as its load."""
+        from remedy.figures import plot_fit
+
+        return plot_fit(self)
+
+
+def _ratio(values: Floats) -> float:
+    low, high = np.percentile(np.abs(values), [5.0, 95.0])
+    return float(high / max(low, 1e-300))
+
+
+def _finite(x: float) -> float | None:
+    return x if math.isfinite(x) else None

@@ -1,0 +1,191 @@
+"""How likely a record is with a sticky stem and a process behind it, and which gain and noise it has then.
+
+    PV = K x + c + d t + v,   v an autoregression,   x = G w,   w the stem, as a bank of stems sees it (``bank``)
+    G = exp(-theta s) / (tau s + 1) / (tau_2 s + 1),   or exp(-theta s) / s / (tau_2 s + 1)    OP and stem are held
+
+The likelihood of ``detect.likelihood`` leaves the answer of PV to the stem free; here it is that of a process, so that
+lags and dead time are known and may be simulated.  K, c, d and the autoregression follow by least squares in turns
+(Cochrane and Orcutt 1949, J. Am. Stat. Assoc. 44:32).  v is what is left: load and noise as they came to PV.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from detect.likelihood.rows import rows_of
+
+__all__ = ["Day", "Left", "Loop", "Told", "day_of", "settled", "start_noise", "told"]
+
+Floats = NDArray[np.float64]
+ORDER = 8  # of the autoregression of what is left
+MOST = 2_400  # rows that a likelihood looks at
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Valve and process of one loop.
+
+    follows : whether a stem that moves goes on with OP, or sticks again at every scan;  S, J : [unit of OP]
+    integrating : kind;  K : gain [unit of PV per unit of OP, and per s where it integrates]
+    tau, tau_2, theta : lags and dead time [s]; tau has no meaning where it integrates
+    """
+
+    follows: bool
+    S: float
+    J: float
+    integrating: bool
+    K: float
+    tau: float
+    tau_2: float
+    theta: float
+
+
+@dataclass(frozen=True, eq=False)
+class Left:
+    """What is left of a day: v = a v_before + e, spread s of e; c and d, its level and slope by rows."""
+
+    a: Floats
+    s: float
+    c: float
+    d: float
+
+
+@dataclass(frozen=True, eq=False)
+class Day:
+    """One record on an even grid: t, op, pv (n,), SP or None; ``q`` samples make a row; ``between`` turns [samples]."""
+
+    t: Floats
+    dt: float
+    op: Floats
+    pv: Floats
+    sp: Floats | None
+    q: int
+    between: float
+
+    @property
+    def rows(self) -> Floats:
+        """PV as rows, (rows,)."""
+        n = len(self.pv) // self.q
+        return np.asarray(self.pv[: n * self.q].reshape(n, self.q).mean(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """What a loop says of the days: ``nll`` [nats]; of each day the mean stem and the answer with K = 1, (2, n)."""
+
+    nll: float
+    shown: tuple[Floats, ...]
+
+
+def day_of(t: Floats, op: Floats, pv: Floats, sp: Floats | None) -> Day | None:
+    """A record (n,) on an even grid made ready; None where OP or PV stands."""
+    rows = rows_of(op, pv)
+    if rows is None:
+        return None
+    return Day(t, float(t[1] - t[0]), op, pv, sp, max(1, math.ceil(len(op) / MOST)), rows.between)
+
+
+@lru_cache(maxsize=8)
+def _random(samples: int, stems: int) -> Floats:
+    return np.random.default_rng(samples).normal(size=(samples, stems))
+
+
+def told(days: Sequence[Day], one: Loop, noises: Sequence[Left]) -> Told:
+    """The likelihood of the days with a loop and the noise that each day has."""
+    from remedy.bank import STEMS, passed
+
+    nll, shown = 0.0, []
+    for day, noise in zip(days, noises, strict=True):
+        y = day.rows
+        own = np.zeros((2, len(y) * day.q))
+        found, _ = passed(
+            day.op - day.op[0], y, day.q, day.dt, float(one.follows), one.S, one.J, one.integrating, one.tau, one.tau_2,
+            one.theta, one.K, noise.a, noise.c, noise.d, noise.s,
+            _random(len(own[0]), STEMS if one.S > 0.0 else 1), own,
+        )  # fmt: skip
+        nll -= found
+        shown.append(own)
+    return Told(nll, tuple(shown))
+
+
+def settled(days: Sequence[Day], one: Loop, shown: Sequence[Floats], rounds: int = 3) -> tuple[Loop, list[Left], float]:
+    """The loop with the gain that the answers ask for, its noise, and the standard deviation of K.
+
+    K keeps its sign: an answer the wrong way round is the controller's, not the process's.
+    """
+    xs = [own[1].reshape(-1, day.q).mean(axis=1) for own, day in zip(shown, days, strict=True)]
+    ys = [day.rows for day in days]
+    pasts = [_wandering(y) for y in ys]
+    way, K, K_sd = math.copysign(1.0, one.K), one.K, math.inf
+    noises: list[Left] = []
+    for _ in range(rounds):
+        top, bottom = 0.0, 1e-300
+        for x, y, a in zip(xs, ys, pasts, strict=True):
+            xw, yw = _whitened(_free(x)[0], a), _whitened(_free(y)[0], a)
+            weight = 1.0 / (_size(yw - K * xw) + 1e-300)
+            top += weight * float(xw @ yw)
+            bottom += weight * float(xw @ xw)
+        K, K_sd = way * max(way * top / bottom, 0.0), 1.0 / math.sqrt(bottom)
+        lefts = [_free(y - K * x) for x, y in zip(xs, ys, strict=True)]
+        pasts = [_past(v, ORDER) for v, _ in lefts]
+        noises = [
+            Left(a, math.sqrt(0.6 * _size(_whitened(v, a)) + 1e-300), *line)
+            for (v, line), a in zip(lefts, pasts, strict=True)
+        ]  # fmt: skip
+    return replace(one, K=K), noises, K_sd
+
+
+def start_noise(days: Sequence[Day]) -> list[Left]:
+    """The noise of each day as if all of PV were noise."""
+    found = []
+    for day in days:
+        v, line = _free(day.rows)
+        a = _wandering(v)
+        found.append(Left(a, math.sqrt(_size(_whitened(v, a)) + 1e-300), *line))
+    return found
+
+
+def _free(v: Floats) -> tuple[Floats, tuple[float, float]]:
+    """v (rows,) without its line, and the line's level and slope."""
+    time = np.arange(len(v)) - 0.5 * (len(v) - 1)
+    slope = float(v @ time / (time @ time))
+    level = float(v.mean())
+    return v - level - slope * time, (level - slope * 0.5 * (len(v) - 1), slope)
+
+
+def _past(v: Floats, order: int) -> Floats:
+    """The autoregression of v (rows,), (order,), by least squares."""
+    X = np.lib.stride_tricks.sliding_window_view(v[:-1], order)[:, ::-1]
+    gram = X.T @ X
+    gram[range(order), range(order)] += 1e-9 * np.trace(gram) / order + 1e-300
+    return np.asarray(np.linalg.solve(gram, X.T @ v[order:]))
+
+
+def _wandering(v: Floats) -> Floats:
+    """An autoregression of v that wanders: of its differences, with a root at 1.
+
+    PV is held by the controller, what the load leaves without it is not: the memory of PV would be too short for it,
+    and a process that integrates would have no gain at all.
+    """
+    a = _past(np.diff(v), ORDER - 1)
+    return np.asarray(np.append(a, 0.0) + np.append(1.0, -a))
+
+
+def _whitened(v: Floats, a: Floats) -> Floats:
+    """One-step errors of v (rows,), without its first rows."""
+    found = v[len(a) :].copy()
+    for k, share in enumerate(a, 1):
+        found -= share * v[len(a) - k : len(v) - k]
+    return found
+
+
+def _size(e: Floats) -> float:
+    """Variance of errors of which the largest do not count in full."""
+    size = np.abs(e)
+    return float(np.mean(np.minimum(size, 4.0 * np.median(size) + 1e-300) ** 2))

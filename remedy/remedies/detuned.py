@@ -1,0 +1,35 @@
+"""Detuning by lambda: the loop is made as slow as wanted.
+
+    self-regulating   K_p = tau / (K (lambda + theta)),   T_i = tau            lambda = tau or 3 tau
+    integrating       K_p = (2 lambda + theta) / (K (lambda + theta)^2),   T_i = 2 lambda + theta
+
+Not for: a process whose gain the record does not tell.  Source: D. E. Rivera, M. Morari, S. Skogestad, Ind. Eng. Chem.
+Process Des. Dev. 25 (1986) 252-265.
+"""
+
+from remedy.remedies.setting import Setting, Situation
+
+TITLE = "lambda tuning"
+AT_SHUTDOWN = False
+NOT_FOR = "a gain that is not known"
+
+
+def settings(at: Situation) -> list[Setting]:
+    """Return the settings that are tried."""
+    if not at.gain_told or at.T_i == float("inf") or at.lag <= 0.0:
+        return []
+    found = []
+    for times in (1.0, 3.0):
+        wanted = times * max(at.lag, at.theta, 2.0 * at.dt)
+        if at.integrating:
+            T_i = 2.0 * wanted + at.theta
+            K_p = T_i / (at.K * (wanted + at.theta) ** 2)
+        else:
+            T_i, K_p = at.lag, at.lag / (at.K * (wanted + at.theta + 0.5 * at.dt))
+        found.append(
+            Setting(
+                f"K_p {K_p:.3g}, T_i {T_i:.3g} s (lambda {wanted:.3g} s)", {"K_p": K_p, "T_i": T_i, "lambda": wanted},
+                {"controller.K_p": K_p, "controller.T_i": T_i},
+            )
+        )  # fmt: skip
+    return found

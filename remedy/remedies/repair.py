@@ -1,0 +1,19 @@
+"""The valve repaired: no stick is left.
+
+    S = J = 0
+
+What a new packing or a new valve can give at best; some friction stays in any valve.
+"""
+
+from remedy.remedies.setting import Setting, Situation
+
+TITLE = "valve repaired"
+AT_SHUTDOWN = True
+NOT_FOR = ""
+
+
+def settings(at: Situation) -> list[Setting]:
+    """Return the settings that are tried."""
+    if at.S <= 0.0:
+        return []
+    return [Setting("no stick is left", {"S": 0.0, "J": 0.0}, factors={"valve.S": 0.0, "valve.J": 0.0})]

@@ -1,0 +1,214 @@
+"""The fitted loop as a diagram in which every remedy can be set, and the runs of all remedies on all members.
+
+    SP -> GapPI -> Knocker -> ConstantReinforcement -> TwoMove -> valve -> process -> (+) -> PV
+                                                                     what the record left at PV -^
+
+The load is what the member leaves of PV in the record: each remedy meets the very load that the loop had.  Values are
+deviations from OP at the start; the valve takes a sample with the controller, as in the fit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks import (
+    Biquad,
+    ChenValve,
+    ConstantReinforcement,
+    FirstOrder,
+    GapPI,
+    HeValve,
+    Integrator,
+    Knocker,
+    Recorded,
+    Sum,
+    TwoMove,
+)  # fmt: skip
+from blocks.block import Block
+from diagram import Diagram, ensemble, wire
+from remedy.loop_fit import LoopFit
+from remedy.process import Loop
+from remedy.remedies.setting import Setting
+
+__all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
+
+Floats = NDArray[np.float64]
+MOST = 2_500  # samples of the load that a trial runs through
+SKIPPED = 0.15  # of a run, in which it settles
+WIDE: dict[str, Any] = {"low": -math.inf, "high": math.inf}
+NOTHING = Setting("as it is", {})
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a setting gives on each member, (members,): standard deviations of SP - PV and OP, travel, reversals.
+
+    travel [unit of OP per h], reversals [1/h];  pv, op : (n,) of the first member, for pictures
+    """
+
+    setting: Setting
+    pv_sd: Floats
+    op_sd: Floats
+    travel: Floats
+    reversals: Floats
+    pv: Floats
+    op: Floats
+
+
+def diagram_of(fit: LoopFit) -> Diagram:
+    """The loop with every remedy in its place, none of them on."""
+    law, one = fit.controller, fit.best
+    dt = law.dt
+    K_p, T_i, T_d = series(fit)
+    lead: list[Block] = []
+    if T_d > 0.0:
+        lead = [Biquad("PV_d", "PV", b=[1.0 + T_d / dt, -T_d / dt, 0.0], a=[0.0, 0.0], dt=dt, name="derivative")]
+    controller = GapPI(
+        K_p, T_i, dt=dt, **WIDE, action="reverse" if law.K_p > 0.0 else "direct", name="controller",
+        inputs={"SP": "SP", "PV": "PV_d" if lead else "PV"}, outputs={"OP": "OP_c"},
+    )  # fmt: skip
+    between = [
+        Knocker(0.0, 5.0 * dt, 2.0 * dt, dt, inputs="OP_c", outputs="OP_k"),
+        ConstantReinforcement(0.0, dt, inputs="OP_k", outputs="OP_r"),
+        TwoMove(1.0, 0.0, math.inf, dt, dt, inputs={"OP_c": "OP_r", "SP": "SP", "PV": "PV"}),
+    ]
+    valve = ChenValve(one.S, one.J, dt, **WIDE) if one.follows else HeValve.from_bands(one.S, one.J, dt, **WIDE)
+    late = _late(one, dt)
+    lag = FirstOrder(1.0, max(one.tau_2, 0.01 * dt), name="lag", inputs="MV", outputs="MV_2")
+    flow: dict[str, Any] = {"inputs": "MV_2", "outputs": "y", "name": "process"}
+    process = Integrator(one.K, 1.0, late, **flow) if one.integrating else FirstOrder(one.K, one.tau, late, **flow)
+    blocks: list[Block] = [*lead, controller, *between, valve, lag, process, Sum("PV", {"y": 1.0, "v": 1.0})]
+    return wire(blocks, inputs=["SP", "v"], outputs=["PV", "OP", "MV"])
+
+
+def _late(one: Loop, dt: float) -> float:
+    """The dead time [s] in quarters of a scan: a run takes no step longer than a dead time."""
+    return 0.25 * dt * round(4.0 * one.theta / dt)
+
+
+def series(fit: LoopFit) -> tuple[float, float, float]:
+    """K_p, T_i and T_d of the controller in series form, K_p without its sign; as they are without derivative."""
+    law = fit.controller
+    K_p = abs(law.K_p)
+    if law.T_d <= 0.0 or not math.isfinite(law.T_i):
+        return K_p, law.T_i, law.T_d
+    root = math.sqrt(max(1.0 - 4.0 * law.T_d / law.T_i, 0.0))
+    share = 0.5 * (1.0 + root)
+    return K_p * share, law.T_i * share, law.T_d / share
+
+
+def _member(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
+    """The parameters of one member under one setting."""
+    K_p, T_i, _ = series(fit)
+    law, u0 = fit.controller, float(fit.days[0].op[0])
+    S, J = (one.S * setting.factors.get("valve.S", 1.0), one.J * setting.factors.get("valve.J", 1.0))
+    found = {
+        "controller.K_p": K_p * setting.factors.get("controller.K_p", 1.0),
+        "controller.T_i": T_i * setting.factors.get("controller.T_i", 1.0),
+        "controller.low": law.low - u0, "controller.high": law.high - u0, "controller.gap": 0.0, "controller.zone": 0.0,
+        "knocker.a": 0.0, "knocker.period": 5.0 * law.dt, "knocker.width": 2.0 * law.dt,
+        "reinforcement.a": 0.0, "reinforcement.hold": 0.0,
+        "two_move.S": 1.0, "two_move.J": 0.0, "two_move.band": 1e300, "two_move.pause": law.dt,
+        "lag.tau": max(one.tau_2, 0.01 * law.dt), "process.K": one.K, "process.theta": _late(one, law.dt),
+    }  # fmt: skip
+    bands = {"valve.S": S, "valve.J": J} if one.follows else {"valve.f_s": 0.5 * (S + J), "valve.f_d": 0.5 * (S - J)}
+    lags = {} if one.integrating else {"process.tau": one.tau}
+    return {**found, **bands, **lags, **setting.params}
+
+
+def _run(
+    fit: LoopFit, members: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float,
+    stems: Sequence[float],
+) -> Mapping[str, Floats]:  # fmt: skip
+    """Signals (settings, members, n) of each setting on each member, which has its load and the start of its stem."""
+    dt, n = fit.controller.dt, len(sp)
+    diagram, t = diagram_of(fit), np.arange(n) * dt
+    columns, inputs = [], []
+    start: dict[str, list[float]] = {"lag.PV": [], "process.PV": [], "valve.MV": []}
+    for setting in settings:
+        for one, load, stem in zip(members, loads, stems, strict=True):
+            columns.append({**_member(fit, one, setting), "process.theta_start": stem})
+            inputs.append(Recorded("v", t, load, hold="previous"))
+            start["lag.PV"].append(stem)
+            start["process.PV"].append(0.0 if one.integrating else one.K * stem)
+            start["valve.MV"].append(stem)
+    params = {key: np.array([own[key] for own in columns]) for key in columns[0]}
+    begin = {key: np.array(values) for key, values in start.items()} | {"controller.z": np.full(len(columns), z)}
+    result = ensemble(
+        diagram, float(t[-1]), params=params, start=begin, times=t, signals=["PV", "OP", "MV"],
+        inputs={"SP": Recorded("SP", t, sp, hold="previous"), "v": inputs}, rtol=1e-5, atol=1e-8, workers=1,
+        progress=False,
+    )  # fmt: skip
+    shape = (len(settings), len(members), n)
+    return {name: values.reshape(shape) for name, values in result.values.items()}
+
+
+def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 12) -> list[Outcome]:
+    """What each setting gives on ``count`` members, under the load of the record."""
+    day = fit.days[0]
+    n = min(len(fit.lefts[0][0]), MOST)
+    members, loads = fit.members[:count], [own[0][:n] for own in fit.lefts[:count]]
+    sp = np.full(n, float(np.mean(day.pv))) if day.sp is None else day.sp[:n]
+    e = float(sp[0] - day.pv[0])
+    start = -math.copysign(series(fit)[0], fit.controller.K_p) * e  # OP is 0 at the start
+    found = _run(fit, members, settings, loads, sp, start, [0.0] * len(members))
+    first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
+    return [
+        Outcome(
+            setting, np.std(sp[first:] - found["PV"][i][:, first:], axis=1), np.std(found["OP"][i][:, first:], axis=1),
+            np.sum(np.abs(np.diff(found["MV"][i][:, first:], axis=1)), axis=1) / hours,
+            np.array([_reversals(own[first:]) / hours for own in found["MV"][i]]),
+            found["PV"][i][0], found["OP"][i][0] + float(day.op[0]),
+        )
+        for i, setting in enumerate(settings)
+    ]  # fmt: skip
+
+
+def _reversals(stem: Floats) -> int:
+    moves = np.sign(np.diff(stem))
+    moves = moves[moves != 0.0]
+    return int(np.sum(moves[1:] != moves[:-1]))
+
+
+def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[tuple[Floats, Floats]]:
+    """Times (members,) [s] in which PV comes to 5 % behind a step of SP, and of a load at the valve, without stick.
+
+    They are those of the tuning alone: neither stick nor noise nor the record's load.  inf where it does not within the
+    run.
+    """
+    members = [replace(one, S=0.0, J=0.0) for one in fit.members[:count]]
+    n = MOST
+    dt, found = fit.controller.dt, []
+    t = np.arange(n) * dt
+    loads: list[Floats] = []
+    for one in members:
+        slow = max(one.tau, dt)
+        loads.append(np.asarray(one.K * t if one.integrating else one.K * (1.0 - np.exp(-t / slow))))
+    none: list[Floats] = [np.zeros(n)] * len(members)
+    plain = [_tuning_alone(setting) for setting in settings]
+    steps = _run(fit, members, plain, none, np.ones(n), 0.0, [0.0] * len(members))["PV"]
+    pushed = _run(fit, members, plain, loads, np.zeros(n), 0.0, [0.0] * len(members))["PV"]
+    for i in range(len(settings)):
+        sp = np.array([_settled(own - 1.0, 0.05, dt) for own in steps[i]])
+        load = np.array([_settled(own, 0.05 * float(np.abs(own).max() or 1.0), dt) for own in pushed[i]])
+        found.append((sp, load))
+    return found
+
+
+def _tuning_alone(setting: Setting) -> Setting:
+    """The tuning of a setting alone: what acts against stick makes no sense without it."""
+    own = {key: value for key, value in setting.params.items() if key in ("controller.K_p", "controller.T_i")}
+    return Setting(setting.words, setting.values, own, setting.factors)
+
+
+def _settled(e: Floats, band: float, dt: float) -> float:
+    outside = np.flatnonzero(~(np.abs(e) <= band))
+    if not len(outside):
+        return 0.0
+    return math.inf if outside[-1] >= len(e) - 2 else float((outside[-1] + 1) * dt)

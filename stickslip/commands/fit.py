@@ -1,0 +1,135 @@
+"""``stickslip fit``: a loop fitted to its own log, with honest intervals."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stickslip.console import Speaker, json_option, user_errors
+from stickslip.reading import form_options
+from stickslip.targets import check_targets, write_whole
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from logs import LoopRecord
+    from remedy import LoopFit
+    from stickslip.report.page import Section
+
+SCHEMA = "stickslip.fit/1"
+KINDS = ["self_regulating", "integrating"]
+
+
+def loop_options(command: "Callable[..., Any]") -> "Callable[..., Any]":
+    """Add the options that say which columns are the loop's."""
+    for option in reversed((
+        click.option("--pv", metavar="COLUMN", help="Name of the measurement column."),
+        click.option("--op", metavar="COLUMN", help="Name of the controller output column."),
+        click.option("--sp", metavar="COLUMN", help="Name of the set point column."),
+        click.option("--loop", metavar="TAG", help="Name of the loop, where a file holds several."),
+        click.option("--process", type=click.Choice(KINDS), help="Kind of process, if known."),
+        form_options,
+    )):  # fmt: skip
+        command = option(command)
+    return command
+
+
+@click.command("fit")
+@click.argument("files", metavar="LOOP [DAY2 ...]", nargs=-1, required=True, type=click.Path(path_type=Path))
+@loop_options
+@click.option("--python", type=click.Path(path_type=Path), help="Write the likeliest loop as a Python file to edit.")
+@click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
+@json_option
+@user_errors
+def command(
+    files: tuple[Path, ...], python: Path | None, html: Path | None, json_file: str | None, **told: Any
+) -> None:
+    """Fit a loop to its own log: controller, valve, process, load and noise, each with a 90 % interval.
+
+    LOOP is CSV or Parquet with a time column, OP, PV and, if logged, SP, in automatic; an hour or ten periods at the
+    controller's scan is a good start. More files of the same loop are pooled. What the record does not tell is said.
+
+    \b
+    Examples:
+      stickslip fit FIC101.csv
+      stickslip fit monday.csv tuesday.csv --python fic101.py
+      stickslip fit FIC101.csv --json - | jq .valve.S
+      stickslip fit trend.csv --pv FT101 --op FCV101 --sp FSP101 --html fit.html
+
+    \b
+    Exit codes:
+      0  done: no stick is believed
+      1  done, and the valve sticks
+      2  the files cannot be read, or no loop can be fitted to them
+    """
+    check_targets({"--python": python, "--html": html, "--json": json_file}, {"--python": (".py",)}, files[0])
+    say = Speaker(json_file)
+    found = fitted(files, told)
+    tell(say, found)
+    if python is not None:
+        write_whole(python, found.to_python().encode())
+        say(f"loop: {python}")
+    if html is not None:
+        from stickslip.report.page import page
+
+        write_whole(html, page(f"{found.name or 'loop'}: fitted", "", [fit_section(found)]).encode())
+        say(f"report: {html}")
+    say.document({"schema": SCHEMA} | found.to_dict())
+    raise SystemExit(1 if found.sticks else 0)
+
+
+def records_of(files: "Sequence[Path]", told: "dict[str, Any]") -> "list[LoopRecord]":
+    """Return the loop's record in each file; raises ``ValueError`` where a file holds several loops."""
+    from logs import read_loop
+
+    options = {name: value for name, value in told.items() if value is not None}
+    return [read_loop(file, **options) for file in files]
+
+
+def fitted(files: "Sequence[Path]", told: "dict[str, Any]") -> "LoopFit":
+    """Return the fit of the loop in these files; what is done is said on a terminal."""
+    from engine.notice import noticed
+    from remedy import fit
+
+    with noticed("the fit of a loop"):
+        return fit(records_of(files, told), progress=working)
+
+
+def working(what: str) -> None:
+    """Say on a terminal what is done."""
+    if sys.stderr.isatty():
+        click.echo(f"{what} ...", err=True)
+
+
+def tell(say: Speaker, found: "LoopFit") -> None:
+    """Print a fit."""
+    word = "THE VALVE STICKS" if found.sticks else "NO STICK IS SEEN"
+    say(f"{found.name or 'loop'}: {word}", fg="red" if found.sticks else "green", bold=True)
+    for sentence in sentences(found):
+        say.paragraph(sentence)
+    say.table(["what", "value (90 % interval)", "unit"], found.rows())
+
+
+def sentences(found: "LoopFit") -> list[str]:
+    """Return what is said of a fit beside its table."""
+    law = found.controller
+    told = f"The controller is {law.form}, every {law.dt:g} s; its law tells {100 * law.told:.1f} % of how OP moves."
+    kind = "integrates" if found.best.integrating else "settles by itself"
+    fits = (
+        f"The process {kind}. One row ahead {100 * found.one_step_error:.0f} % of PV's spread is not foretold; the "
+        f"stem alone, without the load, leaves {100 * found.free_error:.0f} %."
+    )
+    gain = f"A stick tells PV better than none by {found.gain:.0f} nats." if found.gain > 0.0 else ""
+    return [told, fits, *([gain] if gain else []), *found.notes]
+
+
+def fit_section(found: "LoopFit") -> "Section":
+    """Return the article on a fit."""
+    from stickslip.report.page import Section, captioned, figure_to_svg, table_to_html
+
+    badge = ("THE VALVE STICKS", "bad") if found.sticks else ("NO STICK IS SEEN", "good")
+    section = Section("The fitted loop", *badge, " ".join(sentences(found)))
+    section.figures.append(table_to_html(["what", "value (90 % interval)", "unit"], found.rows()))
+    section.figures.append(captioned(figure_to_svg(found.plot()), "The end of the log and the likeliest loop."))
+    return section

@@ -1,0 +1,96 @@
+"""``stickslip remedy``: what to do about a sticky valve until the shutdown, each remedy tried on the fitted loop."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stickslip.commands.fit import fit_section, fitted, loop_options, sentences, working
+from stickslip.console import Speaker, json_option, user_errors
+from stickslip.targets import check_targets, write_whole
+
+if TYPE_CHECKING:
+    from remedy import Advice
+
+SCHEMA = "stickslip.remedy/1"
+
+
+@click.command("remedy")
+@click.argument("files", metavar="LOOP [DAY2 ...]", nargs=-1, required=True, type=click.Path(path_type=Path))
+@loop_options
+@click.option("--html", type=click.Path(path_type=Path), help="Write a one-file report with pictures.")
+@click.option("--plot", type=click.Path(path_type=Path), help="Draw PV now and then, and travel against variability.")
+@json_option
+@user_errors
+def command(files: tuple[Path, ...], html: Path | None, plot: Path | None, json_file: str | None, **told: Any) -> None:
+    """Say what to do about the valve of a loop until the shutdown and at it, from its log alone.
+
+    The loop is fitted to its log (stickslip fit), each remedy is simulated on loops about equally likely, under the
+    load that the record had, and compared with doing nothing. Settings are in the controller's own terms. Nothing is
+    recommended that does not swing less in its own simulation.
+
+    \b
+    Examples:
+      stickslip remedy FIC101.csv
+      stickslip remedy FIC101.csv --plot now_and_then.png
+      stickslip remedy monday.csv tuesday.csv --html remedy.html
+      stickslip remedy FIC101.csv --json - | jq .until_shutdown
+
+    \b
+    Exit codes:
+      0  done: nothing is recommended
+      1  done, and a remedy is recommended
+      2  the files cannot be read, or no loop can be fitted to them
+    """
+    check_targets(
+        {"--html": html, "--plot": plot, "--json": json_file}, {"--plot": (".png", ".svg", ".pdf")}, source=files[0]
+    )
+    from remedy import remedies
+
+    say = Speaker(json_file)
+    found = fitted(files, told)
+    advice = remedies(found, progress=working)
+    tell(say, advice)
+    if plot is not None:
+        from stickslip.targets import write_figure
+
+        write_figure(advice.plot(), plot)
+        say(f"picture: {plot}")
+    if html is not None:
+        write_whole(html, _page(advice).encode())
+        say(f"report: {html}")
+    say.document({"schema": SCHEMA} | advice.to_dict())
+    raise SystemExit(1 if advice.until_shutdown or advice.at_shutdown else 0)
+
+
+def tell(say: Speaker, advice: "Advice") -> None:
+    """Print the recommendation, the fit it rests on, and the table of all remedies."""
+    found = advice.fit
+    kind = "yellow" if found.sticks and advice.until_shutdown is None else "red" if found.sticks else "green"
+    say(f"{found.name or 'loop'}: {headline(advice)}", fg=kind, bold=True)
+    for sentence in (*advice.words(), *sentences(found)):
+        say.paragraph(sentence)
+    if found.sticks:
+        ratio, _ = advice.cost
+        say.paragraph(f"What the stick costs: SP - PV swings {ratio} times as far as without it, under the same load.")
+    say.table(advice.columns(), advice.rows())
+    say("Settings tried, the best of each:")
+    for one in advice.tried:
+        say.paragraph(f"{one.name}: {one.settings}", "  - ")
+
+
+def headline(advice: "Advice") -> str:
+    """Return the answer in a few words."""
+    if not advice.fit.sticks:
+        return "NO STICK IS SEEN"
+    return (advice.until_shutdown or "nothing helps for sure until the shutdown").upper()
+
+
+def _page(advice: "Advice") -> str:
+    from stickslip.report.page import Section, captioned, figure_to_svg, page, table_to_html
+
+    kind = "bad" if advice.fit.sticks else "good"
+    first = Section("What to do", headline(advice), kind, " ".join(advice.words()))
+    first.figures.append(captioned(figure_to_svg(advice.plot()), "Under the load that the record had; bars are 90 %."))
+    first.figures.append(table_to_html(advice.columns(), advice.rows()))
+    return page(f"{advice.fit.name or 'loop'}: what to do", "", [first, fit_section(advice.fit)])

@@ -1,0 +1,147 @@
+"""Remedies on fitted loops: what helps helps on the loop itself, and nothing is recommended that does not."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from blocks import GapPI, HeValve
+from diagram import simulate
+from logs import LoopRecord
+from remedy import FitError, fit, remedies
+from remedy.advice import SURE
+from remedy.example import sticky
+from remedy.remedies import REMEDIES
+from remedy.remedies.setting import Situation
+from remedy.trial import NOTHING, diagram_of, outcomes
+
+
+@pytest.fixture(scope="module")
+def record():
+    return sticky(hours=4.0, seed=3)
+
+
+@pytest.fixture(scope="module")
+def found(record):
+    return fit(record)
+
+
+@pytest.fixture(scope="module")
+def advice(found):
+    return remedies(found)
+
+
+def test_the_fit_has_found_what_made_the_record(found):
+    assert found.sticks and found.gain > 50.0
+    assert found.controller.K_p == pytest.approx(0.8, rel=1e-3)
+    assert found.controller.T_i == pytest.approx(30.0, rel=1e-2)
+    assert found.S.value == pytest.approx(5.0, rel=0.1)
+    assert found.KJ.low < 1.8 < found.KJ.high or found.KJ.value == pytest.approx(1.8, rel=0.3)
+
+
+def test_doing_nothing_gives_what_the_record_shows(record, advice):
+    assert float(np.median(advice.none.outcome.pv_sd)) == pytest.approx(float(np.std(record.e[900:])), rel=0.25)
+
+
+def test_what_is_recommended_swings_less_in_its_own_simulation(advice):
+    for name in (advice.until_shutdown, advice.at_shutdown):
+        assert name is not None
+        better = advice[name].outcome.pv_sd < advice.none.outcome.pv_sd
+        assert np.mean(better) >= SURE
+    assert not advice[advice.until_shutdown].at_shutdown
+
+
+def test_a_repaired_valve_swings_least(advice):
+    # invariant: under the same load no stick is better than any stick here
+    least = np.median(advice["valve repaired"].outcome.pv_sd)
+    assert all(np.median(one.outcome.pv_sd) >= 0.98 * least for one in advice.tried)
+    ratio, _ = advice.cost
+    assert ratio.low > 1.0
+
+
+def test_the_trial_loop_is_the_plain_loop_where_nothing_is_set(found):
+    diagram = diagram_of(found)
+    assert {type(b) for b in diagram.blocks} >= {GapPI, HeValve} or found.best.follows
+    n = 400
+    t = np.arange(n) * found.controller.dt
+    quiet = simulate(diagram, float(t[-1]), times=t, inputs={"SP": 0.0, "v": 0.0})
+    np.testing.assert_allclose(quiet.log["PV"], 0.0, atol=1e-9)
+
+
+def test_a_loop_without_stick_gets_a_fit_and_no_remedy():
+    sound = remedies(fit(sticky(hours=1.0, S=0.0, J=0.0)))
+    assert not sound.fit.sticks
+    assert sound.until_shutdown is None and sound.at_shutdown is None
+    assert "No stick" in sound.words()[0]
+    json.dumps(sound.to_dict(), allow_nan=False)
+
+
+def test_the_json_is_of_the_agreed_form(advice):
+    document = json.loads(json.dumps(advice.to_dict(), allow_nan=False))
+    assert {"pv_sd", "travel_per_h", "reversals_per_h"} <= set(document["none"])
+    for one in document["remedies"]:
+        assert {"name", "settings", "pv_sd", "travel_per_h"} <= set(one)
+        assert set(one["pv_sd"]) >= {"value", "low", "high"}
+    fitted = document["fit"]
+    assert {"valve", "controller", "process", "load_sd", "noise_sd", "one_step_error", "free_error"} <= set(fitted)
+    assert {"S", "J", "unit"} <= set(fitted["valve"]) and {"K", "tau", "theta", "integrating"} <= set(fitted["process"])
+
+
+def test_pictures_are_drawn(found, advice):
+    assert len(found.plot().axes) == 2
+    assert len(advice.plot().axes) >= 3
+
+
+def test_the_python_file_runs_and_swings_as_the_record(record, found):
+    space = {"__name__": "loop"}
+    exec(compile(found.to_python(), "loop.py", "exec"), space)
+    run = simulate(space["loop"], 14400.0, every=2.0)
+    assert float(np.std(run.log["PV"][900:])) == pytest.approx(float(np.std(record.e[900:])), rel=0.4)
+
+
+def test_settings_follow_their_rules():
+    at = Situation(0.8, 30.0, 2.0, 5.0, 2.0, 1.2, 30.0, 4.0, 0.1, 0.8, False, True, "%", "m3/h")
+    by = {one.TITLE: one.settings(at) for one in REMEDIES}
+    assert [one.values["a"] for one in by["knocker"]] == [1.75, 2.75]
+    assert [one.values["a"] for one in by["constant reinforcement"]] == [1.5, 2.5]
+    # published: K_p = tau / (K (lambda + theta)), T_i = tau (Rivera et al. 1986), with half a scan of dead time
+    assert by["lambda tuning"][0].values["K_p"] == pytest.approx(30.0 / (1.2 * 35.0))
+    assert by["half the gain"][0].factors == {"controller.K_p": 0.5}
+    none = Situation(0.8, math.inf, 2.0, 0.0, 0.0, 1.2, 30.0, 4.0, 0.1, 0.8, False, False, "%", "m3/h")
+    assert all(not one.settings(none) for one in REMEDIES if one.TITLE in (
+        "knocker", "constant reinforcement", "two moves", "longer T_i", "lambda tuning", "tuned positioner",
+        "valve repaired",
+    ))  # fmt: skip
+
+
+def test_more_gain_of_the_load_gives_more_swing(found):
+    # invariant: half the load, half the swing, in a loop without stick
+    half = [tuple(0.5 * (one - one[0]) + one[0] for one in own) for own in found.lefts]
+    from dataclasses import replace
+
+    free = [replace(one, S=0.0, J=0.0) for one in found.members]
+    day = replace(found.days[0], sp=np.full(len(found.days[0].op), found.days[0].pv[0]))
+    full, less = (
+        outcomes(replace(found, members=tuple(free), lefts=tuple(lefts), days=(day,)), [NOTHING], 2)[0].pv_sd
+        for lefts in (found.lefts, half)
+    )
+    np.testing.assert_allclose(less, 0.5 * full, rtol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("record", "said"),
+    [
+        (LoopRecord.from_arrays(np.arange(300.0), pv=np.ones(300), op=np.arange(300.0) % 7), "stands still"),
+        (
+            LoopRecord.from_arrays(
+                np.arange(600.0), pv=np.random.default_rng(1).normal(size=600).cumsum(),
+                op=50.0 + np.random.default_rng(2).normal(size=600).cumsum(), sp=np.zeros(600),
+            ),
+            "a PI law tells",
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_fitted_is_said(record, said):
+    with pytest.raises(FitError, match=said):
+        fit(record)

@@ -1,0 +1,99 @@
+"""Stem and process by likelihood: answers against closed forms and the engine, sizes against what made the record."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from blocks import ChenValve, FirstOrder, HeValve, Integrator, Recorded
+from diagram import simulate, wire
+from remedy.example import sticky
+from remedy.process import Left, Loop, day_of, settled, start_noise, told
+from remedy.search import best_with, best_without, ensemble_of
+
+WIDE = {"low": -math.inf, "high": math.inf}
+
+
+def answered(one, op, dt):
+    """The mean stem and answer of the bank, over all samples."""
+    t = np.arange(len(op)) * dt
+    day = replace(day_of(t, op, op + 0.0, None), q=1)
+    quiet = [Left(np.zeros(4), 1.0, 0.0, 0.0)]
+    return told([day], one, quiet).shown[0]
+
+
+@pytest.mark.parametrize(("tau_2", "theta"), [(0.0, 0.0), (4.0, 0.0), (0.0, 6.0), (4.0, 7.0)])
+@pytest.mark.parametrize("integrating", [False, True])
+def test_the_process_answers_as_the_blocks_do(integrating, tau_2, theta):
+    dt, t = 2.0, 2.0 * np.arange(300)
+    op = 5.0 * np.sin(t / 40.0) + np.sin(t / 9.0)
+    one = Loop(False, 0.0, 0.0, integrating, 1.0, 30.0, tau_2, theta)
+    made = answered(one, op, dt)[1]
+    flow = {"inputs": "u", "outputs": "y"}
+    process = Integrator(1.0, 1.0, theta, **flow) if integrating else FirstOrder(1.0, 30.0, theta, **flow)
+    lag = [FirstOrder(1.0, tau_2, inputs="y", outputs="z", name="lag")] if tau_2 else []
+    run = simulate(
+        wire([Recorded("u", t, op - op[0], hold="previous"), process, *lag]), float(t[-1]), times=t, rtol=1e-9
+    )  # fmt: skip
+    kept = run.log["z" if tau_2 else "y"]
+    bend = np.abs(np.diff(kept, 2)).max() if tau_2 else 0.0  # between rows the second lag sees a straight line
+    late = 0.5 * np.abs(np.diff(kept)).max() if theta % dt else 0.0  # a part of a row is blended
+    np.testing.assert_allclose(made, kept, atol=bend + late + 1e-6)
+
+
+@pytest.mark.parametrize(("follows", "valve"), [(False, HeValve.from_bands), (True, ChenValve)])
+def test_the_bank_finds_the_stem_that_moved(follows, valve):
+    t = np.arange(1500.0)
+    op = 6.0 * np.sin(t / 30.0) + 2.0 * np.sin(t / 7.0)
+    loop = wire([Recorded("OP", t, op, hold="previous"), valve(5.0, 2.0, 1.0, **WIDE), FirstOrder(1.5, 10.0)])
+    run = simulate(loop, 1499.0, every=1.0).log
+    pv = run["PV"] + np.random.default_rng(1).normal(0.0, 0.1, 1500)
+    day = replace(day_of(t, op, pv, None), q=1)
+    one = Loop(follows, 5.0, 2.0, False, 1.5, 10.0, 0.0, 0.0)
+    shown = told([day], one, [Left(np.zeros(4), 0.15, 0.0, 0.0)]).shown[0]
+    assert np.std((shown[0] - run["MV"])[100:]) < 0.15 * np.std(run["MV"])
+
+
+@pytest.fixture(scope="module")
+def found():
+    record = sticky(hours=4.0, seed=3)
+    day = day_of(record.t, record.op, record.pv, record.sp)
+    without = best_without([day], False, 1.0)[0]
+    return day, without, best_with([day], without, 4.0)
+
+
+def test_the_truth_is_likelier_than_other_sizes(found):
+    day, _, best = found
+    truth = Loop(False, 5.0, 1.5, False, 1.2, 30.0, 0.0, 4.0)
+
+    def loss(one):
+        noises = start_noise([day])
+        for _ in range(3):
+            said = told([day], one, noises)
+            one, noises, _ = settled([day], one, said.shown)
+        return told([day], one, noises).nll
+
+    true = loss(truth)
+    for other in (replace(truth, S=4.0), replace(truth, S=6.0), replace(truth, J=0.2), replace(truth, tau=90.0)):
+        assert loss(other) > true + 10.0
+    assert best.nll < true + 3.0  # the search has found something as good
+
+
+def test_the_search_finds_what_made_the_record(found):
+    _, without, best = found
+    one = best.loop
+    assert without.nll - best.nll > 50.0
+    assert pytest.approx(5.0, rel=0.1) == one.S
+    assert pytest.approx(1.5, abs=0.6) == one.J
+    assert pytest.approx(1.2, rel=0.2) == one.K
+    assert one.tau + one.tau_2 + one.theta == pytest.approx(34.0, rel=0.25)
+
+
+def test_the_ensemble_lies_about_the_best(found):
+    day, _, best = found
+    members = ensemble_of([day], best)
+    assert members[0] == best.loop and len(members) == 24
+    S = [one.S for one in members]
+    assert min(S) < 5.2 and max(S) > 4.8 and np.std(S) > 0.01
+    assert ensemble_of([day], best) == members  # the same random numbers
