@@ -36,7 +36,7 @@ from gap.records.start import start_values
 ODDS = 10.0  # to one, for an effect against none
 ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
-MOST_BLOCKS, MOST_STATES = 40, 60  # of a diagram whose filter is quick enough
+MOST_BLOCKS, MOST_STATES = 16, 60  # of a diagram; larger ones have an observer of their own
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     found = candidates(rough, legal(rough, catalogue), progress)
     null = settled(rough)
     alone = judged(null, [], seed)
-    if not alone.unusual and all(worth(c) + ROUGHLY < needed(found) for c in found):
+    if not alone.unusual and not gross(rough) and all(worth(c) + ROUGHLY < needed(found) for c in found):
         return Outcome(null, alone, (), None, False, (), found)
     fits = fitted(rough, found, progress)
     gap = alone.unusual or (bool(fits) and null.nll - price(fits[0]) > needed(found))

@@ -84,7 +84,7 @@ def prepared(model: Diagram, record: Record, scan: float, longest: float = 0.0) 
     noise: list[tuple[Nuisance, str]] = []
     for one in nuisances(model):
         signal = str(model[one.block].output_labels[0])
-        holder = f"{one.block}:noise"
+        holder = f"{one.block}:drawn"
         quiet = quiet.insert(
             signal, Sum(signal, {signal: 1.0, holder: 1.0}, name=f"{one.block}:noisy"), inputs=[holder]
         )

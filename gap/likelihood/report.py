@@ -19,7 +19,7 @@ def likelihood_report(
 ) -> GapReport:
     """Return what ``gap.diagnose`` returns, by the one likelihood alone.
 
-    It is for a model with a load that nobody measures, of at most 40 blocks.  ``seed`` of the runs that say what is
+    It is for a model with a load that nobody measures, of at most 16 blocks.  ``seed`` of the runs that say what is
     usual.
 
     Raises ``GapError`` if log and model do not fit together, or where no filter follows the model.

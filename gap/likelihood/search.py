@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from blocks.arithmetic import Sum
 from blocks.recorded import Recorded
+from blocks.role import Role
 from diagram import wire
 from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
@@ -113,9 +114,12 @@ def candidates(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress =
     found = []
     stated = tried(null.hypothesis, null.hypothesis.frame.stated) if gross(null) else None
     near = stated or null.best
+    quiet = null.hypothesis.frame.quiet
     with reporting(progress, len(hypotheses), "effects") as tell:
         for k, one in enumerate(hypotheses):
-            best = _best_size(null, one, near)
+            # what a controller computes is known so well that gains of another controller tell nothing of it
+            own = stated is not None and quiet[one.place].role is Role.CONTROLLER
+            best = _best_size(null, one, None if own else near)
             if best is not None:
                 found.append(best)
             tell(k + 1, len(hypotheses))
@@ -214,8 +218,8 @@ def _walked(start: Innovations, near: Innovations) -> Innovations:
     return best
 
 
-def _best_size(null: Fit, one: Hypothesis, near: Innovations) -> Candidate | None:
-    """Return the size of the highest score with the gains of ``near``; None if the record feels none."""
+def _best_size(null: Fit, one: Hypothesis, near: Innovations | None) -> Candidate | None:
+    """Return the size of the highest score with the gains of ``near``, or its own; None if the record feels none."""
     best: Candidate | None = None
     at = one.frame.stated if gross(null) else {key: null.best.values[key] for key in one.frame.free}
     for size in sizes(null, one):
