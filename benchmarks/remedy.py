@@ -46,7 +46,7 @@ from diagram import Diagram, simulate, wire
 from logs import LoopRecord
 from remedy import Advice, FitError, fit, remedies
 from remedy.advice import TRAVEL
-from remedy.remedies.setting import Setting
+from remedy.measures.setting import Setting
 from remedy.trial import NOTHING
 
 SAMPLES = 4_000

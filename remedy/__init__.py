@@ -2,10 +2,12 @@
 
 fit       a record -> a ``LoopFit``: controller, valve, process, load and noise, as loops about equally likely
 remedies  a fit -> ``Advice``: each remedy simulated on these loops, one recommended until the shutdown and one at it
+python_of a fit -> the loop as a Python file to edit
 """
 
 from remedy.advice import Advice, remedies
 from remedy.fitting import FitError, fit
 from remedy.loop_fit import LoopFit
+from remedy.python_file import python_of
 
-__all__ = ["Advice", "FitError", "LoopFit", "fit", "remedies"]
+__all__ = ["Advice", "FitError", "LoopFit", "fit", "python_of", "remedies"]

@@ -18,10 +18,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from remedy.controller import series
 from remedy.loop_fit import LoopFit, Size, size_of
-from remedy.remedies import REMEDIES
-from remedy.remedies.setting import Situation
-from remedy.trial import NOTHING, Outcome, outcomes, series, settling
+from remedy.measures import REMEDIES
+from remedy.measures.setting import Situation
+from remedy.trial import NOTHING, Outcome, outcomes, settling
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -169,9 +170,9 @@ def _time(size: Size) -> str:
 
 def _situation(fit: LoopFit) -> Situation:
     def middle(key: str) -> float:
-        return float(np.median([abs(getattr(one, key)) for one in fit.members]))
+        return float(np.median([abs(getattr(one, key)) for one in fit.loops]))
 
-    K_p, T_i, _ = series(fit)
+    K_p, T_i, _ = series(fit.controller)
     day = fit.days[0]
     e = day.pv - (np.mean(day.pv) if day.sp is None else day.sp)
     lag = middle("tau_2") + (0.0 if fit.best.integrating else middle("tau"))

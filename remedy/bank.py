@@ -120,10 +120,10 @@ def passed(  # type: ignore[no-untyped-def]
                 at += 1
                 reached += w[at]
             pick[i] = at
-        X, A, B, R, P, W, V = x.copy(), one.copy(), two.copy(), ring.copy(), past.copy(), way.copy(), moves.copy()
+        X, A, B, R, P, Z, V = x.copy(), one.copy(), two.copy(), ring.copy(), past.copy(), way.copy(), moves.copy()
         for i in range(M):
             j = pick[i]
-            x[i], one[i], two[i], way[i], moves[i] = X[j], A[j], B[j], W[j], V[j]
+            x[i], one[i], two[i], way[i], moves[i] = X[j], A[j], B[j], Z[j], V[j]
             ring[i] = R[j]
             past[i] = P[j]
             w[i] = 1.0 / M

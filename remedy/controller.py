@@ -136,3 +136,13 @@ def _line(
     told = max(1.0 - float(np.sum(left**2) / max(np.sum((y[near] if np.mean(near) > 0.5 else y) ** 2), 1e-300)), 0.0)
     known = (sd[0] / max(abs(b[0]), 1e-300)) ** 2 + (sd[1] / max(abs(b[1]), 1e-300)) ** 2
     return float(known), b, sd, told, m, float(np.mean(left**2))
+
+
+def series(law: Controller) -> tuple[float, float, float]:
+    """K_p, T_i and T_d of the controller in series form, K_p without its sign; as they are without derivative."""
+    K_p = abs(law.K_p)
+    if law.T_d <= 0.0 or not math.isfinite(law.T_i):
+        return K_p, law.T_i, law.T_d
+    root = math.sqrt(max(1.0 - 4.0 * law.T_d / law.T_i, 0.0))
+    share = 0.5 * (1.0 + root)
+    return K_p * share, law.T_i * share, law.T_d / share

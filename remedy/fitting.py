@@ -101,7 +101,7 @@ def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed
     if best.loop.K == 0.0:
         raise FitError("PV shows no answer to OP; log a stretch in which the set point or the load moves")
     progress("drawing loops that are about as likely")
-    members = ensemble_of(days, best, seed)
+    likely = ensemble_of(days, best, seed)
     if not sticks and gain >= GAIN:
         notes.append(f"A stick would gain {gain:.0f} nats, which is not enough to believe it.")
     lefts = tuple(
@@ -109,12 +109,12 @@ def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed
             day.pv[: own.shape[1]] - one.K * own[1]
             for own, day in zip(told(days, one, best.noises).shown, days, strict=True)
         )
-        for one in members
+        for one in likely
     )
     excluded = evidence.claim if evidence is not None else math.inf
     return LoopFit(
         given[0].name, "% of OP" if span is not None and tuple(span) == (0.0, 100.0) else "unit of OP",
-        given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), without[0], best, members, gain, sticks,
+        given[0].log.units.get(given[0].pv_name, ""), law, tuple(days), without[0], best, likely, gain, sticks,
         excluded, lefts, tuple(notes),
     )  # fmt: skip
 

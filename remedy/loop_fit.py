@@ -61,8 +61,8 @@ class LoopFit:
 
     name : of the loop;  op_unit, pv_unit : units;  controller : the law of OP
     days : the records;  without, found : the likeliest loop without stick, and the one that is believed
-    members : loops about as likely, the best first;  gain : what the stick gains [nats];  sticks : believed or not
-    lefts : of each member and day, what is left at PV (members, days) of (n,) [unit of PV]
+    loops : loops about as likely, the best first;  gain : what the stick gains [nats];  sticks : believed or not
+    lefts : of each loop and day, what is left at PV (loops, days) of (n,) [unit of PV]
     notes : what is to be said besides
 
     >>> from remedy.example import sticky
@@ -79,7 +79,7 @@ class LoopFit:
     days: tuple[Day, ...]
     without: Found
     found: Found
-    members: tuple[Loop, ...]
+    loops: tuple[Loop, ...]
     gain: float
     sticks: bool
     excluded: float
@@ -87,12 +87,12 @@ class LoopFit:
     notes: tuple[str, ...]
 
     def _each(self, key: str) -> Floats:
-        return np.array([float(getattr(one, key)) for one in self.members])
+        return np.array([float(getattr(one, key)) for one in self.loops])
 
     @property
     def best(self) -> Loop:
         """The likeliest loop."""
-        return self.members[0]
+        return self.loops[0]
 
     @cached_property
     def S(self) -> Size:
@@ -145,7 +145,7 @@ class LoopFit:
 
     @cached_property
     def _noise_load(self) -> tuple[Floats, Floats]:
-        """Standard deviation of noise and of load in each member, at PV [unit of PV].
+        """Standard deviation of noise and of load in each loop, at PV [unit of PV].
 
         A load that wanders as a first-order autoregression and white noise have the autocovariances
         r_k = load^2 rho^k, and noise^2 on top of r_0 (r_1 and r_2 tell load and rho).
@@ -225,12 +225,6 @@ class LoopFit:
             *lag, ["second time constant", str(self.tau_2), "s"], ["dead time", str(self.theta), "s"],
             ["load at PV", str(self.load_sd), pv], ["noise at PV", str(self.noise_sd), pv],
         ]  # fmt: skip
-
-    def to_python(self) -> str:
-        """The best loop as a Python file that a person can read, edit and run."""
-        from remedy.python_file import python_of
-
-        return python_of(self)
 
     def plot(self) -> Figure:
         """The log against the loop: the likeliest stem, its PV, and the free loop with what is left as its load."""

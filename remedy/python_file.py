@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from remedy.trial import series
-
-if TYPE_CHECKING:
-    from remedy.loop_fit import LoopFit
+from remedy.controller import series
+from remedy.loop_fit import LoopFit
 
 __all__ = ["python_of"]
 
@@ -48,7 +45,7 @@ if __name__ == "__main__":
 def python_of(fit: LoopFit) -> str:
     """Return the file as text; a derivative is left out of it and said so by the table."""
     law, one, day = fit.controller, fit.best, fit.days[0]
-    K_p, T_i, _ = series(fit)
+    K_p, T_i, _ = series(fit.controller)
     op0 = float(np.mean(day.op))
     pv0 = float(np.mean(day.pv if day.sp is None else day.sp))
     wide = "low=-inf, high=inf"

@@ -1,9 +1,9 @@
-"""The fitted loop as a diagram in which every remedy can be set, and the runs of all remedies on all members.
+"""The fitted loop as a diagram in which every remedy can be set, and the runs of all remedies on all loops.
 
     SP -> GapPI -> Knocker -> ConstantReinforcement -> TwoMove -> valve -> process -> (+) -> PV
                                                                      what the record left at PV -^
 
-The load is what the member leaves of PV in the record: each remedy meets the very load that the loop had.  Values are
+The load is what the loop leaves of PV in the record: each remedy meets the very load that the loop had.  Values are
 deviations from OP at the start; the valve takes a sample with the controller, as in the fit.
 """
 
@@ -32,9 +32,10 @@ from blocks import (
 )  # fmt: skip
 from blocks.block import Block
 from diagram import Diagram, ensemble, wire
+from remedy.controller import series
 from remedy.loop_fit import LoopFit
+from remedy.measures.setting import Setting
 from remedy.process import Loop
-from remedy.remedies.setting import Setting
 
 __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 
@@ -47,9 +48,9 @@ NOTHING = Setting("as it is", {})
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a setting gives on each member, (members,): standard deviations of SP - PV and OP, travel, reversals.
+    """What a setting gives on each loop, (loops,): standard deviations of SP - PV and OP, travel, reversals.
 
-    travel [unit of OP per h], reversals [1/h];  pv, op : (n,) of the first member, for pictures
+    travel [unit of OP per h], reversals [1/h];  pv, op : (n,) of the first loop, for pictures
     """
 
     setting: Setting
@@ -65,7 +66,7 @@ def diagram_of(fit: LoopFit) -> Diagram:
     """The loop with every remedy in its place, none of them on."""
     law, one = fit.controller, fit.best
     dt = law.dt
-    K_p, T_i, T_d = series(fit)
+    K_p, T_i, T_d = series(fit.controller)
     lead: list[Block] = []
     if T_d > 0.0:
         lead = [Biquad("PV_d", "PV", b=[1.0 + T_d / dt, -T_d / dt, 0.0], a=[0.0, 0.0], dt=dt, name="derivative")]
@@ -92,20 +93,9 @@ def _late(one: Loop, dt: float) -> float:
     return 0.25 * dt * round(4.0 * one.theta / dt)
 
 
-def series(fit: LoopFit) -> tuple[float, float, float]:
-    """K_p, T_i and T_d of the controller in series form, K_p without its sign; as they are without derivative."""
-    law = fit.controller
-    K_p = abs(law.K_p)
-    if law.T_d <= 0.0 or not math.isfinite(law.T_i):
-        return K_p, law.T_i, law.T_d
-    root = math.sqrt(max(1.0 - 4.0 * law.T_d / law.T_i, 0.0))
-    share = 0.5 * (1.0 + root)
-    return K_p * share, law.T_i * share, law.T_d / share
-
-
-def _member(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
-    """The parameters of one member under one setting."""
-    K_p, T_i, _ = series(fit)
+def _parameters(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
+    """The parameters of one loop under one setting."""
+    K_p, T_i, _ = series(fit.controller)
     law, u0 = fit.controller, float(fit.days[0].op[0])
     S, J = (one.S * setting.factors.get("valve.S", 1.0), one.J * setting.factors.get("valve.J", 1.0))
     found = {
@@ -123,17 +113,17 @@ def _member(fit: LoopFit, one: Loop, setting: Setting) -> dict[str, float]:
 
 
 def _run(
-    fit: LoopFit, members: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float,
+    fit: LoopFit, loops: Sequence[Loop], settings: Sequence[Setting], loads: Sequence[Floats], sp: Floats, z: float,
     stems: Sequence[float],
 ) -> Mapping[str, Floats]:  # fmt: skip
-    """Signals (settings, members, n) of each setting on each member, which has its load and the start of its stem."""
+    """Signals (settings, loops, n) of each setting on each loop, which has its load and the start of its stem."""
     dt, n = fit.controller.dt, len(sp)
     diagram, t = diagram_of(fit), np.arange(n) * dt
     columns, inputs = [], []
     start: dict[str, list[float]] = {"lag.PV": [], "process.PV": [], "valve.MV": []}
     for setting in settings:
-        for one, load, stem in zip(members, loads, stems, strict=True):
-            columns.append({**_member(fit, one, setting), "process.theta_start": stem})
+        for one, load, stem in zip(loops, loads, stems, strict=True):
+            columns.append({**_parameters(fit, one, setting), "process.theta_start": stem})
             inputs.append(Recorded("v", t, load, hold="previous"))
             start["lag.PV"].append(stem)
             start["process.PV"].append(0.0 if one.integrating else one.K * stem)
@@ -145,19 +135,19 @@ def _run(
         inputs={"SP": Recorded("SP", t, sp, hold="previous"), "v": inputs}, rtol=1e-5, atol=1e-8, workers=1,
         progress=False,
     )  # fmt: skip
-    shape = (len(settings), len(members), n)
+    shape = (len(settings), len(loops), n)
     return {name: values.reshape(shape) for name, values in result.values.items()}
 
 
 def outcomes(fit: LoopFit, settings: Sequence[Setting], count: int = 12) -> list[Outcome]:
-    """What each setting gives on ``count`` members, under the load of the record."""
+    """What each setting gives on ``count`` loops, under the load of the record."""
     day = fit.days[0]
     n = min(len(fit.lefts[0][0]), MOST)
-    members, loads = fit.members[:count], [own[0][:n] for own in fit.lefts[:count]]
+    loops, loads = fit.loops[:count], [own[0][:n] for own in fit.lefts[:count]]
     sp = np.full(n, float(np.mean(day.pv))) if day.sp is None else day.sp[:n]
     e = float(sp[0] - day.pv[0])
-    start = -math.copysign(series(fit)[0], fit.controller.K_p) * e  # OP is 0 at the start
-    found = _run(fit, members, settings, loads, sp, start, [0.0] * len(members))
+    start = -math.copysign(series(fit.controller)[0], fit.controller.K_p) * e  # OP is 0 at the start
+    found = _run(fit, loops, settings, loads, sp, start, [0.0] * len(loops))
     first, hours = int(SKIPPED * n), (n - int(SKIPPED * n)) * day.dt / 3600.0
     return [
         Outcome(
@@ -177,23 +167,23 @@ def _reversals(stem: Floats) -> int:
 
 
 def settling(fit: LoopFit, settings: Sequence[Setting], count: int = 6) -> list[tuple[Floats, Floats]]:
-    """Times (members,) [s] in which PV comes to 5 % behind a step of SP, and of a load at the valve, without stick.
+    """Times (loops,) [s] in which PV comes to 5 % behind a step of SP, and of a load at the valve, without stick.
 
     They are those of the tuning alone: neither stick nor noise nor the record's load.  inf where it does not within the
     run.
     """
-    members = [replace(one, S=0.0, J=0.0) for one in fit.members[:count]]
+    loops = [replace(one, S=0.0, J=0.0) for one in fit.loops[:count]]
     n = MOST
     dt, found = fit.controller.dt, []
     t = np.arange(n) * dt
     loads: list[Floats] = []
-    for one in members:
+    for one in loops:
         slow = max(one.tau, dt)
         loads.append(np.asarray(one.K * t if one.integrating else one.K * (1.0 - np.exp(-t / slow))))
-    none: list[Floats] = [np.zeros(n)] * len(members)
+    none: list[Floats] = [np.zeros(n)] * len(loops)
     plain = [_tuning_alone(setting) for setting in settings]
-    steps = _run(fit, members, plain, none, np.ones(n), 0.0, [0.0] * len(members))["PV"]
-    pushed = _run(fit, members, plain, loads, np.zeros(n), 0.0, [0.0] * len(members))["PV"]
+    steps = _run(fit, loops, plain, none, np.ones(n), 0.0, [0.0] * len(loops))["PV"]
+    pushed = _run(fit, loops, plain, loads, np.zeros(n), 0.0, [0.0] * len(loops))["PV"]
     for i in range(len(settings)):
         sp = np.array([_settled(own - 1.0, 0.05, dt) for own in steps[i]])
         load = np.array([_settled(own, 0.05 * float(np.abs(own).max() or 1.0), dt) for own in pushed[i]])

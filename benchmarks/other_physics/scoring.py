@@ -24,14 +24,18 @@ Row = Mapping[str, Any]
 FAMILIES = ("law", "process", "driver", "positioner", "form", "compressed")
 LEAK = 0.05  # of AUC from one half
 ALARMS = 0.02
+SURE = 0.99  # probability that a word without one stands for
 FEW = 20  # loops of either kind below which a family has no figure
 
 
 def probabilities(rows: Sequence[Row], name: str = "p") -> npt.NDArray[np.float64]:
     """What was said of each loop [-]; a word without a probability is sure, a refusal says one half."""
-    sure = {"stiction": 0.99, "no_stiction": 0.01}
-    found = [row.get(name) if row.get(name) is not None else sure.get(row["word"], 0.5) for row in rows]
+    found = [row.get(name) if row.get(name) is not None else _of_word(row["word"]) for row in rows]
     return np.array([min(max(float(p), 0.0), 1.0) for p in found])
+
+
+def _of_word(word: str) -> float:
+    return SURE if word == "stiction" else 1.0 - SURE if word == "no_stiction" else 0.5
 
 
 def figures(rows: Sequence[Row], name: str = "p") -> dict[str, float | None]:

@@ -68,7 +68,9 @@ def command(
     found = fitted(files, told)
     tell(say, found)
     if python is not None:
-        write_whole(python, found.to_python().encode())
+        from remedy import python_of
+
+        write_whole(python, python_of(found).encode())
         say(f"loop: {python}")
     if html is not None:
         from stickslip.report.page import page

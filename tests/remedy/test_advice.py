@@ -9,11 +9,11 @@ import pytest
 from blocks import GapPI, HeValve
 from diagram import simulate
 from logs import LoopRecord
-from remedy import FitError, fit, remedies
+from remedy import FitError, fit, python_of, remedies
 from remedy.advice import SURE
 from remedy.example import sticky
-from remedy.remedies import REMEDIES
-from remedy.remedies.setting import Situation
+from remedy.measures import REMEDIES
+from remedy.measures.setting import Situation
 from remedy.trial import NOTHING, diagram_of, outcomes
 
 
@@ -95,7 +95,7 @@ def test_pictures_are_drawn(found, advice):
 
 def test_the_python_file_runs_and_swings_as_the_record(record, found):
     space = {"__name__": "loop"}
-    exec(compile(found.to_python(), "loop.py", "exec"), space)
+    exec(compile(python_of(found), "loop.py", "exec"), space)
     run = simulate(space["loop"], 14400.0, every=2.0)
     assert float(np.std(run.log["PV"][900:])) == pytest.approx(float(np.std(record.e[900:])), rel=0.4)
 
@@ -120,10 +120,10 @@ def test_more_gain_of_the_load_gives_more_swing(found):
     half = [tuple(0.5 * (one - one[0]) + one[0] for one in own) for own in found.lefts]
     from dataclasses import replace
 
-    free = [replace(one, S=0.0, J=0.0) for one in found.members]
+    free = [replace(one, S=0.0, J=0.0) for one in found.loops]
     day = replace(found.days[0], sp=np.full(len(found.days[0].op), found.days[0].pv[0]))
     full, less = (
-        outcomes(replace(found, members=tuple(free), lefts=tuple(lefts), days=(day,)), [NOTHING], 2)[0].pv_sd
+        outcomes(replace(found, loops=tuple(free), lefts=tuple(lefts), days=(day,)), [NOTHING], 2)[0].pv_sd
         for lefts in (found.lefts, half)
     )
     np.testing.assert_allclose(less, 0.5 * full, rtol=0.05)

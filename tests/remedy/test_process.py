@@ -92,8 +92,8 @@ def test_the_search_finds_what_made_the_record(found):
 
 def test_the_ensemble_lies_about_the_best(found):
     day, _, best = found
-    members = ensemble_of([day], best)
-    assert members[0] == best.loop and len(members) == 24
-    S = [one.S for one in members]
+    loops = ensemble_of([day], best)
+    assert loops[0] == best.loop and len(loops) == 24
+    S = [one.S for one in loops]
     assert min(S) < 5.2 and max(S) > 4.8 and np.std(S) > 0.01
-    assert ensemble_of([day], best) == members  # the same random numbers
+    assert ensemble_of([day], best) == loops  # the same random numbers

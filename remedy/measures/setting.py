@@ -35,7 +35,7 @@ class Situation:
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to set a remedy: ``params`` block.parameter -> value, ``factors`` by which a member's own is multiplied.
+    """One way to set a remedy: ``params`` block.parameter -> value, ``factors`` by which a loop's own is multiplied.
 
     ``values`` are the settings by name and ``words`` the same as a person enters them.
     """

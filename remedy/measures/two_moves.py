@@ -3,7 +3,7 @@
 Source and limits: ``blocks.two_move`` (Srinivasan and Rengaswamy 2008; Cuadros et al. 2012).
 """
 
-from remedy.remedies.setting import Setting, Situation
+from remedy.measures.setting import Setting, Situation
 
 TITLE = "two moves"
 AT_SHUTDOWN = False

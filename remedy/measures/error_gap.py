@@ -3,7 +3,7 @@
 Source and limits: ``blocks.gap_pi`` (Shinskey 1996).
 """
 
-from remedy.remedies.setting import Setting, Situation
+from remedy.measures.setting import Setting, Situation
 
 TITLE = "error gap"
 AT_SHUTDOWN = False

@@ -6,7 +6,7 @@ half_gain  slower_integral  detuned    by its tuning
 positioner  repair                     at the valve, at a shutdown
 """
 
-from remedy.remedies import (
+from remedy.measures import (
     detuned,
     error_gap,
     half_gain,

@@ -3,7 +3,7 @@
 Source and limits: ``blocks.constant_reinforcement`` (Ivan and Lakshminarayanan 2009).
 """
 
-from remedy.remedies.setting import Setting, Situation
+from remedy.measures.setting import Setting, Situation
 
 TITLE = "constant reinforcement"
 AT_SHUTDOWN = False

@@ -3,7 +3,7 @@
 Source and limits: ``blocks.knocker`` (Hagglund 2002).
 """
 
-from remedy.remedies.setting import Setting, Situation
+from remedy.measures.setting import Setting, Situation
 
 TITLE = "knocker"
 AT_SHUTDOWN = False

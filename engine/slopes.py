@@ -1,0 +1,140 @@
+"""Slopes of what a stretch of a run and the stop behind it make of a state: differences across the run itself."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from engine.layout import COUNT, EVENTS, R
+from engine.layout import H as H0
+from engine.restarts import arrive, pass_instant, put, read, restore
+from engine.spread import NARROWEST, add_bend, one_bend
+
+WIDE = math.sqrt(3.0)
+KINKED = 0.5  # standard deviations by which signals may miss their slopes over all that is likely
+
+
+@njit(cache=True, error_model="numpy")
+def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # type: ignore[no-untyped-def]
+    """Run from a state ``z`` past an instant, where noise goes on and is ``drawn``; return a status."""
+    no_rows = np.empty((1, 0))
+    restore(I, W, base_I, base_W)
+    put(I, W, places, z)
+    status = arrive(I, W, buffer, no_rows, t)
+    if status != 0:
+        return status
+    for j in range(len(noisy)):
+        W[noisy[j]] = W[noisy[j]] * phi[j] + drawn[j]
+    return pass_instant(I, W, buffer, no_rows)
+
+
+@njit(cache=True, error_model="numpy")
+def slopes_at(  # type: ignore[no-untyped-def]
+    I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, D, columns,
+    behind, y, A, B, H, G,
+):  # fmt: skip
+    """Write the slopes of what a stretch and the stop behind it make of the state, and of a noise drawn there.
+
+    The last columns of ``B`` and ``G`` are what bends: the root of the mean square of what slopes leave.
+    """
+    n, m, q = len(places), len(shown), len(noisy)
+    bend, y_bend, most = np.zeros(n), np.zeros(m), 0.0
+    B[:, q] = 0.0
+    G[:, q] = 0.0
+    no_rows = np.empty((1, 0))
+    up, down, y_up, y_down, moved_z = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
+    for i in range(n):
+        variance = 0.0
+        for j in range(columns):
+            variance += D[i, j] ** 2
+        far = WIDE * max(math.sqrt(variance), NARROWEST * size[i])
+        for way in range(2):
+            moved_z[:] = z
+            moved_z[i] += far if way == 0 else -far
+            restore(I, W, base_I, base_W)
+            put(I, W, places, moved_z)
+            status = arrive(I, W, buffer, no_rows, t)
+            if status == 0:
+                for j in range(len(noisy)):
+                    W[noisy[j]] *= phi[j]
+                status = pass_instant(I, W, buffer, no_rows)
+            if status != 0:
+                return status
+            read(W, places, up if way == 0 else down)
+            read(W, shown, y_up if way == 0 else y_down)
+        A[:, i] = (up - down) / (2.0 * far)
+        H[:, i] = (y_up - y_down) / (2.0 * far)
+        most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, most, B[:, q], G[:, q])
+    for j in range(len(noisy)):
+        B[:, j] = 0.0
+        G[:, j] = 0.0
+        if sd[j] > 0.0:
+            far = WIDE * sd[j]
+            for way in range(2):
+                restore(I, W, stop_I, stop_W)
+                W[noisy[j]] = at_stop[at[j]] + (far if way == 0 else -far)
+                status = pass_instant(I, W, buffer, no_rows)
+                if status != 0:
+                    return status
+                read(W, places, up if way == 0 else down)
+                read(W, shown, y_up if way == 0 else y_down)
+            B[:, j] = (up - down) / (2.0 * far)
+            G[:, j] = (y_up - y_down) / (2.0 * far)
+            most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, most, B[:, q], G[:, q])
+    one_bend(A, H, B, G, sd, D, columns, bend, y_bend)
+    return 0
+
+
+@njit(cache=True, error_model="numpy")
+def same_kind(base, behind, kinds, known, times, phi, sd, k):  # type: ignore[no-untyped-def]
+    """Return the slot of stops like this one, by what sampled on the way; -1 for one with events, or for none left."""
+    if k == 0 or behind[EVENTS] != base[EVENTS]:
+        return -1
+    for slot in range(len(known)):
+        if known[slot] < 0:
+            for b in range(kinds.shape[1]):
+                kinds[slot, b] = behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
+            return slot
+        other = known[slot]
+        alike = abs((times[k] - times[k - 1]) - (times[other] - times[other - 1])) < 1e-9 * times[k]
+        for j in range(phi.shape[1]):
+            alike = alike and abs(phi[k, j] - phi[other, j]) < 1e-9 and sd[k, j] == sd[other, j]
+        for b in range(kinds.shape[1]):
+            alike = alike and kinds[slot, b] == behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
+        if alike:
+            return slot
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def straight(  # type: ignore[no-untyped-def]
+    I, W, buffer, base_I, base_W, places, shown, noisy, probed, t, phi, sd, z, D, columns, y, width, Y, reach, aside,
+    drawn,
+):  # fmt: skip
+    """Return whether signals follow their slopes over ``reach`` standard deviations: a limit near by bends them."""
+    n, moved = len(z), np.empty(len(y))
+    for i in range(len(y)):
+        variance = 0.0
+        for j in range(width):
+            variance += Y[i, j] ** 2
+        if not probed[i] or variance == 0.0:
+            continue
+        for way in (reach, -reach):
+            far = way / math.sqrt(variance)
+            for p in range(n):
+                aside[p] = z[p]
+                for j in range(columns):
+                    aside[p] += far * D[p, j] * Y[i, j]
+            c = columns
+            for j in range(len(noisy)):
+                drawn[j] = 0.0
+                if sd[j] > 0.0:
+                    drawn[j] = far * sd[j] * Y[i, c]
+                    c += 1
+            if arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, aside, drawn) != 0:
+                return False
+            read(W, shown, moved)
+            off = moved[i] - y[i] - way * math.sqrt(variance)
+            if off**2 > KINKED**2 * variance:
+                return False
+    return True
