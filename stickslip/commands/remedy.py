@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from remedy import Advice
 
 SCHEMA = "stickslip.remedy/1"
+TRIAL = "This advice is new and was tested on few plants: watch the loop for some hours before you keep a setting."
 
 
 @click.command("remedy")
@@ -73,6 +74,8 @@ def tell(say: Speaker, advice: "Advice") -> None:
     if found.sticks:
         ratio, _ = advice.cost
         say.paragraph(f"What the stick costs: SP - PV swings {ratio} times as far as without it, under the same load.")
+    if advice.until_shutdown or advice.at_shutdown:
+        say.paragraph(TRIAL)
     say.table(advice.columns(), advice.rows())
     say("Settings tried, the best of each:")
     for one in advice.tried:
