@@ -4,6 +4,6 @@ prepared     a model made ready: noise as inputs that are held, dead times as sc
 frame        what all hypotheses of a record share            hypothesis   an effect at a place, and what it leaves
 fit          sizes by Fisher's scoring                        switches     when an input switched between two rows
 search       every effect by its score, the likeliest fitted  judge        whether what is left is usual
-diagnosing   the question as a whole                          telling      its words
-report       all of it for a model and a log: ``likelihood_report``
+relevance    whether an effect moves anything                 held_out     how far a gap shrinks on unseen rows
+diagnosing   the question as a whole, for ``gap.diagnose``    telling      its words
 """

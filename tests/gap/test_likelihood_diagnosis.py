@@ -2,8 +2,8 @@
 
 import pytest
 
+from gap import diagnose
 from gap.effects import effect
-from gap.likelihood.report import likelihood_report
 from tests.gap.root_tank import logged, tank
 
 STATED = {"sd": 0.018, "time": 45.0, "noise": 0.003}  # wrong by 1.8, 2.2 and 1.3: a plant's load is not known better
@@ -11,7 +11,7 @@ STATED = {"sd": 0.018, "time": 45.0, "noise": 0.003}  # wrong by 1.8, 2.2 and 1.
 
 @pytest.mark.parametrize("scanned", [True, False], ids=["scanned", "continuous"])
 def test_a_load_of_another_size_than_stated_is_a_note_and_no_gap(scanned: bool) -> None:
-    report = likelihood_report(tank(scanned, **STATED), logged(tank(scanned), 11))
+    report = diagnose(tank(scanned, **STATED), logged(tank(scanned), 11), limits=False)
     assert not report.gap
     assert any("feed.sd is stated as 0.018" in note for note in report.notes)
 
@@ -30,7 +30,7 @@ def test_effects_are_in_the_named_set_with_their_size(
     name: str, place: str, size: dict[str, float], scanned: bool
 ) -> None:
     true = effect(name).insert(tank(scanned), place, **size)
-    report = likelihood_report(tank(scanned, **STATED), logged(true, 12))
+    report = diagnose(tank(scanned, **STATED), logged(true, 12), limits=False)
     assert report.gap and report.where is not None
     (cause,) = report.causes
     assert name in (cause.effect, *cause.ambiguous_with)
