@@ -36,7 +36,7 @@ from gap.records.start import start_values
 ODDS = 10.0  # to one, for an effect against none
 ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
-MOST_BLOCKS, MOST_STATES = 16, 60  # of a diagram; larger ones have an observer of their own
+MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram; larger ones have an observer of their own
 
 
 @dataclass(frozen=True, eq=False)

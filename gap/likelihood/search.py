@@ -174,7 +174,8 @@ def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
     assert effect is not None
     names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
     if effect.hidden:
-        return _stepped(_stepped(one.looked, one.looked) or one.looked)
+        first = _stepped(one.looked, one.looked)
+        return None if first is None else _stepped(first)
     if gross(null):
         size = _walked(one.looked, one.looked)
         return tried(hypothesis, size.values)

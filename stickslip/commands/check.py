@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.commands.short import too_short
 from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.reading import form_options
 from stickslip.standard_input import with_standard_input
@@ -66,7 +65,7 @@ def command(files: tuple[Path, ...], **told: Any) -> None:
     Exit codes:
       0  done: no stiction, or the record leaves it open (the verdict says which)
       1  done, and stiction found
-      2  FILE cannot be read or is too short for any verdict, or the request makes no sense
+      2  FILE cannot be read, or the request makes no sense
     """
     with with_standard_input(files) as found:
         _check(found, **told)
@@ -108,8 +107,6 @@ def _check(
         write_whole(html, loop_page(diagnosis).encode())
         say(f"report: {html}")
     say.document(diagnosis.to_dict() | beside)
-    if short := too_short([(diagnosis.loop, len(record), diagnosis.methods)]):
-        raise ValueError(short)
     raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
 
 
