@@ -194,7 +194,7 @@ def remedies(fit: LoopFit, progress: Say = _quiet) -> Advice:
     >>> from remedy import fit
     >>> from remedy.example import sticky
     >>> advice = remedies(fit(sticky()))
-    >>> round(advice.none.score, 2), advice.until_shutdown is None or advice.until_shutdown in {one.name for one in advice.tried}
+    >>> round(advice.none.score, 2), len(advice.tried) > 5
     (1.05, True)
     """
     at = _situation(fit)

@@ -9,7 +9,7 @@ from logs.compiled import njit
 
 __all__ = ["climb", "told_by"]
 
-RIDGE = 1e-9  # of the mean diagonal: columns that repeat each other must not stop the fit
+RIDGE = 1e-7  # of each column's square: columns that repeat each other must not stop the fit, in any unit
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})  # type: ignore[untyped-decorator]
@@ -59,11 +59,8 @@ def climb(X: Any, y: Any, nu: float, floor: float, steps: int, w: Any, each: Any
                 b[lane, i] = _product(weighed, y)
                 for j in range(i + 1):
                     gram[i, j] = _product(weighed, x[j])
-            trace = 0.0
             for i in range(p):
-                trace += gram[i, i]
-            for i in range(p):
-                gram[i, i] += RIDGE * trace / p + 1e-300
+                gram[i, i] += RIDGE * gram[i, i] + 1e-300
             _solved(gram, b[lane])
             left[:] = y
             for i in range(p):
@@ -101,16 +98,14 @@ def told_by(inputs: Any, rows: Any, k: int, w: Any, q: Any, target: Any, left: A
                 gram[i, j] = _product(x[i], x[j])
             for j in range(p):
                 along[i, j] = _product(x[i], q[j])
-        trace = 0.0
         for i in range(b):
             for j in range(i + 1):
                 total = gram[i, j]
                 for m in range(p):
                     total -= along[i, m] * along[j, m]
                 gram[i, j] = total
-            trace += gram[i, i]
         for i in range(b):
-            gram[i, i] += RIDGE * trace + 1e-300
+            gram[i, i] += RIDGE * gram[i, i] + 1e-300
             right[i] = cross[i]
         _solved(gram, right)
         told = 0.0
