@@ -1,6 +1,7 @@
 """Patterns against plain numpy and closed forms, their indifference to sign, and what they cost."""
 
 import time
+from functools import cache
 
 import numpy as np
 import pytest
@@ -19,10 +20,20 @@ def view(pv, op):
 
 
 T = np.arange(1500.0)
-TRIANGLE = 2 / np.pi * np.arcsin(np.sin(2 * np.pi * T / 60))
-STICK = view(np.sign(np.roll(TRIANGLE, 15)) + 0.05 * np.random.default_rng(1).normal(size=1500), 5 * TRIANGLE)
 WAVE = 2 * np.pi * T / 60
-SINE = view(np.cos(WAVE) + 0.05 * np.random.default_rng(2).normal(size=1500), 5 * np.sin(WAVE))
+TRIANGLE = 2 / np.pi * np.arcsin(np.sin(2 * np.pi * T / 60))
+
+
+@cache
+def sticking():
+    """Return a loop that sticks."""
+    return view(np.sign(np.roll(TRIANGLE, 15)) + 0.05 * np.random.default_rng(1).normal(size=1500), 5 * TRIANGLE)
+
+
+@cache
+def swinging():
+    """Return a loop that swings."""
+    return view(np.cos(WAVE) + 0.05 * np.random.default_rng(2).normal(size=1500), 5 * np.sin(WAVE))
 
 
 def test_travel_since_a_turn_of_a_triangle():
@@ -62,12 +73,12 @@ def test_what_is_pooled():
 
 def test_the_sign_of_odd_channels_does_not_matter():
     read = Readout.read(FILE)
-    x = channels(STICK)[0]
+    x = channels(sticking())[0]
     assert read.odd(-x) == pytest.approx(read.odd(x), abs=1e-5)
 
 
 def test_channels_are_scale_free_and_of_one_time():
-    odd, even, since = channels(SINE)
+    odd, even, since = channels(swinging())
     assert odd.shape[0] == ODD and even.shape[0] == EVEN and since.shape == (4 * BINS,)
     assert odd[:2].std(axis=1) == pytest.approx([1.0, 1.0], abs=0.01)
     turns = np.flatnonzero(np.diff(np.sign(odd[0])) != 0)
@@ -82,7 +93,7 @@ def test_pv_that_moves_after_a_travel_of_op_is_seen_there():
 
 
 def test_a_stick_scores_higher_than_a_wave_from_outside():
-    stick, sine = pattern_features(STICK), pattern_features(SINE)
+    stick, sine = pattern_features(sticking()), pattern_features(swinging())
     assert stick["pattern_sticky"] > sine["pattern_sticky"] + 0.3
     assert sine["pattern_external_sine"] > stick["pattern_external_sine"]
 
@@ -91,17 +102,17 @@ def test_it_is_kept_and_read_the_same(tmp_path):
     read = Readout.read(FILE)
     read.write(tmp_path / "again.npz")
     again = Readout.read(tmp_path / "again.npz")
-    x = pooled_of(STICK, read.odd, read.even)
+    x = pooled_of(sticking(), read.odd, read.even)
     assert np.array_equal(again.scores(x), read.scores(x)) and again.names == read.names
     assert isinstance(again.odd, Kernels) and FILE.stat().st_size < 2_000_000
 
 
 def test_cost():
     # 5 ms on a quiet machine; processor time, the best of five, and room for a slow one
-    pattern_features(STICK)
+    pattern_features(sticking())
     spent = []
     for _ in range(5):
         began = time.process_time()
-        pattern_features(STICK)
+        pattern_features(sticking())
         spent.append(time.process_time() - began)
     assert min(spent) < 0.025
