@@ -211,9 +211,9 @@ def otherwise(  # type: ignore[no-untyped-def]
     a, h = np.empty((n, n)), np.empty((m, n))
     aside, moved, y, known = np.zeros(n), np.empty(n), np.empty(m), np.empty(m)
     for k in range(len(row_of)):
-        i_k = which[k]
-        a[:], h[:] = A[i_k], H[i_k]
-        b, g = B[i_k], G[i_k]
+        own = which[k]
+        a[:], h[:] = A[own], H[own]
+        b, g = B[own], G[own]
         for j in range(q):
             more = other_phi[k, j] - phi[k, j]
             for i in range(n):

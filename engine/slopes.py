@@ -43,6 +43,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
     G[:, q] = 0.0
     no_rows = np.empty((1, 0))
     up, down, y_up, y_down, moved_z = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
+    nothing = np.zeros(q)
     for i in range(n):
         variance = 0.0
         for j in range(columns):
@@ -51,13 +52,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
         for way in range(2):
             moved_z[:] = z
             moved_z[i] += far if way == 0 else -far
-            restore(I, W, base_I, base_W)
-            put(I, W, places, moved_z)
-            status = arrive(I, W, buffer, no_rows, t)
-            if status == 0:
-                for j in range(len(noisy)):
-                    W[noisy[j]] *= phi[j]
-                status = pass_instant(I, W, buffer, no_rows)
+            status = arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, moved_z, nothing)
             if status != 0:
                 return status
             read(W, places, up if way == 0 else down)
