@@ -11,6 +11,7 @@ from engine.restarts import arrive, pass_instant, put, read, restore
 from engine.spread import NARROWEST, add_bend, one_bend
 
 WIDE = math.sqrt(3.0)
+SAME = 1e-6  # share by which noise of two stops of one kind may differ: instants are rounded
 KINKED = 0.5  # standard deviations by which signals may miss their slopes over all that is likely
 
 
@@ -93,7 +94,7 @@ def same_kind(base, behind, kinds, known, times, phi, sd, k):  # type: ignore[no
         other = known[slot]
         alike = abs((times[k] - times[k - 1]) - (times[other] - times[other - 1])) < 1e-9 * times[k]
         for j in range(phi.shape[1]):
-            alike = alike and abs(phi[k, j] - phi[other, j]) < 1e-9 and sd[k, j] == sd[other, j]
+            alike = alike and abs(phi[k, j] - phi[other, j]) < SAME and abs(sd[k, j] - sd[other, j]) <= SAME * sd[k, j]
         for b in range(kinds.shape[1]):
             alike = alike and kinds[slot, b] == behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
         if alike:
