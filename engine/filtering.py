@@ -143,13 +143,14 @@ def extended(  # type: ignore[no-untyped-def]
                              from_z[slot], to_z[slot], to_y[slot], size)  # fmt: skip
             which[k] = i
         row = row_of[k]
+        # between rows nothing bends within the spread, if it did not within more of it at the row before
         bends = width >= 0 and (row >= 0 or near) and not straight(
-            I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k], z, D, columns, y, width,
-            Y, FAR if row >= 0 else WIDE, aside, drawn,
+            I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k], z, D, columns, y,
+            width, Y, FAR if row >= 0 else WIDE, aside, drawn,
         )  # fmt: skip
         if bends and (row < 0 or not straight(
-            I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k], z, D, columns, y, width,
-            Y, WIDE, aside, drawn,
+            I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k], z, D, columns, y,
+            width, Y, WIDE, aside, drawn,
         )):  # fmt: skip
             width = -1
         fresh = width < 0
