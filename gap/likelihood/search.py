@@ -262,7 +262,7 @@ def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
     d = np.nan_to_num(looked.e - null.best.e) * weight
     for slope in basis(null):
         d = d - slope * float(np.sum(slope * d))
-    length = float(np.sqrt(np.sum(d**2)))
+    length = float(np.linalg.norm(d))
     if not 1e-6 < length < math.inf:
         return None
     direction = d / length
