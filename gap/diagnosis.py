@@ -26,6 +26,7 @@ from gap.explanations.candidates import candidates, ranked
 from gap.explanations.chance import priced
 from gap.explanations.nesting import one_of_nested
 from gap.explanations.one_of_pair import enough_alone
+from gap.explanations.other_law import stem_of_other_law
 from gap.explanations.pairs import beside_stem, paired
 from gap.explanations.unmeasured import unmeasured_load
 from gap.filters.diagnosing import filtering_of, outcome
@@ -194,6 +195,9 @@ def told(
     # what leaves something has to be likelier than a load that nobody measures
     beyond = math.inf if rival is None else rival.F - needed(problem)
     good = adequate(problem, best) and (best.total < beyond or stands(problem, best))
+    stem = stem_of_other_law(problem, fits)
+    if stem is not None and not (good and best is stem):
+        return named(problem, [stem], fits, "adequate", rival)
     if good and (best.effect.hidden or stands(problem, best)):
         loud = beside_stem(problem, fits, catalogue) if best.effect.hidden else None
         if loud is not None:
