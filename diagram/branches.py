@@ -125,7 +125,8 @@ def _pin(diagram: "Wired", signal: str) -> int:
 
 def _stops(pins: list[Block], t0: float, t_end: float) -> Floats:
     """Return the times of all samples of the pins, from the start to the end of the run, both included."""
-    listed = np.concatenate([pin.timetable[:, 0] for pin in pins if pin.timetable is not None])
+    tables = [pin.timetable for pin in pins if pin.timetable is not None]
+    listed = np.concatenate([one[np.isfinite(one[:, 1]), 0] for one in tables])
     return np.unique(np.concatenate([[t0], listed[(listed > t0) & (listed < t_end)], [t_end]]))
 
 

@@ -4,6 +4,7 @@ Nuisances are blocks that draw random numbers (``sd`` > 0): sensor noise, loads 
 are silenced, for runs without a gap they draw.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from blocks.noise import Noise, Seeded
 from blocks.role import Role
 from blocks.sources import Constant
 from diagram.diagram import Diagram
+from gap.insertion.paths import noise_of
 from gap.records.record import FEWEST, GapError, Record
 from gap.records.regular import with_inputs_held, with_rows_filled
 from logs import Log
@@ -149,4 +151,25 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     bad = [s for s in usable if np.isnan(log[s]).all()]
     for signal in usable:
         _refuse_other_unit(opened, log, signal)
-    return opened, Record(log, tuple(opened.open_inputs), tuple(s for s in usable if s not in bad))
+    pinned = tuple(s for s in usable if s not in bad)
+    return opened, Record(log, tuple(opened.open_inputs), pinned, fresh=_fresh(opened, pinned))
+
+
+def _fresh(diagram: Diagram, signals: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Return the signals of sensors whose noise is white, with (period, first time) [s] of its draws.
+
+    None beside a load that nobody measures: what that has done to a row lasts longer than the noise there.
+    """
+    drawing = nuisances(diagram)
+    if any(one.correlation_time > 0.0 for one in drawing):
+        return {}
+    white = {one.block for one in drawing}
+    found = {}
+    for s in signals:
+        sensor = diagram.blocks[diagram.driven[s][0]]
+        name = noise_of(diagram, sensor) if sensor.role is Role.SENSOR else None
+        if name in white:
+            drawn = diagram[name]
+            first = float(drawn.params[drawn.offset_param]) if drawn.offset_param else 0.0
+            found[s] = (drawn.period, first)
+    return found

@@ -27,7 +27,7 @@ RANDOM = frozenset(seeded(0))  # memories of random numbers
 def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
     """Return the start values of a silent model that suit the first rows of a record, by name."""
     log = record.log.samples(0, min(ROWS, len(record.log)))
-    head = Record(log, record.played, record.pinned)
+    head = Record(log, record.played, record.pinned, fresh=record.fresh)
     spread = np.array([max(float(np.nanstd(record.log[s])), 1e-9) for s in record.pinned])
     names = {
         f"{block.name}.{name}": float(value)
