@@ -74,15 +74,8 @@ class Pin(Block):
         times, recorded, self.clock = samples(name, t, values)
         if until is not None:
             ends = np.asarray(until, dtype=float)
-            rule = "an offset ends behind its row"
-            require(
-                ends.shape == times.shape and bool(np.all(ends > times)),
-                name,
-                "until",
-                until,
-                rule,
-                "give one later time for each",
-            )
+            later = ends.shape == times.shape and bool(np.all(ends > times))
+            require(later, name, "until", until, "an offset ends behind its row", "give one later time for each")
             early = np.flatnonzero(ends[:-1] < times[1:] - SOON * np.diff(times))
             times = np.insert(times, early + 1, ends[early])
             recorded = np.insert(recorded, early + 1, np.nan)

@@ -47,11 +47,10 @@ def pin_blocks(
     for s in names:
         if s not in played:
             folder, _, _ = s.rpartition("/")
-            driver = diagram.blocks[diagram.driven[s][0]].name.removeprefix(f"{folder}/")
-            times = (
-                None if s not in (fresh or {}) else (*(fresh or {})[s], diagram.blocks[diagram.driven[s][0]].sampled)
-            )
-            pins.append(_pin(log, s, driver, diagram.signal_units[s], diagram.signal_spans.get(s), times))
+            driver = diagram.blocks[diagram.driven[s][0]]
+            drawn = (*fresh[s], driver.sampled) if fresh and s in fresh else None
+            name = driver.name.removeprefix(f"{folder}/")
+            pins.append(_pin(log, s, name, diagram.signal_units[s], diagram.signal_spans.get(s), drawn))
     return played, pins
 
 
@@ -69,7 +68,9 @@ def _pin(
 ) -> Pin:
     """Return the pin behind the driver of a signal; the same one again for the next diagram."""
     t, values = _samples(log, s)
-    t, until = (t, None) if drawn is None else _in_force(t, *drawn)
+    until = None
+    if drawn is not None:
+        t, until = _in_force(t, *drawn)
     pin = Pin(
         t,
         values,

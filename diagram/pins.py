@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
-from diagram.branches import Branches
+from diagram.branches import Branches, times_of_rows
 from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble
 from diagram.ensembles.running import Summary, ensemble
@@ -41,7 +41,7 @@ def residuals(run: Run) -> dict[str, Floats]:
     for block in run.diagram.blocks:
         offset = f"{block.output_labels[0]}:offset" if block.output_labels else ""
         if block.timetable is not None and offset in block.output_labels and offset in run.log:
-            known = block.timetable[np.isfinite(block.timetable[:, 1]), 0]
+            known = times_of_rows(block)
             near = known[np.clip(np.searchsorted(known, run.log.t - 0.5 * _rounding(run.log.t)), 0, len(known) - 1)]
             listed = np.abs(near - run.log.t) <= _rounding(run.log.t)
             found[block.output_labels[0]] = np.where(listed, run.log[offset], np.nan)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blocks.noise import Noise, Seeded
+from blocks.block import Block
+from blocks.noise import Noise, Seeded, seeded
 from blocks.role import Role
 from blocks.sources import Constant
 from diagram.diagram import Diagram
@@ -19,6 +20,7 @@ from gap.records.regular import with_inputs_held, with_rows_filled
 from logs import Log
 
 LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
+RANDOM = frozenset(seeded(0))  # memories of random numbers
 ELSEWHERE = 1.0  # times its range, by which an output beyond its limits is in another unit
 
 
@@ -33,6 +35,18 @@ class Nuisance:
     def __str__(self) -> str:
         colour = f", correlation time {self.correlation_time:g} s" if self.correlation_time else ", white"
         return f"{self.block} (standard deviation {self.sd:g}{colour})"
+
+
+def smooth_memories(block: Block) -> tuple[str, ...]:
+    """Return the memories of a block that may have any value near theirs: no mode, no count, no random number.
+
+    >>> from blocks import Lookup1D, SampledFilter
+    >>> smooth_memories(SampledFilter("y", "u", 2.0, dt=1.0))
+    ('y',)
+    >>> smooth_memories(Lookup1D("y", "u", [0.0, 1.0], [0.0, 2.0]))
+    ()
+    """
+    return tuple(name for name in block.memory_names if name not in RANDOM and name not in block.discrete)
 
 
 def nuisances(diagram: Diagram) -> tuple[Nuisance, ...]:

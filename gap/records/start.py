@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.noise import seeded
 from diagram.diagram import Diagram
+from gap.records.model import smooth_memories
 from gap.records.offsets import offsets
 from gap.records.record import Record
 
@@ -21,7 +21,6 @@ STEP = 1e-3  # perturbation of a start value, in its own size or 1e-3
 FELT = 1e-6  # smallest response, in spreads of the signal per unit of start value, that counts
 ROUNDS = 8
 SHARES = (2.0, 1.0, 0.5, 0.2, 0.05)  # of a step
-RANDOM = frozenset(seeded(0))  # memories of random numbers
 
 
 def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
@@ -34,7 +33,7 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
         for block in quiet.blocks
         for name, value in [
             *zip(block.state_names, block.x0, strict=True),
-            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n not in {*RANDOM, *block.discrete}),
+            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n in smooth_memories(block)),
         ]
     }
     if not names:
