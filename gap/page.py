@@ -41,10 +41,9 @@ parameter in brackets has to be fitted for a replay but is no part of the effect
 
 Where an effect can be follows from the role, the parameters and the inputs of a block.  ``process_gain`` changes a
 parameter called ``K``, and stands as a gain before a process of one input that has none.  ``process_time_constant``
-wants a parameter called ``tau``, ``T`` or ``omega``.  ``dead_time`` wants a process of one input.  A process of your
-own (``Equations``) is a place for all three if its parameters have these names and one signal enters it.  If it has
-two inputs, wire a ``DeadTime`` between the valve and it; a dead time of 0 will do.  ``process_gain`` and ``dead_time``
-then have their place there.  ``effect("dead_time").places(model)`` lists the places.
+wants a parameter called ``tau``, ``T`` or ``omega``.  ``dead_time`` delays the one signal that enters a process from no
+source, and else what the process gives.  A process of your own (``Equations``) is a place for all three if its
+parameters have these names.  ``effect("dead_time").places(model)`` lists the places.
 
 With linear blocks and only OP, PV and SP logged, the effects of one line give the same log:
 

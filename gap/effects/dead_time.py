@@ -1,7 +1,7 @@
 """Dead time: what enters the process arrives later by ``theta`` [s].
 
-A process that has a dead time of its own gets that much more; in front of any other with one input stands a delay.
-Not for a block that several signals enter: which of them is late is another question.
+A process that has a dead time of its own gets that much more.  Any other gets a delay in front of it, in the one signal
+that no source gives.  Where several such signals enter a process, what it gives is delayed: all of them are late then.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from blocks.role import Role
 from diagram.diagram import Diagram
 from gap.insertion.effect import Parameter, known_first, not_below
 from gap.insertion.inserted import Inserted
-from gap.insertion.paths import made_of
+from gap.insertion.paths import given, made_of, measured, users
 
 
 class DeadTime(Inserted):
@@ -30,16 +30,21 @@ class DeadTime(Inserted):
     where = "before"
 
     def fits(self, diagram: Diagram, block: Block) -> bool:
-        """Return whether one signal enters the process."""
-        return len(block.input_labels) == 1
+        """Return whether one signal that no source gives enters the process, or one leaves it."""
+        return bool(block.dead_time_param) or measured(diagram, block) is not None or len(block.output_labels) == 1
 
     def made(self, diagram: Diagram, place: str) -> Block:
         """Return the delay."""
         return Delay(1.0, name=self.block(place))
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
-        """Return the diagram with a delay in front of a process without one."""
-        return diagram if diagram[place].dead_time_param else super().put(diagram, place)
+        """Return the diagram with a delay at a process without one."""
+        if diagram[place].dead_time_param:
+            return diagram
+        if measured(diagram, diagram[place]) is not None:
+            return super().put(diagram, place)
+        signal = given(diagram, place)
+        return diagram.insert(signal, self.made(diagram, place), readers=users(diagram, signal))
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the dead time as a parameter of the process, or of the delay in front of it."""

@@ -3,7 +3,8 @@
     span of a signal      the instrument span that a block states; behind one that has a single input, what the span
                           of that input becomes at rest (a positioner, a half of a split range); else 1 (fractions)
     time scale            the integral time T_i of the nearest controller, else the time constant of the nearest
-                          process, else 10 s
+                          process, else 10 s; at a process the geometric mean of that and its own time constant
+    size of a source      its value, its mean, or 40 standard deviations of its noise, whichever is the largest
 
 They set the bounds between which the size of an effect is searched; no result depends on them otherwise.
 """
@@ -18,6 +19,7 @@ from diagram import wire
 from diagram.diagram import Diagram
 
 USUAL = 10.0  # [s], where a diagram says nothing
+SPREADS = 40.0  # standard deviations of an unmeasured load that are its size: what it adds is searched below half of it
 TIMES = ("tau", "tau_1", "T")  # time constants of processes
 
 
@@ -31,14 +33,14 @@ def scale(diagram: Diagram, place: str, per: str) -> float:
 
 
 def size(source: Block) -> float:
-    """Return how large the signal of a source is [its unit]: its value or mean, 1 if that is 0 or there is none.
+    """Return how large the signal of a source is [its unit], 1 if it states nothing.
 
-    >>> from blocks import Constant
-    >>> size(Constant("F_in", 8000.0)), size(Constant("load", 0.0))
-    (8000.0, 1.0)
+    >>> from blocks import Constant, Noise
+    >>> size(Constant("F_in", 8000.0)), size(Constant("load", 0.0)), size(Noise("load", sd=0.05, dt=1.0))
+    (8000.0, 1.0, 2.0)
     """
-    given = [abs(source.params[key]) for key in ("value", "mean") if key in source.param_names]
-    return max(given, default=0.0) or 1.0
+    stated = [abs(source.params[key]) for key in ("value", "mean") if key in source.param_names]
+    return max(*stated, SPREADS * source.params.get("sd", 0.0), 0.0) or 1.0
 
 
 def span(diagram: Diagram, signal: str) -> float:
@@ -115,8 +117,15 @@ def time_scale(diagram: Diagram, place: str) -> float:
     """
     around = nearest_first(diagram, place)
     times = [b.params["T_i"] for b in around if b.role is Role.CONTROLLER and "T_i" in b.param_names]
-    times += [b.params[key] for b in around if b.role is Role.PROCESS for key in TIMES if key in b.param_names]
-    return next((t for t in times if 0.0 < t < math.inf), USUAL)
+    times += [time for b in around if b.role is Role.PROCESS for time in _own_times(b)]
+    near = next((t for t in times if 0.0 < t < math.inf), USUAL)
+    at = diagram[place]
+    own = next((t for t in _own_times(at) if 0.0 < t < math.inf), near) if at.role is Role.PROCESS else near
+    return math.sqrt(near * own)
+
+
+def _own_times(process: Block) -> list[float]:
+    return [process.params[key] for key in TIMES if key in process.param_names]
 
 
 def nearest_first(diagram: Diagram, place: str) -> list[Block]:

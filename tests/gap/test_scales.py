@@ -2,10 +2,23 @@
 
 import pytest
 
-from blocks import FirstOrder, Gain, IdealValve, LeadLag, Lookup1D, SampledPI, SampledSensor, Sum
+from blocks import (
+    Constant,
+    DeadTime,
+    FirstOrder,
+    Gain,
+    IdealValve,
+    LeadLag,
+    Lookup1D,
+    Noise,
+    SampledPI,
+    SampledSensor,
+    Sum,
+)
 from diagram import Diagram, wire
-from gap.effects import Deadband, Stiction
-from gap.insertion.scales import ends, span
+from gap.effects import Deadband, StepDisturbance, Stiction
+from gap.effects.dead_time import DeadTime as DeadTimeEffect
+from gap.insertion.scales import ends, size, span, time_scale
 
 
 def in_percent(*between: object, valve: str = "p") -> Diagram:
@@ -67,3 +80,55 @@ def test_a_sticky_valve_behind_a_positioner_is_measured_in_per_cent_of_op(
 ) -> None:
     loop = in_percent(LeadLag("p", "OP", 0.0, 2.0))
     assert effect.settings(loop, "valve", **sizes)[f"valve:{effect.name}.{key}"] == pytest.approx(expected)
+
+
+def test_a_load_is_as_large_as_what_it_states() -> None:
+    assert size(Noise("load", sd=0.0005, dt=1.0, mean=0.0)) == pytest.approx(0.02)  # 40 standard deviations
+    assert size(Noise("load", sd=0.0005, dt=1.0, mean=7.0)) == pytest.approx(7.0)
+    assert size(Constant("load", 0.0)) == 1.0
+
+
+def test_a_step_of_a_small_load_is_looked_for_among_small_steps() -> None:
+    loop = wire(
+        [Noise("load", sd=0.001, dt=1.0, name="feed"), FirstOrder(1.0, 9.0, inputs="load", name="process")]
+    )  # fmt: skip
+    assert StepDisturbance().bounds(loop, "feed")["amplitude"] == pytest.approx((-0.02, 0.02))
+
+
+def test_times_at_a_slow_process_in_a_fast_loop_lie_between_both() -> None:
+    slow = wire(
+        [
+            SampledPI(1.0, 4.0, dt=1.0),
+            IdealValve(),
+            FirstOrder(1.0, 900.0, name="process"),
+        ],
+        ["SP"],
+    )
+    assert time_scale(slow, "process") == pytest.approx(60.0)  # geometric mean
+    assert time_scale(slow, "valve") == 4.0
+
+
+def _with_load(inputs: list[str]) -> Diagram:
+    return wire(
+        [
+            SampledPI(1.0, 9.0, dt=1.0),
+            Gain("a", "OP", 1.0),
+            Gain("b", "OP", -1.0),
+            Noise("load", sd=0.01, dt=1.0, name="feed"),
+            Sum("y", dict.fromkeys(inputs, 1.0), name="process").with_role("process"),
+            DeadTime(1.0, inputs="y", outputs="PV"),
+        ],
+        ["SP"],
+    )
+
+
+def test_a_dead_time_is_before_the_input_that_no_source_gives() -> None:
+    found = DeadTimeEffect().insert(_with_load(["a", "load"]), "process", theta=2.0)
+    assert list(found["process:dead_time"].input_labels) == ["a"]
+    assert "load" in found["process"].input_labels
+
+
+def test_a_dead_time_of_several_inputs_is_behind_the_process() -> None:
+    found = DeadTimeEffect().insert(_with_load(["a", "b", "load"]), "process", theta=2.0)
+    assert list(found["process:dead_time"].input_labels) == ["y"]
+    assert list(found["process"].input_labels) == ["a", "b", "load"]
