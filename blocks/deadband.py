@@ -37,6 +37,7 @@ class Deadband(MasslessStem):
     ports_out = (Port("MV"),)
     kernels = QuasiStaticStem.kernels
     modes = QuasiStaticStem.modes
+    shown_by = QuasiStaticStem.shown_by
     limit_params = ("low", "high")
 
     def __init__(

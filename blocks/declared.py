@@ -16,7 +16,8 @@ class Declared:
     """The class data of a block, which subclasses fill in, and what they say about it.
 
     Class data: ``role``, ``ports_in``, ``ports_out``, ``kernels``, ``modes`` (name -> value of ``d[0]``),
-    ``discrete`` (memories that hold a mode or a count), ``period_param`` and ``offset_param`` (sampled blocks),
+    ``discrete`` (memories that hold a mode or a count), ``shown_by`` (memory that is kept only now and then -> the
+    output port that shows it at any time), ``period_param`` and ``offset_param`` (sampled blocks),
     ``dead_time_param`` (delays all inputs in the engine) and ``before_param`` (what they were before the start),
     ``limit_params`` (low and high end of the output), ``lag_param`` (time constant of a first-order lag),
     ``plays`` (part in a loop -> port that plays it, where the port has another name; see ``loop_signal``).
@@ -29,6 +30,7 @@ class Declared:
     kernels: Kernels = Kernels()
     modes: Mapping[str, float] = {}
     discrete: tuple[str, ...] = ("mode",)
+    shown_by: Mapping[str, str] = {}
     period_param: str | None = None
     offset_param: str | None = None
     dead_time_param: str | None = None

@@ -95,6 +95,7 @@ class QuasiStaticStem(MasslessStem):
         out=_out, zc=_zc, jump=_jump, n_events=2, rates=True, rate_modes=(UP, DOWN), jumps=True, linear=True
     )
     modes = {"stuck": STUCK, "sliding up": UP, "sliding down": DOWN, "ideal": IDEAL}
+    shown_by = {"x": "MV"}  # a stem that slides keeps no place of its own
     limit_params = ("low", "high")
 
     def __init__(

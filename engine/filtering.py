@@ -38,7 +38,7 @@ def followed(  # type: ignore[no-untyped-def]
 
     Written are what the mean shows ``at_rows``, and what each signal ``missed`` once those before it are known.
     """
-    n, m, q = len(places), len(shown), len(noisy)
+    n, m, q = places.shape[1], len(shown), len(noisy)
     no_rows, y, back = np.empty((1, 0)), np.empty(m), np.zeros(n + q)
     base_I, base_W = I[:kept].copy(), W[:saved].copy()
     for k in range(len(times)):
@@ -47,7 +47,7 @@ def followed(  # type: ignore[no-untyped-def]
         if again:
             base_I[:], base_W[:] = I[:kept], W[:saved]
             back[:n], back[n:] = z, 0.0
-        put(I, W, places, z)
+        put(I, W, places[0], z)
         status = arrive(I, W, buffer, no_rows, times[k])
         if status != 0:
             return status
@@ -56,7 +56,7 @@ def followed(  # type: ignore[no-untyped-def]
         status = pass_instant(I, W, buffer, no_rows)
         if status != 0:
             return status
-        read(W, places, z)
+        read(W, places[1], z)
         if row < 0:
             continue
         read(W, shown, y)
@@ -76,19 +76,20 @@ def followed(  # type: ignore[no-untyped-def]
                 status = arrived(I, W, buffer, base_I, base_W, places, noisy, times[k], phi[k], back[:n], back[n:])
                 if status != 0:
                     return status
-                read(W, places, z)
+                read(W, places[1], z)
                 read(W, shown, y)
     return 0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
-    I, W, buffer, kept, saved, places, shown, noisy, at, size, times, row_of, phi, sd, values, r,
+    I, W, buffer, kept, saved, places, modes, shown, noisy, at, size, times, row_of, phi, sd, values, r,
     probed, z, spread, which, force, gains, kinks, at_rows, e, S,
 ):  # fmt: skip
     """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
-    ``kept`` integers and ``saved`` floats make a run; ``places`` (n,) of the state, ``shown`` (m,) of logged signals,
+    ``kept`` integers and ``saved`` floats make a run; ``places`` (2, n) where the state is set and where it is
+    read, ``modes`` (any,) of modes and counts, ``shown`` (m,) of logged signals,
     ``noisy`` (q,) of the noises in force, which stand ``at`` (q,) in the state; ``size`` (n,) of states.
     ``times`` (k,) of the stops [s], ``row_of`` the row of the log there, -1 for none; ``phi``, ``sd`` (k, q) how much
     of a noise stays at a stop, and the standard deviation of what is drawn.  ``values`` (rows, m), ``r`` (m,) variance
@@ -101,7 +102,7 @@ def extended(  # type: ignore[no-untyped-def]
     behind the status are pools of slopes ``A`` (i, n, n), ``B`` (i, n, q + 1), ``H`` (i, m, n), ``G`` (i, m, q + 1):
     those of stop k stand at ``which[k]``.
     """
-    n, m, q = len(places), len(shown), len(noisy)
+    n, m, q = places.shape[1], len(shown), len(noisy)
     no_rows, nothing = np.empty((1, 0)), np.full(m, np.nan)
     base_I, base_W = I[:kept].copy(), W[:saved].copy()
     next_I, next_W = I[:kept].copy(), W[:saved].copy()
@@ -111,7 +112,7 @@ def extended(  # type: ignore[no-untyped-def]
     columns = spread.shape[1]
     D[:, :columns] = spread
     at_stop, behind, y = np.empty(n), np.empty(n), np.empty(m)
-    kinds, known = np.zeros((KINDS, I[N_BLOCKS]), dtype=np.int64), np.full(KINDS, -1)
+    kinds, known = np.zeros((KINDS, I[N_BLOCKS] + len(modes)), dtype=np.int64), np.full(KINDS, -1)
     from_z, to_z, to_y = np.empty((KINDS, n)), np.empty((KINDS, n)), np.empty((KINDS, m))
     A, B = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1))
     H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
@@ -119,7 +120,7 @@ def extended(  # type: ignore[no-untyped-def]
     count, status, near = 0, 0, True
     for k in range(len(times)):
         restore(I, W, base_I, base_W)
-        put(I, W, places, z)
+        put(I, W, places[0], z)
         status = arrive(I, W, buffer, no_rows, times[k])
         if status != 0:
             break
@@ -127,15 +128,15 @@ def extended(  # type: ignore[no-untyped-def]
             force[k, j] = W[noisy[j]]
             W[noisy[j]] *= phi[k, j]
         stop_I[:], stop_W[:] = I[:kept], W[:saved]
-        read(W, places, at_stop)
+        read(W, places[1], at_stop)
         status = pass_instant(I, W, buffer, no_rows)
         if status != 0:
             break
         next_I[:], next_W[:] = I[:kept], W[:saved]
-        read(W, places, behind)
+        read(W, places[1], behind)
         read(W, shown, y)
         columns = narrowed(D, columns, size, q)
-        slot = same_kind(base_I, next_I, kinds, known, times, phi, sd, k)
+        slot = same_kind(base_I, next_I, base_W, modes, kinds, known, times, phi, sd, k)
         width = -1
         if slot >= 0 and known[slot] >= 0:
             i = which[known[slot]]
@@ -189,7 +190,7 @@ def extended(  # type: ignore[no-untyped-def]
                     if status != 0:
                         break
                     next_I[:], next_W[:] = I[:kept], W[:saved]
-                    read(W, places, z)
+                    read(W, places[1], z)
                     read(W, shown, y)
                     z += back[n + q] * B[which[k], :, q]
                     y += back[n + q] * G[which[k], :, q]

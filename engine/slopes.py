@@ -20,7 +20,7 @@ def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # t
     """Run from a state ``z`` past an instant, where noise goes on and is ``drawn``; return a status."""
     no_rows = np.empty((1, 0))
     restore(I, W, base_I, base_W)
-    put(I, W, places, z)
+    put(I, W, places[0], z)
     status = arrive(I, W, buffer, no_rows, t)
     if status != 0:
         return status
@@ -38,7 +38,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
 
     The last columns of ``B`` and ``G`` are what bends: the root of the mean square of what slopes leave.
     """
-    n, m, q = len(places), len(shown), len(noisy)
+    n, m, q = places.shape[1], len(shown), len(noisy)
     bend, y_bend, most = np.zeros(n), np.zeros(m), 0.0
     B[:, q] = 0.0
     G[:, q] = 0.0
@@ -56,7 +56,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
             status = arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, moved_z, nothing)
             if status != 0:
                 return status
-            read(W, places, up if way == 0 else down)
+            read(W, places[1], up if way == 0 else down)
             read(W, shown, y_up if way == 0 else y_down)
         A[:, i] = (up - down) / (2.0 * far)
         H[:, i] = (y_up - y_down) / (2.0 * far)
@@ -72,7 +72,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
                 status = pass_instant(I, W, buffer, no_rows)
                 if status != 0:
                     return status
-                read(W, places, up if way == 0 else down)
+                read(W, places[1], up if way == 0 else down)
                 read(W, shown, y_up if way == 0 else y_down)
             B[:, j] = (up - down) / (2.0 * far)
             G[:, j] = (y_up - y_down) / (2.0 * far)
@@ -82,22 +82,28 @@ def slopes_at(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def same_kind(base, behind, kinds, known, times, phi, sd, k):  # type: ignore[no-untyped-def]
-    """Return the slot of stops like this one, by what sampled on the way; -1 for one with events, or for none left."""
+def same_kind(base, behind, floats, modes, kinds, known, times, phi, sd, k):  # type: ignore[no-untyped-def]
+    """Return the slot of stops like this one, by what sampled on the way; -1 for one with events, or for none left.
+
+    ``floats`` from which the stretch left; ``modes`` where they hold modes and counts: none of them changed.
+    """
     if k == 0 or behind[EVENTS] != base[EVENTS]:
         return -1
+    n_blocks = kinds.shape[1] - len(modes)
+    this = np.empty(kinds.shape[1], dtype=np.int64)
+    for b in range(n_blocks):
+        this[b] = behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
+    for i in range(len(modes)):
+        this[n_blocks + i] = int(floats[modes[i]])
     for slot in range(len(known)):
         if known[slot] < 0:
-            for b in range(kinds.shape[1]):
-                kinds[slot, b] = behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
+            kinds[slot] = this
             return slot
         other = known[slot]
         alike = abs((times[k] - times[k - 1]) - (times[other] - times[other - 1])) < 1e-9 * times[k]
         for j in range(phi.shape[1]):
             alike = alike and abs(phi[k, j] - phi[other, j]) < SAME and abs(sd[k, j] - sd[other, j]) <= SAME * sd[k, j]
-        for b in range(kinds.shape[1]):
-            alike = alike and kinds[slot, b] == behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
-        if alike:
+        if alike and np.all(kinds[slot] == this):
             return slot
     return -1
 

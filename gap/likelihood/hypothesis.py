@@ -80,15 +80,15 @@ class Hypothesis:
         full = {**self.nominal, **values}
         I, W = p.fresh(float(f.stops[0][0]), self._diagram(full))
         phi, sd = self._noise(full)
-        z = standing(W, self._places)
+        z = standing(W, self._places[0])
         n, m, q = len(z), len(f.signals), len(p.noise)
         times, row_of = f.stops
         buffer = np.empty((EVENTS, 4))
         if near is not None:
             gains, shown, missed = self._gains(near), np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
             status = followed(
-                I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], times, row_of, phi,
-                f.Y, gains, near.kinks, z, shown, missed,
+                I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[0, self._where], times, row_of,
+                phi, f.Y, gains, near.kinks, z, shown, missed,
             )  # fmt: skip
             _complain(status)
             return Innovations(self, full, missed / np.sqrt(near.S), near.S, gains, near.kinks, shown)
@@ -97,8 +97,9 @@ class Hypothesis:
         gains, force = np.zeros((len(f.Y), 2 * n + m + q + 1, m)), np.empty((len(times), q))
         which, kinks = np.zeros(len(times), dtype=np.int64), np.zeros(len(f.Y), dtype=np.bool_)
         status, *pools = extended(
-            I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[self._where], self._where, size,
-            times, row_of, phi, sd, f.Y, f.r, f.probed, z.copy(), spread, which, force, gains, kinks, shown, e, S,
+            I, W, buffer, *kept_sizes(I), self._places, self.prepared.modes, self._shown, self._places[0, self._where],
+            self._where, size, times, row_of, phi, sd, f.Y, f.r, f.probed, z.copy(), spread, which, force, gains, kinks,
+            shown, e, S,
         )  # fmt: skip
         _complain(status)
         return Innovations(self, full, e, S, gains, kinks, shown, Path(z, phi, which, force, tuple(pools)))
@@ -199,11 +200,12 @@ class Hypothesis:
     @cached_property
     def names(self) -> list[str]:
         """Names of the state."""
-        return [name for name, _ in self.prepared.states]
+        return [name for name, *_ in self.prepared.states]
 
     @cached_property
     def _places(self) -> Whole:
-        return np.array([place for _, place in self.prepared.states], dtype=np.int64)
+        """Where the state is set, and where it is read, (2, states)."""
+        return np.array([(at, read) for _, at, read in self.prepared.states], dtype=np.int64).T.copy()
 
     @cached_property
     def _where(self) -> Whole:

@@ -44,25 +44,40 @@ class Prepared:
     late: Mapping[str, str]
 
     @cached_property
-    def states(self) -> tuple[tuple[str, int], ...]:
-        """Names and places of the state."""
-        found: list[tuple[str, int]] = []
+    def states(self) -> tuple[tuple[str, int, int], ...]:
+        """Names of the state, where each is set, and where it is read."""
+        found: list[tuple[str, int, int]] = []
         c, d = self.component, self.diagram
         plan = d.plan()
         for b in c.blocks:
             if b >= len(d.blocks):
                 raise NoFilter("a dead time is left")
             block = d.blocks[b]
-            found += [(f"{block.name}.{s}", c.states[b] + i) for i, s in enumerate(block.state_names)]
+            outputs = [c.signals[plan.flat[b].first_signal + j] for j in range(len(block.output_labels))]
+            shown = {s: outputs[[p.name for p in block.ports_out].index(port)] for s, port in block.shown_by.items()}
+            own = [(s, c.states[b] + i) for i, s in enumerate(block.state_names)]
             smooth = smooth_memories(block)
-            found += [(f"{block.name}.{s}", c.memory[b] + i) for i, s in enumerate(block.memory_names) if s in smooth]
+            own += [(s, c.memory[b] + i) for i, s in enumerate(block.memory_names) if s in smooth]
+            found += [(f"{block.name}.{s}", at, shown.get(s, at)) for s, at in own]
             if block.sampled:
-                first = plan.flat[b].first_signal
-                found += [(f"{block.name}={s}", c.signals[first + j]) for j, s in enumerate(block.output_labels)]
+                found += [(f"{block.name}={s}", at, at) for s, at in zip(block.output_labels, outputs, strict=True)]
         for _, holder in self.noise:
             b = d.block_index(holder)
-            found.append((f"{holder}.value", c.params[b] + d.blocks[b].param_index("value")))
+            value = c.params[b] + d.blocks[b].param_index("value")
+            found.append((f"{holder}.value", value, value))
         return tuple(found)
+
+    @cached_property
+    def modes(self) -> Whole:
+        """Where modes and counts of blocks are kept."""
+        c = self.component
+        found = [
+            c.memory[b] + i
+            for b in c.blocks
+            for i, s in enumerate(self.diagram.blocks[b].memory_names)
+            if s in self.diagram.blocks[b].discrete
+        ]
+        return np.array(found, dtype=np.int64)
 
     def fresh(self, t0: float, diagram: Diagram | None = None) -> tuple[Whole, Floats]:
         """Return the arrays of a run that has not begun; ``diagram`` the same one with other parameters."""

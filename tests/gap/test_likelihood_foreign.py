@@ -10,7 +10,9 @@ import pytest
 
 from benchmarks.foreign import trial
 from gap import diagnose
+from gap.effects import effect
 from gap.likelihood.diagnosing import frame_of, when_switched
+from gap.likelihood.fit import refined
 from gap.likelihood.frame import Frame
 from gap.likelihood.hypothesis import Hypothesis
 from gap.likelihood.search import model_alone
@@ -73,9 +75,27 @@ def test_a_right_model_of_another_hand_has_no_gap() -> None:
     assert "No gap" in report.words[0]
 
 
-@pytest.mark.parametrize(("plant", "effect", "place"), [("pump_flow", "positioner_lag", "valve")])
-def test_a_slower_lag_of_the_model_is_named(plant: str, effect: str, place: str) -> None:
+def test_a_play_in_a_plant_of_another_hand_leaves_innovations_of_unit_size() -> None:
+    run = next(one for one in trial.runs() if one.plant == "pump_flow" and one.effect == "deadband")
+    made, build = run.made(), trial.wired("pump_flow")
+    assert build is not None
+    model = build()
+    signals = {signal: factor * made.signals[tag] for signal, (factor, tag) in model.signals.items()}
+    found = frame_of(*read(model.diagram, Log(made.signals["time"], signals)))
+    assert found is not None
+    one = Hypothesis(when_switched(found), effect("deadband"), "valve")
+    left = one.filtered(one.nominal | {"width": 100.0 * made.truth.values["valve.S"]})
+    assert left.path is not None
+    slopes = left.path.slopes[0][:, one.names.index("valve:deadband.x")]
+    assert np.abs(slopes).max() <= 1.0 + 1e-6  # analytic: a play moves no more than what moves it
+    fit = refined(left, tuple(one.frame.free)).best
+    assert np.sqrt(np.nanmean(fit.judged**2, axis=0)) == pytest.approx(1.0, abs=0.06)
+    assert np.nanmax(np.abs(fit.e[one.frame.skipped :])) < 5.0
+
+
+@pytest.mark.parametrize(("plant", "cause", "place"), [("pump_flow", "positioner_lag", "valve")])
+def test_a_slower_lag_of_the_model_is_named(plant: str, cause: str, place: str) -> None:
     # the plant's positioner has another time constant; so has the model's, where a second lag would leave a gap
-    run = next(one for one in trial.runs() if one.plant == plant and one.effect == effect)
+    run = next(one for one in trial.runs() if one.plant == plant and one.effect == cause)
     row = trial.diagnosed(run)
     assert row["right_cause"] and row["place"] == place
