@@ -32,9 +32,10 @@ KINDS = 24  # of stops whose slopes are kept
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def followed(  # type: ignore[no-untyped-def]
-    I, W, buffer, kept, saved, places, shown, noisy, times, row_of, phi, values, gains, kinks, z, at_rows, missed,
+    I, W, buffer, kept, saved, places, shown, noisy, times, row_of, phi, values, gains, kinks, turns, z, at_rows,
+    missed,
 ):  # fmt: skip
-    """Follow the mean alone, set right by known ``gains`` (see ``extended``); ``kinks``: rows that are run again.
+    """Follow the mean alone, set right by known ``gains`` and ``turns`` (see ``extended``); ``kinks``: rows run again.
 
     Written are what the mean shows ``at_rows``, and what each signal ``missed`` once those before it are known.
     """
@@ -57,9 +58,11 @@ def followed(  # type: ignore[no-untyped-def]
         if status != 0:
             return status
         read(W, places[1], z)
+        z += turns[k, :n]
         if row < 0:
             continue
         read(W, shown, y)
+        y += turns[k, n:]
         at_rows[row] = y
         for i in range(m):
             if values[row, i] != values[row, i]:
@@ -78,13 +81,15 @@ def followed(  # type: ignore[no-untyped-def]
                     return status
                 read(W, places[1], z)
                 read(W, shown, y)
+                z += turns[k, :n]
+                y += turns[k, n:]
     return 0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def extended(  # type: ignore[no-untyped-def]
     I, W, buffer, kept, saved, places, modes, shown, noisy, at, size, times, row_of, phi, sd, values, r,
-    probed, z, spread, which, force, gains, kinks, at_rows, e, S,
+    probed, z, spread, which, force, gains, kinks, turns, at_rows, e, S,
 ):  # fmt: skip
     """Filter a log; write innovations ``e`` of unit variance and their variances ``S``, (rows, m); return a status.
 
@@ -98,7 +103,8 @@ def extended(  # type: ignore[no-untyped-def]
 
     Written are the noise that was in ``force`` before each stop (k, q), what the mean shows ``at_rows``, the ``gains``
     (rows, 2 n + m + q + 1, m) of the state, of signals, of the state one stop before, of what was drawn since and of
-    the bend, the latter three only at rows with ``kinks``: these are run again with what each signal says.  Returned
+    the bend, the latter three only at rows with ``kinks``: these are run again with what each signal says; ``turns``
+    (k, n + m) by how much a bend moves the mean of the state, and of the signals.  Returned
     behind the status are pools of slopes ``A`` (i, n, n), ``B`` (i, n, q + 1), ``H`` (i, m, n), ``G`` (i, m, q + 1):
     those of stop k stand at ``which[k]``.
     """
@@ -159,7 +165,7 @@ def extended(  # type: ignore[no-untyped-def]
             A, B, H, G = with_room(A, count), with_room(B, count), with_room(H, count), with_room(G, count)
             status = slopes_at(
                 I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],
-                z, at_stop, D, columns, behind, y, A[count], B[count], H[count], G[count],
+                z, at_stop, D, columns, behind, y, A[count], B[count], H[count], G[count], turns[k],
             )  # fmt: skip
             if status != 0:
                 break
@@ -169,6 +175,8 @@ def extended(  # type: ignore[no-untyped-def]
             if slot >= 0 and not bent(B[which[k]], G[which[k]]):
                 known[slot] = k
                 from_z[slot], to_z[slot], to_y[slot] = z, behind, y
+            behind += turns[k, :n]
+            y += turns[k, n:]
         if row >= 0:
             at_rows[row] = y
             back[:n], back[n:] = z, 0.0
@@ -192,8 +200,8 @@ def extended(  # type: ignore[no-untyped-def]
                     next_I[:], next_W[:] = I[:kept], W[:saved]
                     read(W, places[1], z)
                     read(W, shown, y)
-                    z += back[n + q] * B[which[k], :, q]
-                    y += back[n + q] * G[which[k], :, q]
+                    z += back[n + q] * B[which[k], :, q] + turns[k, :n]
+                    y += back[n + q] * G[which[k], :, q] + turns[k, n:]
             if status != 0:
                 break
         else:

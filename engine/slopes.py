@@ -8,7 +8,7 @@ from numba import njit
 from engine.layout import COUNT, EVENTS, R
 from engine.layout import H as H0
 from engine.restarts import arrive, pass_instant, put, read, restore
-from engine.spread import NARROWEST, add_bend, one_bend
+from engine.spread import NARROWEST, add_bend, bent, one_bend
 
 WIDE = math.sqrt(3.0)
 SAME = 1e-6  # share by which noise of two stops of one kind may differ: instants are rounded
@@ -32,14 +32,16 @@ def arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, z, drawn):  # t
 @njit(cache=True, error_model="numpy")
 def slopes_at(  # type: ignore[no-untyped-def]
     I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, t, phi, sd, z, at_stop, D, columns,
-    behind, y, A, B, H, G,
+    behind, y, A, B, H, G, turn,
 ):  # fmt: skip
     """Write the slopes of what a stretch and the stop behind it make of the state, and of a noise drawn there.
 
-    The last columns of ``B`` and ``G`` are what bends: the root of the mean square of what slopes leave.
+    The last columns of ``B`` and ``G`` are what bends: the root of the mean square of what slopes leave.  ``turn``
+    (n + m,) is by how much that moves the mean of the state, and of the signals.
     """
     n, m, q = places.shape[1], len(shown), len(noisy)
     bend, y_bend, most = np.zeros(n), np.zeros(m), 0.0
+    turn[:] = 0.0
     B[:, q] = 0.0
     G[:, q] = 0.0
     no_rows = np.empty((1, 0))
@@ -60,7 +62,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
             read(W, shown, y_up if way == 0 else y_down)
         A[:, i] = (up - down) / (2.0 * far)
         H[:, i] = (y_up - y_down) / (2.0 * far)
-        most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, most, B[:, q], G[:, q])
+        most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, turn, most, B[:, q], G[:, q])
     for j in range(len(noisy)):
         B[:, j] = 0.0
         G[:, j] = 0.0
@@ -76,8 +78,10 @@ def slopes_at(  # type: ignore[no-untyped-def]
                 read(W, shown, y_up if way == 0 else y_down)
             B[:, j] = (up - down) / (2.0 * far)
             G[:, j] = (y_up - y_down) / (2.0 * far)
-            most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, most, B[:, q], G[:, q])
+            most = add_bend(up, down, behind, y_up, y_down, y, bend, y_bend, turn, most, B[:, q], G[:, q])
     one_bend(A, H, B, G, sd, D, columns, bend, y_bend)
+    if not bent(B, G):
+        turn[:] = 0.0
     return 0
 
 

@@ -3,8 +3,9 @@
     D = [A L, B sd sqrt(1 - phi^2), b]        Y = [H L, G sd sqrt(1 - phi^2), g]        P = L L', P' = D D'
 
 b, g: the root of the mean square of what slopes leave, which is c^2 / 12 where c = f(+) + f(-) - 2 f(0) at sqrt 3
-standard deviations.  Source: Potter's square root form (Maybeck, Stochastic Models, Estimation and Control 1 (1979),
-section 7.3); second differences in the spread as in Norgaard, Poulsen and Ravn, Automatica 36 (2000), section 4.
+standard deviations.  The mean of what comes out is f(0) + c / 6: noise drags a stem further than the mean of OP does.
+Source: Potter's square root form (Maybeck, Stochastic Models, Estimation and Control 1 (1979), section 7.3); second
+differences in mean and spread as in Norgaard, Poulsen and Ravn, Automatica 36 (2000), section 4.
 """
 
 import math
@@ -13,6 +14,7 @@ import numpy as np
 from numba import njit
 
 SHARP = 12.0  # mean square of b x^2 is c^2 / 12, where c = f(+) + f(-) - 2 f(0) sqrt 3 standard deviations away
+TURN = 6.0  # mean of b x^2 is c / 6, with the same c
 DROPPED = 1e-13  # share of its size below which what is left of a state's variance is rounding
 NARROWEST = 1e-7  # of a state's size: the least difference that shows a slope
 BENT = 0.05  # share of its spread by which a stop may lie off the slopes of another that stand for its own
@@ -150,14 +152,22 @@ def set_right(E, own, width, s, off, less, z, gains):  # type: ignore[no-untyped
 
 
 @njit(cache=True, error_model="numpy")
-def add_bend(up, down, middle, y_up, y_down, y_middle, bend, y_bend, most, way, y_way):  # type: ignore[no-untyped-def]
-    """Add the squares of what slopes leave to both sides; keep the ``way`` of the largest; return its size."""
-    total = 0.0
-    for i in range(len(bend)):
-        bend[i] += (up[i] + down[i] - 2.0 * middle[i]) ** 2
+def add_bend(  # type: ignore[no-untyped-def]
+    up, down, middle, y_up, y_down, y_middle, bend, y_bend, turn, most, way, y_way
+):
+    """Add the squares of what slopes leave to both sides; keep the ``way`` of the largest; return its size.
+
+    ``turn`` gathers by how much the mean of what comes out differs from what the mean comes to, signals last.
+    """
+    total, n = 0.0, len(bend)
+    for i in range(n):
+        c = up[i] + down[i] - 2.0 * middle[i]
+        bend[i] += c**2
+        turn[i] += c / TURN
     for i in range(len(y_bend)):
         c = y_up[i] + y_down[i] - 2.0 * y_middle[i]
         y_bend[i] += c**2
+        turn[n + i] += c / TURN
         total += c**2
     if total > most:
         for i in range(len(bend)):
@@ -172,21 +182,28 @@ def add_bend(up, down, middle, y_up, y_down, y_middle, bend, y_bend, most, way, 
 def one_bend(A, H, B, G, sd, D, columns, bend, y_bend):  # type: ignore[no-untyped-def]
     """Make one column of what bends, with the signs of the largest; none where it is a small part of the spread."""
     n, m, q = len(A), len(H), len(sd)
-    shows = False
-    for i in range(m):
-        variance = 0.0
-        for j in range(columns):
-            s = 0.0
-            for k in range(n):
-                s += H[i, k] * D[k, j]
-            variance += s * s
-        for j in range(q):
-            variance += (G[i, j] * sd[j]) ** 2
-        shows = shows or y_bend[i] / SHARP > BENT**2 * variance
+    shows = matters(A, B, sd, D, columns, bend) or matters(H, G, sd, D, columns, y_bend)
     for i in range(n):
         B[i, q] = math.copysign(math.sqrt(bend[i] / SHARP), B[i, q]) if shows else 0.0
     for i in range(m):
         G[i, q] = math.copysign(math.sqrt(y_bend[i] / SHARP), G[i, q]) if shows else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def matters(A, B, sd, D, columns, bend):  # type: ignore[no-untyped-def]
+    """Return whether what bends is more than a small part of the spread of anything."""
+    for i in range(len(A)):
+        variance = 0.0
+        for j in range(columns):
+            s = 0.0
+            for k in range(A.shape[1]):
+                s += A[i, k] * D[k, j]
+            variance += s * s
+        for j in range(len(sd)):
+            variance += (B[i, j] * sd[j]) ** 2
+        if bend[i] / SHARP > BENT**2 * variance:
+            return True
+    return False
 
 
 @njit(cache=True, error_model="numpy")

@@ -85,24 +85,26 @@ class Hypothesis:
         times, row_of = f.stops
         buffer = np.empty((EVENTS, 4))
         if near is not None:
-            gains, shown, missed = self._gains(near), np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
+            gains, turns = self._gains(near), self._turns(near)
+            shown, missed = np.empty(f.Y.shape), np.full(f.Y.shape, np.nan)
             status = followed(
                 I, W, buffer, *kept_sizes(I), self._places, self._shown, self._places[0, self._where], times, row_of,
-                phi, f.Y, gains, near.kinks, z, shown, missed,
+                phi, f.Y, gains, near.kinks, turns, z, shown, missed,
             )  # fmt: skip
             _complain(status)
-            return Innovations(self, full, missed / np.sqrt(near.S), near.S, gains, near.kinks, shown)
+            return Innovations(self, full, missed / np.sqrt(near.S), near.S, gains, near.kinks, turns, shown)
         size, spread = self._start(z)
         e, S, shown = (np.full(f.Y.shape, np.nan) for _ in range(3))
         gains, force = np.zeros((len(f.Y), 2 * n + m + q + 1, m)), np.empty((len(times), q))
         which, kinks = np.zeros(len(times), dtype=np.int64), np.zeros(len(f.Y), dtype=np.bool_)
+        turns = np.zeros((len(times), n + m))
         status, *pools = extended(
             I, W, buffer, *kept_sizes(I), self._places, self.prepared.modes, self._shown, self._places[0, self._where],
             self._where, size, times, row_of, phi, sd, f.Y, f.r, f.probed, z.copy(), spread, which, force, gains, kinks,
-            shown, e, S,
+            turns, shown, e, S,
         )  # fmt: skip
         _complain(status)
-        return Innovations(self, full, e, S, gains, kinks, shown, Path(z, phi, which, force, tuple(pools)))
+        return Innovations(self, full, e, S, gains, kinks, turns, shown, Path(z, phi, which, force, tuple(pools)))
 
     def noisier(self, known: "Innovations", values: Mapping[str, float]) -> "Innovations":
         """Return what is left with other noise, in the slopes of a known filter of the same path."""
@@ -116,7 +118,7 @@ class Hypothesis:
         gains = np.zeros_like(known.gains)
         otherwise(self._where, size, f.stops[1], path.phi, phi, sd, f.Y, f.r, spread, path.which, path.force,
                   *path.slopes, shown, known.missed, known.gains, gains, e, S)  # fmt: skip
-        return Innovations(self, full, e, S, gains, known.kinks)
+        return Innovations(self, full, e, S, gains, known.kinks, known.turns)
 
     def of(self, frame: Frame) -> "Hypothesis":
         """Return the same hypothesis of another record of the same rows and set points."""
@@ -197,6 +199,18 @@ class Hypothesis:
                 gains[:, 2 * n + m + j] = near.gains[:, 2 * k + m + holders[1].index(name)]
         return gains
 
+    def _turns(self, near: "Innovations") -> Floats:
+        """Return what bends add to the mean of another filter, for the states that both have."""
+        if self.names == near.hypothesis.names:
+            return near.turns
+        turns = np.zeros((len(near.turns), len(self.names) + len(self.frame.signals)))
+        theirs = near.hypothesis.names
+        for i, name in enumerate(self.names):
+            if name in theirs:
+                turns[:, i] = near.turns[:, theirs.index(name)]
+        turns[:, len(self.names) :] = near.turns[:, len(theirs) :]
+        return turns
+
     @cached_property
     def names(self) -> list[str]:
         """Names of the state."""
@@ -239,8 +253,9 @@ class Path:
 @dataclass(frozen=True, eq=False)
 class Innovations:
     """What a hypothesis with certain ``values`` leaves: ``e`` (rows, signals) of unit variance if it is right, their
-    variances ``S``, and the ``gains`` of the filter; ``kinks`` the rows near a limit or a kink (see ``extended``);
-    ``shown`` what its mean showed at each row before the row set it right, and the ``path`` that it took.
+    variances ``S``, and the ``gains`` of the filter; ``kinks`` the rows near a limit or a kink, ``turns`` what bends
+    add to the mean at each stop (see ``extended``); ``shown`` what its mean showed at each row before the row set it
+    right, and the ``path`` that it took.
     """
 
     hypothesis: Hypothesis
@@ -249,6 +264,7 @@ class Innovations:
     S: Floats
     gains: Floats
     kinks: NDArray[np.bool_]
+    turns: Floats
     shown: Floats | None = None
     path: Path | None = None
 

@@ -11,6 +11,7 @@ import pytest
 from benchmarks.foreign import trial
 from gap import diagnose
 from gap.effects import effect
+from gap.floors.floor import without_gap as runs_of
 from gap.likelihood.diagnosing import frame_of, when_switched
 from gap.likelihood.fit import refined
 from gap.likelihood.frame import Frame
@@ -75,22 +76,40 @@ def test_a_right_model_of_another_hand_has_no_gap() -> None:
     assert "No gap" in report.words[0]
 
 
-def test_a_play_in_a_plant_of_another_hand_leaves_innovations_of_unit_size() -> None:
-    run = next(one for one in trial.runs() if one.plant == "pump_flow" and one.effect == "deadband")
-    made, build = run.made(), trial.wired("pump_flow")
-    assert build is not None
+def sticky(plant: str, seed: int) -> tuple[Hypothesis, dict[str, float]]:
+    """Return the hypothesis of a deadband of a record that has one, and its true sizes."""
+    run = next(one for one in trial.runs() if one.plant == plant and one.seed == seed)
+    made, build = run.made(), trial.wired(plant)
+    assert build is not None and run.effect == "deadband"
     model = build()
     signals = {signal: factor * made.signals[tag] for signal, (factor, tag) in model.signals.items()}
     found = frame_of(*read(model.diagram, Log(made.signals["time"], signals)))
     assert found is not None
     one = Hypothesis(when_switched(found), effect("deadband"), "valve")
-    left = one.filtered(one.nominal | {"width": 100.0 * made.truth.values["valve.S"]})
+    return one, {**one.nominal, "width": 100.0 * made.truth.values["valve.S"]}
+
+
+def test_a_play_in_a_plant_of_another_hand_leaves_innovations_of_unit_size() -> None:
+    one, true = sticky("pump_flow", 2126412264)
+    left = one.filtered(true)
     assert left.path is not None
     slopes = left.path.slopes[0][:, one.names.index("valve:deadband.x")]
     assert np.abs(slopes).max() <= 1.0 + 1e-6  # analytic: a play moves no more than what moves it
     fit = refined(left, tuple(one.frame.free)).best
     assert np.sqrt(np.nanmean(fit.judged**2, axis=0)) == pytest.approx(1.0, abs=0.06)
     assert np.nanmax(np.abs(fit.e[one.frame.skipped :])) < 5.0
+
+
+def test_noise_drags_a_stem_further_than_its_mean_does() -> None:
+    # rows every 12.5 s of a scan of 5 s: noise that no row shows moves the stem between them
+    one, true = sticky("exotherm", 1173670212)
+    known = one.filtered(true)
+    at = one.names.index("valve:deadband.x")
+    assert np.abs(known.turns[:, at]).max() > 0.0
+    for log in runs_of(one.model(true), one.frame.record, 3, 1):
+        own = one.of(replace(one.frame, record=replace(one.frame.record, log=log))).filtered(true)
+        assert np.sqrt(np.nanmean(own.judged**2, axis=0)) == pytest.approx(1.0, abs=0.05)
+        assert np.nanmax(np.abs(own.e[one.frame.skipped :])) < 5.0
 
 
 @pytest.mark.parametrize(("plant", "cause", "place"), [("pump_flow", "positioner_lag", "valve")])
