@@ -124,7 +124,7 @@ def _not_told_apart(fits: Sequence[Fit]) -> Sequence[Fit]:
     """Return the first fit, and those that the record does not tell from it, the likeliest first."""
     same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
     near = [fit for fit in fits if price(fit) <= price(fits[0]) + STEMS and _nested(fit, fits[0]) and fit not in same]
-    return [*_likeliest_first(same), *near]
+    return [*same, *near]
 
 
 def _nested(one: Fit, other: Fit) -> bool:
@@ -133,10 +133,3 @@ def _nested(one: Fit, other: Fit) -> bool:
     if a is None or b is None or one.hypothesis.place != other.hypothesis.place:
         return False
     return a.nests == b.name or b.nests == a.name
-
-
-def _likeliest_first(same: Sequence[Fit]) -> Sequence[Fit]:
-    """Return fits that the record does not tell apart, what nests another before it: a stem that slips, a deadband."""
-    named = {fit.hypothesis.effect.name for fit in same if fit.hypothesis.effect}
-    nesting = [fit for fit in same if fit.hypothesis.effect and fit.hypothesis.effect.nests in named]
-    return [*nesting, *(fit for fit in same if fit not in nesting)]

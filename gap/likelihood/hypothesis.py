@@ -46,6 +46,16 @@ class Hypothesis:
         late = max((high for name, (_, high) in self.bounds.items() if name == "theta"), default=0.0)
         return prepared(self.changed, self.frame.record, self.frame.scan, late)
 
+    @property
+    def hides(self) -> bool:
+        """Whether its effect has a mode that no log shows."""
+        return self.effect is not None and self.effect.hidden
+
+    @property
+    def nests(self) -> str:
+        """The effect that its own is where its further sizes are neutral: a stem that does not jump."""
+        return self.effect.nests if self.effect else ""
+
     @cached_property
     def own(self) -> tuple[str, ...]:
         """Parameters of the effect."""

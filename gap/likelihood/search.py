@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from blocks.role import Role
 from diagram.progress import Progress, reporting
 from gap.insertion.effect import Effect
-from gap.likelihood.fit import Fit, coordinate, refined, tried, value, width
+from gap.likelihood.fit import Fit, coordinate, refined, tried, value
 from gap.likelihood.frame import Frame
 from gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
 from gap.likelihood.sizes import sizes
+from gap.likelihood.stems import likeliest_band, likeliest_jump
 from gap.likelihood.switches import with_switches
 
 Floats = NDArray[np.float64]
@@ -119,16 +120,25 @@ def candidates(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress =
 def fitted(null: Fit, found: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
     """Return the fits of the candidates of the highest scores, the likeliest first."""
     first = []
-    chosen = found[:TRIED]
+    # scores say little of what hides a mode; a stem that jumps begins with the one that does not
+    chosen = [*found[:TRIED], *(c for c in found[TRIED:] if c.looked.hypothesis.hides)]
+    chosen.sort(key=lambda c: bool(c.looked.hypothesis.nests))
     with reporting(progress, len(chosen), "fits") as tell:
         for k, one in enumerate(chosen):
-            start = _own_filter(null, one)
+            mine = one.looked.hypothesis
+            without = next((f.best for f in first if _is_without_jump(f.hypothesis, mine)), None)
+            start = _own_filter(null, one) if without is None else likeliest_jump(mine, without)
             if start is not None:
                 first.append(refined(start, free_names(start.hypothesis), FIRST))
             tell(k + 1, len(chosen))
     first.sort(key=price)
     near = [fit for fit in first if price(fit) < price(first[0]) + LAGGING] if first else []
     return sorted((settled(fit) for fit in near), key=price)
+
+
+def _is_without_jump(narrow: Hypothesis, wide: Hypothesis) -> bool:
+    """Return whether a hypothesis is that of another stem, at the same place, without its jump."""
+    return narrow.place == wide.place and narrow.effect is not None and narrow.effect.name == wide.nests
 
 
 def price(fit: Fit) -> float:
@@ -142,13 +152,9 @@ def schwarz(parameters: int, values: float) -> float:
 
 
 def free_parameters(left: Innovations) -> int:
-    """Return how many parameters of its effect a hypothesis uses.
-
-    A jump costs nothing by itself: where OP moves in steps, stems of one S - J leave the same log.
-    """
+    """Return how many parameters of its effect a hypothesis uses."""
     effect = left.hypothesis.effect
-    used = [p.name for p in effect.parameters if math.isfinite(left.values[p.name])] if effect else []
-    return len(used) - ({"S", "J"} <= set(used))
+    return sum(math.isfinite(left.values[p.name]) for p in effect.parameters) if effect else 0
 
 
 def free_names(one: Hypothesis) -> tuple[str, ...]:
@@ -164,23 +170,13 @@ def _own_filter(null: Fit, one: Candidate) -> Innovations | None:
     assert effect is not None
     names = [name for name in free_names(hypothesis) if name not in hypothesis.noise_keys]
     if effect.hidden:
-        first = _stepped(one.looked, one.looked)
-        return None if first is None else _stepped(first)
+        return likeliest_band(one.looked)
     if gross(null):
         size = _walked(one.looked, one.looked)
         return tried(hypothesis, size.values)
     near = refined(one.looked, names, APPROACH, null.best).best
     own = tried(hypothesis, near.values)
     return own if own is not None else tried(hypothesis, one.looked.values)
-
-
-def _stepped(start: Innovations, near: Innovations | None = None) -> Innovations | None:
-    """Return a filter of its own of the likeliest sizes near a start, which no slope shows; with gains ``near`` it."""
-    own = start if near is None else tried(start.hypothesis, start.values)
-    if own is None:
-        return None
-    ahead = tried(own.hypothesis, _walked(start, own).values)
-    return ahead if ahead is not None and ahead.nll < own.nll else own
 
 
 def _walked(start: Innovations, near: Innovations) -> Innovations:
@@ -193,8 +189,6 @@ def _walked(start: Innovations, near: Innovations) -> Innovations:
         return start
     ends = {name: [coordinate(one, name, end) for end in one.bounds[name]] for name in names}
     step = {name: STEP * min(high - low, 1.0) for name, (low, high) in ends.items()}
-    if {"S", "J"} <= step.keys():
-        step["J"] = STEP * best.values["S"] / width(one, "J")  # a jump is part of S
     for _ in range(WALKED):
         moves = [(name, way) for name in names for way in (1.0, -1.0)]
         ahead = []

@@ -20,7 +20,6 @@ FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
 SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
 SIZES = 5  # of a size whose neutral value is none at all
 CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
-JUMPS = (0.0, 0.35, 0.8)  # of S, from which a search for a jump begins
 STANDS = 3  # rows at which a signal stands at its limit, at least
 CALM = 4.0  # standard deviations from which on innovations propose no load
 
@@ -33,10 +32,9 @@ def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
         return _loads(null, one)
     if one.own == ("low", "high"):
         return _limits(one)
-    if effect.hidden and set(one.own) == {"S", "J"}:
-        low, high = one.bounds["S"]
-        several = np.geomspace(low, high, SIZES + 2)[1:-1].tolist()
-        return [{"S": S, "J": share * S} for S in several for share in JUMPS]
+    if effect.hidden:  # a stem, which jumps or does not: the first parameter is its band
+        size, *jump = one.own
+        return [{size: band, **dict.fromkeys(jump, 0.0)} for band in np.geomspace(*one.bounds[size], SIZES + 2)[1:-1]]
     found: list[dict[str, float]] = [{}]
     for p in effect.parameters:
         if p.nuisance:
