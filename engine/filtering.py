@@ -27,6 +27,7 @@ from engine.spread import bent, foretold, joint, narrowed, spread_to, taken_in, 
 
 FACTOR = 2  # columns of the spread's factor, over what is needed at least: more of them, and it is narrowed less often
 FAR = 4.0  # standard deviations within which a row may find the state
+LOST = 8.0  # standard deviations by which a row is missed from where on the spread is no guide to what bends
 KINDS = 24  # of stops whose slopes are kept
 
 
@@ -123,7 +124,7 @@ def extended(  # type: ignore[no-untyped-def]
     A, B = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1))
     H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
     aside, drawn, back, nowhere = np.empty(n), np.empty(q), np.empty(n + q + 1), np.empty((0, room))
-    count, status, near = 0, 0, True
+    count, status, near, lost = 0, 0, True, False
     for k in range(len(times)):
         restore(I, W, base_I, base_W)
         put(I, W, places[0], z)
@@ -175,6 +176,8 @@ def extended(  # type: ignore[no-untyped-def]
             if slot >= 0 and not bent(B[which[k]], G[which[k]]):
                 known[slot] = k
                 from_z[slot], to_z[slot], to_y[slot] = z, behind, y
+            if lost:
+                turns[k] = 0.0
             behind += turns[k, :n]
             y += turns[k, n:]
         if row >= 0:
@@ -204,6 +207,7 @@ def extended(  # type: ignore[no-untyped-def]
                     y += back[n + q] * G[which[k], :, q] + turns[k, n:]
             if status != 0:
                 break
+            lost = np.nanmax(np.abs(e[row])) > LOST
         else:
             z[:] = behind
         D, E, columns = E, D, width
