@@ -119,7 +119,7 @@ def candidates(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress =
 
 def fitted(null: Fit, found: Sequence[Candidate], progress: Progress = None) -> list[Fit]:
     """Return the fits of the candidates of the highest scores, the likeliest first."""
-    first = []
+    first: list[Fit] = []
     # scores say little of what hides a mode; a stem that jumps begins with the one that does not
     chosen = [*found[:TRIED], *(c for c in found[TRIED:] if c.looked.hypothesis.hides)]
     chosen.sort(key=lambda c: bool(c.looked.hypothesis.nests))
