@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 
 ROOT = Path(__file__).resolve().parent
-ROOMS = set(tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"]["sources"])
+TARGETS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]
+ROOMS = set(TARGETS["wheel"]["sources"])
 
 
 def is_in_room(path: Path) -> bool:
@@ -26,7 +27,7 @@ def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(wrapper=True)
 def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
-    """Lend a file of a room its name from the root, ``blocks.pi``, by which pytest asks for it, while it is read."""
+    """Lend the module of a file the name by which pytest asks for it, while its examples are collected."""
     if not is_in_room(collector.path) or collector.path.suffix != ".py":
         return (yield)
     name = ".".join(collector.path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")

@@ -58,7 +58,7 @@ def installed(extra: str) -> None:
 
 
 def linked() -> None:
-    """Link the rooms to ``build/typed/stickslip``, because mypy looks for ``stickslip.blocks`` in a folder of that name."""
+    """Link the rooms to where mypy looks for them: it knows ``stickslip.blocks`` only by a folder of that name."""
     import tomllib
 
     targets = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]

@@ -25,7 +25,7 @@ TOOLS = {"benchmarks"}  # of developers: not installed
 
 
 def room_of(module: str) -> str | None:
-    """Return the room that a module is in, a room inside another before that one; what is in no other is ``stickslip``.
+    """Return the room that a module is in, the inner one of two; a module of the command line is in ``stickslip``.
 
     >>> room_of("stickslip.detect.blocks.detector"), room_of("stickslip.detect.card"), room_of("stickslip.commands.check")
     ('detect/blocks', 'detect', 'stickslip')
@@ -104,7 +104,10 @@ def upward(room: str, modules: set[str]) -> set[str]:
 def test_imports_follow_the_arrows() -> None:
     rooms = {path: room for room, path in FILES}
     assert offenders(lambda path: upward(str(rooms[path]), imported(path))) == {}
-    assert upward("detect", {"stickslip.diagram.wire", "control.matlab", "stickslip.logs.log", "numpy"}) == {"diagram", "control"}
+    assert upward("detect", {"stickslip.diagram.wire", "control.matlab", "stickslip.logs.log", "numpy"}) == {
+        "diagram",
+        "control",
+    }
 
 
 def used_rooms() -> dict[str, set[str]]:
@@ -290,8 +293,13 @@ def test_no_slot_of_the_engine_is_addressed_outside_it() -> None:
     assert "engine/advance.py" in found  # the engine itself addresses them
 
 
-@pytest.mark.parametrize("line", ["from stickslip.engine import layout as at", "from stickslip.engine.layout import T", "W[places[b]]",
-                                  "outcome.W[0]", "I[at.STEPS]"])  # fmt: skip
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from stickslip.engine import layout as at", "from stickslip.engine.layout import T", "W[places[b]]",
+        "outcome.W[0]", "I[at.STEPS]",
+    ],
+)  # fmt: skip
 def test_the_rule_of_slots_can_fail(line: str) -> None:
     assert slots(line)
 

@@ -1,4 +1,4 @@
-"""Everything that is installed is inside ``stickslip``: one name for each module, and a front door that shows what there is."""
+"""Everything that is installed is inside ``stickslip``: one name for each module, and a front door that shows it."""
 
 import ast
 import re
@@ -33,17 +33,22 @@ def bare_imports(source: str) -> list[str]:
 def bare_in_text(text: str) -> list[str]:
     """Return the statements of a text that import a room without ``stickslip``.
 
-    >>> bare_in_text(">>> from blocks.pi import PI"), bare_in_text("import sys, detect; print()"), bare_in_text("from logs")
+    >>> bare_in_text("from blocks.pi import PI"), bare_in_text("import sys, detect; print()"), bare_in_text("from logs")
     (['from blocks.pi import'], ['import sys, detect'], [])
     """
     rooms = "|".join(sorted(ROOMS))
-    one, several = rf"from (?:{rooms})(?:\.[\w.]+)? import\b", rf"\bimport (?:[\w.]+, )*(?:{rooms})(?:\.[\w.]+)*(?=$|[;,])"
+    one, several = (
+        rf"from (?:{rooms})(?:\.[\w.]+)? import\b",
+        rf"\bimport (?:[\w.]+, )*(?:{rooms})(?:\.[\w.]+)*(?=$|[;,])",
+    )
     return re.findall(rf"(?:^|[;>]|\.\.\.) *({one}|{several})", text, re.M)
 
 
 def sources() -> Iterator[tuple[str, list[str]]]:
     """Yield every file of the repository that may import a room, with the imports that it must not have."""
-    for path in sorted(path for path in ROOT.rglob("*.py") if not path.relative_to(ROOT).parts[0].startswith((".", "build"))):
+    for path in sorted(
+        path for path in ROOT.rglob("*.py") if not path.relative_to(ROOT).parts[0].startswith((".", "build"))
+    ):
         yield str(path.relative_to(ROOT)), bare_imports(path.read_text())
     for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / ".github").rglob("*.md")]:
         yield str(path.relative_to(ROOT)), bare_in_text(path.read_text())
@@ -57,11 +62,20 @@ def test_nothing_imports_a_room_by_its_bare_name() -> None:
 
 
 @pytest.mark.parametrize(
-    "line", ["import blocks", "import sys, gap.effects", "from logs.log import Log", "'from plant import SETS'", 'f"import scan"']
+    "line",
+    [
+        "import blocks",
+        "import sys, gap.effects",
+        "from logs.log import Log",
+        "'from plant import SETS'",
+        'f"import scan"',
+    ],
 )
 def test_the_rule_can_fail(line: str) -> None:
     assert bare_imports(line)
-    assert not bare_imports("from stickslip.blocks import PI; import stickslip.gap; 'from logs of plants'; from .logs import a")
+    assert not bare_imports(
+        "from stickslip.blocks import PI; import stickslip.gap; 'from logs of plants'; from .logs import a"
+    )
 
 
 def test_no_module_of_the_house_is_loaded_twice() -> None:
@@ -74,7 +88,9 @@ def test_no_module_of_the_house_is_loaded_twice() -> None:
     assert {file: found for file, found in names.items() if len(found) > 1} == {}
     loaded = {name for found in names.values() for name, _ in found}
     assert {name for name in loaded if name.split(".")[0] in ROOMS} == set()
-    assert {name for name in loaded if re.match(r"stickslip\.(stickslip|tests|benchmarks|docs|conftest)\b", name)} == set()
+    assert {
+        name for name in loaded if re.match(r"stickslip\.(stickslip|tests|benchmarks|docs|conftest)\b", name)
+    } == set()
 
 
 def test_the_wheel_has_every_room_below_one_name() -> None:
@@ -85,7 +101,10 @@ def test_the_wheel_has_every_room_below_one_name() -> None:
 
 
 def test_nothing_that_the_wheel_has_imports_what_it_lacks() -> None:
-    lacking = {f"stickslip.{name.removesuffix('.py').replace('/', '.')}" for name in WHEEL["exclude"]} | {"benchmarks", "tests"}
+    lacking = {f"stickslip.{name.removesuffix('.py').replace('/', '.')}" for name in WHEEL["exclude"]} | {
+        "benchmarks",
+        "tests",
+    }
     for room in WHEEL["only-include"]:
         for path in (ROOT / room).rglob("*.py"):
             if str(path.relative_to(ROOT)) not in WHEEL["exclude"]:
@@ -106,5 +125,12 @@ def test_the_front_door_gives_what_it_lists() -> None:
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         ss.simulat  # noqa: B018
     shown = re.sub(r"``ss\.|[^\w]", " ", str(ss.__doc__)).split()
-    assert {name for name in ss.__all__ if name not in shown} <= {"Diagram", "Log", "LoopRecord", "Settings", "read_log", "read_loops"}
+    assert {name for name in ss.__all__ if name not in shown} <= {
+        "Diagram",
+        "Log",
+        "LoopRecord",
+        "Settings",
+        "read_log",
+        "read_loops",
+    }
     assert (ROOT / "stickslip" / "py.typed").is_file()

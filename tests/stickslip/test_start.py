@@ -106,4 +106,6 @@ def test_the_rooms_are_linked_to_where_mypy_looks_for_them(start, monkeypatch, t
         (tmp_path / room / "__init__.py").write_text("")
     start.linked()
     start.linked()  # what is there already is left
-    assert (tmp_path / "build" / "typed" / "stickslip" / "logs" / "__init__.py").samefile(tmp_path / "logs" / "__init__.py")
+    assert (tmp_path / "build" / "typed" / "stickslip" / "logs" / "__init__.py").samefile(
+        tmp_path / "logs" / "__init__.py"
+    )
