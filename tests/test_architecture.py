@@ -27,8 +27,8 @@ TOOLS = {"benchmarks"}  # of developers: not installed
 def room_of(module: str) -> str | None:
     """Return the room that a module is in, the inner one of two; a module of the command line is in ``stickslip``.
 
-    >>> room_of("stickslip.detect.blocks.detector"), room_of("stickslip.detect.card"), room_of("stickslip.commands.check")
-    ('detect/blocks', 'detect', 'stickslip')
+    >>> [room_of(f"stickslip.{module}") for module in ("detect.blocks.detector", "detect.card", "commands.check")]
+    ['detect/blocks', 'detect', 'stickslip']
     >>> room_of("benchmarks.plant"), room_of("numpy"), room_of("detect")
     ('benchmarks', None, None)
     """
