@@ -65,7 +65,7 @@ def linked() -> None:
     for room, place in targets["wheel"]["sources"].items():
         link = ROOT / "build" / "typed" / place
         link.parent.mkdir(parents=True, exist_ok=True)
-        if not link.is_dir():
+        if not link.is_symlink():
             link.symlink_to(Path("..", "..", "..", room), target_is_directory=True)
 
 
