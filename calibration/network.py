@@ -1,4 +1,4 @@
-"""The network of convolutions (``detect.judge.features.network``), fitted by PyTorch (extra "training").
+"""The network of convolutions (``stickslip.detect.judge.features.network``), fitted by PyTorch (extra "training").
 
 loss      -ln share of the right kind - ln share of the right side, sticky or not
           + ``SIZED`` (|ln S - s| / w + ln w), w told beside s, J alike, of the sticky loops
@@ -11,10 +11,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.signals import Examples
-from detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STRIDE, Network
-from detect.judge.features.patterns import STICKY
+from stickslip.calibration.signals import Examples
+from stickslip.detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STRIDE, Network
+from stickslip.detect.judge.features.patterns import STICKY
 
 __all__ = ["MISSING", "fit"]
 
@@ -97,7 +96,9 @@ def _batches(
 
 
 def untrained(kinds: int) -> Any:
-    """The network of ``detect.judge.features.network`` as a module; the layers are called as its weights are."""
+    """The network of ``stickslip.detect.judge.features.network`` as a module; the layers are called as its weights
+    are.
+    """
     import torch
     from torch import nn
 

@@ -1,4 +1,5 @@
-"""The read-out of patterns (``detect.judge.features.patterns``), fitted on simulated loops that nothing else uses.
+"""The read-out of patterns (``stickslip.detect.judge.features.patterns``), fitted on simulated loops that nothing else
+uses.
 
 kernels   drawn from a seed: one to three channels, 9 weights each of mean zero, a size of the channel's own
 limits    quantiles of what each kernel gives on some loops: of |z| 30, 60, 85 and 97 %, of z 10, 35, 65 and 90 %
@@ -13,15 +14,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.drawing import draw
-from calibration.simulation import simulate
-from calibration.spec import Kinds, Setting, Truth
-from detect.judge.features.channels import EVEN, ODD, channels
-from detect.judge.features.patterns import DILATIONS, Kernels, Readout, pooled_of
-from detect.judge.features.view import View, view_of
-from detect.prepare.prepared import Prepared
-from logs.files.resumable import Kept, differences, joined, opened
+from stickslip.calibration.drawing import draw
+from stickslip.calibration.simulation import simulate
+from stickslip.calibration.spec import Kinds, Setting, Truth
+from stickslip.detect.judge.features.channels import EVEN, ODD, channels
+from stickslip.detect.judge.features.patterns import DILATIONS, Kernels, Readout, pooled_of
+from stickslip.detect.judge.features.view import View, view_of
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs.files.resumable import Kept, differences, joined, opened
 
 __all__ = ["LIMITED", "fit", "kernels", "pooled_loops", "views"]
 
@@ -73,7 +73,7 @@ def kernels(looked_at: Sequence[View]) -> tuple[Kernels, Kernels]:
 
 
 def _limits(bare: Kernels, looked_at: Sequence[Singles], shares: Sequence[float], r: np.random.Generator) -> Singles:
-    from detect.judge.features.convolutions import averaged, convolved
+    from stickslip.detect.judge.features.convolutions import averaged, convolved
 
     values: list[list[Any]] = [[] for _ in bare.channel]
     for x in looked_at:

@@ -9,16 +9,15 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.crossings import extent
-from calibration.drawing import draw
-from calibration.simulation import simulate
-from calibration.spec import Kinds, Setting
-from detect.judge.features.channels import LOOKED_AT, MOST
-from detect.judge.features.network import CHANNELS, seen_by
-from detect.judge.features.view import View, view_of
-from detect.prepare.prepared import Prepared
-from logs.files.resumable import Kept, differences, joined, opened
+from stickslip.calibration.crossings import extent
+from stickslip.calibration.drawing import draw
+from stickslip.calibration.simulation import simulate
+from stickslip.calibration.spec import Kinds, Setting
+from stickslip.detect.judge.features.channels import LOOKED_AT, MOST
+from stickslip.detect.judge.features.network import CHANNELS, seen_by
+from stickslip.detect.judge.features.view import View, view_of
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs.files.resumable import Kept, differences, joined, opened
 
 __all__ = ["Examples", "examples"]
 

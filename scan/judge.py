@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logs import LoopRecord
-from logs.time_limit import time_limit
-from scan.sources import Job
-from scan.together import phasors
+from stickslip.logs import LoopRecord
+from stickslip.logs.time_limit import time_limit
+from stickslip.scan.sources import Job
+from stickslip.scan.together import phasors
 
 if TYPE_CHECKING:
-    from detect.judge.answer import Amount
+    from stickslip.detect.judge.answer import Amount
 
 __all__ = ["SECONDS_MAX", "judged", "row_of"]
 
@@ -42,9 +42,9 @@ def judged(job: Job, number: int) -> list[Row]:
 
 def row_of(record: LoopRecord) -> Row:
     """What a scan says of one record: the calibrated answer and the oscillation, without the single methods."""
-    from detect.judge.answer import answer
-    from detect.prepare.prepared import prepared
-    from detect.prepare.swing import amplitude
+    from stickslip.detect.judge.answer import answer
+    from stickslip.detect.prepare.prepared import prepared
+    from stickslip.detect.prepare.swing import amplitude
 
     loop = prepared(record)
     found = answer(loop)

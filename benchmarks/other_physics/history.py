@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from stickslip.logs import LoopRecord
 
 from benchmarks.other_physics.drawing import Drawn
 from benchmarks.other_physics.loops import run
 from benchmarks.other_physics.tuning import tuned
-from logs import LoopRecord
 
 Values = npt.NDArray[np.float64]
 

@@ -6,13 +6,14 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.judge.earned import usable
+from stickslip.detect.judge.features import features_of, view_of
+from stickslip.detect.judge.model import calibrated
+from stickslip.detect.prepare.prepared import Prepared
+
 from benchmarks.other_physics.drawing import Drawn, draw
 from benchmarks.other_physics.history import seen
-from detect.judge.answer import answer
-from detect.judge.earned import usable
-from detect.judge.features import features_of, view_of
-from detect.judge.model import calibrated
-from detect.prepare.prepared import Prepared
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-
-from detect.judge.answer import Amount, answer
-from detect.judge.model import rounded
-from detect.prepare.prepared import Prepared
-from detect.words import Word
-from logs import LogError, LoopRecord
+from stickslip.detect.judge.answer import Amount, answer
+from stickslip.detect.judge.model import rounded
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.words import Word
+from stickslip.logs import LogError, LoopRecord
 
 __all__ = ["OverTime", "Window", "over_time"]
 

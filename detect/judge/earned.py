@@ -15,10 +15,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from detect.judge.model import Opinion
-from detect.likelihood.pooled import Evidence
-from detect.likelihood.words import said
-from detect.prepare.prepared import Prepared
+from stickslip.detect.judge.model import Opinion
+from stickslip.detect.likelihood.pooled import Evidence
+from stickslip.detect.likelihood.words import said
+from stickslip.detect.prepare.prepared import Prepared
 
 __all__ = ["evidence_on", "not_earned", "usable", "with_evidence"]
 

@@ -9,9 +9,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-
-from gap.likelihood.fit import refined, tried
-from gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.fit import refined, tried
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 
 GRID = 5  # sizes over their whole range
 NARROWED = 6  # trials between two of them

@@ -1,12 +1,11 @@
-"""``python -m calibration train`` from nothing to a model that answers, on a few loops."""
+"""``python -m stickslip.calibration train`` from nothing to a model that answers, on a few loops."""
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-
-from calibration.__main__ import calibration
-from detect.judge.features import patterns
-from detect.judge.model import FILE, Model
+from stickslip.calibration.__main__ import calibration
+from stickslip.detect.judge.features import patterns
+from stickslip.detect.judge.model import FILE, Model
 
 LOOPS = 28  # of a part: every kind is among them
 
@@ -17,8 +16,8 @@ def small(monkeypatch, tmp_path, here):
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
     for place in ("records", "patterns"):
         monkeypatch.setattr(f"calibration.{place}.PART", LOOPS)
-    monkeypatch.setattr("calibration.patterns.COUNT", {"odd": 21, "even": 14})
-    monkeypatch.setattr("calibration.records.processes", here)
+    monkeypatch.setattr("stickslip.calibration.patterns.COUNT", {"odd": 21, "even": 14})
+    monkeypatch.setattr("stickslip.calibration.records.processes", here)
     monkeypatch.setattr(patterns, "FILE", tmp_path / "patterns.npz")
     patterns.shipped.cache_clear()
     yield tmp_path

@@ -2,18 +2,17 @@
 
 import numpy as np
 import pytest
-
-from calibration.patterns import SHARES, fit, kernels, pooled_loops, views
-from calibration.scoring import auc
-from detect.judge.features.channels import channels
-from detect.judge.features.convolutions import POOLED
+from stickslip.calibration.patterns import SHARES, fit, kernels, pooled_loops, views
+from stickslip.calibration.scoring import auc
+from stickslip.detect.judge.features.channels import channels
+from stickslip.detect.judge.features.convolutions import POOLED
 
 
 @pytest.fixture(scope="module")
 def drawn():
     few = pytest.MonkeyPatch()
-    few.setattr("calibration.patterns.PART", 24)
-    few.setattr("calibration.patterns.COUNT", {"odd": 21, "even": 14})
+    few.setattr("stickslip.calibration.patterns.PART", 24)
+    few.setattr("stickslip.calibration.patterns.COUNT", {"odd": 21, "even": 14})
     yield [view for view, _ in views(77)], few
     few.undo()
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from calibration import CAUSES
-from calibration.records import Table
-from calibration.scoring import auc, calibration_error, score
-from detect.judge.actions import CAUSES as SPOKEN
+from stickslip.calibration import CAUSES
+from stickslip.calibration.records import Table
+from stickslip.calibration.scoring import auc, calibration_error, score
+from stickslip.detect.judge.actions import CAUSES as SPOKEN
 
 FEATURES = ("linear_r2", "play_hidden_1", "play_hidden_3", "play_hidden_8", "samples_per_turn", "noise", "op_acf_peak",
             "play_ratio_min", "op_gain_sine", "turns", "tell", "size", "other")  # fmt: skip
@@ -33,7 +32,7 @@ def made(n, seed):
 @pytest.fixture(scope="module")
 def model():
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
-    from calibration.training import fit
+    from stickslip.calibration.training import fit
 
     return fit(made(1200, 0), made(800, 1), say=lambda text: None, trees=120)
 
@@ -53,7 +52,7 @@ def test_what_is_known_is_found_again(model):
 
 def test_a_kind_of_loop_that_was_drawn_more_often_weighs_no_more():
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
-    from calibration.training import fit
+    from stickslip.calibration.training import fit
 
     def more_often(seed):
         table = made(1500, seed)
@@ -86,7 +85,7 @@ def test_it_is_kept_and_read_the_same(model, tmp_path):
 
 def test_tables_of_other_features_are_refused():
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
-    from calibration.training import fit
+    from stickslip.calibration.training import fit
 
     one, two = made(20, 0), made(20, 1)
     with pytest.raises(ValueError, match="different features"):

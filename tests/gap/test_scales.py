@@ -1,8 +1,7 @@
 """Spans by which sizes of effects are measured: stated ones, and what becomes of them on their way (all analytic)."""
 
 import pytest
-
-from blocks import (
+from stickslip.blocks import (
     Constant,
     DeadTime,
     FirstOrder,
@@ -15,10 +14,10 @@ from blocks import (
     SampledSensor,
     Sum,
 )
-from diagram import Diagram, wire
-from gap.effects import Deadband, StepDisturbance, Stiction
-from gap.effects.dead_time import DeadTime as DeadTimeEffect
-from gap.insertion.scales import ends, size, span, time_scale
+from stickslip.diagram import Diagram, wire
+from stickslip.gap.effects import Deadband, StepDisturbance, Stiction
+from stickslip.gap.effects.dead_time import DeadTime as DeadTimeEffect
+from stickslip.gap.insertion.scales import ends, size, span, time_scale
 
 
 def in_percent(*between: object, valve: str = "p") -> Diagram:

@@ -18,17 +18,17 @@ from __future__ import annotations
 
 import math
 
-from detect.judge.features.folds import fold_features
-from detect.judge.features.innovations import innovation_features
-from detect.judge.features.network import network_features
-from detect.judge.features.patterns import pattern_features
-from detect.judge.features.play import play_features
-from detect.judge.features.setting import setting_features
-from detect.judge.features.shapes import shape_features
-from detect.judge.features.steps import step_features
-from detect.judge.features.view import View, view_of
-from detect.judge.features.waves import wave_features
-from detect.prepare.prepared import Prepared
+from stickslip.detect.judge.features.folds import fold_features
+from stickslip.detect.judge.features.innovations import innovation_features
+from stickslip.detect.judge.features.network import network_features
+from stickslip.detect.judge.features.patterns import pattern_features
+from stickslip.detect.judge.features.play import play_features
+from stickslip.detect.judge.features.setting import setting_features
+from stickslip.detect.judge.features.shapes import shape_features
+from stickslip.detect.judge.features.steps import step_features
+from stickslip.detect.judge.features.view import View, view_of
+from stickslip.detect.judge.features.waves import wave_features
+from stickslip.detect.prepare.prepared import Prepared
 
 __all__ = ["View", "features", "features_of", "view_of"]
 
@@ -42,7 +42,7 @@ def features(loop: Prepared) -> dict[str, float] | None:
     """All features of a prepared record by name; None where the record shows too little for any (``view_of``).
 
     >>> import numpy as np
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(500.0)
     >>> found = features(Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 - np.cos(t / 8), sp=0 * t)))
     >>> found is not None and -0.01 < found["op_sine"] < 0.01

@@ -11,8 +11,7 @@ import math
 from typing import Any
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = ["POOLED", "TAPS", "averaged", "convolved", "pooled", "travelled"]
 

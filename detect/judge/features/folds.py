@@ -14,11 +14,10 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.play import responses
-from detect.judge.features.shapes import crossings_of
-from detect.judge.features.stems import JUMPS, SIZES, stick_lanes
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.play import responses
+from stickslip.detect.judge.features.shapes import crossings_of
+from stickslip.detect.judge.features.stems import JUMPS, SIZES, stick_lanes
+from stickslip.detect.judge.features.view import View
 
 __all__ = ["fold", "fold_features"]
 

@@ -13,10 +13,9 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.moments import kurtosis
-from detect.judge.features.stems import JUMPS, SIZES, STARTS, stems_of
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.moments import kurtosis
+from stickslip.detect.judge.features.stems import JUMPS, SIZES, STARTS, stems_of
+from stickslip.detect.judge.features.view import View
 
 __all__ = ["innovation_features"]
 

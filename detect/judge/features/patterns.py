@@ -4,8 +4,8 @@
     z = out max(inner x + b, 0) + c                                          one value per kind of loop
     score_g = ln of the share of exp(z_g) among all,  score_sticky = ln of the odds of the sticky kinds
 
-The kernels are drawn once (``calibration.patterns``), each over one to three channels (``channels``) and with one of
-seven dilations; the network is fitted on simulated loops that nothing else is fitted on, so that its scores are
+The kernels are drawn once (``stickslip.calibration.patterns``), each over one to three channels (``channels``) and with
+one of seven dilations; the network is fitted on simulated loops that nothing else is fitted on, so that its scores are
 features like others.
 
 Source: A. Dempster, F. Petitjean, G. I. Webb, ROCKET: exceptionally fast and accurate time series classification using
@@ -22,9 +22,8 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.channels import channels
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.channels import channels
+from stickslip.detect.judge.features.view import View
 
 __all__ = ["DILATIONS", "FILE", "Kernels", "Readout", "pattern_features", "pooled_of", "shipped"]
 
@@ -50,7 +49,7 @@ class Kernels:
 
     def __call__(self, x: Singles) -> Singles:
         """What is pooled (6 k,) of channels x (c, n)."""
-        from detect.judge.features.convolutions import POOLED, averaged, pooled
+        from stickslip.detect.judge.features.convolutions import POOLED, averaged, pooled
 
         out = np.full((len(self.channel), POOLED), np.nan, dtype=np.float32)
         z = np.empty(x.shape[1], dtype=np.float32)

@@ -15,9 +15,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.stems import JUMPS, SIZES, STARTS, stems_of
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.stems import JUMPS, SIZES, STARTS, stems_of
+from stickslip.detect.judge.features.view import View
 
 __all__ = ["play_features"]
 
@@ -101,7 +100,7 @@ def responses(
     Shapes (s, c), (s, c), (s,).  The first ``settle`` points, by default a turn, do not count; dead times shift the
     lanes.
     """
-    from detect.judge.features.response_kernels import ONCE, PLAIN, SUMMED, TWICE, tried
+    from stickslip.detect.judge.features.response_kernels import ONCE, PLAIN, SUMMED, TWICE, tried
 
     m, s, c = x.shape
     settle = min(round(turn), m // 4) if settle is None else settle

@@ -8,8 +8,7 @@ A lane after the other would wait for its own last value; lanes side by side do 
 from typing import Any
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = ["tried"]
 

@@ -17,8 +17,7 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.view import View
 
 __all__ = ["crossings_of", "half_waves", "shape_features"]
 

@@ -10,8 +10,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.view import View
 
 __all__ = ["JUMPS", "SIZES", "STARTS", "stems_of", "stick_lanes"]
 
@@ -37,7 +36,7 @@ def stems_of(v: View) -> tuple[Values, float]:
 
 def stick_lanes(u: Values, S: Values, J: Values, start: Values) -> Values:
     """``prepare.stick.stick`` with an OP of its own for every stretch u (s, m): stems (m, s, c)."""
-    from detect.prepare.kernels import sticks
+    from stickslip.detect.prepare.kernels import sticks
 
     s, m = u.shape
     eps = 1e-9 * float(np.ptp(u))

@@ -12,9 +12,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.moments import kurtosis, skewness
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.moments import kurtosis, skewness
+from stickslip.detect.judge.features.view import View
 
 __all__ = ["step_features"]
 

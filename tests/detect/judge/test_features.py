@@ -5,16 +5,15 @@ import time
 
 import numpy as np
 import pytest
-
-from detect.judge.features import features, view_of
-from detect.judge.features.folds import fold_features
-from detect.judge.features.moments import kurtosis, skewness
-from detect.judge.features.play import HIDDEN
-from detect.judge.features.shapes import half_waves
-from detect.judge.features.stems import JUMPS, SIZES, STARTS, stick_lanes
-from detect.prepare.prepared import Prepared
-from detect.prepare.stick import stick
-from logs import LoopRecord
+from stickslip.detect.judge.features import features, view_of
+from stickslip.detect.judge.features.folds import fold_features
+from stickslip.detect.judge.features.moments import kurtosis, skewness
+from stickslip.detect.judge.features.play import HIDDEN
+from stickslip.detect.judge.features.shapes import half_waves
+from stickslip.detect.judge.features.stems import JUMPS, SIZES, STARTS, stick_lanes
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.stick import stick
+from stickslip.logs import LoopRecord
 
 
 def closed_loop(

@@ -5,13 +5,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from detect.judge.features import view_of
-from detect.judge.features.channels import BINS, EVEN, ODD, channels, since_turn
-from detect.judge.features.convolutions import averaged, convolved, pooled, travelled
-from detect.judge.features.patterns import FILE, Kernels, Readout, pattern_features, pooled_of
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
+from stickslip.detect.judge.features import view_of
+from stickslip.detect.judge.features.channels import BINS, EVEN, ODD, channels, since_turn
+from stickslip.detect.judge.features.convolutions import averaged, convolved, pooled, travelled
+from stickslip.detect.judge.features.patterns import FILE, Kernels, Readout, pattern_features, pooled_of
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
 
 
 def view(pv, op):

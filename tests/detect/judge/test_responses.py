@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-from detect.judge.features.play import BANK, DELAYS, INTEGRATOR, responses
+from stickslip.detect.judge.features.play import BANK, DELAYS, INTEGRATOR, responses
 
 
 def left(x: np.ndarray, y: np.ndarray, turn: float, settle: int) -> tuple[float, int]:

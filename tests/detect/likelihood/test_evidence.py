@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 from scipy import stats
-
-from detect.likelihood.pooled import evidence_of
-from detect.likelihood.regression import lines
-from detect.likelihood.rows import rows_of
-from detect.likelihood.stems import stems_of
-from detect.likelihood.words import said
+from stickslip.detect.likelihood.pooled import evidence_of
+from stickslip.detect.likelihood.regression import lines
+from stickslip.detect.likelihood.rows import rows_of
+from stickslip.detect.likelihood.stems import stems_of
+from stickslip.detect.likelihood.words import said
 
 from .loops import run
 
