@@ -15,7 +15,7 @@ def small(monkeypatch, tmp_path, here):
     """Parts of a few loops, few kernels, and pattern scores that are kept elsewhere."""
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
     for place in ("records", "patterns"):
-        monkeypatch.setattr(f"calibration.{place}.PART", LOOPS)
+        monkeypatch.setattr(f"stickslip.calibration.{place}.PART", LOOPS)
     monkeypatch.setattr("stickslip.calibration.patterns.COUNT", {"odd": 21, "even": 14})
     monkeypatch.setattr("stickslip.calibration.records.processes", here)
     monkeypatch.setattr(patterns, "FILE", tmp_path / "patterns.npz")
