@@ -23,6 +23,7 @@ __all__ = ["fit"]
 Values = npt.NDArray[np.float64]
 Say = Callable[[str], None]
 
+LEAVES = 10  # of a tree that accuses: more fit the loops learnt from alone
 ALARMS = 0.015  # below the 2 % that are allowed: other physics may cost some, and nobody digs up a sound valve gladly
 CLEARED = 0.02
 TAILS = (0.05, 0.5, 0.95)
@@ -40,7 +41,7 @@ def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees:
     say(f"{len(train)} loops to fit, {len(hold)} to calibrate on")
     found: dict[str, Any] = {}
     weight = _weights(train)
-    sticky = classifier(train.x, train.sticky, trees, 24, seed, weight)
+    sticky = classifier(train.x, train.sticky, trees, LEAVES, seed, weight)
     found["sticky"] = taken(sticky, start(sticky, train.x))
     say("stiction or not: fitted")
     rest = train.rows(~train.sticky)
@@ -51,11 +52,12 @@ def fit(training: Table, holding: Table, say: Say = print, seed: int = 0, trees:
     for which in ("S", "J"):
         found[which] = _sizes(valves, which, max(trees // 3, 10), seed, weight[train.sticky])
         say(f"size of {which}: fitted")
-    z = found["sticky"](hold.x)[:, 0]
-    a, b = _platt(z, hold.sticky)
+    told = hold.rows(hold.truth["cause"] != "deadband")  # dead travel, too: an alarm there is not a false one
+    z = found["sticky"](told.x)[:, 0]
+    a, b = _platt(z, told.sticky)
     p = 1.0 / (1.0 + np.exp(-(a * z + b)))
-    accuse = float(np.quantile(p[~hold.sticky], 1.0 - ALARMS))
-    clear = float(np.quantile(p[hold.sticky], CLEARED))
+    accuse = float(np.quantile(p[~told.sticky], 1.0 - ALARMS))
+    clear = float(np.quantile(p[told.sticky], CLEARED))
     bad = hold.rows(hold.sticky)
     widths = np.array([_widths(found[which], bad, which) for which in ("S", "J")])
     seen = np.stack([np.nanmin(train.x, axis=0), np.nanmax(train.x, axis=0)])
