@@ -29,9 +29,13 @@ FEW = 20  # loops of either kind below which a family has no figure
 
 def probabilities(rows: Sequence[Row], name: str = "p") -> npt.NDArray[np.float64]:
     """What was said of each loop [-]; a word without a probability is sure, a refusal says one half."""
-    sure = {"stiction": 0.99, "no_stiction": 0.01}
-    found = [row.get(name) if row.get(name) is not None else sure.get(row["word"], 0.5) for row in rows]
+    found = [row.get(name) if row.get(name) is not None else _sure(row["word"]) for row in rows]
     return np.array([min(max(float(p), 0.0), 1.0) for p in found])
+
+
+def _sure(word: str) -> float:
+    """The probability of a word that was said without one [-]."""
+    return 0.99 if word == "stiction" else 0.01 if word == "no_stiction" else 0.5
 
 
 def figures(rows: Sequence[Row], name: str = "p") -> dict[str, float | None]:
