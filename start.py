@@ -21,9 +21,10 @@ TEST_STEPS = [
     ["ruff", "check", "."],
     ["ruff", "format", "--check", "."],
     ["mypy"],
+    ["python", "docs/words.py"],
     ["python", "-m", "benchmarks.simulate", "--quick"],
     ["python", "-m", "benchmarks.plant", "--quick"],
-    ["python", "-m", "pytest", "-n", "auto", "-q"],
+    ["python", "-m", "pytest", "-n", "auto", "--dist", "worksteal", "-q"],
 ]
 
 

@@ -2,11 +2,12 @@
 
 sources      Constant Step Ramp Sine Square Triangle Slug Staircase Recorded Noise PRBS Chirp
 log on top   Pin (of a signal)   Historian (reads, gives nothing)
-controllers  PI PID SampledPI RelayTuner
+controllers  PI PID SampledPI GapPI RelayTuner
+against stick  Knocker ConstantReinforcement TwoMove (between controller and valve)
 valves       StickSlip StribeckStem LuGreStem QuasiStaticStem (physical)   Deadband IdealValve Characteristic
              Positioner (pneumatic, in front of a stem)
              KanoValve ChoudhuryValve HeValve ChenValve StenmanValve (two-parameter, sampled)
-processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay Tank
+processes    FirstOrder SecondOrder Integrator DeadTime VariableDelay Tank Overflow
 sensors      Sensor SampledSensor
 arithmetic   Sum Gain Product Divide Lookup1D Lookup2D
 switching    Saturation DeadZone Quantiser RateLimiter Relay Switch MinSelect MaxSelect
@@ -27,6 +28,7 @@ from blocks.chirp import Chirp
 from blocks.choudhury_valve import ChoudhuryValve
 from blocks.compressor import Compressor
 from blocks.compressor_map import CubicMap
+from blocks.constant_reinforcement import ConstantReinforcement
 from blocks.control_system import as_block
 from blocks.control_valve_flow import ControlValveFlow
 from blocks.dead_time import DeadTime
@@ -36,6 +38,7 @@ from blocks.equations import Equations
 from blocks.first_order import FirstOrder
 from blocks.flare import Flare
 from blocks.flow_resistance import FlowResistance
+from blocks.gap_pi import GapPI
 from blocks.gas_turbine import GasTurbine
 from blocks.gas_valve_flow import GasValveFlow
 from blocks.he_valve import HeValve
@@ -43,11 +46,13 @@ from blocks.historian import Historian
 from blocks.ideal_valve import IdealValve
 from blocks.integrator import Integrator
 from blocks.kano_valve import KanoValve
+from blocks.knocker import Knocker
 from blocks.lead_lag import LeadLag
 from blocks.lookup_1d import Lookup1D
 from blocks.lookup_2d import Lookup2D
 from blocks.lugre_stem import LuGreStem
 from blocks.noise import Noise
+from blocks.overflow import Overflow
 from blocks.periodic import Sine, Slug, Square, Triangle
 from blocks.pi import PI
 from blocks.pid import PID
@@ -83,6 +88,7 @@ from blocks.switch import Switch
 from blocks.tabulated_map import TabulatedMap
 from blocks.tank import Tank
 from blocks.transfer_function import TransferFunction
+from blocks.two_move import TwoMove
 from blocks.variable_delay import VariableDelay
 from blocks.zero_order_hold import ZeroOrderHold
 
@@ -101,6 +107,7 @@ __all__ = [
     "ChoudhuryValve",
     "Compressor",
     "Constant",
+    "ConstantReinforcement",
     "ControlValveFlow",
     "CubicMap",
     "DeadTime",
@@ -112,6 +119,7 @@ __all__ = [
     "Flare",
     "FlowResistance",
     "Gain",
+    "GapPI",
     "GasTurbine",
     "GasValveFlow",
     "HeValve",
@@ -121,6 +129,7 @@ __all__ = [
     "Integrator",
     "KanoValve",
     "Kernels",
+    "Knocker",
     "Labels",
     "LeadLag",
     "Lookup1D",
@@ -129,6 +138,7 @@ __all__ = [
     "MaxSelect",
     "MinSelect",
     "Noise",
+    "Overflow",
     "Pin",
     "Plenum",
     "Port",
@@ -167,6 +177,7 @@ __all__ = [
     "Tank",
     "TransferFunction",
     "Triangle",
+    "TwoMove",
     "VariableDelay",
     "ZeroOrderHold",
     "as_block",

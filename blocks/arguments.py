@@ -2,7 +2,8 @@
 
 A constructor says in its annotations what it wants: ``float`` is a single number of any kind, ``str`` a text.  Every
 ``Block`` subclass gets this check in front of its ``__init__``, so that a text where a number belongs is refused with
-the value, the rule and the remedy, whatever the constructor would have done with it.
+the value, the rule and the remedy, whatever the constructor would have done with it.  An argument that is missing,
+unknown or too many is a ``TypeError`` that shows how the block is called.
 """
 
 import functools
@@ -36,17 +37,36 @@ def checked(init: Callable[..., None]) -> Callable[..., None]:
     def door(self: Any, *args: Any, **keywords: Any) -> None:
         try:
             given = signature.bind(self, *args, **keywords)
-        except TypeError:
-            init(self, *args, **keywords)  # Python's own words for a missing or unknown argument
-            raise
+        except TypeError as fault:
+            raise TypeError(_shown_call(type(self), str(fault))) from None
         told = [keywords.get("name"), given.arguments.get("name"), given.arguments.get("signal"), default]
         block = next((name for name in told if isinstance(name, str) and name), type(self).__name__)
         for name, kinds in wanted.items():
             if name in given.arguments:
                 given.arguments[name] = _as(kinds, block, name, given.arguments[name])
-        init(*given.args, **given.kwargs)
+        try:
+            init(*given.args, **given.kwargs)
+        except TypeError as fault:
+            _, found, unknown = str(fault).partition("Block.__init__() got an unexpected keyword argument")
+            if not found:
+                raise
+            raise TypeError(_shown_call(type(self), f"got an unexpected keyword argument{unknown}")) from None
 
     return door
+
+
+def _shown_call(kind: type, words: str) -> str:
+    """Return what is wrong with a call, and how the block is called."""
+    parts, star = [], ""
+    for p in list(inspect.signature(kind.__init__).parameters.values())[1:]:  # type: ignore[misc]
+        if p.kind is p.VAR_KEYWORD:
+            parts.append("inputs=, outputs=, units=, spans=")
+            continue
+        if p.kind is p.KEYWORD_ONLY and not star:
+            star = "*"
+            parts.append(star)
+        parts.append(p.name if p.default is p.empty else f"{p.name}={p.default!r}")
+    return f"{kind.__name__}: {words}; call it as {kind.__name__}({', '.join(parts)})"
 
 
 def _kinds(annotation: Any) -> frozenset[Any]:

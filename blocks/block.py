@@ -339,7 +339,7 @@ class Block(ControlView):
     def _copy(self) -> Self:
         other = copy.copy(self)
         other.updfcn, other.outfcn = other._update, other._output
-        other.samples = None
+        other.samples = other.seen_modes = None
         return other
 
 

@@ -11,7 +11,7 @@ root() is smooth at d = 0, where the bare square root has an infinite slope; at 
 flow.  With ``check_valve`` nothing flows backwards; opening and shutting are located and logged.
 A recycle valve is this with unit="kg/s", from discharge to suction of its compressor.
 Source: thesis eqs. 4.1 and 4.2 (printed with the condition on the pressures reversed), sizes in table A.2.  The
-thesis uses the incompressible law for gas too; docs/measured.md says how far that is from IEC 60534.
+thesis uses the incompressible law for gas too; docs/evidence/measured.md says how far that is from IEC 60534.
 Valid for any sign of the drop; not for: choked flow, flashing, a characteristic (put a Characteristic before MV).
 See also: gas_valve_flow (gas that expands and chokes), sizing (Kv and Cv), check_valve, flow_resistance, stick_slip
 and its siblings (OP to MV).

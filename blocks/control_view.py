@@ -12,6 +12,7 @@ import numpy as np
 from blocks.declared import Declared
 from blocks.kernels import Floats
 from blocks.parameters import Parametrised
+from blocks.seen_modes import Call, SeenModes
 from blocks.seen_samples import EARLY, SeenSamples
 
 NO_APPEND = (
@@ -23,9 +24,10 @@ NO_APPEND = (
 class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore[misc]
     """A block as python-control calls it (``updfcn``, ``outfcn``): a call never changes what the next one gives.
 
-    Python-control knows no events: a block is seen in the mode that ``seen_memory`` gives.  A sampled block alone is a
-    discrete-time system with its memories as states.  One that runs in Python has a state that is no number: it
-    keeps the samples of the present response (``seen_samples``) and forgets them when python-control begins anew.
+    Python-control knows no events: a block is seen in the mode that ``seen_memory`` gives, or ``seen_after``, where it
+    depends on the mode before (``remembers``).  A sampled block alone is a discrete-time system with its memories as
+    states.  One that runs in Python has a state that is no number: it keeps the samples of the present response
+    (``seen_samples``).  Modes and samples are forgotten when python-control begins anew.
     """
 
     state_names: tuple[str, ...]
@@ -34,7 +36,9 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
     y0: Floats
     _p_now: Floats
     keeps_mode = False  # of a stem, when slopes are taken of it
+    remembers = False  # whether the modes depend on what they were
     samples: SeenSamples | None = None
+    seen_modes: SeenModes | None = None
 
     def _owner(self) -> str:
         return str(self.name)
@@ -68,6 +72,18 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         """
         return self.d0
 
+    def seen_after(self, before: Call | None, x: Floats, u: Floats) -> Floats:
+        """Return the same for a block that ``remembers``, after the call ``before`` if the response has had one."""
+        return self.seen_memory(x, u)
+
+    def _memory(self, t: float, x: Floats, u: Floats) -> Floats:
+        """Return the modes and memories that python-control sees at ``t`` [s]."""
+        if not self.remembers:
+            return self.seen_memory(x, u)
+        if self.seen_modes is None:
+            self.seen_modes = SeenModes()
+        return self.seen_modes.at(self, t, x, u)
+
     @property
     def twin(self) -> "ControlView":
         """What python-control takes slopes of: the view itself, unless it takes samples."""
@@ -78,9 +94,17 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         """Whether the view takes samples and keeps them, for python-control has no place for them."""
         return self.host is not None
 
-    def out_now(self, t: float, x: Floats, u: Floats) -> Floats:
-        """Return the outputs with the parameters that python-control gave last."""
-        return self._out(t, x, u)
+    def out_now(self, t: float, x: Floats, u: Floats, shown: bool = False) -> Floats:
+        """Return the outputs with the parameters that python-control gave last; ``shown``: of a response it has."""
+        memory = self.seen_modes.shown(t) if shown and self.seen_modes is not None else None
+        return self._out(t, x, u) if memory is None else self.out_with(t, x, u, memory)
+
+    def out_with(self, t: float, x: Floats, u: Floats, memory: Floats) -> Floats:
+        """Return the outputs of a continuous block in these modes and memories."""
+        y = np.zeros(len(self.ports_out))
+        if self.kernels.out is not None:
+            self.kernels.out(t, x, memory, u, self._p_at(t), y)
+        return y
 
     def _update_params(self, params: Mapping[str, float] | None) -> None:
         """Take parameters as ``block.name``, and by their own name where no other system can mean them.
@@ -103,7 +127,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
                     stacklevel=2,
                 )
         self._p_now = p
-        self.samples = None
+        self.samples = self.seen_modes = None
 
     def _rhs(self, t: float, x: Floats, u: Floats) -> Floats:
         if self.host is not None:
@@ -112,7 +136,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
             return np.asarray(self.take(t, x, u)[0], dtype=float)
         rates = np.zeros(len(self.x0))
         if self.kernels.der is not None:
-            self.kernels.der(t, x, self.seen_memory(x, u), u, self._p_at(t), rates)
+            self.kernels.der(t, x, self._memory(t, x, u), u, self._p_at(t), rates)
         return rates
 
     def _out(self, t: float, x: Floats, u: Floats) -> Floats:
@@ -120,10 +144,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
             return self.out_after_samples(t, u)
         if self.sampled:
             return self.take(t, x, u)[1]
-        y = np.zeros(len(self.ports_out))
-        if self.kernels.out is not None:
-            self.kernels.out(t, x, self.seen_memory(x, u), u, self._p_at(t), y)
-        return y
+        return self.out_with(t, x, u, self._memory(t, x, u))
 
     def _p_at(self, t: float) -> Floats:
         """Return parameters and, behind them, the values of the timetable that are in force at ``t`` [s]."""
@@ -139,10 +160,7 @@ class ControlView(Declared, Parametrised, ct.NonlinearIOSystem):  # type: ignore
         if self.samples is None:
             self.samples = SeenSamples(self.y0)
         taken = self.samples.at(self, t, u)
-        y = taken.said
-        if not self.sampled and self.kernels.out is not None:
-            y = np.zeros(len(self.ports_out))
-            self.kernels.out(t, self.x0, taken.state, u, self._p_at(t), y)
+        y = taken.said if self.sampled or self.kernels.out is None else self.out_with(t, self.x0, u, taken.state)
         return np.nan_to_num(y, nan=0.0)
 
     def state_before(self) -> Any:

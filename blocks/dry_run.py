@@ -264,7 +264,9 @@ class _Trial:
                 self._refuse(f"makes an integer of {'NaN' if 'NaN' in str(error) else 'infinity'}; ask before")
             return arrays
         except Exception as error:
-            self._refuse(f"fails: {type(error).__name__}: {error}")
+            whole = "; all values of a block are floats, so write int(n) where a whole number is needed"
+            hint = whole if isinstance(error, TypeError) and "numpy.float64" in str(error) else ""
+            self._refuse(f"fails: {type(error).__name__}: {error}{hint}")
         at_start = t == 0.0 and np.array_equal(d, self.block.d0) and np.array_equal(x, self.block.x0)
         if self.name == "zc" and at_start and np.isnan(out).any() and arrays["out"].written.all():
             self._refuse(f"writes NaN to out[{int(np.argmax(np.isnan(out)))}] at the start: an event that never comes")

@@ -13,6 +13,10 @@ compiled is called in Python instead, and ``run.in_python`` says how often, for 
 Where ``out`` or ``der`` take ``t``, a run tries them at 256 instants before it begins, bounds its steps by how fast
 they change, and says so in ``run.notes``.  What lasts less than a 256th of the run needs ``max_step=`` [s].
 
+Every value is a float: write ``int(n)`` where a whole number is needed.  A block of equations has no dead time of its
+own: wire a ``DeadTime`` in front of the input that is late.  It counts as a process; ``with_role`` makes a controller,
+a valve or a sensor of it and says which port is SP, PV, OP or MV, as pictures and ``gap`` want to know.
+
 Valid for equations that do not switch; not for events (subclass ``Block`` with ``zc`` and ``jump`` for those).
 See also: sampled_function (a function called every dt), state_space, transfer_function.
 """

@@ -11,7 +11,7 @@ high, low               output while on and while off [unit of the output]; low 
 Each switching is located and logged.  The output does not depend on the input within an instant, so a relay closes a
 loop without an algebraic loop.  Without hysteresis the loop around a process of first order slides along the
 threshold and switches without end (status CHATTERING), as the real contact would; give it a hysteresis.
-Python-control sees the position that the present input calls for, and the first one within the hysteresis.
+Python-control sees the hysteresis, too, but switches at its solver's own steps (``seen_modes``).
 Valid for any signal.  Source: textbook; its limit cycle in a loop: Astrom and Hagglund, Automatica 20(5), 1984, pp.
 645-651.
 See also: saturation, switch, relay_tuner.
@@ -22,11 +22,12 @@ from typing import Any
 
 import numpy as np
 
-from blocks.block import Floats, Kernels
+from blocks.block import Block, Floats, Kernels
 from blocks.one_to_one import OneToOne
 from blocks.ports import require
 from blocks.role import Role
 from blocks.rules import finite
+from blocks.seen_modes import Call
 
 OFF, ON = 0.0, 1.0
 
@@ -47,14 +48,16 @@ def threshold_passed(t: float, x: Any, d: Any, u: Any, p: Any, k: Any) -> None:
     d[0] = OFF if d[0] == ON else ON
 
 
-def position(u: float, p: Floats, before: float) -> Floats:
-    """Return the mode, shape (1,), that the input ``u`` calls for; within the hysteresis the one ``before``."""
-    return np.array([ON if u > p[0] else OFF if u < p[1] else before])
+class Thresholds(Block):
+    """A block whose mode follows its first input between the thresholds ``p[0]`` and ``p[1]``."""
 
+    remembers = True
 
-def hysteresis(p: Floats) -> str:
-    """Return in words what python-control does not see of the thresholds ``p[0]`` and ``p[1]``."""
-    return "the hysteresis" if p[1] < p[0] else ""
+    def seen_after(self, before: Call | None, x: Floats, u: Floats) -> Floats:
+        """Return the mode, shape (1,), that the input calls for; within the hysteresis it stays what it was."""
+        on, off = self._p_now[:2]
+        was = self.d0[0] if before is None else before.memory[0]
+        return np.array([ON if u[0] > on else OFF if u[0] < off else was])
 
 
 def check_thresholds(params: Mapping[str, float], name: str) -> None:
@@ -65,7 +68,7 @@ def check_thresholds(params: Mapping[str, float], name: str) -> None:
     require(off <= on, name, "switch_off", off, rule, "exchange them, or exchange high and low")
 
 
-class Relay(OneToOne):
+class Relay(Thresholds, OneToOne):
     """A relay: on, output ``high``, above ``switch_on``; off, output ``low``, below ``switch_off``.
 
     ``switch_off``: as ``switch_on`` unless given; ``on``: whether it starts on.
@@ -111,11 +114,3 @@ class Relay(OneToOne):
         """Raise ``BlockError`` unless switch_off <= switch_on and all are finite."""
         check_thresholds(params, name)
         finite(params, name, "high", "low")
-
-    def seen_memory(self, x: Floats, u: Floats) -> Floats:
-        """Return the mode, shape (1,), that the present input calls for."""
-        return position(u[0], self._p_now, self.d0[0])
-
-    def unseen(self) -> str:
-        """Return the hysteresis, if there is one."""
-        return hysteresis(self.p)

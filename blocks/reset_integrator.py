@@ -9,6 +9,8 @@ start         y at the start [unit of out]
 
 Only a rise resets: reset must fall below the threshold before the next one counts.  Each rise is located and logged
 (modes "armed" and "reset").  The output does not depend on the inputs within an instant, so it may reset itself.
+Python-control's state is the integral without resets; what they take off is kept beside it (``seen_modes``).  There a
+reset that follows the output at once through another block is an algebraic loop; one straight from it is not.
 Valid for any signals.  Source: textbook.
 See also: integrator (a process), switch.
 """
@@ -16,10 +18,13 @@ See also: integrator (a process), switch.
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
+import numpy as np
+
+from blocks.block import Block, Floats, Kernels
 from blocks.ports import Port
 from blocks.role import Role
 from blocks.rules import finite
+from blocks.seen_modes import Call
 
 ARMED, RESET = 0.0, 1.0
 
@@ -64,6 +69,7 @@ class ResetIntegrator(Block):
     ports_out = (Port("out"),)
     kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=1, feeds=False, jumps=True, linear=True)
     modes = {"armed": ARMED, "reset": RESET}
+    remembers = True
 
     def __init__(
         self,
@@ -93,6 +99,20 @@ class ResetIntegrator(Block):
         """Raise ``BlockError`` unless all are finite."""
         finite(params, name, *params)
 
-    def unseen(self) -> str:
-        """Return what python-control, which knows no events, leaves out."""
-        return "the resets"
+    def seen_after(self, before: Call | None, x: Floats, u: Floats) -> Floats:
+        """Return the mode and what the resets so far have taken off the integral ``x``, shape (2,)."""
+        mode, off = (self.d0[0], 0.0) if before is None else before.memory
+        _, threshold, to = self._p_now
+        itself = self.input_labels[1] == self.output_labels[0]
+        now = x[0] - off if itself else u[1]
+        if mode == RESET or now <= threshold:
+            return np.array([RESET if mode == RESET and now >= threshold else ARMED, off])
+        at = x[0]
+        if before is not None:
+            was = before.x[0] - off if itself else before.u[1]
+            at -= (now - threshold) / (now - was) * (x[0] - before.x[0])
+        return np.array([RESET, at - to])
+
+    def out_with(self, t: float, x: Floats, u: Floats, memory: Floats) -> Floats:
+        """Return the integral ``x`` less what the resets have taken off."""
+        return np.array([x[0] - memory[1]])

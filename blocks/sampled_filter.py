@@ -6,7 +6,8 @@ in   in  any signal, named second          out  out  the filtered signal, held b
 dt   scan time [s], > 0     offset  first scan [s]      tau  time constant [s], >= 0, 0: no filter
 start    y before the first scan [unit of the signal]
 
-Exact for an input held between samples.  Python-control sees the continuous lag in its place.
+What a control system computes: each sample counts as if the input had stood there since the one before.
+Python-control sees the continuous lag in its place.
 Valid for any dt.  Source: Astrom and Wittenmark, Computer-Controlled Systems, 3rd ed. 1997, chapter 2.
 See also: biquad, zero_order_hold, lead_lag (continuous), sensor, the Kalman prefilter in ``online``.
 """

@@ -10,8 +10,10 @@
 Positional, ideal form; z is updated after the output, that is, the integral is the forward (left) rectangle rule.
 With ``integral="present"`` it takes in the present error before the output is made (backward rectangle rule):
 v_k = K_p e_k + z_k + dt K_p e_k / T_i, the rest as above; makers of control systems do either.
-It approaches the continuous PI with first order as dt -> 0.  Ports and parameters as in pi, and ``dt`` scan time
-[s], ``offset`` first scan [s].  With respect to the loop the hold adds about dt/2 of dead time.
+With ``T_t=dt`` back-calculation takes back at once all that lies beyond a limit, as many control systems do, which
+limit v and make z from it.  It approaches the continuous PI with first order as dt -> 0.  Ports and parameters as in
+pi, and ``dt`` scan time [s], ``offset`` first scan [s].  With respect to the loop the hold adds about dt/2 of dead
+time.
 
 Source: Astrom and Wittenmark, Computer-Controlled Systems, 3rd ed. 1997, section 8.5 (operational aspects of PID).
 Valid for any dt > 0; stability of the loop is the user's affair.  See also: pi.
@@ -56,7 +58,8 @@ class SampledPI(Block):
 
     ``low``, ``high`` [unit of OP]; ``T_t`` [s]; ``start_error``: SP - PV at the start [unit of PV].
     ``integral``: "previous" or "present", the error that the integral has taken in when the output is made; the
-    parameter ``present`` [-] is 0 or 1.
+    parameter ``present`` [-] is 0 or 1.  ``own`` [units of
+    their own]: parameters that a subclass has besides, for its ``plain_step``.
     Raises ``BlockError`` as ``PI`` does, and for dt <= 0.
 
     >>> pi = SampledPI(K_p=0.4, T_i=10.0, dt=1.0, start_op=0.5)
@@ -71,6 +74,7 @@ class SampledPI(Block):
     period_param = "dt"
     limit_params = ("low", "high")
     offset_param = "offset"
+    plain_step = staticmethod(_plain_step)
 
     def __init__(
         self,
@@ -92,13 +96,14 @@ class SampledPI(Block):
         outputs: Labels = None,
         units: Mapping[str, str] | None = None,
         spans: Mapping[str, tuple[float, float]] | None = None,
+        own: Mapping[str, float] | None = None,
     ) -> None:
         if integral not in INTEGRAL:
             raise BlockError(f"{name}: integral = {integral!r}; {nearest(str(integral), list(INTEGRAL))}")
         scan = {"dt": dt, "offset": offset, "present": INTEGRAL[integral]}
-        params = tuned(K_p, T_i, low, high, T_t, action, anti_windup, name) | scan
+        params = tuned(K_p, T_i, low, high, T_t, action, anti_windup, name) | scan | dict(own or {})
         self.anti_windup = anti_windup
-        self.kernels = Kernels(step=_conditional_step if anti_windup == "conditional" else _plain_step)
+        self.kernels = Kernels(step=_conditional_step if anti_windup == "conditional" else type(self).plain_step)
         self.check(params, name)
         super().__init__(
             name=name,

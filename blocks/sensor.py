@@ -4,14 +4,18 @@ Continuous (``Sensor``):
     tau dx/dt = factor PV + bias + drift t - x            (tau = 0: x follows at once)
     PV_m      = x limited to low ... high
 Sampled every dt (``SampledSensor``):
-    x_k    = the same lag, exact for a signal held between samples
+    x_k    = the same lag, exact for a signal that is a straight line between samples
     PV_m,k = round((x_k + noise_k) / step) step, limited to low ... high      (step = 0: not rounded)
     noise_k: standard deviation sd, white or of correlation time T_c, see noise
 
 in   PV  process variable            out  PV_m  measured process variable (same unit)
 tau  lag [s]   factor  span factor [-]   bias [unit of PV]   drift [unit of PV / s]   low, high, sd, step [unit of PV]
 
-Source: the usual textbook elements.  Valid for sensors slower than their own dynamics of higher order; not for
+Before its first sample a ``SampledSensor`` takes the signal for a straight line, too, from ``start`` on: where PV
+stands elsewhere at that sample, it has been on its way for one ``dt``.
+
+Source: the usual textbook elements; the line between samples is the first-order hold of Astrom and Wittenmark,
+Computer-Controlled Systems, 3rd ed. 1997.  Valid for sensors slower than their own dynamics of higher order; not for
 detection limits with hysteresis.  The compression of a historian is not a sensor effect: it acts on the log only.
 See also: noise, arithmetic.
 """
@@ -57,12 +61,15 @@ def _zc(t: float, x: Any, d: Any, u: Any, p: Any, g: Any) -> None:
 
 
 # sampled: p = the same, then dt, offset, sd, correlation_time, step; d = generator and noise (7), x
+# x = where the lag will be seen from at the next sample: x_k = x + b (target - x) whatever the lag's history was
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    follow = 1.0 - math.exp(-p[6] / p[0]) if p[0] > 0.0 else 1.0
-    d[7] += follow * (_target(t, u, p) - d[7])
-    value = d[7] + p[8] * coloured(d, 0, p[6], p[9])
+    target = _target(t, u, p)
+    periods = p[6] / p[0] if p[0] > 0.0 else math.inf
+    seen = d[7] + (1.0 + math.expm1(-periods) / periods) * (target - d[7])
+    d[7] = target + (periods / math.expm1(periods) if periods < 700.0 else 0.0) * (seen - target)
+    value = seen + p[8] * coloured(d, 0, p[6], p[9])
     if p[10] > 0.0 and abs(value) < RESOLUTION * p[10]:
         value = p[10] * math.floor(value / p[10] + 0.5)
     y[0] = min(max(value, p[4]), p[5])

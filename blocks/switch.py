@@ -16,9 +16,9 @@ See also: relay (a switch between two constants), select (the lowest or highest 
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Floats, Kernels
+from blocks.block import Kernels
 from blocks.ports import Port
-from blocks.relay import OFF, ON, check_thresholds, hysteresis, position, threshold_event, threshold_passed
+from blocks.relay import OFF, ON, Thresholds, check_thresholds, threshold_event, threshold_passed
 from blocks.role import Role
 
 
@@ -26,7 +26,7 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     y[0] = u[1] if d[0] == ON else u[2]
 
 
-class Switch(Block):
+class Switch(Thresholds):
     """``above`` while ``control`` lies beyond ``switch_on`` (until it falls below ``switch_off``), else ``below``.
 
     ``switch_off``: as ``switch_on`` unless given.  Raises ``BlockError`` unless switch_off <= switch_on.
@@ -67,11 +67,3 @@ class Switch(Block):
     def check(params: Mapping[str, float], name: str) -> None:
         """Raise ``BlockError`` unless switch_off <= switch_on, both finite."""
         check_thresholds(params, name)
-
-    def seen_memory(self, x: Floats, u: Floats) -> Floats:
-        """Return the mode, shape (1,), that the present input calls for."""
-        return position(u[0], self._p_now, self.d0[0])
-
-    def unseen(self) -> str:
-        """Return the hysteresis, if there is one."""
-        return hysteresis(self.p)

@@ -1,17 +1,18 @@
 """A tank that empties through a hole and runs over at its rim.
 
-    A dh/dt = q_in - k sqrt(h)              while h < top,  q_over = 0
-    h = top,   q_over = q_in - k sqrt(h)    while that is not negative
+    A dh/dt = q_in - k sqrt(h)              while h < top
+    h = top                                 while q_in - k sqrt(h), which runs over, is not negative
 
 in   q_in   inflow [unit of k sqrt(h)]        out  h       level
 A    area [inflow s per unit of h], > 0            q_out   outflow k sqrt(h) [as q_in]
-k    outlet [as q_in per sqrt(level)], >= 0        q_over  what runs over [as q_in]
-top  the rim [unit of h], > 0; inf: no rim         start   h at the start [unit of h]
+k    outlet [as q_in per sqrt(level)], >= 0        start   h at the start [unit of h]
+top  the rim [unit of h], > 0; inf: no rim
 
 Torricelli's law; the instants at which it starts and ceases to run over are located and logged.  Levels below 0 count
-as 0 for the outlet.  Valid for an open tank of constant area and a short outlet with turbulent flow; not for a closed
-vessel (separator, plenum).  Source: textbook; Schoukens and Noel, Three benchmarks addressing open challenges in
-nonlinear system identification, IFAC 2017 (two such tanks, which run over).
+as 0 for the outlet.  What runs over follows the inflow at once, so it is a block of its own (``Overflow``), and the
+tank may stand in a level loop.  Valid for an open tank of constant area and a short outlet with turbulent flow; not for
+a closed vessel (separator, plenum).  Source: textbook; Schoukens and Noel, Three benchmarks addressing open challenges
+in nonlinear system identification, IFAC 2017 (two such tanks, which run over).  See also: overflow, integrator.
 """
 
 import math
@@ -34,7 +35,6 @@ FILLING, FULL = 0.0, 1.0
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
     y[0] = x[0]
     y[1] = p[1] * math.sqrt(max(x[0], 0.0))
-    y[2] = u[0] - y[1] if d[0] == FULL else 0.0
 
 
 def _der(t: float, x: Any, d: Any, u: Any, p: Any, dx: Any) -> None:
@@ -65,14 +65,14 @@ class Tank(Block):
 
     >>> from diagram import drive
     >>> log = drive(Tank(A=2.0, k=0.0, top=1.0), 4.0, every=1.0, q_in=1.0).log
-    >>> log["h"].round(6).tolist(), log["q_over"].round(6).tolist()
-    ([0.0, 0.5, 1.0, 1.0, 1.0], [0.0, 0.0, 1.0, 1.0, 1.0])
+    >>> log["h"].round(6).tolist(), log["q_out"].tolist()
+    ([0.0, 0.5, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 0.0, 0.0])
     """
 
     role = Role.PROCESS
     ports_in = (Port("q_in"),)
-    ports_out = (Port("h"), Port("q_out"), Port("q_over"))
-    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=1, jumps=True)
+    ports_out = (Port("h"), Port("q_out"))
+    kernels = Kernels(out=_out, der=_der, zc=_zc, jump=_jump, n_events=1, feeds=False, jumps=True)
     modes = {"filling": FILLING, "running over": FULL}
 
     def __init__(

@@ -41,7 +41,7 @@ def fit(loops: Examples, say: Say = print, seed: int = 0, passes: int = PASSES) 
     sticky = torch.from_numpy(np.isin(kinds, STICKY))
     target = torch.from_numpy(np.searchsorted(kinds, loops.group))
     size = torch.from_numpy(np.clip(loops.size, np.log(0.02), np.log(5.0)))
-    model = _model(len(kinds))
+    model = untrained(len(kinds))
     steps = torch.optim.AdamW(model.parameters(), RATE, weight_decay=DECAY)
     rng, done, whole = np.random.default_rng(seed), 0, passes * len(loops)
     for number in range(passes):
@@ -95,7 +95,7 @@ def _batches(
             yield many[own], x, length[own]
 
 
-def _model(kinds: int) -> Any:
+def untrained(kinds: int) -> Any:
     """The network of ``detect.judge.features.network`` as a module; the layers are called as its weights are."""
     import torch
     from torch import nn

@@ -10,7 +10,8 @@
                loops without stiction are called sticky
 
 The network has not seen these loops, so its errors on them are those it makes on the record.  Three numbers, and not
-all scores: a fit of more to the loops of one record tells stiction in other physics worse (docs/methods.md).
+all scores: a fit of more to the loops of one record tells stiction in other physics worse
+(docs/evidence/methods_measured.md).
 
 Source of the fit: C. Loader, Local regression and likelihood, Springer 1999, chapter 4.
 """

@@ -178,8 +178,8 @@ def cascaded_tanks() -> "Diagram":
     return wire(
         [
             IdealValve(name="pump", inputs="u", outputs="q", spans={"OP": (0.0, 10.0), "MV": (0.0, 10.0)}),
-            Tank(37.1, 1.2014, start=5.05, name="tank_1", inputs="q", outputs=["h_1", "q_1", "over_1"], spans=rim),
-            Tank(13.37, 1.2014, start=5.205, name="tank_2", inputs="q_1", outputs=["h_2", "q_2", "over_2"], spans=rim),
+            Tank(37.1, 1.2014, start=5.05, name="tank_1", inputs="q", outputs=["h_1", "q_1"], spans=rim),
+            Tank(13.37, 1.2014, start=5.205, name="tank_2", inputs="q_1", outputs=["h_2", "q_2"], spans=rim),
             Sensor(inputs="h_2", outputs="y", spans={"PV_m": (0.0, 10.0)}),
         ],
         inputs=["u"],

@@ -1,4 +1,6 @@
-"""The methods as tables: thesis tables 2.1 and 2.2 from the cards, with measured columns, and published beside ours."""
+"""The methods as tables: thesis tables 2.1 and 2.2 from the cards, with measured columns, and published shares next to
+ours.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +61,7 @@ def rate_rows(methods: Sequence[Method] | None = None, measured: Mapping[str, Ra
 
 
 def published_rows(measured: Mapping[str, Rate] | None = None) -> list[list[str]]:
-    """Published shares, as in ``PUBLISHED_COLUMNS``, beside our hit rate of the same method, or of the verdict."""
+    """Published shares, as in ``PUBLISHED_COLUMNS``, with our hit rate of the same method, or of the verdict."""
     measured = rates() if measured is None else measured
     rows = []
     for one in PUBLISHED:

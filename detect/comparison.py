@@ -140,7 +140,7 @@ class Comparison(Shown):
         Path(path).write_text(self.csv(), encoding="utf-8")
 
     def plot(self) -> Figure:
-        """The verdict of every method on every loop, beside the time that the method took."""
+        """The verdict of every method on every loop, with the time that the method took."""
         from detect.figures.comparison import plot_comparison
 
         return plot_comparison(self)

@@ -1,4 +1,4 @@
-"""One loop in, one answer out: the calibrated judgement, in plain words, with all methods beside it."""
+"""One loop in, one answer out: the calibrated verdict in plain words, with the answer of every method."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Diagnosis(Shown):
     loop : str
     verdict : as in ``Verdict``
     probability : float or None
-        Probability of stiction [-], calibrated on simulated loops; None where the model was not asked: the record
+        Probability of stiction [-], calibrated on simulated loops. It is None if the model did not run: the record
         was refused, the stem was logged, PV itself shows that the valve slips, or ``combine`` was given.
     causes : mapping of name to float
         Probability of each cause [-], largest first; "stiction" is one of them.
@@ -94,7 +94,7 @@ class Diagnosis(Shown):
 
     @property
     def unsure(self) -> bool:
-        """Whether the calibrated model is so unsure that loops simulated like the record tell more."""
+        """Whether the calibrated model is so uncertain that loops simulated like the record say more."""
         p = self.probability
         return self.verdict != "no_stiction" and p is not None and UNSURE[0] <= p <= UNSURE[1]
 
@@ -132,12 +132,12 @@ class Diagnosis(Shown):
 def diagnose(
     record: LoopRecord | Prepared | Any, methods: Sequence[Method] | None = None, combine: Combine | None = None
 ) -> Diagnosis:
-    """Put every method to a record, or to a frame of pandas, polars or pyarrow, and say what follows.
+    """Judge one loop: a record, or a frame of pandas, polars or pyarrow.
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
-    default all of ``detect.METHODS``. They stand beside the verdict, which is the calibrated one
-    (``judge.answer``) here and wherever else a loop is judged. Only where ``combine`` is given, such as a
-    ``WeightedVote``, the methods vote in its place, and one whose card says ``experimental`` has no vote.
+    default all of ``detect.METHODS``. Their answers are for comparison. The verdict is the calibrated one
+    (``judge.answer``), here and everywhere. If ``combine`` is given, such as a ``WeightedVote``, the methods vote
+    instead, and a method whose card says ``experimental`` has no vote.
 
     Raises TypeError for a method without ``detect``, or whose answer is no Verdict, and ValueError if ``combine`` gives
     no word of a verdict.
@@ -226,7 +226,9 @@ def _assumptions(loop: Prepared, found: Answer) -> tuple[str, ...]:
         unreadable = any(fact.code == "signal_missing" for fact in loop.present)
         said.append((kind_of_tag(record) if unreadable else loop.kind).text)
     if not record.measurement:
-        said.append("What is measured is not told by tag or --measurement; the record is judged for any.")
+        said.append(
+            "Neither the tag nor --measurement says what is measured; the record is judged for any measurement."
+        )
     if record.op_percent is None:
         said.append("OP is taken to be within its limits: its span is not known, and sizes are in the unit of OP.")
     if found.probability is not None:

@@ -29,7 +29,7 @@ MOST = 400  # pieces kept
 
 
 class Pool(NamedTuple):
-    """Pieces in order of time: middle ``at`` (m,) [s], numbers of each (m, k), and from when on they were looked for.
+    """Pieces in order of time: middle ``at`` (m,) [s], numbers of each (m, k), and the start of the search.
 
     ``apart`` [s] is how far the middle of a new piece must lie behind the last one; 0 where pieces do not overlap.
     """

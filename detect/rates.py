@@ -108,13 +108,13 @@ def rates() -> Mapping[str, Rate]:
 
 
 def described() -> str:
-    """Where the rates come from, in one sentence; "" where there are none."""
+    """Where the rates come from, in plain sentences; "" where there are none."""
     if not FILE.exists():
         return ""
     kept = _kept()
     return (
-        f"Measured on {kept['loops']} simulated loops (setting {kept['setting']}, seed {kept['seed']}), half of them "
-        f"with a sticky valve; delays on {kept['streamed']} of the sticky ones. {kept['made_by']} measures again."
+        f"Measured on {kept['loops']} simulated loops (setting {kept['setting']}, seed {kept['seed']}); half of them "
+        f"have a sticky valve. Delays come from {kept['streamed']} of these. To measure again: {kept['made_by']}"
     )
 
 

@@ -1,4 +1,5 @@
-"""What each method is worth on records with a label: counted per tag, beside the trivial answers and published shares.
+"""What each method is worth on records with a label: counted per tag, next to the trivial answers and published
+shares.
 
 Several records of one tag are one valve.  A tag is called by the majority of the records that the method decides
 ("stiction" or "no_stiction"); a tie leaves it open.

@@ -40,6 +40,17 @@ class Wording:
     colour: str
     ink: str
 
+    def counted(self, n: int) -> str:
+        """Return what ``n`` methods say.
+
+        >>> WORDS["stiction"].counted(1), WORDS["stiction"].counted(3), WORDS["not_applicable"].counted(1)
+        ('1 says stiction', '3 say stiction', '1 does not apply')
+        """
+        first, _, rest = self.of_several.partition(" ")
+        return f"{n} {ALONE.get(first, first) if n == 1 else first} {rest}"
+
+
+ALONE = {"say": "says", "do": "does"}  # of one
 
 # Each word has a letter besides its colour, for print and for eyes that do not tell the colours apart.
 WORDS: Mapping[Word, Wording] = MappingProxyType({

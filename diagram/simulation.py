@@ -161,7 +161,8 @@ def simulate(
     ``Diagram.starting_at``; ``settings`` how to integrate, or its fields by name: ``rtol``, ``atol`` local error per
     step, ``method`` "auto", "explicit" or "stiff", ``max_steps`` budget (20 000 000), ``max_step`` the largest step [s]
     (None: functions of the time are tried before the run, and what bounds the steps is noted; ``math.inf``: no bound);
-    ``t0`` [s] when the run begins; ``on_progress`` called every few thousand steps with the time reached; a
+    ``t0`` [s] when the run begins (blocks that sample take their first sample at their ``offset``, so before 0 they
+    hold their start values); ``on_progress`` called every few thousand steps with the time reached; a
     ``KeyboardInterrupt``, its own or Ctrl-C's, ends the run with status INTERRUPTED, and what is simulated so far is
     kept; ``branches`` of a diagram pinned to a log: modes to try where it does not fit (``diagram.branches``).
 

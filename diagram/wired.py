@@ -21,7 +21,7 @@ from diagram.connections import ConnectionMap, own_params
 from diagram.loops import loops_of
 from diagram.past import Past
 from diagram.unseen import warn_of_unseen
-from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, spans
+from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, seen_feeds, spans
 
 D = TypeVar("D", bound="Wired")
 
@@ -62,6 +62,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         self._past: Past | None = None
         self._seen_order: tuple[int, ...] | None = None
         self._for_slopes = False
+        self._shown = False
         seen = [block.seen() for block in self.blocks]
         states = [f"{block.name}[{state}]" for block in seen for state in block.seen_states()]
         super().__init__(
@@ -160,6 +161,14 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         other._fix_params(_all_params(other.syslist))
         return super(Wired, other).linearize(x0, u0, t, params, **keywords)
 
+    def _out(self, t: float, x: Any, u: Any) -> Any:
+        """Return the outputs; python-control asks for them when it has simulated, and else for rates."""
+        self._shown = True
+        try:
+            return super()._out(t, x, u)
+        finally:
+            self._shown = False
+
     def _compute_static_io(self, t: float, x: Any, u: Any) -> tuple[Any, Any]:
         """Return what all inputs and outputs of the blocks are: each block once, in the order of signal flow.
 
@@ -168,7 +177,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         """
         if self._seen_order is None:
             try:
-                self._seen_order = tuple(flow_order(self.syslist, self.driven))
+                self._seen_order = tuple(flow_order(self.syslist, self.driven, seen_feeds))
             except WiringError:
                 self._seen_order = ()
         if not self._seen_order:
@@ -183,7 +192,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
 
         for b in self._seen_order:
             taken[b] = read(b)
-            given[b] = np.ravel(self.syslist[b].out_now(t, x[starts[b] : starts[b + 1]], taken[b]))
+            given[b] = np.ravel(self.syslist[b].out_now(t, x[starts[b] : starts[b + 1]], taken[b], self._shown))
             values.update(zip(self.blocks[b].output_labels, given[b], strict=True))
         taken = [read(b) for b in range(len(self.blocks))]  # those that do not act at once came first
         ulist = np.concatenate([np.zeros(0), *taken])

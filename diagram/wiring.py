@@ -3,7 +3,7 @@
 Every rule here raises ``WiringError`` with the signals it concerns and, for unknown names, the nearest right one.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from blocks.block import Block
 from blocks.ports import nearest
@@ -122,12 +122,19 @@ def feeds_now(block: Block) -> bool:
     return block.dead_time == 0.0 and block.kernels.feeds and bool(block.ports_in)
 
 
-def flow_order(blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]]) -> list[int]:
+def seen_feeds(block: Block) -> bool:
+    """Return the same for what python-control sees: there an event shows at once in what remembers it."""
+    return feeds_now(block) or block.remembers
+
+
+def flow_order(
+    blocks: Sequence[Block], driven: Mapping[str, tuple[int, int]], feeds: Callable[[Block], bool] = feeds_now
+) -> list[int]:
     """Return the blocks in signal-flow order; refuse algebraic loops, naming their signals."""
     waits: dict[int, set[int]] = {}
     readers: dict[int, list[int]] = {}
     for b, block in enumerate(blocks):
-        waits[b] = {driven[s][0] for s in block.input_labels if s in driven} if feeds_now(block) else set()
+        waits[b] = {driven[s][0] for s in block.input_labels if s in driven} if feeds(block) else set()
         for origin in waits[b]:
             readers.setdefault(origin, []).append(b)
     order: list[int] = []

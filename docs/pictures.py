@@ -1,4 +1,7 @@
-"""Draws the pictures of the documentation again: ``python docs/pictures.py`` from the root of the repository."""
+"""Draws the pictures of the documentation again: ``python docs/pictures.py`` from the root of the repository.
+
+``python docs/pictures.py latent judged`` draws those of these functions only.
+"""
 
 import sys
 import tempfile
@@ -48,7 +51,17 @@ def latent() -> None:
     log = simulate(real, 7200.0, every=1.0, inputs={"SP": set_point}, signals=["SP", "PV", "OP"]).log
     report = diagnose(ideal_flow(), log)
     keep("gap", replayed(report, log).plot())
+    keep("gap_diagram", report.plot_diagram())
     keep("latent_input", latent_input(report, log).plot())
+
+
+def plant() -> None:
+    """The production plant of the README: the stem of the gas valve, the pressure before it and the shaft's torque."""
+    from diagram import simulate
+    from plant import kicked, production_plant
+
+    run = simulate(kicked(production_plant(F_s="high")), 1200.0, every=0.5, method="stiff")
+    keep("plant", run.plot(["OP_VPCS1", "MV_VPCS1", "p_1", "tau_d"]))
 
 
 def linear() -> None:
@@ -137,6 +150,20 @@ def both_simulators() -> None:
     keep("python_control", figure)
 
 
+def level_station() -> None:
+    """The static map of ``docs/gap_real.md``, where the record is."""
+    from benchmarks.gap.real import DATA, picture
+
+    if not DATA.exists():
+        print(f"gap_level_station is not drawn: no data at {DATA}; set STICKSLIP_DATA", file=sys.stderr)
+        return
+    keep("gap_level_station", picture())
+
+
+DRAWN = (topologies, plant, linear, latent, spread, judged, verdicts, both_simulators, level_station)
+
 if __name__ == "__main__":
-    for draw in (topologies, linear, latent, spread, judged, verdicts, both_simulators):
-        draw()
+    wanted = sys.argv[1:] or [draw.__name__ for draw in DRAWN]
+    for draw in DRAWN:
+        if draw.__name__ in wanted:
+            draw()

@@ -18,10 +18,10 @@ from stickslip.cli import cli
 PAGE = Path(__file__).parent / "schemas.md"
 HEAD = """# JSON schemas
 
-`--json FILE` writes one JSON document, `--json -` writes it to standard output, alone. `schema` names its form and the
-number of it, which grows when a field goes or changes its meaning; new fields may come at any time. Numbers are finite:
-what is unknown or does not apply is null. Times are in seconds, amplitudes in the unit of the signal, S and J in the
-unit that stands beside them. A name in angle brackets stands for any name. This page is written by
+`--json FILE` writes one JSON document, `--json -` writes it to standard output, alone. `schema` names the form and
+its version. The version grows when a field goes or changes its meaning; new fields may come at any time. Numbers are
+finite; an unknown value is null. Times are in seconds, amplitudes in the unit of the signal, S and J in the unit given
+with them. A name in angle brackets stands for any name. This page is written by
 `python docs/schemas.py`.
 
 ```

@@ -1,4 +1,4 @@
-"""Write the tables of docs/methods.md again from the cards and from what was measured: ``python docs/tables.py``."""
+"""Write the tables of the methods' pages again, from the cards and what was measured: ``python docs/tables.py``."""
 
 import re
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from detect.cards import (
 )  # fmt: skip
 from detect.rates import described
 
-PAGE = Path(__file__).parent / "methods.md"
+PAGES = [Path(__file__).parent / "methods.md", Path(__file__).parent / "evidence" / "methods_measured.md"]
 
 
 def markdown(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -53,4 +53,5 @@ def rewritten(page: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(rewritten(PAGE.read_text()))
+    for page in PAGES:
+        page.write_text(rewritten(page.read_text()))

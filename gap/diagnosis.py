@@ -1,11 +1,11 @@
 """Diagnose the gap between a model and a log: where it lies, which effect causes it, how far it shrinks.
 
-1. Hold the model to the log; its residuals, at the floor without a gap, are the data (``floor``).
+1. Pin the model to the log. Its residuals are the data; runs without a gap give their noise floor (``floor``).
 2. Fit every effect of the catalogue at every place where it may be (``candidates``).
-3. Name the best, and with it all that would have left the same log; or say "unknown" where none is adequate.
-4. Fit again on the first part of the record, judge on the rest (``sizes``).
+3. Name the best, with all effects that give the same log; or say "unknown" if none is adequate.
+4. Fit again on the first part of the record, and judge on the rest (``sizes``).
 
-A scanned loop with a load that nobody measures has a filter of its own, whose likelihood is exact (``gap.filters``).
+A scanned loop with an unmeasured load has a Kalman filter of its own, whose likelihood is exact (``gap.filters``).
 """
 
 import math
@@ -61,11 +61,11 @@ def diagnose(
     limits: bool = True,
     progress: Progress = None,
 ) -> GapReport:
-    """Return where the model and the log part, which effect of the catalogue explains it, and how far it shrinks then.
+    """Return where the model and the log differ, which effect explains it, and how far it shrinks then.
 
-    ``diagram`` the model with its nuisances (noise, loads) as blocks; ``log`` a table of signals of the diagram, by
-    name.  ``seed`` of the runs without a gap; ``limits`` False saves to say of a record without a gap from what sizes
-    on effects would have shown.
+    ``diagram`` is the model, with its noise and its unmeasured loads as blocks.  ``log`` is a table of signals of the
+    diagram, by name.  ``seed`` is that of the runs without a gap.  ``limits=False`` saves time: the report on a record
+    without a gap then does not say from which sizes on effects would have shown.
 
     Raises ``GapError`` if log and model do not fit together.
     """
@@ -125,7 +125,9 @@ def _compression(problem: Problem, effect: Effect) -> Fit | None:
 
 
 def prepared(diagram: Diagram, log: Log, seed: int = 0, floor: Floor | None = None) -> Problem:
-    """Return the problem that a model and a log pose; ``floor`` if it is known from an equal record."""
+    """Return the problem that a model and a log pose; ``floor`` is the noise floor, if an equal record has given it
+    before.
+    """
     return _prepared(*read(diagram, log), seed, floor)
 
 

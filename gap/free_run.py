@@ -186,7 +186,7 @@ class FreeModel:
 
 
 def cost_of(e: Floats, parameters: int) -> float:
-    """Return N_eff/2 ln(mean square) + p/2 ln(N_eff) [nats].
+    """Return the Bayesian information criterion N_eff/2 ln(mean square) + p/2 ln(N_eff).
 
     >>> e = np.random.default_rng(0).normal(size=(1000, 1))
     >>> round(cost_of(e, 3) - cost_of(e, 1), 1), round(cost_of(2.0 * e, 1) - cost_of(e, 1), 1)

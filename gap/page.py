@@ -9,8 +9,9 @@ from gap.insertion.effect import Effect, Parameter
 
 HEAD = """# The effects
 
-What a model of a plant may lack.  Each effect is one file in ``gap/effects``, is put into any diagram at a block of its
-role by one call, and is not there at its neutral values.  ``python -m gap.page > docs/effects.md`` writes this page.
+These are the effects that a model of a plant may lack.  Each effect is one file in ``gap/effects``.  One call inserts
+it into any diagram, at a block of its role.  At its neutral values it changes nothing.  ``python -m gap.page >
+docs/effects.md`` writes this page.
 
 ```python
 import numpy as np
@@ -33,14 +34,24 @@ prints
 {'valve:stiction.S': array([0.04, 0.05]), 'valve:stiction.J': array([0.01, 0.02])}
 ```
 
-Behind each parameter stand its unit and its neutral value.  ``% OP`` and ``% travel`` are percent of the full span, a
-factor multiplies what the model has, ``PV`` and ``process input`` are the units of these signals.  A parameter in
-brackets has to be found for a replay but is no part of the effect's size.  How to add one is in
+The brackets give the unit of each parameter and its neutral value.  ``% OP`` and ``% travel`` are percent of the full
+span.  A factor multiplies the value of the model.  ``PV`` and ``process input`` are the units of these signals.  A
+parameter in brackets has to be fitted for a replay but is no part of the effect's size.  How to add one is in
 [CONTRIBUTING.md](../CONTRIBUTING.md).
 
-From logged OP, PV and SP alone, with linear blocks, nothing tells apart ``valve_gain``, ``process_gain`` and
-``sensor_span``; ``positioner_lag``, ``second_lag`` and ``sensor_lag``; ``valve_leak``, ``sensor_bias`` and a
-``step_disturbance`` from the start; in a separator ``real_gas`` and ``gas_temperature``.
+Where an effect can be follows from the role, the parameters and the inputs of a block.  ``process_gain`` changes a
+parameter called ``K``, and stands as a gain before a process of one input that has none.  ``process_time_constant``
+wants a parameter called ``tau``, ``T`` or ``omega``.  ``dead_time`` wants a process of one input.  A process of your
+own (``Equations``) is a place for all three if its parameters have these names and one signal enters it.  If it has
+two inputs, wire a ``DeadTime`` between the valve and it; a dead time of 0 will do.  ``process_gain`` and ``dead_time``
+then have their place there.  ``effect("dead_time").places(model)`` lists the places.
+
+With linear blocks and only OP, PV and SP logged, the effects of one line give the same log:
+
+- ``valve_gain``, ``process_gain``, ``sensor_span``
+- ``positioner_lag``, ``second_lag``, ``sensor_lag``
+- ``valve_leak``, ``sensor_bias``, a ``step_disturbance`` from the start
+- in a separator: ``real_gas``, ``gas_temperature``
 
 | effect | at | parameters (unit; neutral) | what |
 |---|---|---|---|

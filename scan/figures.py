@@ -18,7 +18,7 @@ __all__ = ["plot_scan"]
 
 
 def plot_scan(result: ScanResult) -> Figure:
-    """Bars of the verdicts beside a histogram of the periods [s] on a logarithmic axis."""
+    """Bars of the verdicts, and a histogram of the periods [s] on a logarithmic axis."""
     from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
     from logs.picture import Picture

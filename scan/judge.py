@@ -41,7 +41,7 @@ def judged(job: Job, number: int) -> list[Row]:
 
 
 def row_of(record: LoopRecord) -> Row:
-    """What a scan says of one record: the calibrated answer, without the methods beside it, and the oscillation."""
+    """What a scan says of one record: the calibrated answer and the oscillation, without the single methods."""
     from detect.judge.answer import answer
     from detect.prepare.prepared import prepared
     from detect.prepare.swing import amplitude

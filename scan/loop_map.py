@@ -1,4 +1,4 @@
-"""A loop map: which tags make up which loop, where their names do not tell, and what is known of the loop."""
+"""A loop map: which tags make up which loop if their names do not show it, and what is known of the loop."""
 
 from __future__ import annotations
 

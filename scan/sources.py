@@ -108,7 +108,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Source:
-    """The loops to scan, as jobs, with what tells this source from another.
+    """The loops to scan, as jobs, with the identity of their source.
 
     name : str
         As the user gave it.
@@ -159,7 +159,7 @@ def _of_folder(name: str, path: Path, mapped: tuple[LoopTags, ...]) -> Source:
     notes = [f"{len(files)} files in the folder."]
     jobs: list[Job] = []
     if mapped and len(whole) != 1:
-        raise ReadError(f"{name}: a loop map tells the columns of one file, and the folder holds {len(whole)}")
+        raise ReadError(f"{name}: a loop map gives the columns of one file, and the folder holds {len(whole)}")
     if tags:
         loops = [(loop, tuple(map(str, parts))) for loop, parts in tags.items()]
         jobs += [Job("tags", (), tuple(part)) for part in _cut(loops, JOB_LOOPS)]

@@ -1,4 +1,4 @@
-"""Loops of a scan that share an oscillation, told by a few numbers kept of each.
+"""Loops of a scan that share an oscillation, found from a few numbers kept of each.
 
     z_k = mean over stretch k of (PV - mean) exp(-i 2 pi tau / P)       k = 1 .. ``STRETCHES``, tau the clock time
 

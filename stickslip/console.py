@@ -88,7 +88,7 @@ def coloured() -> bool | None:
 
 
 def plain(text: str) -> str:
-    """Return a text without signs that steer a terminal: names come from files that nobody has looked at.
+    """Return a text without control characters of a terminal: names come from files that nobody has checked.
 
     >>> plain("tag\\x1b[2J"), plain("two\\nlines")
     ('tag?[2J', 'two\\nlines')

@@ -1,4 +1,4 @@
-"""Lists that are worked out from the house's own sources, kept beside its byte code as long as no source has changed.
+"""Lists computed from the package's own sources, kept with its byte code as long as no source has changed.
 
 What the blocks and cases are is known once they are built, which takes python-control and half the house to load.
 A list is kept as Python keeps byte code: with the size and the time of change of the sources, here of all of them, and

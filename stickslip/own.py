@@ -119,7 +119,9 @@ def case_named(given: str, option: str = "CASE") -> "Case":
         raise ValueError(
             f"{option} {given}: the function returned {type(made).__name__}; return diagram.wire([...]) or a cases.Case"
         )
-    about = f"Made by {given}, which was executed: {DURATION:g} s with a row every {EVERY:g} s unless told otherwise."
+    about = (
+        f"Made by {given}, which was executed: {DURATION:g} s with a row every {EVERY:g} s unless you say otherwise."
+    )
     name = given.rpartition(":")[2]
     return Case(name, f"{made.name or name}, a case of your own", about, lambda: made, DURATION, EVERY, lambda: ())
 

@@ -1,4 +1,4 @@
-"""How the file of a command is written: what its reader may be told, and which column is which signal of a model."""
+"""How the file of a command is written: options for its reader, and which column is which signal of a model."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -22,7 +22,7 @@ OPTIONS = (
 
 
 def form_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that tell how a file is written to a command."""
+    """Add the options that say how a file is written to a command."""
     for option in reversed(OPTIONS):
         command = option(command)
     return command

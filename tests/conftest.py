@@ -6,6 +6,7 @@ starts the tests in the background lets them and all they start ignore Ctrl-C; t
 
 import os
 import signal
+import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is first imported
 
@@ -16,6 +17,19 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 settings.register_profile("stickslip", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("stickslip")
+
+COMPILED = pytest.StashKey[list[str]]()
+
+
+def pytest_collection_finish(session):
+    """Note which functions numba has compiled, or loaded from its cache, while tests were collected."""
+    numba = sys.modules.get("numba.core.dispatcher")
+    session.config.stash[COMPILED] = [
+        f"{name}.{key}"
+        for name, module in list(sys.modules.items())
+        for key, thing in list(vars(module).items())
+        if numba and isinstance(thing, numba.Dispatcher) and thing.signatures and thing.__module__ == name
+    ]
 
 
 @pytest.fixture(scope="module")

@@ -7,19 +7,21 @@ import io
 import os
 import re
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 
 from diagram import unseen
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 DATA = Path(os.environ.get("STICKSLIP_DATA") or ROOT.parent / "shared" / "data")
 
 
 def examples(page: str) -> list[str]:
     """Return the examples of a page that can be run: a lone function is a picture of the code, not a call of it."""
-    return [code for code in re.findall(r"```python\n(.*?)```", page, re.S) if not code.startswith("def ")]
+    found = [dedent(code) for code in re.findall(r"^ *```python\n(.*?)^ *```", page, re.S | re.M)]
+    return [code for code in found if not code.startswith("def ")]
 
 
 def names(code: str) -> tuple[set[str], set[str]]:
@@ -51,7 +53,7 @@ def run(page: str, name: str, data: bool) -> tuple[list[str], int]:
     return printed, left_out
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_examples_run_and_pictures_exist(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = page.read_text()
     for picture in re.findall(r"!\[.*?\]\((.*?)\)", text):
@@ -68,6 +70,37 @@ def test_examples_run_and_pictures_exist(page: Path, tmp_path: Path, monkeypatch
         pytest.skip(f"REAL DATA NOT TESTED: {left_out} examples of {page.name} need {DATA}; set STICKSLIP_DATA")
 
 
+def anchors(page: str) -> set[str]:
+    """Return the places in a page that a link can lead to: its headings, in the spelling of the sites that show it."""
+    headings = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", page, flags=re.S), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def broken_links(page: Path, text: str) -> list[str]:
+    """Return the links of a page to files that do not exist, or to headings that a page does not have."""
+    broken = []
+    for link in re.findall(r"(?<!!)\[[^\]]*\]\((?!https?:)([^)\s]*)\)", text):
+        name, _, anchor = link.partition("#")
+        target = page.parent / name if name else page
+        if not target.exists() or (anchor and anchor not in anchors(target.read_text())):
+            broken.append(link)
+    return broken
+
+
+def test_no_link_between_pages_is_broken() -> None:
+    pages = [*PAGES, *ROOT.glob("*.md")]
+    assert {str(p.relative_to(ROOT)): links for p in pages if (links := broken_links(p, p.read_text()))} == {}
+    page = ROOT / "docs" / "gap.md"
+    wrong = ["nowhere.md", "verdict.md#no-such-heading", "#no-such-heading"]
+    assert broken_links(page, "".join(f"[x]({link})" for link in [*wrong, "verdict.md", "#read-the-answer"])) == wrong
+
+
+def test_every_page_is_in_the_index() -> None:
+    index = ROOT / "docs" / "README.md"
+    listed = {(index.parent / link).resolve() for link in re.findall(r"\]\(([^)#]*)\)", index.read_text())}
+    assert {str(p.relative_to(ROOT)) for p in PAGES if p not in listed} == {"README.md", "docs/README.md"}
+
+
 def test_without_data_only_what_needs_them_is_left_out() -> None:
     page = "\n".join(
         f"```python\n{code}\n```"
@@ -77,7 +110,7 @@ def test_without_data_only_what_needs_them_is_left_out() -> None:
     assert run(page, "page", data=True)[1] == 0
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_examples_run_on_a_clone_alone(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if any("STICKSLIP_DATA" in code for code in examples(page.read_text())):
         monkeypatch.setenv("STICKSLIP_DATA", "nowhere")

@@ -156,17 +156,20 @@ def pump() -> str:
 
 def picture() -> "Figure":
     """Draw the static map of the level station over its record."""
-    from matplotlib.figure import Figure
+    from logs.picture import Picture
+    from logs.style import BLUE, ORANGE, tidy
 
     d = table("labvolt/training_set")
     found = static_map(d["time"], d["input"], d["output"])
-    figure = Figure((6.0, 4.0), layout="constrained")
-    axes = figure.subplots()
-    axes.plot(d["input"], d["output"], ".", markersize=3, alpha=0.5, label="logged")
-    axes.plot(found.u, found.y, "o-", label="static map, steady")
-    axes.set(xlabel="pump voltage [V]", ylabel="level [mm]", title="Level station: pump voltage to steady level")
-    axes.legend()
-    return figure
+    picture = Picture(figsize=(6.0, 4.0), layout="constrained")
+    axes = picture.subplots()
+    axes.plot(d["input"], d["output"], ".", color=BLUE, markersize=3, alpha=0.5, label="logged: on its way to rest")
+    axes.plot(found.u, found.y, "o-", color=ORANGE, label="fitted map: at rest")
+    axes.set(xlabel="pump voltage [V]", ylabel="level [mm]")
+    axes.set_title("Level station: pump voltage to steady level", loc="left", fontsize=10)
+    axes.legend(frameon=False)
+    tidy(axes)
+    return picture
 
 
 def main() -> None:

@@ -1,10 +1,11 @@
 """The production plant in python-control alone: ``input_output_response`` has no events, so friction is regularised.
 
-Two twins, both with stems that have mass and the friction of ``benchmarks.peers.python_control``:
+Two twins, both with stems that have mass:
 
-    flat     one ``ct.nlsys`` of the flat equations on Python's own numbers, the fastest that runs interpreted
-    diagram  the plant wired of blocks, as a python-control system: each rate sweeps its 49 blocks until no signal
-             changes any more, which takes 25 times as long
+    flat     one ``ct.nlsys`` of the flat equations on Python's own numbers, the fastest that runs interpreted; the
+             friction is that of ``benchmarks.peers.python_control``
+    diagram  the plant wired of blocks, as a python-control system: each rate asks all of its 49 blocks; stems are
+             blocks as well, seen as python-control sees them (``blocks.seen_stem``)
 
 BDF with V_S = 1e-6 is the best: it follows the plant with mass to 7e-6 bar until the fourth slip.  A peak a hundred
 times wider is up to twice as fast, but on another path after 20 s (0.8 bar); LSODA then runs, and gives up ("Unexpected
@@ -21,8 +22,7 @@ import numpy as np
 from benchmarks.peers import production_equations as equations
 from benchmarks.peers.production_lsoda import Problem
 from benchmarks.peers.python_control import SHARPNESS, V_S, friction
-from blocks.block import Block, Kernels
-from blocks.ports import Port
+from blocks.stick_slip import StickSlip
 from diagram.diagram import Diagram
 
 RTOL, ATOL = 1e-6, 1e-9
@@ -63,31 +63,11 @@ def flat(given: Problem, F_s: float, v_s: float = V_S, sharpness: float = SHARPN
     return system, np.array([*given.y, given.valves[1], 0.0, given.valves[3], 0.0])
 
 
-class SmoothStem(Block):
-    """A stem with mass and smooth friction, at rest at ``start``: what python-control can integrate."""
-
-    ports_in = (Port("OP"),)
-    ports_out = (Port("MV"),)
-
-    def __init__(self, F_s: float, start: float, name: str, v_s: float = V_S, sharpness: float = SHARPNESS) -> None:
-        force = friction(F_s, F_C, v_s, sharpness)
-
-        def out(t, x, d, u, p, y):
-            y[0] = x[0]
-
-        def der(t, x, d, u, p, dx):
-            dx[0] = x[1]
-            dx[1] = stem_rate(u[0], x[0], x[1], force)
-
-        self.kernels = Kernels(out=out, der=der, feeds=False)
-        super().__init__(name=name, params={}, states={"x": start, "v": 0.0})
-
-
 def diagram(plant: Diagram, F_s: float):
-    """Return the wired plant with smooth stems, and its start."""
+    """Return the wired plant with stems that have mass, and its start."""
     for valve in ("VLCS1", "VPCS1"):
         start = float(plant[valve].d0[plant[valve].memory_names.index("x")])
-        plant = plant.replace(valve, SmoothStem(F_s, start, valve))
+        plant = plant.replace(valve, StickSlip(F_s, F_C, k=K, M=M, F_v=F_V, start=start, name=valve))
     twin = Diagram(plant.blocks, outputs=["p_1", "V_1"], name="diagram")
     return twin, twin.x0
 

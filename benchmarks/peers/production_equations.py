@@ -1,6 +1,6 @@
 """The production plant written out flat: one function of 23 states and two stem positions, independent of ``blocks``.
 
-Sources: the balances of thesis chapters 3 and 4 as corrected in docs/errata.md; a cubic compressor map; the
+Sources: the balances of thesis chapters 3 and 4 as corrected in docs/evidence/errata.md; a cubic compressor map; the
 controllers of thesis table 5.1.  Plain scalars and tuples throughout, so that the same text runs interpreted (for
 python-control) and compiled by numba (for LSODA and CVODE).
 

@@ -26,7 +26,7 @@ typedef struct {
                                        1 on; limited rate: 0 follows, +-1; quantiser: whence it came, and multiple */
     double u_s, last;               /* Kano: where OP stood when it stuck, and at the last sample */
     double memory, w;               /* sampled PI: z; sensor: lag; noise: coloured value */
-    double past[4];                 /* biquad: its last two inputs and outputs */
+    double past[4];                 /* biquad: its last two inputs and outputs; sensor: its last input */
     long long r[6];                 /* MRG32k3a */
     double *hist; long n_hist, room; /* records start, end, three values */
 } Block;
@@ -362,7 +362,10 @@ static void sample(Block *b, double t) {
     } else if (b->kind == NOISE) s[b->out] = p[0] + p[1] * noise(b, p[2]); /* mean sd correlation_time */
     else { /* tau factor bias drift low high sd correlation_time step */
         double target = p[1] * s[b->in[0]] + p[2] + p[3] * t;
-        b->memory += (p[0] > 0 ? 1 - exp(-b->dt / p[0]) : 1) * (target - b->memory);
+        double behind = p[0] * (target - b->past[0]) / b->dt; /* in the end, on a straight line */
+        b->memory = target - behind
+                  + (p[0] > 0 ? exp(-b->dt / p[0]) : 0) * (b->memory - b->past[0] + behind);
+        b->past[0] = target;
         double v = b->memory + p[6] * noise(b, p[7]);
         if (p[8] > 0) v = floor(v / p[8] + 0.5) * p[8];
         s[b->out] = clip(v, p[4], p[5]);

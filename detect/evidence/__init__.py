@@ -1,4 +1,4 @@
-"""What a report shows of a loop beside the verdict: stem, spectrum, correlations, and the verdict over time."""
+"""What a report shows of a loop besides the verdict: stem, spectrum, correlations, and the verdict over time."""
 
 from detect.evidence.correlations import Correlation, correlation
 from detect.evidence.set_point import set_point_words

@@ -27,7 +27,7 @@ BETTER = 1.05  # rms without play over rms with it: below, the fitted stem says 
 
 @dataclass(frozen=True, eq=False)
 class StemTrend:
-    """The stem beside OP.
+    """The stem and OP over time.
 
     t : (n,) [s]; op, mv : (n,) in the unit of OP and of the stem
     sticks : (k, 2) [s], from where to where the stem stood while OP moved
@@ -76,7 +76,7 @@ def stem_trend(verdicts: Sequence[Verdict], record: LoopRecord | None = None) ->
         t, op, mv = (values[record.good] for values in (record.t, record.op, record.log[record.mv_name]))
         return StemTrend(t, op, mv, _moving(t, op, _stands(t, mv, float(np.ptp(mv)))), True, float("nan"))
     if fitted is None:
-        return "No stem can be reconstructed: the method play_fit was not asked."
+        return "No stem can be reconstructed: the method play_fit did not run."
     if not len(fitted.array("x")):
         return f"No stem can be reconstructed: {fitted.reason}"
     better = fitted.index if fitted.index is not None else float("nan")

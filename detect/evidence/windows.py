@@ -143,7 +143,7 @@ def _edges(record: LoopRecord, most: int) -> tuple[list[float], str]:
     if parts < 2:
         why = f"windows need {SAMPLES} samples each, and {CYCLES:g} periods where the loop oscillates"
         return [], f"The record is too short to be divided: {why}."
-    return np.linspace(t0, t1, parts + 1).tolist(), f"The record in {parts} equal parts; days tell more: log longer."
+    return np.linspace(t0, t1, parts + 1).tolist(), f"The record in {parts} equal parts; days say more: log longer."
 
 
 def _since_midnight(record: LoopRecord) -> float:

@@ -19,7 +19,7 @@ SINE, OTHER, WAVE = BLUE, ORANGE, PALE  # a fitted sine, the rival shape, the wa
 
 
 def draw_fits(v: Verdict, figure: FigureBase, signal: str, other: str, score: str) -> None:
-    """Half waves of ``signal`` with the sine and the shape called ``other``, beside both errors of every half wave.
+    """Half waves of ``signal`` with the sine and the shape called ``other``, and both errors of every half wave.
 
     Reads ``phase`` (m,), ``waves`` (h, m), ``sine`` and ``other`` (m,), ``error_sine`` and ``error_other`` (H,) of the
     evidence; ``score`` is the title of the right panel.

@@ -24,7 +24,7 @@ BEFORE, AFTER = 0.2, 4.0  # of T86: how much of a step response is drawn
 
 
 def plot_valve_test(test: ValveTest) -> Figure:
-    """Trend beside the place of the valve over OP; steps without an answer are grey."""
+    """The trend, and the position of the valve over OP; steps without an answer are grey."""
     from logs.picture import Picture
 
     figure = Picture(figsize=(9.5, 4.2), layout="constrained")

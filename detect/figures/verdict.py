@@ -51,7 +51,7 @@ def draw_reason(text: str, figure: FigureBase) -> None:
 
 
 def draw_half_cycles(v: Verdict, figure: FigureBase) -> None:
-    """e with its half cycles cut at the peaks, beside the ratio of each half cycle."""
+    """e with its half cycles cut at the peaks, and the ratio of each half cycle."""
     left, right = figure.subplots(1, 2, width_ratios=(3, 1))
     t, e = v.array("t"), v.array("e")
     start, middle, end = v.array("start"), v.array("peak_time"), v.array("end")

@@ -14,7 +14,7 @@ STEM = {True: "see where the logged stem rests while OP moves", False: "log the 
 ADVICE: Mapping[Word | Code, str] = {
     "stiction": "To prove it and size it: {stem}, or {test}.",
     "no_stiction": (
-        "To tell tight tuning from an outside wave: put the loop in manual for a few periods; "
+        "To separate tight tuning from an outside wave: put the loop in manual for a few periods; "
         "a wave that stays comes from outside."
     ),
     "constant_signal": "Check the transmitter and the historian tag.",

@@ -14,7 +14,7 @@ __all__ = ["beside", "voted"]
 
 
 def voted(verdicts: Sequence[Verdict], combine: Combine, stem_logged: bool) -> Answer:
-    """What ``combine`` makes of the verdicts that vote; those on trial are told beside.
+    """The verdict that ``combine`` makes of the voting methods; those on trial are listed separately.
 
     Raises ValueError if ``combine`` gives no word of a verdict.
     """
@@ -34,7 +34,7 @@ def beside(verdicts: Sequence[Verdict]) -> str:
         return ""
     accusing = [v.method for v in verdicts if v.verdict == "stiction"]
     names = f" ({', '.join(accusing)})" if accusing else ""
-    counts = [f"{n} {said.of_several}{names if word == 'stiction' else ''}" for word, said in WORDS.items()
+    counts = [f"{said.counted(n)}{names if word == 'stiction' else ''}" for word, said in WORDS.items()
               if (n := sum(v.verdict == word for v in verdicts))]  # fmt: skip
     plural = "s" if len(verdicts) > 1 else ""
     return f"Of {len(verdicts)} method{plural} that could look, {', '.join(counts)}."
@@ -44,9 +44,7 @@ def _on_trial(verdicts: Sequence[Verdict]) -> list[str]:
     """One sentence on the methods without a vote: one by name, several by their count."""
     if len(verdicts) <= 1:
         return [f"{_name(v)} (experimental, no vote): {_sentence(v)}" for v in verdicts]
-    counts = [
-        f"{n} {said.of_several}" for word, said in WORDS.items() if (n := sum(v.verdict == word for v in verdicts))
-    ]
+    counts = [said.counted(n) for word, said in WORDS.items() if (n := sum(v.verdict == word for v in verdicts))]
     return [f"Of {len(verdicts)} experimental methods, which have no vote, {', '.join(counts)}."]
 
 

@@ -74,7 +74,7 @@ CARD = Card(
     streams="window",
     stream_note="The spectra are averages over segments of one record, whose length follows from its period.",
     pros=(
-        "tells a linear loop from a non-linear one",
+        "separates a linear loop from a non-linear one",
         "sizes what it finds",
         "calibrated on the record's own spectrum",
     ),

@@ -1,4 +1,4 @@
-"""Dead travel by likelihood: is PV told better by a stem that sticks than by any rival, as the loop itself ran?
+"""Dead travel by likelihood: does a stem that sticks predict PV better than any rival, as the loop itself ran?
 
     PV(t) from its own past and the past of w,   w = OP, or the stem of a valve with S and J
     G(S)    = log-likelihood of the best stem of size S less that of the best rival, both less what they cost [nats]
@@ -64,7 +64,9 @@ CARD = Card(
 
 @dataclass(frozen=True)
 class Params:
-    """``gain`` from which on dead travel is called [nats]; the other limits are those of ``likelihood.pooled``."""
+    """``gain`` in log likelihood from which on dead travel is called; the other limits are those of
+    ``likelihood.pooled``.
+    """
 
     gain: float = GAIN
 

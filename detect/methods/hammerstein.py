@@ -1,4 +1,4 @@
-"""A sticky valve before a linear process, fitted to OP and PV: how much better it tells PV than the process alone.
+"""A sticky valve before a linear process, fitted to OP and PV: how much better it predicts PV than the process alone.
 
     OP -> valve(S, J) -> G(q) -> PV,        F(S, J) = 100 (1 - |PV - model| / |PV - mean PV|) %
 
@@ -68,7 +68,7 @@ CARD = Card(
     process=("self_regulating", "integrating"),
     streams="window",
     stream_note="The search for S and J runs over a whole record, so nothing can be carried from window to window.",
-    pros=("sizes S and J with a region", "told apart from a linear loop by the same model", "any process"),
+    pros=("sizes S and J with a region", "compared with a linear loop by the same model", "any process"),
     cons=("the slowest of the methods", "J is poorly seen behind a slow process", "non-linear processes"),
     cost="O(n) for each of 130 valves",
     experimental=True,
@@ -245,14 +245,14 @@ def _word(found: Search, swing: float, p: Params) -> tuple[Word, str]:
     inside = found.region(p.region)
     S, gain = float(found.S[found.top]), float(found.F[found.top]) - found.F_linear
     if found.F[found.top] < p.fit_min:
-        return "inconclusive", f"neither tells {p.fit_min:.0f} %, PV is moved by something else"
+        return "inconclusive", f"neither tells {p.fit_min:.0f} %, something else moves PV"
     if inside[0]:
         return "inconclusive", "no valve is needed, but an outside wave hides one as well, so it is not cleared"
     if p.size_min * swing > S or gain < p.gain_min:
         return "inconclusive", f"below {p.gain_min:g} points of gain or {p.size_min:.0%} of the swing of OP"
     if np.max(found.J[inside] / found.S[inside]) < p.jump_min:
-        return "inconclusive", "a deadband without slip tells PV best, which is no stick-slip"
-    return "stiction", "the sticky valve is needed to tell PV"
+        return "inconclusive", "a deadband without slip predicts PV best, and that is no stick-slip"
+    return "stiction", "the sticky valve is needed to predict PV"
 
 
 def _sign(op: Values, e: Values) -> float:
@@ -294,7 +294,7 @@ def _extremes(x: Values, each: int, most: int) -> Values:
 
 
 def draw(v: Verdict, figure: FigureBase) -> None:
-    """PV beside the model, and F over the triangle of S and J with its region of confidence."""
+    """PV and the model over time, and F over the triangle of S and J with its region of confidence."""
     from detect.figures.verdict import draw_reason
     from logs.style import INK, SOFT, tidy
 

@@ -249,7 +249,9 @@ def _word(found: Width, W: float, reversals: int, p: Params) -> tuple[Word, str]
     left = (1.0 - found.best**2) / max(1.0 - found.without**2, 1e-12)
     if left > p.left:
         return "inconclusive", (
-            "a lag alone tells as much, which clears nothing" if left > 0.9 else "a play tells little more than a lag"
+            "a lag alone predicts as much, which clears nothing"
+            if left > 0.9
+            else "a play predicts little more than a lag"
         )
     if p.width > W:
         return "inconclusive", f"the picture is open, but narrower than {p.width:g} of the travel of OP"

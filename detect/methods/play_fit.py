@@ -174,7 +174,7 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
         )
     if f.ratio >= p.ratio and f.gain >= p.gain:
         s = f"S = {_size(loop, f.S)}"
-        better = f"{s} would tell PV better ({r})"
+        better = f"{s} would predict PV better ({r})"
         if m < p.reversals:
             return "inconclusive", f"{better}, but OP reverses {m} times with travel beyond it."
         if f.wins < p.share:
@@ -202,7 +202,7 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
     hiding = np.flatnonzero(f.loss - np.min(f.loss) < p.hidden)[-1] + 1
     largest = float(f.sizes[hiding]) if hiding < len(f.sizes) else math.inf
     lag = f.lag / turn
-    no_better = f"A play does not tell PV clearly better than a lag alone ({r})"
+    no_better = f"A play does not predict PV clearly better than a lag alone ({r})"
     if f.ratio >= p.ratio:
         return (
             "inconclusive",

@@ -234,7 +234,7 @@ def _word(rate: float, stay: float, gain: float, needed: float, p: Params) -> tu
     if stay < p.stay:
         return "inconclusive", "it stays too briefly to be called stuck"
     if gain <= needed:
-        return "inconclusive", "a valve that follows tells PV about as well"
+        return "inconclusive", "a valve that follows predicts PV about as well"
     return "stiction", "it sticks and slips"
 
 

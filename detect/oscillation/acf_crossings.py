@@ -227,7 +227,7 @@ def _acf_test(t: Values, beat: Beat, p: Params) -> Gate:
     cycles = n * dt / period
     if period < p.samples_min * dt:
         reason = (
-            f"No oscillation that can be told from noise: e changes its sign every {mean:.1f} samples "
+            f"No oscillation that differs from noise: e changes its sign every {mean:.1f} samples "
             f"(one each {dt:.3g} s). If it does oscillate, a faster log will show it."
         )
         return Gate(False, None, 0.0, amplitude, 0.0, reason)

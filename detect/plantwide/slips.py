@@ -209,7 +209,7 @@ def _middle(each: Values) -> tuple[float, float]:
 
 
 def owners(found: Mapping[str, Mapping[str, Slips]], jumps: Mapping[str, Jumps]) -> dict[str, Slips]:
-    """Return the slips of every loop (loop -> tag -> slips): a jump has one source, the loop that tells it best.
+    """Return the slips of every loop (loop -> tag -> slips): a jump has one source, the loop that explains it best.
 
     >>> one, two = Slips(4.0, 3.9, 4.1, "FI1", 9, 0.9), Slips(7.0, 6.9, 7.1, "PI1", 9, 0.2)
     >>> at = Jumps(np.arange(0, 900, 90), np.ones(10))

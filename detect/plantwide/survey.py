@@ -174,7 +174,9 @@ class Survey(Shown):
         }
 
     def plot(self) -> Figure:
-        """The tags of every group over time beside their spectra, and OP of the first suspect against what shows it."""
+        """The tags of every group over time with their spectra, and OP of the first suspect against the tag that shows
+        it.
+        """
         from detect.figures.survey import plot_survey
 
         return plot_survey(self)

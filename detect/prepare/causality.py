@@ -48,7 +48,8 @@ def lag_of_pv(op: Values, pv: Values, sign: float, half: float) -> tuple[float, 
 
 
 def causality(op: Values, pv: Values, e: Values, period: float, limit: float = 0.5) -> Fact:
-    """Lag of PV behind OP on an even grid [samples]; at ``limit`` or below PV does not follow; told, not forbidden.
+    """Lag of PV behind OP on an even grid [samples]; at ``limit`` or below PV does not follow. It is reported, not
+    refused.
 
     ``period`` [samples] of the oscillation, NaN without one.
     """

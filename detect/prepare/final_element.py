@@ -1,4 +1,4 @@
-"""Has the loop a valve?  What OP moves, as far as the log tells it.
+"""Does the loop have a valve? What OP moves, as far as the log shows it.
 
     cascade   OP is the set point of another loop, as the diagram or the file notes it (``LoopSignals.master_of``)
     unit      OP is a speed, a flow, a temperature, a torque, a power or a frequency: another controller's set point, or
@@ -20,7 +20,7 @@ MACHINES = ("n m", "nm", "n·m", "w", "kw", "mw", "hz")  # what no instrument of
 
 
 def no_valve(record: LoopRecord) -> Fact:
-    """Whether the log tells that OP moves no valve.
+    """Whether the log shows that OP moves no valve.
 
     >>> from logs import Log
     >>> log = Log([0.0, 1.0], {"PV": [4.0, 5.0], "OP": [50.0, 51.0]}, units={"OP": "N m"})

@@ -77,7 +77,7 @@ def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
 
 
 def untracked(record: LoopRecord, limit: float = 3.0) -> Fact:
-    """Mean of e over its standard deviation [-]; told, not forbidden: a P controller has an offset by nature."""
+    """Mean of e over its standard deviation [-]. Reported, not refused: a P controller has an offset by nature."""
     e = record.e
     if e is None or not record.good.any():
         return Fact(

@@ -143,7 +143,7 @@ class _Table:
 
     @property
     def told(self) -> float:
-        """Largest share of y's variance told [-]."""
+        """Largest explained share of the variance of y [-]."""
         return 1.0 - min(response.rss for response in self.responses.values()) / self.model.tss
 
 

@@ -159,7 +159,7 @@ def estimate(t: Values, z: Values, period: float | None = None, samples: int = 4
     """
     finite = np.isfinite(z)
     if np.count_nonzero(finite) < 8:
-        raise ValueError(f"{np.count_nonzero(finite)} finite samples; 8 are needed to tell noise from signal")
+        raise ValueError(f"{np.count_nonzero(finite)} finite samples; 8 are needed to separate noise from signal")
     t, z = t[finite], z[finite]
     scale = float(np.std(z))
     sigma = max(noise_std(t, z), 1e-4 * scale, 1e-300)

@@ -1,4 +1,4 @@
-"""Does the process settle or run away after a move of OP: as told, as the tag says, or as the data say under SP moves?
+"""Does the process settle or run away after a move of OP? The user, the tag or the data under SP moves say it.
 
     flow, pressure of gas   self-regulating        level   integrating
 
@@ -37,7 +37,7 @@ class Kind(NamedTuple):
 
 
 def kind_of_tag(record: LoopRecord) -> Kind:
-    """What is told, or what the measurement says.
+    """What the user says, or else what the measurement implies.
 
     >>> kind_of_tag(LoopRecord.from_arrays([0, 1], pv=[1, 2], op=[1, 2], name="FIC7"))
     Kind(integrating=False, text='The process is taken as self-regulating: the tag is a flow.')
@@ -49,7 +49,7 @@ def kind_of_tag(record: LoopRecord) -> Kind:
     if record.measurement == "flow":
         return Kind(False, "The process is taken as self-regulating: the tag is a flow.")
     if record.measurement == "pressure":
-        return Kind(False, "The process is taken as self-regulating: the tag is a pressure, taken for that of a gas.")
+        return Kind(False, "The process is taken as self-regulating: the tag is a pressure, taken as that of a gas.")
     return Kind(None, "The process is taken as self-regulating: nothing says otherwise.")
 
 

@@ -26,7 +26,7 @@ SEEN = 1500  # blocks in which turns of a record of up to some thousand samples 
 
 
 def recent(op: Values, most: int, period: float = math.nan) -> int:
-    """Index of the first sample of OP (n,) that is looked at; 0 where ``most`` samples hold all of it.
+    """Index of the first sample of OP (n,) that is used; 0 if ``most`` samples hold all of it.
 
     ``most`` : least number of samples that are kept; ``period`` [samples] of an oscillation, NaN where none is known.
 

@@ -93,7 +93,7 @@ class ValveTest(Shown):
         What was taken as the answer of the valve: the stem, or PV where no stem is logged.
     source : {"steps", "routine moves"}
     deadband, resolution : Size or None
-        None where the record does not tell.
+        None where the record does not show it.
     slip_jump : Size or None
         From routine moves only.
     gain : float or None
@@ -101,7 +101,7 @@ class ValveTest(Shown):
     responses : tuple of StepResponse
     steps : tuple of Step
     notes : tuple of str
-        What was assumed, and what the record does not tell.
+        What was assumed, and what the record does not show.
     record : LoopRecord
     """
 
@@ -141,7 +141,7 @@ class ValveTest(Shown):
             said.append(f"{of}: {told}." if told else f"{of}: the answer did not come within the hold.")
             worst = max(response.overshoot for response in self.responses)
             said.append(f"Largest overshoot {100.0 * worst:.0f} % of the step.")
-        return tuple(said) or ("The record tells neither deadband nor resolution.",)
+        return tuple(said) or ("The record shows neither deadband nor resolution.",)
 
     def to_dict(self) -> dict[str, Any]:
         """The findings as plain values, schema "stickslip.valve-test/1"."""
@@ -203,7 +203,7 @@ def analyse(record: LoopRecord) -> ValveTest:
     sizes = {kind: _size(found) for kind, found in brackets.items()}
     for kind, size in sizes.items():
         if size is None:
-            notes.append(f"The steps do not tell the {kind}: {_wanted(kind, steps)}.")
+            notes.append(f"The steps do not show the {kind}: {_wanted(kind, steps)}.")
     timed = tuple(
         _response(t, answer, step, noise)
         for step in steps

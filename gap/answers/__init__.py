@@ -1,1 +1,1 @@
-"""What a diagnosis answers with: the report, its picture, what it rests on and how sure it is."""
+"""What a diagnosis returns: the report, its picture, its evidence and its probability."""

@@ -22,8 +22,8 @@ UNKNOWN = "unknown"
 
 @dataclass(frozen=True)
 class Where:
-    """The place of a gap: the block named first, its probability, the blocks that cannot be told apart from it, and the
-    share of the gap that each block of this set explains at best.
+    """The place of a gap: the most likely block, its probability, and the blocks that the log cannot separate from it.
+    ``shares`` gives how much of the gap each block of this set explains at best.
     """
 
     place: str
@@ -64,10 +64,11 @@ class Rank:
 
 @dataclass(frozen=True)
 class Shrinkage:
-    """How far the gap shrinks on rows that the fit has not seen: mean loss per row and signal above nothing [nats].
+    """How far the gap shrinks on rows that the fit has not seen, as mean loss (negative log likelihood) per row and
+    signal.
 
-    ``before`` without the effects, ``after`` with them, ``floor`` without any gap; ``fraction`` of what lies above the
-    floor that has gone, with its interval of 90 %.
+    ``before`` is the loss without the effects, ``after`` the loss with them, and ``floor`` the loss without any gap.
+    ``fraction`` is the share of the loss above the floor that has gone, with its interval of 90 %.
     """
 
     before: float
@@ -82,9 +83,10 @@ class Shrinkage:
 class GapReport(Shown):
     """The outcome of ``diagnose``: words first (``print(report)``), ``plot()``, ``to_dict()``.
 
-    ``gap`` whether there is one; ``where``, ``causes``, ``ranking``, ``shrinkage`` as named; ``words`` in sentences;
-    ``residuals`` signal -> innovations of the model as it is and with the causes, (2, rows); ``t`` (rows,) [s];
-    ``evidence`` what the answer rests on; ``seen`` the sizes from which on effects would have shown, where none did.
+    ``gap`` says whether there is one; ``where``, ``causes``, ``ranking`` and ``shrinkage`` are as named; ``words`` is
+    the report in sentences.  ``residuals`` gives for each signal the innovations of the model as it is and with the
+    causes, (2, rows), at ``t`` (rows,) [s].  ``evidence`` is the basis of the answer.  ``seen`` lists, if there is no
+    gap, the sizes from which on each effect would have shown.
     """
 
     gap: bool

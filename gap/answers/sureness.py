@@ -1,4 +1,4 @@
-"""How sure a name is: the share of right ones among runs with the same kind of answer, whose truth is known.
+"""The probability of a name: the share of right names among runs of known truth with the same kind of answer.
 
     p = (hits + A p_0) / (runs + A)          p_0 = (hits_0 + 1/2) / (runs_0 + 1) of the tuning runs of the benchmark
 

@@ -9,8 +9,10 @@ from typing import Any
 
 from blocks.arithmetic import Sum
 from blocks.block import Block
+from blocks.overflow import Overflow
 from blocks.role import Role
 from blocks.tank import Tank
+from diagram.composition import wire
 from diagram.diagram import Diagram
 from gap.insertion.effect import Effect, Parameter
 from gap.insertion.paths import users
@@ -21,10 +23,10 @@ class TankOverflow(Effect):
 
     >>> from diagram import wire
     >>> tanks = wire([
-    ...     Tank(name="tank_1", outputs=["h_1", "q_1", "o_1"]),
-    ...     Tank(name="tank_2", inputs="q_1", outputs=["h_2", "q_2", "o_2"]),
+    ...     Tank(name="tank_1", outputs=["h_1", "q_1"]),
+    ...     Tank(name="tank_2", inputs="q_1", outputs=["h_2", "q_2"]),
     ... ], inputs=["q_in"])
-    >>> TankOverflow().insert(tanks, "tank_1", level=10.0, share=0.5)["tank_1:tank_overflow"].params["w_o_1"]
+    >>> TankOverflow().insert(tanks, "tank_1", level=10.0, share=0.5)["tank_1:tank_overflow/caught"].params["w_q_over"]
     0.5
     """
 
@@ -38,17 +40,27 @@ class TankOverflow(Effect):
 
     def put(self, diagram: Diagram, place: str) -> Diagram:
         """Return the diagram with what runs over added to what the next tank gets."""
-        _, outflow, over = map(str, diagram[place].output_labels)
-        below = [name for name in users(diagram, outflow) if diagram[name].role is Role.PROCESS]
+        tank, below = diagram[place], self._below(diagram, place)
         if not below:
             return diagram
-        return diagram.insert(outflow, Sum(outflow, {outflow: 1.0, over: 0.0}, name=self.block(place)), readers=below)
+        inflow, (level, outflow) = str(tank.input_labels[0]), map(str, tank.output_labels)
+        over = Overflow(name="over", inputs=[inflow, outflow, level])
+        caught = Sum("q_caught", {outflow: 1.0, "q_over": 0.0}, name="caught")
+        into = wire([over, caught], inputs=[inflow, outflow, level], outputs=["q_caught"], name=self.block(place))
+        return diagram.insert(outflow, into, readers=below)
 
     def settings(self, diagram: Diagram, place: str, **values: Any) -> dict[str, Any]:
         """Return the rim of the tank, and the share as a weight."""
-        _, outflow, over = map(str, diagram[place].output_labels)
-        share = {f"{self.block(place)}.w_{over}": values["share"]} if users(diagram, outflow) else {}
-        return {f"{place}.top": values["level"], **share}
+        rim, into = {f"{place}.top": values["level"]}, self.block(place)
+        if self._below(diagram, place):
+            rim |= {f"{into}/over.top": values["level"], f"{into}/caught.w_q_over": values["share"]}
+        return rim
+
+    def _below(self, diagram: Diagram, place: str) -> list[str]:
+        """Return the tanks that the outflow runs into."""
+        return [
+            name for name in users(diagram, str(diagram[place].output_labels[1])) if diagram[name].role is Role.PROCESS
+        ]
 
     def absent(self, diagram: Diagram, place: str, values: Mapping[str, float]) -> bool:
         """Return whether the tank has no rim."""

@@ -1,4 +1,4 @@
-"""What else one of two effects could be, given the other: fits that the record does not tell apart from it."""
+"""What else one of two effects could be, given the other: fits that the record does not separate from it."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -21,7 +21,7 @@ from gap.insertion.effect import Effect
 Floats = NDArray[np.float64]
 LIKE = 0.99  # cosine between the slopes of two effects at neutral, from which on the other is fitted too
 LIKE_ALONE = 0.9  # the same without the other effect, where slopes are known already
-TIE = 6.0  # nats between explanations that the record does not tell apart
+TIE = 6.0  # nats between explanations that the record does not separate
 
 
 def alternatives(problem: Problem, pair: Pair, catalogue: Iterable[Effect]) -> tuple[list[Fit], list[Fit]]:

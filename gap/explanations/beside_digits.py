@@ -1,4 +1,4 @@
-"""A second effect beside one that the digits of a log prove, such as a sensor that gives multiples of a step.
+"""A second effect, added to one that the digits of a log prove, such as a sensor that gives multiples of a step.
 
 Through a sensor of few levels nothing has slopes.  So its levels count as noise: the model without it is judged by the
 floor that runs of the model with it have, and what lies above that floor is the second effect's.  Records of another
@@ -34,7 +34,7 @@ class Beside:
 def beside_digits(
     problem: Problem, first: Fit, catalogue: Iterable[Effect], seed: int, progress: Progress = None
 ) -> Beside | None:
-    """Return the pair of an effect that digits prove and one beside it; None where nothing is left or nothing fits."""
+    """Return the pair of an effect that digits prove and a second one; None if nothing remains or no effect fits."""
     model = inserted(problem.model, first)
     floor, logs = measured(model, problem.quiet, problem.record, RUNS, seed)
     if len(logs) < RUNS // 2:

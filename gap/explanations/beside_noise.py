@@ -1,4 +1,4 @@
-"""More noise of a sensor beside another effect: the other one is fitted by what the noise lets see.
+"""More noise of a sensor together with another effect, which is fitted to the signals under that noise.
 
     F(x, f) = sum rho(e(x)/f) + n ln f       x sizes of the other effect, f the noise in units of the model's
 

@@ -131,7 +131,7 @@ def _margin(ordered: Sequence[Fit]) -> float:
 
 
 def price(fit: Fit) -> float:
-    """Return what the parameters of a fit cost [nats]; those that stay as they were cost nothing."""
+    """Return the penalty for the parameters of a fit, in log likelihood; unchanged parameters cost nothing."""
     moved = [name for name in fit.candidate.own if fit.values[name] != fit.candidate.nominal[name]]
     return PRICE * max(len(moved) - 1, 0)
 

@@ -1,4 +1,4 @@
-"""Which effects these signals cannot tell apart, before any gap is looked at: their traces are one up to a factor.
+"""Which effects these signals cannot separate, whatever the gap: their traces agree up to a factor.
 
     cos(J_a, J_b) > SAME        J the slopes of the innovations at neutral, all signals and rows together
 

@@ -19,7 +19,8 @@ SEED = 77  # of the run with the stem
 
 
 def too_smooth(problem: Problem, stem: Fit, load: UnmeasuredLoad | None) -> bool:
-    """Return whether a load explains far more of a record than it could if this stem were there, alone or beside.
+    """Return whether a load explains far more of a record than it could if this stem stuck, alone or with another
+    effect.
 
     ``load``: what explains the record; False where that is not known.
     """

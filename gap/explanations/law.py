@@ -1,4 +1,4 @@
-"""Which of two a stem beside another effect is: one that sticks, or a play, which is what is left of it without a jump.
+"""Decide whether a stem that is fitted with another effect sticks or only has play, which is stiction without a jump.
 
 A play is meant where the jump gains next to nothing and the play leaves hardly anything of what the other effect leaves
 alone: a play has one law.  What it leaves beyond that is friction of another law than the model's (``nesting``).

@@ -11,14 +11,14 @@ from gap.fits.adequacy import complete, share
 from gap.fits.search import Fit
 from gap.floors.problem import Problem
 
-TIE = 6.0  # nats between explanations that the record does not tell apart
+TIE = 6.0  # nats between explanations that the record does not separate
 RELEVANT = 0.01  # share of the gap that the wider must explain beyond the narrower
 # share that the narrower may leave: of the gap, and beside another effect of what that one leaves
 HARDLY, HARDLY_BESIDE = 0.02, 0.05
 
 
 def one_of_nested(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
-    """Return the fits with one of each two of which one contains the other and that the record does not tell apart."""
+    """Return the fits with one of each two of which one contains the other and that the record does not separate."""
     kept = list(fits)
     for wide in fits:
         for narrow in fits:

@@ -15,7 +15,7 @@ class Pair:
 
     @property
     def total(self) -> float:
-        """Score and price [nats]."""
+        """Score plus penalty, in log likelihood."""
         return self.second.F + self.first.price + self.second.price + PRICE
 
     @property

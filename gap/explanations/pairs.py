@@ -1,4 +1,4 @@
-"""Two effects at once, where one is not adequate: pairs that lines propose, then a second effect beside the best."""
+"""Two effects at once, if one is not enough: pairs that linear fits propose, then a second effect with the best one."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -60,13 +60,13 @@ def paired(
     if not any(_enough(problem, pair) for pair in found):
         found += joined(problem, fits)
     legal = list(catalogue)
-    for first in [*_swapped(problem, found, fits[0]), *_firsts(problem, fits)]:
+    for first in [*_swapped(problem, found, fits[0]), *firsts(problem, fits)]:
         if any(_enough(problem, pair) for pair in found):
             break
         if first.effect.hidden and too_smooth(problem, first, load):
             continue
         second: Fit | None = None
-        for pair in _with_second(problem, first, legal, progress):
+        for pair in with_second(problem, first, legal, progress):
             worth = share(problem, pair.second) >= WORTH and _takes_away(problem, first, pair.second)
             found.append(improved(problem, pair) if worth else pair)
             second = found[-1].second
@@ -107,7 +107,7 @@ def _worth_noise(problem: Problem, fits: Sequence[Fit]) -> list[Pair]:
     return [pair for pair in beside_noise(problem, fits) if pair.total < pair.first.total - needed(problem)]
 
 
-def _with_second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Iterator[Pair]:
+def with_second(problem: Problem, first: Fit, catalogue: Sequence[Effect], progress: Progress) -> Iterator[Pair]:
     """Yield pairs of an effect and the best ones without a hidden mode beside it, none where none is there.
 
     Beside a stem, which lines do not hold for, the effects with slopes come first (``which_beside``), and the others
@@ -126,7 +126,7 @@ def _with_second(problem: Problem, first: Fit, catalogue: Sequence[Effect], prog
             yield Pair(first, best)
 
 
-def _firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
+def firsts(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
     """Return the single effects to which a second is added: the best ones, one of those that leave the same.
 
     At most one of them sticks, because what is looked for beside it costs most.

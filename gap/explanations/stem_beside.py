@@ -1,4 +1,5 @@
-"""A stem that sticks beside another effect: both are fitted at once, since what one is alone makes up for the other.
+"""A stem that sticks together with another effect: both are fitted at once, because each alone compensates for the
+other.
 
 1. A grid over the stem's sizes, each judged by what slopes of the other effect leave of it, on the first part.  Where
    that is about as much as without a stem, there is none.
@@ -29,7 +30,7 @@ WIDTHS = (0.15, 0.07)  # of patterns on the first part, relative to a size
 
 
 def stem_beside(problem: Problem, first: Fit, second: Fit | None, catalogue: Sequence[Effect]) -> Pair | None:
-    """Return an effect with a hidden mode beside another, the simplest that is worth it; None if none is.
+    """Return the simplest adequate effect with a hidden mode together with another effect; None if there is none.
 
     It is looked for on the first part of the record, and followed where it does better than ``second``.
     """

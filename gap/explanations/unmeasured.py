@@ -73,7 +73,7 @@ class UnmeasuredLoad:
 
 
 def unmeasured_load(problem: Problem, allowed: float) -> UnmeasuredLoad | None:
-    """Return the load that suits the record best; ``allowed`` nats more than records without a gap have.
+    """Return the load that fits the record best; ``allowed`` is the excess over the score of records without a gap.
 
     None where the model has no feed, rows are uneven, or the record is too short for what a load leaves behind.
     """

@@ -1,4 +1,4 @@
-"""Which smooth effect is beside a stem: each is judged with sizes of the stem of its own, not those found alone.
+"""Which smooth effect occurs together with a stem: for each one the sizes of the stem are fitted again.
 
 A stem's sizes make up for another effect, so beside the best stem alone the true one may gain nothing.
 

@@ -21,7 +21,7 @@ RANDOM = frozenset(seeded(0))
 
 
 class NotAffine(ValueError):
-    """A block bends, or is at a limit, where it is looked at."""
+    """A block is nonlinear, or at a limit, at the point of linearisation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def _affine(alike: Alike, at: tuple[float, ...]) -> Affine:
     z = np.concatenate([x[kept], u])
     base = f(z)
     if not np.isfinite(base).all():
-        raise NotAffine(f"'{block.name}' gives no number where it is looked at")
+        raise NotAffine(f"'{block.name}' gives no number at the point of linearisation")
     slope = np.empty((len(base), len(z)))
     for j in range(len(z)):
         up, down = z.copy(), z.copy()
@@ -82,7 +82,7 @@ def _affine(alike: Alike, at: tuple[float, ...]) -> Affine:
         down[j] -= STEP
         rise, fall = f(up) - base, base - f(down)
         if np.abs(rise - fall).max() > STRAIGHT * max(STEP, float(np.abs(rise).max())):
-            raise NotAffine(f"'{block.name}' is not straight where it is looked at")
+            raise NotAffine(f"'{block.name}' is not linear at the point of linearisation")
         slope[:, j] = (rise + fall) / (2.0 * STEP)
     in_time = f(z, 1.0) - base if block.kernels.timed else np.zeros(len(base))
     table = np.column_stack([slope, in_time, base - slope @ z])

@@ -272,7 +272,7 @@ def adequate(plain: Found, one: Found) -> bool:
 
 
 def explained(plain: Found, one: Found) -> float:
-    """Return the share of the gap that an explanation explains: of what lies above the floor of its own filter."""
+    """Return the share of the gap that an explanation explains, counted above the noise floor of its own filter."""
     floor = min(one.nll, plain.nll)
     if one.best.mixed is None:
         floor = one.nll - 0.5 * float(np.nansum(one.best.judged**2 - 1.0))

@@ -1,4 +1,4 @@
-"""What the digits of a measurement tell: levels of a coarse sensor, straight lines of a compressing historian."""
+"""What the digits of a measurement show: levels of a coarse sensor, straight lines of a compressing historian."""
 
 from dataclasses import replace
 

@@ -111,7 +111,9 @@ def first_looks(plain: Found, catalogue: Iterable[Effect], progress: Progress = 
 
 
 def fitted(plain: Found, looked: Iterable[Filtered], rival: float = math.inf) -> list[Found]:
-    """Return first looks, the likeliest fitted to the end; what comes nowhere near a ``rival`` [nats] is not."""
+    """Return rough fits, the most likely ones fitted to the end; those far behind a ``rival`` in log likelihood are
+    not.
+    """
     found: list[Found] = []
     for k, start in enumerate(looked):
         best = min([rival, *(one.nll for one in found)])
@@ -163,7 +165,7 @@ def _again(one: Found, best: Found) -> Found:
 
 
 def total(one: Found) -> float:
-    """Return the nll and the price of what an effect leaves free beyond its size [nats]."""
+    """Return the negative log likelihood plus the penalty for parameters that an effect frees besides its size."""
     effect = one.best.explanation.effect
     return one.nll + (PRICES.get(effect.name, 0.0) if effect else 0.0)
 

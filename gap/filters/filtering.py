@@ -38,7 +38,9 @@ LAWS = {ValveSaturation: laws.STOPS, ValveCharacteristic: laws.CURVED, ValveRate
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """An effect at a place, or none, as a filter sees it; ``beside``: random signals that the model does not have."""
+    """An effect at a place, or none, as a filter sees it; ``beside`` are additional random signals that the model
+    lacks.
+    """
 
     filtering: Filtering
     effect: Effect | None = None
@@ -197,7 +199,7 @@ class Filtered:
 
     @cached_property
     def losses(self) -> Floats:
-        """Negative logarithm of the likelihood of each row, without its constant, (rows,) [nats].
+        """Negative log likelihood of each row, without its constant, (rows,).
 
         What is logged and has no innovation is sure: an output that stands at a limit, or has not been made anew.
         """
@@ -209,7 +211,7 @@ class Filtered:
 
     @cached_property
     def nll(self) -> float:
-        """Negative logarithm of the likelihood of the rows that count [nats]."""
+        """Negative log likelihood of the rows that count."""
         value = float(self.losses[self.explanation.filtering.counted].sum())
         return value if math.isfinite(value) else math.inf
 

@@ -38,7 +38,7 @@ class Found:
 
     @property
     def nll(self) -> float:
-        """Negative logarithm of the likelihood [nats]."""
+        """Negative log likelihood."""
         return self.best.nll
 
     @cached_property

@@ -16,7 +16,9 @@ from gap.filters.fitting import tried
 
 
 def growing(now: Filtered) -> dict[str, float]:
-    """Return the loss [nats] if what a sensor's noise has beyond the model's grew with the signal; none for others."""
+    """Return the negative log likelihood if the additional noise of a sensor grows with the signal; None for other
+    effects.
+    """
     one, f = now.explanation, now.explanation.filtering
     signals = [str(s) for s in f.quiet[one.place].output_labels] if isinstance(one.effect, SensorNoise) else []
     bare = tried(Explanation(f), {key: now.values[key] for key in f.free})

@@ -84,8 +84,8 @@ def banked(one: Explanation, values: Mapping[str, float], bank: Bank) -> Filtere
 
 @dataclass(frozen=True, eq=False)
 class Looked:
-    """What few stems say at a ``place``: ``none`` the nll [nats] of stems that do not stick, and ``flat`` deadbands of
-    growing width.
+    """A rough search with few stems at a ``place``: ``none`` is the negative log likelihood without sticking, ``flat``
+    those of deadbands of growing width.
     """
 
     place: str

@@ -23,7 +23,7 @@ STEPS = (0.08, 0.04, 0.02)  # of a width, of S + J and of S - J
 
 def decided(flat: Filtered, stiction: Effect, stuck: Sequence[Filtered] = ()) -> tuple[Filtered, ...]:
     """Return stiction where its jump gains ``AHEAD`` nats over the best deadband, else that; beside it stiction that
-    jumps and lags by less than ``EVEN``, which the record does not tell apart: all as drawing banks leave them.
+    jumps and lags by less than ``EVEN``, which the record does not separate: all as drawing banks leave them.
 
     ``flat`` the deadband and ``stuck`` stiction as another bank found them.
     """

@@ -1,4 +1,4 @@
-"""Where the blocks of a diagram are looked at: at usual values of all signals, controllers far beyond a limit too."""
+"""The points of linearisation of a diagram's blocks: usual values of all signals, controllers far beyond a limit."""
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -19,7 +19,7 @@ FAR = 50.0  # of OP's unit: how far beyond its limit a controller is looked at
 def operating(
     diagram: Diagram, seen: Mapping[str, float], inputs: Sequence[str], controllers: Sequence[str]
 ) -> dict[str, float]:
-    """Return the values of all signals near which blocks are looked at: those seen, the others as they follow.
+    """Return the values of all signals at the point of linearisation: logged ones as seen, others as they follow.
 
     The errors of ``controllers`` are 0 there.
     """

@@ -125,7 +125,9 @@ class Filtering:
 
     @cached_property
     def sure(self) -> Floats:
-        """Loss of a value of each signal that is sure, (signals,): the likelihood of a rounded value is 1/step."""
+        """Negative log likelihood of a certain value of each signal, (signals,): a rounded value has the likelihood
+        1/step.
+        """
         return np.asarray(0.5 * np.log(12.0 * self.r / (2.0 * np.pi)))
 
     @cached_property

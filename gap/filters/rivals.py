@@ -34,12 +34,12 @@ SIZES = (0.15, 0.4, 1.0, 2.5)  # of what the source gives in the model
 NEARBY, ROUNDS = (0.7, 1.4), 3  # sizes near the best; steps of its fit
 LITTLE = 0.01  # relative size of a little of an effect
 OVERTONES = (2, 3)  # of a periodic load that are looked at
-TIE = 4.0  # nats by which a wrong one may be ahead by chance: explanations that the record does not tell apart
+TIE = 4.0  # nats by which a wrong one may be ahead by chance: explanations that the record does not separate
 LIKE = 1.0  # nats the same of a gain that follows a plan, and of noise that grows: which of the two is likelier decides
 
 
 def randoms(one: Explanation) -> Iterator[Nuisance]:
-    """Yield random signals that a record may hold beside what the model says, each of the size of its source."""
+    """Yield random signals that a record may contain in addition to the model, each of the size of its source."""
     f = one.filtering
     long = float(f.time[-1] - f.time[0])
     for source in f.noise:
@@ -48,7 +48,9 @@ def randoms(one: Explanation) -> Iterator[Nuisance]:
 
 
 def with_random(now: Filtered, random: Nuisance) -> Filtered:
-    """Return the explanation with the best of a few sizes of a random signal beside it; itself if none is likelier."""
+    """Return the explanation with an additional random signal of the best of a few sizes; itself if none is more
+    likely.
+    """
     best = now
     for size in SIZES:
         beside = replace(random, sd=size * random.sd)
@@ -60,7 +62,7 @@ def with_random(now: Filtered, random: Nuisance) -> Filtered:
 
 
 def beside(now: Filtered) -> dict[str, float]:
-    """Return name -> figure of what each random signal beside an explanation gains: sqrt(2 nats), never below 0.
+    """Return name -> gain of each additional random signal, as sqrt(2 log likelihood ratio), never below 0.
 
     None for a bank of stems, which has no room for one.
     """
@@ -74,7 +76,7 @@ def beside(now: Filtered) -> dict[str, float]:
 
 
 def either_way(now: Filtered) -> dict[str, float]:
-    """Return name -> figure of whether a little of another effect beside an explanation, or of its opposite, suits.
+    """Return name -> figure of whether a small additional effect, or its opposite, fits the record.
 
         e . v / |v|      v: slope of the innovations in the size of that effect, less its projection on those of the fit
 
@@ -112,7 +114,7 @@ def either_way(now: Filtered) -> dict[str, float]:
 
 @dataclass(frozen=True, eq=False)
 class Overtone(Explanation):
-    """A periodic load with a little of a sine beside it, ``turns`` in a period, ``shift`` of a turn later."""
+    """A periodic load with a small additional sine, ``turns`` in a period, ``shift`` of a turn later."""
 
     turns: int = 2
     shift: float = 0.0
@@ -148,7 +150,7 @@ def _little(one: Explanation) -> dict[str, float]:
 
 
 class Rival(NamedTuple):
-    """A rival of an explanation: ``behind`` nats less likely, and how many nats ``chance`` alone may give it."""
+    """A rival of an explanation: ``behind`` in log likelihood, of which ``chance`` alone may explain a part."""
 
     name: str
     behind: float

@@ -41,7 +41,9 @@ def normal(x):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def stuck(x, told, S, J, repeats):  # type: ignore[no-untyped-def]
-    """Return where a stem stands after it was told an opening; ``repeats`` its breakaway as a multiple of the mean."""
+    """Return where a stem stands after its input has become an opening; ``repeats`` is its breakaway over the mean
+    one.
+    """
     pull = told - x
     if abs(pull) > max(0.5 * (S + J) * repeats, 0.5 * (S - J)):
         return told - math.copysign(0.5 * (S - J), pull)
@@ -101,7 +103,7 @@ def banked(  # type: ignore[no-untyped-def]
     F, v, told, H, limits, memory, of, beyond, last, start, U, Y, acts, moves, every, K, s, lately, jitter, S, J, draws,
     turns, repeats, e, loss, path,
 ):  # fmt: skip
-    """Write shares below each innovation, ``e`` (rows, signals), and the loss of each row [nats].
+    """Write shares below each innovation, ``e`` (rows, signals), and the negative log likelihood of each row.
 
     ``K`` (shares, signals, n) and ``s`` (shares, signals) for stems that move at none to all of the scans, ``lately``
     the weight of one scan in that share.

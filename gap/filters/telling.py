@@ -30,7 +30,7 @@ ABNORMAL = 0.03  # excess of the mean square of a signal's innovations from whic
 
 
 def told(outcome: Outcome, sureness: Sureness) -> GapReport:
-    """Return the report of an outcome; ``sureness`` how often such answers are right."""
+    """Return the report of an outcome; ``sureness`` gives how often such answers are right."""
     if not outcome.gap:
         return _no_gap(outcome, sureness)
     return _named(outcome, sureness) if outcome.same else _unknown(outcome, sureness)
@@ -39,8 +39,8 @@ def told(outcome: Outcome, sureness: Sureness) -> GapReport:
 def _no_gap(o: Outcome, sureness: Sureness) -> GapReport:
     name, size = worst(o.plain.best)
     words = [
-        "No gap of relevance: the log is as the model with its nuisances would write it "
-        f"(its filter leaves white innovations; the largest of its checks is {size:.1f} standard deviations, {name})."
+        "No gap of relevance: the model with its stated noise gives the same log "
+        f"(the innovations of its filter are white; its largest check is {size:.1f} standard deviations, {name})."
     ]
     words += _limits(o)
     return _report(o, sureness, words, o.plain.best)
@@ -80,16 +80,16 @@ def _unknown(o: Outcome, sureness: Sureness) -> GapReport:
         name, size = worst(best.best)
         other = rival(best.best)
         left = (
-            f"is {-other.behind:.1f} nats worse than {other.name}, which no effect of the catalogue is"
+            f"its log likelihood is {-other.behind:.1f} lower than that of {other.name}, no effect of the catalogue"
             if other.likelier
-            else f"leaves what a right explanation would not: {name}, {size:.1f} standard deviations"
+            else f"it fails the check of {name}, by {size:.1f} standard deviations"
         )
         words.append(
             f"Nearest is {effect.name if effect else ''} at {best.best.explanation.place}, which explains {part:.0f} % "
-            f"of it and {left}."
+            f"of it; {left}."
         )
     name, size = worst(o.plain.best)
-    words.append(f"What the model as it is leaves shows most in: {name}, {size:.1f} standard deviations.")
+    words.append(f"The model without an effect fails most in the check of {name}, by {size:.1f} standard deviations.")
     shares, sure = _shares(o), sureness.probability(o.evidence)
     where = Where(place, sure / len(near), near, {one: shares.get(one, 0.0) for one in near})
     return _report(o, sureness, words, o.best, where, (Cause(UNKNOWN, place, sure),), _ranking(o, 1.0 - sure))
@@ -107,7 +107,7 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
     words = [f"There is a gap. Place: {listed(places)}. Cause: {effect.name} at {one.place}, {said}."]
     words += about_creep(effect, found)
     if others:
-        words.append(f"From these signals it cannot be told apart from {listed(others)}.")
+        words.append(f"These signals cannot separate it from {listed(others)}.")
     part = 100.0 * float(np.clip(explained(o.plain, best), 0.0, 1.0))
     words.append(
         f"It explains {part:.1f} % of the gap"
@@ -121,7 +121,11 @@ def _named(o: Outcome, sureness: Sureness) -> GapReport:
     if not o.textured and rival(best.best).behind < CLEAR:
         other = rival(best.best)
         less = other.behind
-        how = f"Nearly as well ({less:.1f} nats less)" if less > 0.0 else f"As well ({-less:.1f} nats more)"
+        how = (
+            f"Nearly as well (log likelihood {less:.1f} lower)"
+            if less > 0.0
+            else f"As well (log likelihood {-less:.1f} higher)"
+        )
         words.append(f"{how} the record is explained by {other.name}.")
     shares = _shares(o)
     where = Where(one.place, sure, places, {place: shares.get(place, 0.0) for place in places})
@@ -254,7 +258,7 @@ def _report(
     f = o.plain.best.explanation.filtering
     if o.stem is not None:
         way = "follows" if o.stem.follows else "does not follow"
-        words = [*words, f"The logged stem {o.stem.signal} {way} what {o.stem.place} is told."]
+        words = [*words, f"The logged stem {o.stem.signal} {way} the input of {o.stem.place}."]
     both = np.stack([o.plain.best.judged, after.judged])
     shown = {s: both[:, :, j] for j, s in enumerate(f.signals)}
     t = f.record.log.t[f.skipped :]
@@ -269,7 +273,7 @@ def _notes(f: Filtering) -> tuple[str, ...]:
     return (
         f"Logged: {', '.join(log.names)}; {len(log)} rows, {log.dt:g} s apart, the model scans every {f.period:g} s"
         + (f"; {', '.join(rounded)}." if rounded else "."),
-        "Nuisances of the model: " + "; ".join(map(str, f.noise)) + ".",
+        "Noise and loads that the model states: " + "; ".join(map(str, f.noise)) + ".",
         *(["Known within tolerances only, and fitted: " + "; ".join(free) + "."] if free else []),
         "Innovations of a Kalman filter of the model, exact from scan to scan: loads are not measured.",
         by_wiring(f.quiet, log.names),

@@ -27,7 +27,7 @@ OWN_RUNS = 4  # runs of the model with the effect
 
 
 def needed(problem: Problem) -> float:
-    """Return the nats that an effect must gain to be worth a word."""
+    """Return the gain in log likelihood from which on an effect is worth reporting."""
     return GAINED + (0.0 if problem.floor.coloured else INEXACT * problem.rows)
 
 
@@ -80,7 +80,7 @@ def stands(problem: Problem, fit: Fit) -> bool:
 
 
 def standing(problem: Problem, fit: Fit) -> NDArray[np.bool_]:
-    """Return the scored rows at and beside which a logged signal stands at the limit that a fit puts there, (rows,)."""
+    """Return the scored rows at and next to which a logged signal stands at the fitted limit, (rows,)."""
     log, base = problem.record.log, fit.candidate.base
     found = np.zeros(len(log), dtype=bool)
     if fit.candidate.own == ("low", "high"):

@@ -109,7 +109,7 @@ class Trough:
 
 
 def glimpsed_beside(candidate: Candidate, lines: Lines) -> list[Trough]:
-    """Return the best troughs of an effect with a hidden mode beside another, the deepest first.
+    """Return the best minima of an effect with a hidden mode together with another effect, the deepest first.
 
     Sizes of the other that were found alone make up for the stem, and a replay with them has no trough for it: so each
     size of the grid is judged by what ``lines`` of the other leave of its innovations on the first part of the record.

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.recorded import Recorded
+from blocks.role import Role
 from diagram.diagram import Diagram
 from diagram.inputs import close, source_name
 from gap.floors.floor import losses
@@ -37,7 +38,9 @@ def with_instants(problem: Problem, explained: Diagram | None = None) -> Problem
     """
     log = problem.record.log
     seen = problem.quiet if explained is None else explained
-    periods = [block.period for block in problem.quiet.blocks if block.sampled and block.ports_in]
+    blocks = problem.quiet.blocks
+    continuous = any(block.role is Role.CONTROLLER and not block.sampled for block in blocks)
+    periods = [] if continuous else [block.period for block in blocks if block.sampled and block.ports_in]
     scans = min(round(log.dt / min(periods)), MOST) if periods else 1
     switching = [s for s in problem.record.played if switches(log, s)]
     if not switching or (periods and scans < 2):

@@ -1,4 +1,4 @@
-"""Linear steps against Student's loss: which change of a few parameters brings innovations to their floor.
+"""Linear steps against Student's loss: which change of a few parameters brings innovations down to the noise floor.
 
     min over d in bounds of  sum rho((e + J d) / s),    rho(z) = (nu + 1)/2 ln(1 + z^2/nu)
 

@@ -49,7 +49,7 @@ def fitted_scan(candidate: Candidate) -> Fit | None:
 
 
 def read_off(t: Floats, values: Floats) -> list[tuple[float, float]]:
-    """Return (period, first scan) that the stretches of equal values tell, none where values are always new.
+    """Return (period, first scan) read from the stretches of equal values; None if values are always new.
 
     >>> read_off(np.arange(9.0), np.array([0.0, 1, 1, 1, 1, 2, 2, 2, 2]))
     []

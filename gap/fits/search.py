@@ -155,7 +155,7 @@ class Fit:
 
     @property
     def total(self) -> float:
-        """Score and price, what candidates are compared by [nats]."""
+        """Score plus penalty, in log likelihood: candidates are compared by it."""
         return self.F + self.price
 
     @property

@@ -30,7 +30,7 @@ HALF = 0.5  # second size of a hidden effect, as a share of the first: the jump 
 
 
 def promised(candidate: Candidate) -> float:
-    """Return how far the score would fall along the slope of an effect at neutral [nats]; infinite without slopes."""
+    """Return how far the score falls along the slope of an effect at its neutral value; infinite without slopes."""
     absent = candidate.absent
     J, felt = trace(candidate)
     if not felt:
@@ -59,7 +59,7 @@ def _trace(problem: Problem, base: Diagram, effect: Effect | None, place: str) -
 
 
 def smallest(candidate: Candidate, nats: float) -> Seen | None:
-    """Return the least size of an effect whose trace in the log lifts the score by ``nats``; None if none does."""
+    """Return the smallest size of an effect whose trace in the log raises the score by ``nats``; None if none does."""
     effect = candidate.effect
     if effect is None or effect.of_log or not candidate.sizes:
         return None

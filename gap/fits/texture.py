@@ -1,4 +1,4 @@
-"""What the digits of a log tell before any physics: values on a lattice, values on straight lines.
+"""What the digits of a log show before any physics: values on a lattice, values on straight lines.
 
 lattice        values are multiples of a step.  The historian's rounding leaves OP, which saw finer values of PV, at
                odds with the logged PV; a sensor that gives multiples itself leaves it in accord.
@@ -52,7 +52,7 @@ def _usual(e: Floats) -> float:
 
 
 def with_lattices(problem: Problem, runs: int, seed: int) -> Problem:
-    """Return the problem with the floor of a log that does not round the signals whose sensor does."""
+    """Return the problem with the noise floor of a log that does not round the signals whose sensor does."""
     found = in_loop(problem, seed)
     if not found:
         return problem

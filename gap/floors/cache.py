@@ -23,13 +23,15 @@ VERSION = 5  # of what a floor is
 
 
 def folder() -> Path:
-    """Return where floors are kept: the folder that STICKSLIP_CACHE names, by default ``~/.cache/stickslip``."""
+    """Return the folder for kept noise floors: STICKSLIP_CACHE, by default ``~/.cache/stickslip``."""
     named = os.environ.get("STICKSLIP_CACHE")
     return (Path(named) if named else Path.home() / ".cache" / "stickslip") / "gap"
 
 
 def digest(model: Diagram, record: Record) -> str:
-    """Return what a floor depends on as one word: wiring, parameters, tolerances, signals, interval, rounding."""
+    """Return one key for all that a noise floor depends on: wiring, parameters, tolerances, signals, interval,
+    rounding.
+    """
     told: list[object] = [VERSION, record.pinned, record.played, round(record.log.dt, 9)]
     if record.filter is not None:  # whose floor has many numbers, of rows behind switches too
         switching = any(switches(record.log, s) for s in record.played)
@@ -45,7 +47,7 @@ def digest(model: Diagram, record: Record) -> str:
 
 
 def kept(model: Diagram, record: Record) -> Floor | None:
-    """Return the floor of a model for such records if it is known."""
+    """Return the kept noise floor of a model for such records, if there is one."""
     try:
         with np.load(folder() / f"{digest(model, record)}.npz") as found:
             floor = Floor(
@@ -57,7 +59,7 @@ def kept(model: Diagram, record: Record) -> Floor | None:
 
 
 def keep(model: Diagram, record: Record, floor: Floor) -> None:
-    """Keep a floor; where nothing can be written it is measured again next time."""
+    """Keep a noise floor; if nothing can be written, it is measured again next time."""
     with contextlib.suppress(OSError):
         folder().mkdir(parents=True, exist_ok=True)
         with replacing(folder() / f"{digest(model, record)}.npz") as part, open(part, "wb") as file:

@@ -73,12 +73,12 @@ class Floor:
 
     @property
     def mean(self) -> float:
-        """Mean of F without a gap, for each row that is scored [nats]."""
+        """Mean score F without a gap, for each row that is scored."""
         return float(self.scores.mean()) / self.rows
 
     @property
     def sd(self) -> float:
-        """Standard deviation of F without a gap over the square root of the rows [nats]."""
+        """Standard deviation of the score F without a gap, over the square root of the rows."""
         return float(self.scores.std(ddof=1) / np.sqrt(self.rows))
 
     @property
@@ -195,7 +195,7 @@ def floor_of(
     steady: bool = False,
     least: Sequence[float] = (),
 ) -> Floor:
-    """Return the floor that offsets of runs without a gap have, (runs, rows, signals).
+    """Return the noise floor of the offsets of runs without a gap, (runs, rows, signals).
 
     ``integrating``: signals whose changes are the residuals in any case; ``steady``: all others have a level;
     ``least`` scale of each signal's residuals [its unit], where a model is sharper than its plant can be.
@@ -246,7 +246,7 @@ def _predictor(r: Floats, least: Floats) -> tuple[Floats, Floats]:
 
 
 def measured(model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int) -> tuple[Floor, list[Log]]:
-    """Return the floor of a model for records like this one, and the logs of the runs that showed it."""
+    """Return the noise floor of a model for records like this one, and the logs of the runs that gave it."""
     logs = without_gap(model, record, runs, seed)
     found = offsets(quiet, record, logs=logs)
     # The integral of a controller runs on freely, and a stem that sticks stays where its last slip has left it: their

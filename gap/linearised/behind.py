@@ -1,4 +1,5 @@
-"""What logged signals do between the rows behind a switch of a set point, where no smooth line through rows tells it.
+"""How logged signals move between the rows after a switch of a set point, where no smooth line through the rows shows
+it.
 
 A controller's output jumps there, a pressure follows within a fraction of an interval.  A run of the model itself, with
 the record's set points and without noise, shows both; what it does beyond the line through its own rows is added to

@@ -23,7 +23,7 @@ SIGMAS = 3.0  # standard deviations of the gain from run to run that are taken o
 
 
 def priced(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
-    """Return fits, the best first, those that may be named dearer by what they gain without a gap [nats]."""
+    """Return fits, the best first; each pays what its effect gains by chance in runs without a gap."""
     found = list(fits)
     filter = problem.record.filter
     if filter is None or not found or found[0].total >= problem.score:

@@ -1,4 +1,4 @@
-"""When a set point switched between two rows, told by the filter from the log's own rows.
+"""When a set point switched between two rows, as the filter finds it from the rows of the log.
 
 The log says between which two rows a set point switched.  The later it did, the less of the new value a controller has
 taken in by the next row, and the less a pressure has followed.  So each switch has one instant, a share of the interval

@@ -237,4 +237,4 @@ def _alone(signal: str) -> str:
 
 
 def _load(signal: str) -> str:
-    return f"{signal}:load"
+    return f"{signal}:observed:load"  # no name that a change of a diagram gives to a signal

@@ -39,8 +39,8 @@ class Usual:
 def floor_of_record(
     model: Diagram, quiet: Diagram, record: Record, runs: int, seed: int
 ) -> tuple[Record, Floor, Usual]:
-    """Return a record with what its filter expects, and its floor, of ``runs`` runs of the model from ``seed`` on if no
-    other record has made it.
+    """Return a record with what its filter expects, and its noise floor. The floor is made from ``runs`` runs of the
+    model from ``seed`` on, unless another record has made it.
     """
     record = with_switches(quiet, record, _filter(record))
     record = _expecting(quiet, record)
@@ -103,7 +103,7 @@ def _usual(shape: Floor, found: Floats) -> Usual:
 
 
 def suspected(quiet: Diagram, record: Record, floor: Floor, usual: Usual) -> Record:
-    """Return a record with the blocks of the segments whose own residuals leave their floor."""
+    """Return a record with the blocks of the segments whose own residuals exceed their noise floor."""
     parts = _filter(record).parts
     r = residuals(_filter(record).residuals(quiet, record, None, None)[0], floor.changes)[floor.skipped :]
     loss = losses(r / usual.unit).mean(axis=0)

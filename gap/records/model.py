@@ -1,4 +1,4 @@
-"""A diagram as a diagnosis uses it: its nuisances told apart, its set points taken from the log.
+"""A diagram as a diagnosis uses it: its noise and loads are separate, and its set points come from the log.
 
 Nuisances are blocks that draw random numbers (``sd`` > 0): sensor noise, loads that nobody measures.  For a replay they
 are silenced, for runs without a gap they draw.
@@ -122,7 +122,7 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, or rows are too few.
     """
     if len(log) < FEWEST:
-        raise GapError(f"the log has {len(log)} rows, which is too few to tell a gap; give at least {FEWEST}")
+        raise GapError(f"the log has {len(log)} rows, which is too few to find a gap; give at least {FEWEST}")
     if log.duration > LONGEST * log.dt * len(log):
         raise GapError(
             f"the log has {len(log)} rows over {log.duration:.3g} s, though a row every {log.dt:.3g} s is the rule; "

@@ -1,1 +1,1 @@
-"""What a diagnosis says of an explanation: sizes, shrinkage, what cannot be told apart, the next test."""
+"""What a diagnosis says of an explanation: sizes, shrinkage, what the log cannot separate, the next test."""

@@ -57,13 +57,13 @@ def about_creep(effect: Effect, sizes: Mapping[str, Size], creeping: bool = Fals
     if creeping:
         width = sizes["S"].value
         return [
-            f"The stem creeps: it gives way under steps of OP that friction at rest would bear. Of S and J this log "
-            f"says S - J = {width:.3g} % only, so S is at least that; {SLOWLY} would show both."
+            f"The stem creeps: steps of OP move it that friction at rest would hold. This log shows only "
+            f"S - J = {width:.3g} %, so S is at least that; {SLOWLY} would show both."
         ]
     if isinstance(effect, Deadband):
         width = sizes["width"].value
         return [
-            f"A stem that creeps, of any S and J with S - J = {width:.3g} %, leaves the same log, since OP moves in "
-            f"steps; {SLOWLY} would tell."
+            f"A stem that creeps, of any S and J with S - J = {width:.3g} %, gives the same log, because OP moves in "
+            f"steps; {SLOWLY} would show the difference."
         ]
     return []

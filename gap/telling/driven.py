@@ -1,4 +1,4 @@
-"""The piece of a model around a place, alone: what the logged signals beside it drive it to."""
+"""The piece of a model around a place, alone, driven by the logged signals around it."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -28,7 +28,7 @@ def segment_at(quiet: Diagram, record: Record, place: str) -> "Segment[Diagram]"
     logged = [s for s in record.log.names if s in quiet.signals]
     segment = next((one for one in quiet.segments(logged) if place in one.blocks), None)
     if segment is None or not segment.drives:
-        raise GapError(f"{place} drives no logged signal by itself, so that no input of it can be told")
+        raise GapError(f"{place} drives no logged signal by itself, so its missing input cannot be computed")
     return segment
 
 

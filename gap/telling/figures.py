@@ -1,4 +1,4 @@
-"""The pictures of what a log says beside a model: both over time with the gap as a bar, and the latent input."""
+"""The pictures of a log and a model: both over time with the gap as a bar, and the missing input."""
 
 from typing import TYPE_CHECKING
 

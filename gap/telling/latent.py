@@ -126,7 +126,9 @@ def _found(quiet: Diagram, segment: "Segment[Diagram]", record: Record, known: l
     signal = max(driven, key=lambda s: float(np.abs(responses[s]).max()) * float(np.std(inputs[s])))
     g = responses[signal]
     if not np.abs(g).max() > 0.0:
-        raise GapError(f"{shown} does not answer {', '.join(drivers)} in the model, so that no input of it can be told")
+        raise GapError(
+            f"{shown} does not answer {', '.join(drivers)} in the model, so its missing input cannot be computed"
+        )
     late = np.flatnonzero(np.abs(g) > SETTLED * np.abs(g).max())
     length = int(late[-1]) + 1
     left = filled(log[shown]) - first

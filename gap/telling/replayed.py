@@ -1,4 +1,4 @@
-"""What the log shows beside what the model makes of the same inputs: as it is, and with the cause that was found.
+"""The log and the model's answer to the same inputs: as the model is, and with the cause that was found.
 
 The piece of the model around the place is driven by its logged inputs over the stretch of the record where the model as
 it is errs most, from the start values that suit the first rows there.

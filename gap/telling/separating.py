@@ -1,4 +1,4 @@
-"""Which further tag, or which move of the set point, would tell apart effects that a record does not.
+"""Which further tag, or which move of the set point, would separate effects that a record does not.
 
 The model is run freely with each of the effects, silent, on the set points of the record and on a staircase of its own;
 a signal separates two effects if it differs between the runs by more than ``PART`` of its span.

@@ -1,4 +1,4 @@
-"""How sure the sizes of an effect are, and how far the gap shrinks with them on rows that the fit has not seen."""
+"""Intervals for the sizes of an effect, and how far the gap shrinks with them on rows that the fit has not seen."""
 
 from collections.abc import Sequence
 

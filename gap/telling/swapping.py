@@ -17,8 +17,8 @@ from gap.floors.problem import Problem
 
 @dataclass(frozen=True)
 class Swap:
-    """``given`` signals taken from the log; ``signal`` that is looked at; its error ``before`` and ``after``,
-    and what ``noise`` makes of it without a gap [unit].
+    """The swap test: ``given`` signals come from the log. ``before`` and ``after`` are the errors of ``signal``, and
+    ``noise`` is its error without a gap [unit].
     """
 
     given: tuple[str, ...]
@@ -37,7 +37,7 @@ class Swap:
         given = " and ".join(self.given)
         return (
             f"Swap test: with {given} from the log in place of the model's, the error of {self.signal} in a free run "
-            f"goes from {self.before:.2g} to {self.after:.2g} ({100.0 * self.share:.0f} % of what noise leaves)."
+            f"falls from {self.before:.2g} to {self.after:.2g} ({100.0 * self.share:.0f} % of what exceeds the noise)."
         )
 
 

@@ -26,7 +26,7 @@ from gap.telling.structure import by_wiring
 from gap.telling.swapping import swapped
 
 Floats = NDArray[np.float64]
-TIE = 6.0  # nats between explanations that the record does not tell apart
+TIE = 6.0  # nats between explanations that the record does not separate
 ABNORMAL = 0.05  # share by which the loss of a signal exceeds the usual one where its segment is wrong
 NO_PLACE = (Role.ARITHMETIC, Role.HISTORIAN, Role.SOURCE)
 BOTH = 0.03  # share of the gap that two effects explain beyond what one must, where none of them is a stem
@@ -37,17 +37,17 @@ def no_gap(problem: Problem, legal: Sequence[Candidate]) -> GapReport:
     """Return the report of a record that the model explains, with the sizes of effects that would have shown."""
     least = seen(legal, needed(problem))
     words = [
-        "No gap of relevance: the log is as the model with its nuisances would write it "
-        f"(score {problem.score:.0f}, without a gap {problem.level:.0f} on average and {problem.limit:.0f} at most)."
+        "No gap of relevance: the model with its stated noise gives the same log "
+        f"(score {problem.score:.0f}; runs without a gap: {problem.level:.0f} on average, {problem.limit:.0f} at most)."
     ]
     if least:
-        words.append(f"This record would have shown {', '.join(map(str, least))}.")
+        words.append(f"This record would have shown these effects from these sizes on: {', '.join(map(str, least))}.")
     blind = sorted({one.effect.name for one in legal if one.effect} - {one.effect for one in least})
     if blind:
-        words.append(f"It cannot show, or only by its digits: {', '.join(blind)}.")
+        words.append(f"It cannot show these effects, or only in the last digits: {', '.join(blind)}.")
     same = ["; ".join(f"{c.effect.name} at {c.place}" for c in group if c.effect) for group in classes(legal)]
     if same:
-        words.append(f"From these signals small effects cannot be told apart: {' | '.join(same)}.")
+        words.append(f"These signals cannot separate small effects of one group: {' | '.join(same)}.")
     rests = Evidence("none", problem.score - problem.level)
     return replace(_report(problem, words, problem.as_it_is, rests=rests), seen=least)
 
@@ -84,7 +84,7 @@ def named(
     kind: str = "complete",
     rival: UnmeasuredLoad | None = None,
 ) -> GapReport:
-    """Return the report of a gap with one cause; ``same`` what cannot be told apart, the best first.
+    """Return the report of a gap with one cause; ``same`` are the fits that the log cannot separate, the best first.
 
     ``rival``: the load that nobody measures which suits the record best.
     """
@@ -100,7 +100,7 @@ def named(
     if creeping or coarse(problem.model, problem.record):
         words += about_creep(best.effect, found, creeping)
     if others:
-        words.append(f"From these signals it cannot be told apart from {listed(others)}; {next_test(problem, same)}.")
+        words.append(f"These signals cannot separate it from {listed(others)}; {next_test(problem, same)}.")
     words.append(f"It explains {100.0 * share(problem, best):.1f} % of the gap" + _shrunk(shrunk))
     words += disturbance_only(problem, rival, best.total)
     swap = swapped(problem, best.place)
@@ -166,26 +166,30 @@ def disturbance_only(problem: Problem, rival: UnmeasuredLoad | None, total: floa
     if total is not None:
         more, close = rival.F - total, rival.explains and rival.F - total <= needed(problem)
         if close:
-            return [f"Disturbance only cannot be excluded: {rival}, leaves nothing and is {more:.0f} nats less likely."]
-        return [f"Disturbance only is excluded: {rival}, is {more:.0f} nats less likely."]
+            return [
+                f"A disturbance alone may explain it: {rival}, leaves nothing; its log likelihood is {more:.0f} lower."
+            ]
+        return [f"A disturbance alone is excluded: {rival}, has a log likelihood that is {more:.0f} lower."]
     if rival.explains:
-        return [f"Disturbance only cannot be excluded: {rival}, leaves nothing of the gap."]
+        return [f"A disturbance alone may explain it: {rival}, leaves nothing of the gap."]
     part = float(np.clip((problem.score - rival.left) / max(problem.score - problem.level, 1e-9), 0.0, 1.0))
-    return [f"Disturbance only is no explanation: the best, {rival}, leaves {100.0 * (1.0 - part):.1f} % of the gap."]
+    return [
+        f"A disturbance alone does not explain it: the best, {rival}, leaves {100.0 * (1.0 - part):.1f} % of the gap."
+    ]
 
 
 def next_test(problem: Problem, same: Sequence[Fit]) -> str:
-    """Return in words which tag or which move of the set point would tell some effects apart."""
+    """Return in words which tag or which move of the set point would separate some effects."""
     found = tags(problem, same)
     if found:
-        return f"{listed(found[:3])}, logged as well, would tell"
+        return f"a log of {listed(found[:3])} would separate them"
     for k in range(2, len(same)):  # not all of them, but some
         found = tags(problem, same[:k])
         if found:
-            return f"{listed(found[:3])}, logged as well, would tell some of them"
+            return f"a log of {listed(found[:3])} would separate some of them"
     if staircase_separates(problem, same):
-        return "steps of the set point over a wider range would tell"
-    return "no other signal of the model, nor a wider range of the set point, would tell"
+        return "steps of the set point over a wider range would separate them"
+    return "neither another signal of the model nor a wider range of the set point would separate them"
 
 
 def evidence(problem: Problem, kind: str, same: Sequence[Fit], fits: Sequence[Fit]) -> Evidence:
@@ -203,7 +207,7 @@ def _kind(problem: Problem, kind: str) -> str:
 
 
 def tied(fits: Sequence[Fit]) -> list[Fit]:
-    """Return the fits that the record does not tell apart from the best one, which comes first.
+    """Return the fits that the record does not separate from the best one, which comes first.
 
     Equal scores and equally many parameters that the record feels: a step before the first row is a bias.
     """
@@ -288,7 +292,7 @@ def abnormal_segment(problem: Problem) -> tuple[str, ...]:
 
 
 def ranking(fits: Sequence[Fit], same: Sequence[Fit], sure: float) -> tuple[Rank, ...]:
-    """Return the explanations in order; those that cannot be told apart share the probability of the first."""
+    """Return the explanations in order; those that the log cannot separate share the probability of the first."""
     if not fits:
         return ()
     weight = np.exp(-np.minimum(np.array([fit.total - fits[0].total for fit in fits]) / 20.0, 50.0))
@@ -337,15 +341,15 @@ def notes(problem: Problem) -> tuple[str, ...]:
     told += [f"{s} in multiples of {record.lattice(s):g} that the controller sees too" for s in record.lattices]
     found = nuisances(problem.model)
     way = (
-        "Residuals of a pinned replay, predicted from earlier ones as a Kalman filter of this model would: "
+        "Residuals of a pinned replay, minus their prediction from earlier ones as in a Kalman filter: "
         "loads are not measured."
         if problem.floor.coloured
-        else "Residuals of a pinned replay, as they are: the nuisances leave them white."
+        else "Residuals of a pinned replay: with the stated noise they are white."
     )
     return (
         f"Logged: {', '.join(record.log.names)}; {len(record.log)} rows, {record.log.dt:g} s apart"
         + (f"; {', '.join(told)}." if told else "."),
-        "Nuisances of the model: " + ("; ".join(map(str, found)) if found else "none") + ".",
+        "Noise and loads that the model states: " + ("; ".join(map(str, found)) if found else "none") + ".",
         way,
         by_wiring(problem.quiet, record.log.names),
         *record.log.notes,

@@ -32,8 +32,12 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Controllers": {
         "PI": "Astrom and Hagglund 2006", "PID": "Astrom and Hagglund 2006", "SampledPI": "Astrom and Wittenmark 1997",
-        "RelayTuner": "Astrom and Hagglund 1984",
+        "GapPI": "Shinskey 1996", "RelayTuner": "Astrom and Hagglund 1984",
         "AntiSurge": "thesis section 3.5.1, table 5.1", "Flare": "thesis section 3.5.4, table 5.1",
+    },
+    "Against stick: controller to valve": {
+        "Knocker": "Hagglund 2002", "ConstantReinforcement": "Ivan and Lakshminarayanan 2009",
+        "TwoMove": "Srinivasan and Rengaswamy 2008",
     },
     "Valve stems: OP to MV": {
         "StickSlip": STEM, "StribeckStem": "Olsson 1998", "LuGreStem": "Canudas de Wit 1995", "QuasiStaticStem": STEM,
@@ -52,7 +56,7 @@ BLOCKS: Mapping[str, Mapping[str, str]] = {
     },
     "Processes of test loops": {
         "FirstOrder": TEXTBOOK, "SecondOrder": TEXTBOOK, "Integrator": TEXTBOOK, "DeadTime": TEXTBOOK,
-        "VariableDelay": TEXTBOOK, "Tank": "Schoukens and Noel 2017",
+        "VariableDelay": TEXTBOOK, "Tank": "Schoukens and Noel 2017", "Overflow": "mass balance",
     },
     "Sensors": {"Sensor": TEXTBOOK, "SampledSensor": TEXTBOOK},
     "Arithmetic": {
@@ -83,6 +87,8 @@ NEEDED: Mapping[str, Mapping[str, Any]] = {
     "Pin": {"t": [0.0, 1.0], "values": [0.0, 1.0]},
     "Historian": {"signals": ["in"]},
     "HeValve": {"f_s": 0.04, "f_d": 0.02},
+    "GapPI": {"dt": 1.0},
+    "Knocker": {"period": 3.0, "width": 1.0},
     "Sum": {"signal": "out", "weights": {"in_1": 1.0, "in_2": 1.0}},
     "Gain": {"signal": "out", "source": "in"},
     "StateSpace": {"A": [[-1.0]], "B": [[1.0]], "C": [[1.0]]},

@@ -1,4 +1,4 @@
-"""The words of ``stickslip reproduce``: what is on its page, and what each picture shows beside the thesis's own."""
+"""The words of ``stickslip reproduce``: what is on its page, and how each picture compares with the thesis's own."""
 
 TITLES = {
     "5.4": "Table 5.4: periods and amplitudes, constant feed",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip.commands.short import too_short
 from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.reading import form_options
 from stickslip.standard_input import with_standard_input
@@ -29,7 +30,7 @@ MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 @form_options
 @click.option("--loop", metavar="TAG", help="Name of the loop, where the file holds several.")
 @click.option("--process", type=click.Choice(["self_regulating", "integrating"]), help="Kind of process, if known.")
-@click.option("--measurement", type=click.Choice(MEASUREMENTS), help="What PV measures; otherwise told from the tag.")
+@click.option("--measurement", type=click.Choice(MEASUREMENTS), help="What PV measures; by default read from the tag.")
 @click.option("--span", nargs=2, type=float, metavar="LOW HIGH", help="Span of PV in its own unit.")
 @click.option("--op-span", nargs=2, type=float, metavar="LOW HIGH", help="Span of OP in its own unit.")
 @click.option(
@@ -63,9 +64,9 @@ def command(files: tuple[Path, ...], **told: Any) -> None:
 
     \b
     Exit codes:
-      0  done: no stiction, or the record does not tell (the verdict says which)
+      0  done: no stiction, or the record leaves it open (the verdict says which)
       1  done, and stiction found
-      2  FILE cannot be read, or the request makes no sense
+      2  FILE cannot be read or is too short for any verdict, or the request makes no sense
     """
     with with_standard_input(files) as found:
         _check(found, **told)
@@ -107,6 +108,8 @@ def _check(
         write_whole(html, loop_page(diagnosis).encode())
         say(f"report: {html}")
     say.document(diagnosis.to_dict() | beside)
+    if short := too_short([(diagnosis.loop, len(record), diagnosis.methods)]):
+        raise ValueError(short)
     raise SystemExit(1 if diagnosis.verdict == "stiction" else 0)
 
 
@@ -128,7 +131,7 @@ def _simulated(diagnosis: "Diagnosis") -> "AtRecord | str":
     from calibration.by_simulation import LOOPS
 
     if diagnosis.probability is None:
-        return "not asked, because the calibrated model was not asked either"
+        return "not run, because the calibrated model was not run either"
     if sys.stderr.isatty():
         click.echo(f"Simulating {LOOPS} loops like this record: some 6 s on two idle cores ...", err=True)
     try:
@@ -196,4 +199,4 @@ def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
         for verdict in diagnosis.methods
     ]
     say.table(["method", "verdict", "index", "threshold", "S [% OP]"], rows)
-    say("The verdict is the calibrated one; the methods stand beside it. --json has the reason of each.")
+    say("The verdict is the calibrated one; the methods are for comparison. --json has the reason of each.")

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from stickslip.commands.short import too_short
 from stickslip.console import Speaker, complain
 from stickslip.targets import check_targets, write_whole
 
@@ -62,7 +63,8 @@ def check_many(
 ) -> int:
     """Judge every loop, survey every file with several, say it and write it; return the exit code.
 
-    That is 2 where a file cannot be read (the others are judged all the same), 1 where a loop is called sticky, else 0.
+    That is 2 where a file cannot be read (the others are judged all the same) or all are too short, 1 where a loop is
+    called sticky, else 0.
     """
     from detect.prepare.prepared import prepared
     from stickslip.commands.one_loop import diagnosed, with_told
@@ -114,7 +116,9 @@ def check_many(
     )
     for _, reason in faults:
         complain(reason)
-    if faults:
+    if short := too_short([(one.loop, len(one.record), one.methods) for _, answers in judged for one in answers]):
+        complain(short)
+    if faults or short:
         return 2
     of_tags = {record: tag.verdict for tag in tags for record in tag.records}  # of several records, all together
     every = [(file, one) for file, answers in judged for one in answers]

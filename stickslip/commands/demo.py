@@ -36,7 +36,7 @@ GUIDE = (
 
 @dataclass(frozen=True)
 class Judged:
-    """One loop of the demonstration and what was said about it; ``known`` tells how the truth is known."""
+    """One loop of the demonstration and the verdict on it; ``known`` says how the truth is known."""
 
     title: str
     truth: str

@@ -137,7 +137,7 @@ def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str
     if not isinstance(shape, str):
         said = "Grey: rows; lines: means of equally many. A play or a stick parts the lines over what drives it."
         form.figures.append(captioned(figure_to_svg(shape.plot()), said))
-    left = Section("What the model leaves unexplained", "", "open", "")
+    left = Section("What the model does not explain", "", "open", "")
     said = "One-step errors of the model; grey: three standard deviations, which a model without a gap keeps to."
     left.figures.append(captioned(figure_to_svg(report.plot()), said))
     return page(

@@ -205,9 +205,9 @@ def _trend(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") ->
 
 
 def _reconstructed(stem: "StemTrend") -> str:
-    said = "The stem is reconstructed: the play with a jump that tells PV best from OP"
+    said = "The stem is reconstructed: the play with a jump that predicts PV best from OP"
     if not stem.better > 1.0:
-        return f"{said}; PV is told as well without any, so this stem proves nothing."
+        return f"{said}; PV is predicted as well without any, so this stem proves nothing."
     return f"{said}. Without it the error is {stem.better:.2f} times as large."
 
 
@@ -288,9 +288,7 @@ def _methods(diagnosis: "Diagnosis") -> "Section | None":
     if not diagnosis.methods:
         return None
     counts = [
-        f"{n} {said.of_several}"
-        for word, said in WORDS.items()
-        if (n := sum(v.verdict == word for v in diagnosis.methods))
+        said.counted(n) for word, said in WORDS.items() if (n := sum(v.verdict == word for v in diagnosis.methods))
     ]
     section = Section("What every method says", "", "open", f"Of {len(diagnosis.methods)} methods {', '.join(counts)}.")
     section.before = (

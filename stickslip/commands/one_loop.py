@@ -19,7 +19,9 @@ UNLIKELY = 0.01  # a cause that is less probable is not listed
 def with_told(
     record: "LoopRecord", measurement: str | None, span: tuple[float, float] | None, infer: bool
 ) -> "LoopRecord":
-    """Return the record with what the user says of PV; the kind of process follows from it unless it is told, too."""
+    """Return the record with the measurement that the user gives; the kind of process follows from it unless given,
+    too.
+    """
     from dataclasses import replace
 
     from logs.tags import process_of

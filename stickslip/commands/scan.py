@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stickslip.console import Speaker, complain, json_option, user_errors
-from stickslip.targets import check_targets, write_whole
+from stickslip.targets import check_folder, check_targets, write_whole
 
 if TYPE_CHECKING:
     from scan import ScanResult
@@ -65,8 +65,9 @@ def command(
     130  stopped by Ctrl-C; the same command goes on
     """
     check_targets({"--html": html, "--csv": csv_file, "--json": json_file}, source=Path(source))
+    check_folder(out)
     if reports is not None and html is None:
-        raise ValueError("--reports writes beside --html, which is not given; add --html FILE")
+        raise ValueError("--reports writes beside --html, which is missing; add --html FILE")
     from diagram.progress import reporting
     from scan import scan
 

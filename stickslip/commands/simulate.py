@@ -1,4 +1,4 @@
-"""``stickslip simulate``: run a named case, save what it gives, show published beside reproduced if asked."""
+"""``stickslip simulate``: run a named case, save its log, and compare published with reproduced numbers on request."""
 
 import math
 from pathlib import Path

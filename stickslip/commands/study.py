@@ -12,7 +12,7 @@ import click
 
 from stickslip.commands.simulate import METHODS
 from stickslip.console import Speaker, complain, json_option, user_errors
-from stickslip.targets import check_targets, write_figure, write_whole
+from stickslip.targets import check_folder, check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -123,6 +123,7 @@ def command(
 
     chosen = case_named(case)
     check_targets({"--json": json_file})
+    check_folder(out)
     if not (math.isfinite(longest) and longest > 0.0):
         raise ValueError(f"--longest {longest:g}: give a positive number of hours")
     subject = subject_of(chosen)
@@ -278,7 +279,7 @@ def _page(result: "StudyResult", figures: "dict[str, Figure]") -> str:
         missing = Section("Runs without a result", f"{count} of {len(result)}", "open", "Most frequent first.")
         missing.figures.append(table_to_html(["runs", "reason"], [[str(n), text] for text, n in reasons[:50]]))
         sections.append(missing)
-    asked = Section("What was asked", "request", "good", "The same request on the same folder changes nothing.")
+    asked = Section("The request", "request", "good", "The same request on the same folder changes nothing.")
     asked.figures.append(table_to_html(["", ""], [[key, _spelt(value)] for key, value in request.items()]))
     sections.append(asked)
     lead = LEAD.format(since=request["measure_from"], until=request["duration"])

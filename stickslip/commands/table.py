@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip.commands.short import too_short
 from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.targets import check_targets, write_figure, write_whole
 
@@ -66,7 +67,7 @@ def command(
     Exit codes:
       0  done: stiction in no loop, as far as the records tell
       1  done, and the verdict on a loop is stiction
-      2  SOURCE cannot be read, or the request makes no sense
+      2  SOURCE cannot be read or is too short for any verdict, or the request makes no sense
     """
     targets = {"--csv": csv_file, "--html": html, "--plot": picture, "--json": json_file}
     for source in sources or ("",):
@@ -98,7 +99,8 @@ def command(
         )
     else:
         found = compare([_opened(source) for source in sources], methods, process=process, loops=loops or None)
-    _refuse_short(found)
+    if short := too_short([(judged.loop, judged.samples, judged.verdicts) for judged in found.loops]):
+        raise ValueError(short)
     _tell(say, found)
     scored = _scored(say, found, known) if known is not None else []
     if csv_file is not None:
@@ -112,16 +114,6 @@ def command(
         say(f"picture: {picture}")
     say.document(found.to_dict() | ({"scores": scored} if scored else {}))
     raise SystemExit(1 if any(judged.combined == "stiction" for judged in found.loops) else 0)
-
-
-def _refuse_short(found: "Comparison") -> None:
-    """Raise ``ValueError`` where no method can look at any loop and each has too few rows for the verdict, too."""
-    from detect.judge.answer import SAMPLES
-
-    most = max(judged.samples for judged in found.loops)
-    if most < SAMPLES and not any(verdict.applicable for judged in found.loops for verdict in judged.verdicts):
-        names = ", ".join(judged.loop for judged in found.loops)
-        raise ValueError(f"{names}: {most} rows, of which no method can say anything; give {SAMPLES} rows or more")
 
 
 def _scored(say: Speaker, found: "Comparison", labels: "Mapping[str, Label]") -> "list[dict[str, Any]]":
@@ -170,7 +162,7 @@ def _tell(say: Speaker, found: "Comparison") -> None:
         say.table(["method", "verdict", "index", "limit", "% OP", "ms"], shown)
         total = sum(judged.milliseconds)
         say(f"{judged.samples} samples: {judged.preparation:.0f} ms to prepare, {total:.0f} ms for all methods")
-        say("The verdict is the calibrated one, as of check; the methods stand beside it (* on trial).")
+        say("The verdict is the calibrated one, as in check; the methods are for comparison (* on trial).")
         for row in rows:
             say.paragraph(row[-1], f"  {row[1]}: ")
         say()

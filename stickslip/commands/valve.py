@@ -66,7 +66,7 @@ def _report(test: "ValveTest") -> str:
     found.figures.append(
         pairs(
             {
-                name: "the record does not tell" if size is None else
+                name: "the record does not show it" if size is None else
                 f"{size.value:.2g} % of OP, between {size.low:.2g} and {size.high:.2g} (read at {size.count} places)"
                 for name, size in sizes.items()
             }

@@ -30,7 +30,7 @@ def captioned(svg: str, caption: str, finding: str = "") -> str:
 
 
 def side_by_side(pictures: Sequence[str]) -> str:
-    """Return pictures beside each other where there is room, below each other where there is not.
+    """Return pictures side by side if there is room, else one below the other.
 
     >>> side_by_side(["<svg></svg>"])
     "<div class='grid'><figure><svg></svg></figure></div>"
@@ -39,7 +39,7 @@ def side_by_side(pictures: Sequence[str]) -> str:
 
 
 def beside(wide: str, small: str) -> str:
-    """Return a wide picture with a small one beside it, or below it where there is no room.
+    """Return a wide picture with a small one at its side, or below it if there is no room.
 
     >>> beside("<svg></svg>", "<svg></svg>")
     "<div class='grid wide'><figure class=scroll><svg></svg></figure><figure><svg></svg></figure></div>"

@@ -88,7 +88,7 @@ def test_gas_chokes_beyond_its_pressure_drop_ratio():
 
 
 def test_thesis_valves_are_of_real_size():
-    """Table A.2 in Kv: oil 670 and 1012 m3/h, gas 3620 m3/h; docs/measured.md."""
+    """Table A.2 in Kv: oil 670 and 1012 m3/h, gas 3620 m3/h; docs/evidence/measured.md."""
     # Snapshot: densities and molar masses at rest, case 1.
     assert Kv_from_C_v(6.1, 650.107, 0.0777184) == pytest.approx(669.7, abs=0.1)
     assert Kv_from_C_v(8.7, 655.667, 0.0827241) == pytest.approx(1012.3, abs=0.1)

@@ -33,8 +33,8 @@ def test_it_finds_what_is_there_and_runs_the_same_without_torch(monkeypatch):
     torch = pytest.importorskip("torch", reason="PyTorch (extra training) is not installed")
     models = []
     monkeypatch.setattr("calibration.network.RISE", 500)
-    own = fit.__globals__["_model"]
-    monkeypatch.setattr("calibration.network._model", lambda kinds: models.append(own(kinds)) or models[-1])
+    own = fit.__globals__["untrained"]
+    monkeypatch.setattr("calibration.network.untrained", lambda kinds: models.append(own(kinds)) or models[-1])
     said = []
     net = fit(made(1600), said.append, passes=4)
     assert len(said) == 4 and float(said[-1].split()[-1]) < float(said[0].split()[-1])

@@ -29,7 +29,7 @@ def test_the_model_file_is_small() -> None:
 def test_features_are_kept_part_by_part(tmp_path, monkeypatch, here) -> None:
     monkeypatch.setattr("calibration.records.PART", 4)  # read when a part is made, in this process
     monkeypatch.setattr(
-        "calibration.records._made",
+        "calibration.records.made_part",
         lambda folder, setting, seed, kinds: table(simulate(draw(4, seed, setting, kinds=kinds))),
     )
     monkeypatch.setattr("calibration.records.processes", here)

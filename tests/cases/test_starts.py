@@ -31,7 +31,7 @@ def made(monkeypatch):
 
 
 def test_nothing_is_judged_on_the_starts_of_the_search():
-    """Set E was found on seed 2009 (published in docs/errata.md)."""
+    """Set E was found on seed 2009 (published in docs/evidence/errata.md)."""
     assert 2009 not in FRESH and SEED in FRESH and len(set(FRESH)) == 10
 
 

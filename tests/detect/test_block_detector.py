@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip, Sum
+from cases import find
 from detect.blocks import DetectorBlock
 from detect.methods import area_ratio, harmonics, play_fit, stem_play
 from detect.oscillation import acf_crossings as oscillation
@@ -160,17 +161,18 @@ def test_any_method_that_streams_can_be_wired(method):
     assert log["index"][-1] == pytest.approx(batch.index, rel=1e-9)
 
 
-def test_python_control_gets_the_offline_verdict():
-    loop = loop_with(Step("SP", 0.55), DetectorBlock(harmonics, dt=1.0, verdict_every=100))
+@pytest.mark.parametrize(("method", "word"), [(area_ratio, "stiction"), (play_fit, "inconclusive")])
+def test_python_control_gets_the_offline_verdict_in_the_thesis_loop(method, word):
+    loop = wire([*find("ideal_high").build().blocks, DetectorBlock(method, dt=1.0, verdict_every=100)])
     ours = simulate(loop, 600.0, every=1.0).log
-    theirs = ct.input_output_response(loop, ours.t, 0, loop.x0)
+    theirs = ct.input_output_response(loop, ours.t, 0, loop.x0, solve_ivp_method="LSODA")
     rows = {name: theirs.outputs[i] for i, name in enumerate(loop.output_labels)}
     head = slice(0, 600)  # the last verdict falls at sample 600
     seen = LoopRecord.from_arrays(
         ours.t[head], pv=rows["PV"][head], op=rows["OP"][head], sp=rows["SP"][head], op_span=(0.0, 1.0),
         process="self_regulating",
     )  # fmt: skip
-    offline = harmonics.detect(seen)
-    assert offline.verdict == "stiction"
-    assert rows["verdict"][-1] == ours["verdict"][-1] == WORDS["stiction"].number
+    offline = method.detect(seen)
+    assert offline.verdict == word
+    assert rows["verdict"][-1] == ours["verdict"][-1] == WORDS[word].number
     assert rows["index"][-1] == pytest.approx(offline.index, rel=1e-9)

@@ -60,7 +60,7 @@ def test_alternating_noise_has_no_period(noise, loop):
     t = np.arange(1000.0)
     for seed in range(10):
         e = noise(-0.8, 1000, seed)
-        assert "told from noise" in oscillation.find_in(t, e).reason
+        assert "differs from noise" in oscillation.find_in(t, e).reason
         assert area_ratio.detect(loop(t, e)).code == "no_oscillation"
 
 

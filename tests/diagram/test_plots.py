@@ -14,19 +14,24 @@ from diagram.figures.trends import modes_over_time, plot_run
 from plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
-RUN = simulate(LOOP, 600.0, every=0.5)
+
+
+@pytest.fixture(scope="module")
+def cycling():
+    """The run of the sticky loop that most of these pictures show."""
+    return simulate(LOOP, 600.0, every=0.5)
 
 
 def drawn(ax):
     return {line.get_label(): line for line in ax.lines}
 
 
-def test_set_point_goes_with_measurement_and_controller_output_with_valve():
-    axes = plot_run(RUN).axes
+def test_set_point_goes_with_measurement_and_controller_output_with_valve(cycling):
+    axes = plot_run(cycling).axes
     assert [set(drawn(ax)) for ax in axes] == [{"SP", "PV"}, {"OP", "MV"}]
     line = drawn(axes[0])["PV"]
-    assert np.array_equal(line.get_ydata(), RUN.log["PV"])
-    assert np.allclose(line.get_xdata(), RUN.log.t / 60.0)
+    assert np.array_equal(line.get_ydata(), cycling.log["PV"])
+    assert np.allclose(line.get_xdata(), cycling.log.t / 60.0)
     assert axes[-1].get_xlabel() == "time [min]"
 
 
@@ -40,22 +45,22 @@ def test_time_is_told_in_the_unit_that_fits(duration, unit, seconds):
     assert ax.get_xlim() == pytest.approx((0.0, duration / seconds))
 
 
-def test_stuck_is_shaded_on_the_axis_of_the_valve():
-    upper, lower = plot_run(RUN).axes
+def test_stuck_is_shaded_on_the_axis_of_the_valve(cycling):
+    upper, lower = plot_run(cycling).axes
     assert "stuck" not in upper.get_legend_handles_labels()[1]
     shade = next(c for c in lower.collections if c.get_label() == "stuck")
     shaded = sorted((path.get_extents().x0 * 60.0, path.get_extents().x1 * 60.0) for path in shade.get_paths())
-    stuck = [(a, b) for a, b, mode in modes_over_time(LOOP["valve"], RUN) if mode == "stuck" and b > a]
+    stuck = [(a, b) for a, b, mode in modes_over_time(LOOP["valve"], cycling) if mode == "stuck" and b > a]
     assert np.allclose(shaded, stuck)
     assert len(stuck) > 5
-    moving = np.abs(np.diff(RUN.log["MV"])) > 1e-9  # independent of the events: a stuck stem does not move
-    inside = [any(a <= t0 and t1 <= b for a, b in stuck) for t0, t1 in pairwise(RUN.log.t)]
+    moving = np.abs(np.diff(cycling.log["MV"])) > 1e-9  # independent of the events: a stuck stem does not move
+    inside = [any(a <= t0 and t1 <= b for a, b in stuck) for t0, t1 in pairwise(cycling.log.t)]
     assert not np.any(moving & np.array(inside))
     assert np.mean(inside) > 0.9
 
 
-def test_modes_cover_the_run_without_gaps():
-    stretches = modes_over_time(LOOP["valve"], RUN)
+def test_modes_cover_the_run_without_gaps(cycling):
+    stretches = modes_over_time(LOOP["valve"], cycling)
     assert stretches[0][0] == 0.0 and stretches[-1][1] == 600.0
     assert all(a[1] == b[0] and a[2] != b[2] for a, b in pairwise(stretches))
     still = simulate(LOOP, 10.0, params={"SP.after": 0.0})
@@ -92,13 +97,13 @@ def test_a_large_plant_shows_its_loops_first_and_says_what_is_missing():
     assert figure.axes[0].get_ylabel() == "loop0\nSP, PV"
 
 
-def test_names_choose():
-    figure = plot_run(RUN, ["MV", "PV"])
+def test_names_choose(cycling):
+    figure = plot_run(cycling, ["MV", "PV"])
     assert [set(drawn(ax)) for ax in figure.axes] == [{"MV"}, {"PV"}]
     with pytest.raises(ValueError, match="did you mean 'PV'"):
-        plot_run(RUN, ["PVs"])
+        plot_run(cycling, ["PVs"])
     with pytest.raises(ValueError, match="no signal to plot"):
-        plot_run(RUN, [])
+        plot_run(cycling, [])
 
 
 def with_far_set_point():
@@ -151,13 +156,13 @@ def test_a_nested_diagram_keeps_its_colour():
     assert all(len(own) == 1 for own in colours.values()) and colours["guarded"] != colours["bare"]
 
 
-def test_a_failed_run_says_so():
+def test_a_failed_run_says_so(cycling):
     run = simulate(LOOP, 600.0, every=0.5, max_steps=50)
     assert not run.ok
     figure = plot_run(run)
     assert figure.axes[0].get_title(loc="left").startswith("TOO_MANY_STEPS: the step budget is spent")
     figure.canvas.draw()
-    assert plot_run(RUN).axes[0].get_title(loc="left") == ""
+    assert plot_run(cycling).axes[0].get_title(loc="left") == ""
 
 
 def test_main_signals_are_those_of_controllers_and_valves():

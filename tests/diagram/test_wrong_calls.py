@@ -1,5 +1,6 @@
 """Users' mistakes, one a line: each is refused with a rule and a remedy, none by numba, numpy or Python."""
 
+import re
 import traceback
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 import blocks
+from blocks import BlockError, DeadTime, Equations, Gain, KanoValve
 from blocks.noise import Noise
 from blocks.sensor import SampledSensor, Sensor
 from blocks.sources import Ramp
@@ -275,3 +277,20 @@ def test_a_wrong_call_is_refused_with_a_rule_and_a_remedy(call):
 def test_numbers_given_as_integers_are_taken():
     assert blocks.FirstOrder(3, np.int32(10)).p[:2].tolist() == [3.0, 10.0]
     assert blocks.PI(1, np.float32(10), start_op=None).params["T_i"] == 10.0
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: Gain("u", K=2.0), "Gain: missing a required argument: 'source'; call it as Gain(signal, source, "),
+        (lambda: DeadTime("late", "u", 5.0), "DeadTime: too many positional arguments; call it as DeadTime(theta, *, "),
+        (lambda: DeadTime(5.0, signal="a"), "keyword argument 'signal'; call it as DeadTime(theta, *, start=0.0, "),
+        (lambda: KanoValve(0.1, 0.0, 1.0, F_s=2.0), "keyword argument 'F_s'; call it as KanoValve(S, J, dt, "),
+        (lambda: Equations("n", out=lambda u, n: (1.0, 2.0)[n] * u, inputs="u", outputs="y", params={"n": 1}),
+         "block 'n': .* write int\\(n\\) where a whole number is needed"),
+    ],
+)  # fmt: skip
+def test_a_wrong_call_says_how_the_block_is_called(call, words):
+    with pytest.raises((TypeError, BlockError)) as refusal:
+        wire([call()], inputs=["u"]).plan()
+    assert words in str(refusal.value) or re.search(words, str(refusal.value))

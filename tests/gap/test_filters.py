@@ -125,7 +125,7 @@ def test_a_cascade_moves_as_the_engine_does_with_both_controllers_at_their_limit
 def test_a_block_that_bends_has_no_matrices():
     curved = effect("valve_characteristic").insert(silenced(site_flow(rest=1.5)), "valve", rangeability=9.0)
     law = curved["valve:valve_characteristic/law"]
-    with pytest.raises(NotAffine, match="not straight"):
+    with pytest.raises(NotAffine, match="not linear"):
         affine(law, np.array([0.5]))
 
 

@@ -24,7 +24,7 @@ def log():
 
 
 def test_a_rim_is_named_and_the_rest_is_found(log):
-    tank = Tank(20.0, 1.3, start=4.0, name="tank", inputs="u", outputs=["h", "q", "over"], spans={"h": (0.0, 10.0)})
+    tank = Tank(20.0, 1.3, start=4.0, name="tank", inputs="u", outputs=["h", "q"], spans={"h": (0.0, 10.0)})
     model = FreeModel(wire([tank], inputs=["u"]), log, ("h",), {"tank.A": (10.0, 60.0), "tank.k": (0.5, 2.0)})
     catalogue = [effect(name) for name in ("tank_overflow", "process_gain", "dead_time")]
     (plain, _), (fit, tried), *_ = explained(model, {"tank.A": 20.0, "tank.k": 1.3}, catalogue, most=1)
@@ -37,7 +37,7 @@ def test_a_rim_is_named_and_the_rest_is_found(log):
 
 
 def test_a_parameter_at_its_bound_is_told(log):
-    tank = Tank(20.0, 1.3, start=4.0, name="tank", inputs="u", outputs=["h", "q", "over"])
+    tank = Tank(20.0, 1.3, start=4.0, name="tank", inputs="u", outputs=["h", "q"])
     model = FreeModel(wire([tank], inputs=["u"]), log, ("h",), {"tank.A": (10.0, 15.0), "tank.k": (0.5, 2.0)})
     assert model.fitted({"tank.A": 12.0, "tank.k": 1.3}).at_bound == ("tank.A",)
 

@@ -43,8 +43,8 @@ def test_without_a_load_to_compare_with_nothing_is_too_smooth():
 def test_beside_a_stem_that_a_smooth_record_cannot_have_nothing_is_looked_for(monkeypatch):
     problem = problem_of(outside="wave_packet")
     asked = []
-    monkeypatch.setattr("gap.explanations.pairs._with_second", lambda *a: asked.append(a[1].effect.name) or iter(()))
-    monkeypatch.setattr("gap.explanations.pairs._firsts", lambda problem, fits: list(fits))
+    monkeypatch.setattr("gap.explanations.pairs.with_second", lambda *a: asked.append(a[1].effect.name) or iter(()))
+    monkeypatch.setattr("gap.explanations.pairs.firsts", lambda problem, fits: list(fits))
     monkeypatch.setattr("gap.explanations.pairs.ENOUGH", -1e9)
     stem = fitted(problem, "stiction", "valve", S=3.0, J=1.2)
     paired(problem, [stem], [effect("stiction"), effect("valve_gain")], False, unmeasured_load(problem, 0.0))

@@ -187,7 +187,7 @@ def test_a_tank_runs_over_into_the_next():
     assert free["h_1"].max() > 12.0 and over["h_1"].max() == pytest.approx(10.0, abs=1e-9)
     full = over["h_1"] > 10.0 - 1e-9
     lost = np.where(full, np.maximum(over["u"] - 1.2014 * np.sqrt(10.0), 0.0), 0.0)
-    np.testing.assert_allclose(over["over_1"][1:-1], lost[1:-1], atol=1e-8)
+    np.testing.assert_allclose(over["tank_1:tank_overflow/q_over"][1:-1], lost[1:-1], atol=1e-8)
     gained = 13.37 * np.gradient(over["h_2"], 1.0) + 1.2014 * np.sqrt(over["h_2"])  # what the lower tank got
     inner = full & np.roll(full, 1) & np.roll(full, -1) & (over.t != 400.0)  # u has a corner there
     np.testing.assert_allclose(gained[inner], (over["q_1"] + 0.3 * lost)[inner], atol=2e-4)

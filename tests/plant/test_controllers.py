@@ -11,7 +11,7 @@ from plant.parameters import SET_B
 PLANT = production_plant("B")
 
 # controller: K_p, T_i, set point, what it moves.  Published: table 5.1, but for the two marked gains and the set
-# points of PCS12 and PCS21, which are printed swapped; docs/errata.md.
+# points of PCS12 and PCS21, which are printed swapped; docs/evidence/errata.md.
 TABLE = {
     "LCS11": (0.1, 200.0, 40.95, "OP_VLCS1"),
     "LCS21": (0.1, 200.0, 50.04, "OP_VLCS2"),

@@ -164,6 +164,9 @@ REQUESTS = [
     (["simulate", "sine", "--out", "x.csv", "--json", "x.csv"], ["--json x.csv", "overwrite", "--out"]),
     (["demo", "--out", "input.csv"], ["--out input.csv", "is a file", "name a folder"]),
     (["demo", "--out", "input.csv/deeper"], ["--out input.csv/deeper", "is a file"]),
+    (["study", "ideal_high", "--out", "input.csv"], ["--out input.csv", "is a file", "name a folder"]),
+    (["study", "ideal_high", "--out", "input.csv/deeper"], ["--out input.csv/deeper", "is a file"]),
+    (["scan", "input.csv", "--out", "input.csv"], ["--out input.csv", "is a file", "name a folder"]),
     (["demo", "--json", "absent/x.json"], ["--json absent/x.json", "no folder"]),
 ]
 
@@ -185,3 +188,20 @@ def test_a_process_ends_the_same_way(shell, tmp_path):
     assert done.returncode == 2
     assert done.stdout == b""
     assert done.stderr.decode() == f"Error: {tmp_path / 'absent.csv'}: no such file; check the path and the name\n"
+
+
+@pytest.mark.parametrize("place", ["study", "scan"])
+def test_a_folder_that_cannot_be_written_is_refused_before_any_work(call, tmp_path, monkeypatch, place):
+    """Permissions stop no superuser, so a system folder in which nothing can be made is asked for."""
+    if not os.path.isdir("/proc/self"):
+        pytest.skip("no /proc on this system: nothing else refuses the superuser")
+
+    def work(*_, **__):
+        raise AssertionError("work began")
+
+    monkeypatch.setattr("study.run.as_subject", work)
+    monkeypatch.setattr("stickslip.commands.study.subject_of", work)
+    (tmp_path / "input.csv").write_text(GOOD)
+    given = [tmp_path / "input.csv"] if place == "scan" else ["ideal_high", "--vary", "valve.F_s=1750,2250"]
+    result = call(place, *given, "--out", "/proc/self/results")
+    assert result.exit_code == 2 and "nothing can be written in '/proc/self'" in result.stderr

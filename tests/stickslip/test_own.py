@@ -2,6 +2,7 @@
 
 import gzip
 import json
+from pathlib import Path
 
 import pytest
 
@@ -132,3 +133,14 @@ def test_mistakes_on_standard_input(piped, record):
 def test_one_of_several_files_is_piped_in(piped, record):
     done = piped(record.read_bytes(), record, "-", "--json", "-")
     assert len(json.loads(done.stdout)["files"]) == 2
+
+
+def test_every_command_that_executes_a_file_is_named_by_the_security_page():
+    root = Path(__file__).parents[2]
+    page = (root / "SECURITY.md").read_text()
+    sources = {path.stem: path.read_text() for path in (root / "stickslip" / "commands").glob("*.py")}
+    executing = {
+        name for name, source in sources.items() if "IS EXECUTED" in source or "stickslip.own import" in source
+    }
+    assert {"simulate", "gap"} <= executing
+    assert {name for name in executing if f"`{name}`" not in page and f"`stickslip {name}`" not in page} == set()

@@ -119,10 +119,3 @@ def test_cards_as_a_page(call, tmp_path):
 def test_mistakes_are_said(call, words, piece):
     done = call("table", *words)
     assert done.exit_code == 2 and piece in done.stderr
-
-
-def test_a_record_of_two_rows_is_refused(call, tmp_path):
-    (tmp_path / "FIC1.csv").write_text("time,PV,OP\n0,1,2\n1,2,3\n")
-    done = call("table", tmp_path / "FIC1.csv")
-    assert done.exit_code == 2 and not done.stdout
-    assert "FIC1: 2 rows, of which no method can say anything; give 100 rows or more" in done.stderr

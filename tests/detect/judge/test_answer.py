@@ -106,7 +106,7 @@ def test_the_stem_answers_where_it_is_logged(sticky):
     for mv, word in ((stick(op, 4.0, 2.0, 0.0), "stiction"), (op - 0.0, "no_stiction")):
         found = answer(Prepared(LoopRecord.from_arrays(t, pv=pv, op=op, sp=0 * t, mv=mv)))
         assert found.word == word and found.probability is None
-        assert "PV is not asked" in found.reason
+        assert "not from PV" in found.reason
         if word == "stiction":
             assert found.S.value == pytest.approx(4.0, rel=0.1)  # analytic
             assert found.J.value == pytest.approx(2.0, rel=0.15)  # analytic
