@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, get_args
 
 import click
-import numpy as np
 
+from calibration.laws import Law
 from calibration.spec import Kinds, Setting
 
 
@@ -17,28 +17,24 @@ from calibration.spec import Kinds, Setting
 class Source:
     """Loops of one law: its first seed, which kinds of loop (``draw``), how many."""
 
-    law: Setting
+    law: Law
     seed: int
     kinds: Kinds
     loops: int
 
 
-# What is learnt from: to fit patterns, the network, trees, and the calibration.
-PATTERNS = (
-    Source("training", 10_001, "usual", 15_500), Source("creeping", 31_000, "usual", 15_500),
-    Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
-)  # fmt: skip
+# What is learnt from: to fit the network, trees, and the calibration.
 NETWORK = (
     Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
     Source("training", 50_000, "moved", 85_000), Source("creeping", 50_000, "moved", 74_000),
     Source("training", 60_000, "usual", 73_000), Source("creeping", 60_000, "usual", 61_500),
+    Source("crossed", 1000, "usual", 10_000),
 )  # fmt: skip
 TREES = (
-    Source("training", 20_000, "usual", 20_000), Source("creeping", 30_000, "usual", 10_000),
-    Source("training", 42_000, "moved", 6000), Source("creeping", 43_000, "moved", 6000),
+    Source("crossed", 11, "usual", 2500), Source("training", 84_100, "usual", 500),
+    Source("creeping", 84_101, "usual", 500),
 )  # fmt: skip
-HOLDING = (Source("training", 20_040, "usual", 2000), Source("creeping", 30_060, "usual", 2000))
-KERNELS = 10_000  # seed of the loops that the limits of the kernels are taken from
+HOLDING = (Source("crossed", 12, "usual", 1500), Source("training", 84_102, "usual", 500))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -65,20 +61,6 @@ def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | 
         raise click.UsageError(str(error)) from None
 
 
-def _read_out(folder: Path, loops: int, workers: int | None) -> None:
-    """Fit the patterns, which the features of all loops contain, and write the shipped file."""
-    from calibration.patterns import LIMITED, PART, fit, kernels, pooled_loops, views
-    from detect.judge.features.patterns import FILE
-
-    odd, even = kernels([view for view, _ in views(KERNELS)][:LIMITED])
-    pooled = [
-        pooled_loops(folder / f"patterns_{one.law}_{one.seed}", one.seed, count, odd, even, workers, one.law, one.kinds)
-        for one, count in _parts(PATTERNS, loops, PART)
-    ]
-    x, group = (np.concatenate(both) for both in zip(*pooled, strict=True))
-    fit(x, group, odd, even, click.echo).write(FILE)
-
-
 def _network(folder: Path, loops: int, workers: int | None) -> None:
     """Fit the network, whose scores the features of all loops contain, and write the shipped file."""
     from calibration.network import fit
@@ -98,10 +80,6 @@ def _network(folder: Path, loops: int, workers: int | None) -> None:
     "--holding", type=click.IntRange(min=1), default=_total(HOLDING), show_default=True, help="to calibrate on"
 )
 @click.option(
-    "--patterns", type=click.IntRange(min=0), default=_total(PATTERNS), show_default=True,
-    help="to fit the patterns on; 0: those of the shipped file",
-)  # fmt: skip
-@click.option(
     "--network", type=click.IntRange(min=0), default=_total(NETWORK), show_default=True,
     help="to fit the network on, by PyTorch; 0: that of the shipped file",
 )  # fmt: skip
@@ -114,7 +92,7 @@ def _network(folder: Path, loops: int, workers: int | None) -> None:
 )
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
 def train(
-    loops: int, holding: int, patterns: int, network: int, trees: int, folder: Path, out: Path | None,
+    loops: int, holding: int, network: int, trees: int, folder: Path, out: Path | None,
     workers: int | None,
 ) -> None:  # fmt: skip
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
@@ -124,8 +102,6 @@ def train(
 
     if network and not find_spec("torch"):
         raise click.UsageError(MISSING)
-    if patterns:
-        _read_out(folder, patterns, workers)
     if network:
         _network(folder, network, workers)
     fitted = _tables(folder, TREES, loops, workers)

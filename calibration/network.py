@@ -13,8 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from calibration.signals import Examples
-from detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STRIDE, Network
-from detect.judge.features.patterns import STICKY
+from detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STICKY, STRIDE, Network
 
 __all__ = ["MISSING", "fit"]
 
@@ -101,7 +100,7 @@ def untrained(kinds: int) -> Any:
     import torch
     from torch import nn
 
-    class Convolutions(nn.Module):  # type: ignore[misc]
+    class Convolutions(nn.Module):
         def __init__(self) -> None:
             super().__init__()
             width, pooled = CHANNELS, 0

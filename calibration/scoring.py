@@ -67,12 +67,9 @@ def score(model: Model, t: Table) -> dict[str, Any]:
     inside = _inside(model, t.rows(t.seen & sticky))
     group, name = t.truth["group"], t.names.tolist()
     quiet = t.seen & (p <= model.clear)
-    limit = np.full(len(t), np.inf)
-    follows = np.full(len(t), -np.inf)
-    if len(x):
-        limit[t.seen] = x[:, name.index(f"play_hidden_{model.hidden}")]
-        follows[t.seen] = x[:, name.index("linear_r2")]
-    cleared = quiet & (limit <= 0.5) & (follows >= 0.5)
+    shown = np.zeros(len(t))
+    shown[t.seen] = x[:, name.index("travel_clears")]
+    cleared = quiet & (shown > 0.0)
     return {
         "loops": len(t),
         "auc": auc(p, sticky),
@@ -109,8 +106,7 @@ def _by(t: Table, called: Flags) -> dict[str, dict[str, float]]:
     """Share found of the sticky loops by OP's travel over S, process, J over S, cycle and points a turn."""
     sticky = t.sticky
     travel, ratio = t.truth["travel"].astype(float), t.truth["J"].astype(float) / t.truth["S"].astype(float)
-    points = t.x[:, t.names.tolist().index("samples_per_turn")]
-    noise = t.x[:, t.names.tolist().index("noise")]
+    points = t.x[:, t.names.tolist().index("travel_between")]
     sets = {
         "travel below 1.2 S": travel < 1.2, "travel 1.2 to 2 S": (travel >= 1.2) & (travel < 2),
         "travel 2 to 3 S": (travel >= 2) & (travel < 3), "travel above 3 S": travel >= 3,
@@ -118,11 +114,7 @@ def _by(t: Table, called: Flags) -> dict[str, dict[str, float]]:
         "J below 0.3 S": ratio < 0.3, "J 0.3 to 0.5 S": (ratio >= 0.3) & (ratio < 0.5),
         "J 0.5 to 0.8 S": (ratio >= 0.5) & (ratio < 0.8), "J above 0.8 S": ratio >= 0.8,
         "cycling": t.truth["cycling"].astype(bool), "not cycling": ~t.truth["cycling"].astype(bool),
-        "below 5 samples a turn": points < np.log10(5),
-        "5 to 15 samples a turn": (points >= np.log10(5)) & (points < np.log10(15)),
-        "above 15 samples a turn": points >= np.log10(15),
-        "noise below 1 % of range": noise < -2, "noise 1 to 5 %": (noise >= -2) & (noise < np.log10(0.05)),
-        "noise above 5 %": noise >= np.log10(0.05),
+        "below 10 samples a turn": points < 10.0, "above 10 samples a turn": points >= 10.0,
     }  # fmt: skip
     return {
         name: {"loops": float((here & sticky).sum()), "found": float(np.mean(called[here & sticky]))}
@@ -134,9 +126,10 @@ def _baselines(t: Table) -> Mapping[str, float]:
     """AUC of single numbers that a first guess would use."""
     names = t.names.tolist()
     found = {"always sticky: false alarms": 1.0}
-    for label, feature in (("regularity of OP", "op_acf_peak"), ("play fit ratio", "play_ratio_min"),
-                           ("half wave of OP, triangle against sine", "op_gain_sine"), ("record length", "turns"),
-                           ("samples a turn", "samples_per_turn"), ("noise", "noise")):  # fmt: skip
+    for label, feature in (
+        ("network", "network_sticky"), ("gain in nats", "travel_gain"), ("a bent line", "travel_bent"),
+        ("samples a turn", "travel_between"), ("turns", "travel_turned"), ("rows", "travel_rows"),
+    ):  # fmt: skip
         x = t.x[:, names.index(feature)]
         ok = np.isfinite(x)
         found[f"AUC {label}"] = auc(x[ok], t.sticky[ok])

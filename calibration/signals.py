@@ -11,9 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from calibration.crossings import extent
-from calibration.drawing import draw
-from calibration.simulation import simulate
-from calibration.spec import Kinds, Setting
+from calibration.laws import Law, loops
+from calibration.spec import Kinds
 from detect.judge.features.channels import LOOKED_AT, MOST
 from detect.judge.features.network import CHANNELS, seen_by
 from detect.judge.features.view import View, view_of
@@ -52,7 +51,7 @@ class Examples:
 
 
 def examples(
-    folder: Path, seed: int, count: int, setting: Setting = "training", kinds: Kinds = "usual",
+    folder: Path, seed: int, count: int, setting: Law = "training", kinds: Kinds = "usual",
     workers: int | None = None,
 ) -> Examples:  # fmt: skip
     """The loops of ``count`` parts from ``seed`` on that show enough for a view, those made before from the folder.
@@ -79,12 +78,12 @@ def examples(
     )
 
 
-def _columns(setting: Setting, seed: int, kinds: Kinds, workers: int | None, first: int) -> dict[str, Any]:
+def _columns(setting: Law, seed: int, kinds: Kinds, workers: int | None, first: int) -> dict[str, Any]:
     """One part as columns, its rows numbered from ``first`` on."""
     columns: dict[str, list[Any]] = {
         name: [] for name in ("number", "group", "S", "J", "turn", "u", "y", "e")
     }  # fmt: skip
-    for loop, truth in simulate(draw(PART, seed, setting, kinds=kinds), workers):
+    for loop, truth in loops(setting, PART, seed, kinds, workers):
         view, shown = view_of(Prepared(loop)), extent(loop.op)
         if view is None or not shown > 0.0:
             continue

@@ -1,6 +1,7 @@
 """One valve, many records: one answer, from what every record says and from the evidence that they add up to.
 
-    odds of stiction   = median over the records of the model's odds, times those of the pooled evidence (``earned``)
+    odds of stiction   = median over the records of the model's odds, and where the pooled evidence calls dead travel,
+                         times exp(min((G - g) / 10, 5)),   G its gain, g that of the middle record [nats]
     seen               where more than half of the records show the stem or the valve's own slips, these answer
     cleared            only where that is the median, no record calls stiction, and the pooled evidence excludes it
 
@@ -19,7 +20,7 @@ import numpy as np
 from detect.chances import chance
 from detect.judge.actions import CAUSES
 from detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
-from detect.judge.earned import usable, with_evidence
+from detect.judge.earned import usable
 from detect.judge.model import Model, Opinion, calibrated
 from detect.likelihood.pooled import Evidence, evidence_of
 from detect.likelihood.words import said
@@ -27,6 +28,9 @@ from detect.prepare.prepared import Prepared
 from detect.verdict import Word
 
 __all__ = ["evidence_of_all", "pooled"]
+
+TEMPER, MOST = 10.0, 5.0  # nats of evidence that count as one, and the most that count
+DEAD_TRAVEL = ("stiction", "deadband")
 
 
 def evidence_of_all(loops: Sequence[Prepared]) -> tuple[Evidence | None, tuple[int, ...]]:
@@ -60,7 +64,7 @@ def pooled(
     mean = {name: float(np.median([_odds(a.causes.get(name, 0.0)) for a in judged])) for name in names}
     total = math.fsum(mean.values())
     plain = Opinion({name: p / total for name, p in mean.items()}, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
-    opinion = with_evidence(plain, found)
+    opinion = _raised(plain, found)
     p = opinion.probability
     integrates = any(loop.integrating for loop in loops)
     word: Word = "stiction" if p >= (LEVEL if integrates else model.accuse) else "inconclusive"
@@ -84,6 +88,22 @@ def pooled(
     )
     limit = None if found is None or word != "no_stiction" else (found.claim, unit)
     return Answer(word, p, opinion.causes, S if word == "stiction" else None, None, limit, reason.strip(), action)
+
+
+def _raised(opinion: Opinion, found: Evidence | None) -> Opinion:
+    """The opinion with the odds of dead travel raised by what the records gain together beyond the middle one.
+
+    Ten nats count as one, because errors of a wrong model agree with each other; no evidence counts for more than five,
+    because PV may have reasons that no rival has.
+    """
+    if found is None or not found.accuses:
+        return opinion
+    more = found.gain - float(np.median([day.gain for day in found.days]))
+    raised = math.exp(min(max(more, 0.0) / TEMPER, MOST))
+    odds = {name: p * (raised if name in DEAD_TRAVEL else 1.0) for name, p in opinion.causes.items()}
+    total = math.fsum(odds.values())
+    causes = dict(sorted(((name, p / total) for name, p in odds.items()), key=lambda item: -item[1]))
+    return replace(opinion, causes=causes)
 
 
 def _odds(p: float) -> float:

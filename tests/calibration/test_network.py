@@ -9,8 +9,7 @@ from calibration.network import MISSING, fit
 from calibration.scoring import auc
 from calibration.signals import Examples, examples
 from detect.judge.features.channels import MOST
-from detect.judge.features.network import CHANNELS
-from detect.judge.features.patterns import LEAST
+from detect.judge.features.network import CHANNELS, LEAST
 
 RNG = np.random.default_rng(5)
 
