@@ -34,7 +34,7 @@ TREES = (
     Source("crossed", 11, "usual", 2500), Source("training", 84_100, "usual", 500),
     Source("creeping", 84_101, "usual", 500),
 )  # fmt: skip
-HOLDING = (Source("crossed", 12, "usual", 1500), Source("training", 84_102, "usual", 500))
+HOLDING = (Source("crossed", 30, "usual", 1500), Source("training", 84_102, "usual", 500))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -80,8 +80,8 @@ def _network(folder: Path, loops: int, workers: int | None) -> None:
     "--holding", type=click.IntRange(min=1), default=_total(HOLDING), show_default=True, help="to calibrate on"
 )
 @click.option(
-    "--network", type=click.IntRange(min=0), default=_total(NETWORK), show_default=True,
-    help="to fit the network on, by PyTorch; 0: that of the shipped file",
+    "--network", type=click.IntRange(min=0), default=0, show_default=True,
+    help=f"to fit the network on anew, by PyTorch, {_total(NETWORK):,} for all of its loops; 0: the shipped network",
 )  # fmt: skip
 @click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
 @click.option(
