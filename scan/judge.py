@@ -42,12 +42,12 @@ def judged(job: Job, number: int) -> list[Row]:
 
 def row_of(record: LoopRecord) -> Row:
     """What a scan says of one record: the calibrated answer and the oscillation, without the single methods."""
-    from detect.judge.answer import answer
+    from detect.judge.over_days import answer_over_days
     from detect.prepare.prepared import prepared
     from detect.prepare.swing import amplitude
 
     loop = prepared(record)
-    found = answer(loop)
+    found = answer_over_days(loop)
     t, start = record.t, record.log.start
     period = loop.period if loop.gate.oscillating else None
     cause = next(iter(found.causes), None)

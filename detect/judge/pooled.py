@@ -45,9 +45,10 @@ def evidence_of_all(loops: Sequence[Prepared]) -> tuple[Evidence | None, tuple[i
 
 
 def pooled(
-    loops: Sequence[Prepared], answers: Sequence[Answer], found: Evidence | None, model: Model | None = None
-) -> Answer:
-    """Return the answer on one valve from its records, what is said of each, and their evidence."""
+    loops: Sequence[Prepared], answers: Sequence[Answer], found: Evidence | None, model: Model | None = None,
+    each: str = "records",
+) -> Answer:  # fmt: skip
+    """Return the answer on one valve from its records, what is said of each, and their evidence; ``each`` names them."""
     model = model or calibrated()
     seen = [a for a in answers if a.probability is None and a.word == "stiction"]
     judged = [a for a in answers if a.probability is not None]
@@ -56,9 +57,12 @@ def pooled(
     evidence = "" if found is None else said(found, percent)
     if 2 * len(seen) > len(answers):
         first = max(seen, key=lambda a: 0.0 if a.S is None else a.S.value)
-        return replace(first, reason=f"In {len(seen)} of {len(answers)} records: {first.reason}")
+        return replace(first, reason=f"In {len(seen)} of {len(answers)} {each}: {first.reason}")
+    followed = [a for a in answers if a.probability is None and a.word == "no_stiction"]
+    if not judged and followed and not seen:  # by their logged stems; the coarsest says what is excluded
+        return max(followed, key=lambda a: 0.0 if a.limit is None else a.limit[0])
     if not judged:
-        reason = f"None of the {len(answers)} records can be judged. {answers[0].reason}"
+        reason = f"None of the {len(answers)} {each} can be judged. {answers[0].reason}"
         return Answer("not_applicable", None, {}, None, None, None, reason, "")
     names = judged[0].causes
     mean = {name: float(np.median([_odds(a.causes.get(name, 0.0)) for a in judged])) for name in names}
@@ -75,7 +79,7 @@ def pooled(
     told = ", ".join(f"{own.count(w)} {w.replace('_', ' ')}" for w in dict.fromkeys(own))
     level = f" {LEVELS_CYCLE} only from {100.0 * LEVEL:g} % on." if integrates and word != "stiction" else ""
     reason = (
-        f"{len(answers)} records of one valve, by themselves {told}. Together: probability of stiction {chance(p)}, "
+        f"{len(answers)} {each} of one valve, by themselves {told}. Together: probability of stiction {chance(p)}, "
         f"{CAUSES[_second(opinion)].spoken} {chance(opinion.causes[_second(opinion)])}.{level} {evidence}"
     )
     S = _size(found, [a.S for a in answers if a.S is not None], unit)
