@@ -128,9 +128,7 @@ def figures(rows: Sequence[Mapping[str, Any]]) -> Figures:
     return out
 
 
-def _share(
-    rows: Sequence[Mapping[str, Any]], names: Sequence[str], of: Callable[[str, str], bool]
-) -> float:
+def _share(rows: Sequence[Mapping[str, Any]], names: Sequence[str], of: Callable[[str, str], bool]) -> float:
     return float(np.mean([of(row["word "], row[f"word {name}"]) for row in rows for name in names]))
 
 

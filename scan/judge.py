@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from logs import LoopRecord
@@ -10,9 +11,10 @@ from scan.sources import Job
 from scan.together import phasors
 
 if TYPE_CHECKING:
-    from detect.judge.answer import Amount
+    from detect.judge.answer import Amount, Answer
+    from detect.prepare.prepared import Prepared
 
-__all__ = ["SECONDS_MAX", "judged", "row_of"]
+__all__ = ["SECONDS_MAX", "judged", "row_of", "row_of_valve"]
 
 SECONDS_MAX = 60  # s for one loop; the calibrated answer takes a tenth of a second
 JOB_ROWS = 10_000  # rows that one job may give: row j of job i has the order i * JOB_ROWS + j
@@ -44,16 +46,31 @@ def row_of(record: LoopRecord) -> Row:
     """What a scan says of one record: the calibrated answer and the oscillation, without the single methods."""
     from detect.judge.over_days import answer_over_days
     from detect.prepare.prepared import prepared
-    from detect.prepare.swing import amplitude
 
     loop = prepared(record)
-    found = answer_over_days(loop)
+    return _row_of(record.name, answer_over_days(loop), [loop])
+
+
+def row_of_valve(name: str, records: Sequence[LoopRecord]) -> Row:
+    """What a scan says of one valve by several records: the pooled answer; all else is of the last one."""
+    from detect.prepare.prepared import prepared
+    from detect.tag import judge_tag
+
+    loops = [prepared(record) for record in records]
+    return _row_of(name, judge_tag(name, loops).answer, loops)
+
+
+def _row_of(name: str, found: Answer, loops: Sequence[Prepared]) -> Row:
+    from detect.prepare.swing import amplitude
+
+    loop = loops[-1]
+    record = loop.record
     t, start = record.t, record.log.start
     period = loop.period if loop.gate.oscillating else None
     cause = next(iter(found.causes), None)
     limit = None if found.limit is None else found.limit[0]
     return {
-        "loop": record.name,
+        "loop": name,
         "verdict": found.word,
         "probability": found.probability,
         "cause": cause,
@@ -64,7 +81,7 @@ def row_of(record: LoopRecord) -> Row:
         "size_unit": next((size.unit for size in (found.S, found.J) if size), found.limit[1] if found.limit else None),
         "period_s": period,
         "amplitude": amplitude(record.pv),
-        "health": ", ".join(dict.fromkeys(fact.code for fact in loop.health if fact.present)),
+        "health": ", ".join(dict.fromkeys(fact.code for one in loops for fact in one.health if fact.present)),
         "reason": found.reason[:REASON_MAX],
         "action": found.action[:REASON_MAX],
         "samples": len(t),

@@ -12,10 +12,10 @@
 
 A valve has dead travel where G >= 10, G_d >= 5, the stem turns at least four times and, of days that tell anything,
 no more speak against than for it and no single one is all there is: all that at two of three delays beside each other.
-It is shown to have none where every S from 0.15 of OP's travel on loses 10 nats at all delays, no play or stick beats the
-best rival at any delay, a straight line tells PV best, PV answers OP by 10 nats at all, that answer keeps sign and size
-over the delays, and OP turns at least four times.  Else the record leaves it open, and so it does where there are fewer
-than ten samples between two turns of OP.
+It is shown to have none where every S from 0.15 of OP's travel on loses 10 nats at all delays, no play or stick beats
+the best rival at any delay, a straight line tells PV best, PV answers OP by 10 nats at all, that answer keeps sign and
+size over the delays, and OP turns at least four times.  Else the record leaves it open, and so it does where there are
+fewer than ten samples between two turns of OP.
 Bootstrap tests pass a one-way drift; turns, the tenth and delays do not.  A valve that sticks often makes a bent rival
 look good, in place of the stick: of 170 sticky loops (training law, seed 70001) 10 lost every S without the rule on the
 straight line, and 3 with it, two of them of S below 0.15 of OP's travel.
@@ -240,7 +240,9 @@ def _at(kept: Sequence[Gains], records: Sequence[Stems], grid: npt.NDArray[np.in
     agree = sum(x > SAYS for x in adds) >= sum(x < -SAYS for x in adds) and (len(adds) == 1 or gain > max(adds))
     holds = gain >= GAIN and without >= WITHOUT_BEST and turned >= TURNS and agree
     unpaid = float((total + _paid(rows)).max())
-    return _At(holds, gain, without, turned, unpaid, int(grid[i]), bool(j), total, grid, at, tuple(kept), rival, sections)
+    return _At(
+        holds, gain, without, turned, unpaid, int(grid[i]), bool(j), total, grid, at, tuple(kept), rival, sections
+    )
 
 
 def _nearer(coarse: _At, records: Sequence[Stems], ks: Sequence[int], least: float) -> _At:

@@ -150,16 +150,29 @@ def _reports(
     from scan.again import read_again
     from stickslip.commands.loop_page import loop_page
     from stickslip.commands.scan_page import file_names
+    from stickslip.commands.tag_page import tag_page
 
     rows = [row for row in result.table.head(most).iter_rows(named=True) if row["verdict"]]
     names = file_names(rows)
     folder = html.with_name(f"{html.stem}-loops")
     folder.mkdir(exist_ok=True)
+    valves = {
+        row["order"]: (row["loop"], [int(one) for one in row["records"].split()]) for row in rows if row["records"]
+    }
     written: dict[int, str] = {}
     with reporting(None, 0, "reports") as tell:
-        for order, record in read_again(source, out, list(names), loop_map=loop_map):
-            if not isinstance(record, str):
-                write_whole(folder / names[order], loop_page(diagnose(record)).encode())
-                written[order] = f"{folder.name}/{names[order]}"
+
+        def keep(order: int, text: str) -> None:
+            write_whole(folder / names[order], text.encode())
+            written[order] = f"{folder.name}/{names[order]}"
             tell(len(written), len(names))
+
+        for order, record in read_again(source, out, [o for o in names if o not in valves], loop_map=loop_map):
+            if not isinstance(record, str):
+                keep(order, loop_page(diagnose(record)))
+        for order, (name, parts) in valves.items():
+            again = read_again(source, out, parts, loop_map=loop_map)
+            found = [record for _, record in again if not isinstance(record, str)]
+            if found:
+                keep(order, tag_page(name, found))
     return written
