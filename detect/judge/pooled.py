@@ -48,7 +48,7 @@ def pooled(
     loops: Sequence[Prepared], answers: Sequence[Answer], found: Evidence | None, model: Model | None = None,
     each: str = "records",
 ) -> Answer:  # fmt: skip
-    """Return the answer on one valve from its records, what is said of each, and their evidence; ``each`` names them."""
+    """Return the answer on one valve from its records (called ``each``), what is said of them, and their evidence."""
     model = model or calibrated()
     seen = [a for a in answers if a.probability is None and a.word == "stiction"]
     judged = [a for a in answers if a.probability is not None]

@@ -6,7 +6,7 @@
     G       = max of G(S) over S >= 0.1 of OP's travel [nats];   G_d = G without the best tenth of any record
     against = loss of the likeliest S >= 0.15 of OP's travel against the best rival [nats]
 
-    unpaid  = the most that any play or stick, of any size, gains over the best rival at any delay, not paying for S [nats]
+    unpaid  = the most that any play or stick gains over the best rival at any delay, not paying for its size [nats]
     bent    = the most that a stick, a bent characteristic, another answer each way or a sensor with hysteresis gains
               over a straight line [nats]
 
