@@ -116,11 +116,16 @@ class Evidence:
         return self.gain > 0.0
 
     @property
-    def clears(self) -> bool:
-        """Whether every S from ``EXCLUDED`` of OP's travel on is excluded, none beats the rivals, and PV answers OP."""
+    def excludes(self) -> bool:
+        """Whether every S from ``EXCLUDED`` of OP's travel on is excluded, a line tells PV best and PV answers OP."""
         hidden = self.excluded > EXCLUDED * self.travel * 10.0 ** (1.0 / COARSE)  # the next size of the grid
         told = self.answers >= ANSWERS and self.steady and self.turned >= TURNS
-        return not hidden and told and self.bent <= 0.0 and self.unpaid <= 0.0 and not self.coarse
+        return not hidden and told and self.bent <= 0.0 and not self.coarse
+
+    @property
+    def clears(self) -> bool:
+        """Whether that clears the valve: no play or stick of any size beats the rivals at any delay, either."""
+        return self.excludes and self.unpaid <= 0.0
 
     @property
     def claim(self) -> float:
