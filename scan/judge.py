@@ -31,12 +31,11 @@ def judged(job: Job, number: int) -> list[Row]:
         name = ""
         try:
             with time_limit(SECONDS_MAX, f"the loop took more than {SECONDS_MAX} s"):
-                name, record = next(read, ("", None))
+                name, record, place = next(read, ("", None, ""))
                 if record is None:
                     return rows
                 row = {"loop": name, "error": record} if isinstance(record, str) else row_of(record)
-                if isinstance(record, LoopRecord):
-                    row["source"] = {"file": record.log.origin, "tags": name}.get(job.kind) or job.files[0]
+                row["source"] = place
         except Exception as fault:  # a scan overnight must not end at one loop
             row = {"loop": name or f"job {number}", "error": f"{type(fault).__name__}: {fault}"[:REASON_MAX]}
         rows.append(row | {"order": number * JOB_ROWS + len(rows)})

@@ -73,7 +73,7 @@ def _places(source: Source, orders: Sequence[int]) -> list[Place]:
 
 def _read(job: Job, places: Sequence[int]) -> Iterator[tuple[int, LoopRecord | str]]:
     """Some of a job's records, each with its place."""
-    for place, (_, record) in enumerate(job.read()):
+    for place, (_, record, _) in enumerate(job.read()):
         if place in places:
             yield place, record
         if place >= places[-1]:
