@@ -102,6 +102,6 @@ def _view(row: dict[str, Any]) -> View:
     """A view with what the channels look at; all else is left open."""
     u, y, e = (np.array(row[name], dtype=np.float64) for name in ("u", "y", "e"))
     return View(
-        u=u, y=y, e=e, sp=None, turn=row["turn"], block=1, travel=float(np.ptp(u)), noise=0.0, stale=0.0, raw_u=u,
-        raw_y=y, integrating=None, op_scale=1.0, seconds=float(len(u)),
+        u=u, y=y, e=e, turn=row["turn"], block=1, travel=float(np.ptp(u)), integrating=None, op_scale=1.0,
+        seconds=float(len(u)),
     )  # fmt: skip
