@@ -31,7 +31,7 @@ from logs import LoopRecord, read_loop
 
 DATA = Path(os.environ.get("STICKSLIP_DATA") or Path(__file__).parents[2] / "shared" / "data")
 SEED = 5
-CROPS = {f"{end} {share:.0%}": (end, share) for share in (0.7, 0.8, 0.9) for end in ("first", "last")}
+CROPS = {f"{end} {100 * share:.0f} %": (end, share) for share in (0.7, 0.8, 0.9) for end in ("first", "last")}
 VARIANTS = (*CROPS, "every second sample", "1 % noise")
 DECIDED = ("stiction", "no_stiction")
 FAR = 0.4  # of the probability: a move that a reader sees
