@@ -31,7 +31,7 @@ def dead_travel_features(found: Evidence, stems: Stems) -> dict[str, float]:
         "low": found.low / found.S, "high": found.high / found.S, "rows": float(stems.count),
         "tenths_for": float(np.mean(found.tenths > 0.0)), "least_tenth": float(np.min(found.tenths)),
         "middle_tenth": float(np.median(found.tenths)), "order": float(stems.order[0]), "tail": stems.tail,
-        "latest": float(stems.ks[-1]), "accuses": float(found.accuses), "clears": float(found.excludes),
+        "latest": float(stems.ks[-1]),
     }  # fmt: skip
     curve = np.interp(np.log(np.array(SHARES) * found.travel), np.log(found.sizes), found.curve)
     told |= {f"at_{share:g}": float(value) for share, value in zip(SHARES, curve, strict=True)}
