@@ -2,6 +2,7 @@
 
     odds of stiction   = median over the records of the model's odds, and where the pooled evidence calls dead travel,
                          times exp(min((G - g) / 10, 5)),   G its gain, g that of the middle record [nats]
+    called             only where a record calls it, or the pooled evidence does; one record has its own answer
     seen               where more than half of the records show the stem or the valve's own slips, these answer
     cleared            only where that is the median, no record calls stiction, and the pooled evidence excludes it
 
@@ -49,6 +50,8 @@ def pooled(
     each: str = "records",
 ) -> Answer:  # fmt: skip
     """Return the answer on one valve from its records (called ``each``), what is said of them, and their evidence."""
+    if len(answers) == 1:
+        return answers[0]
     model = model or calibrated()
     seen = [a for a in answers if a.probability is None and a.word == "stiction"]
     judged = [a for a in answers if a.probability is not None]
@@ -71,7 +74,8 @@ def pooled(
     opinion = _raised(plain, found)
     p = opinion.probability
     integrates = any(loop.integrating for loop in loops)
-    word: Word = "stiction" if p >= (LEVEL if integrates else model.accuse) else "inconclusive"
+    called = any(a.word == "stiction" for a in answers) or (found is not None and found.accuses)
+    word: Word = "stiction" if called and p >= (LEVEL if integrates else model.accuse) else "inconclusive"
     excused = found is not None and found.clears and not any(a.word == "stiction" for a in answers)
     if p <= model.clear and excused and any(a.word == "no_stiction" for a in judged):
         word = "no_stiction"
