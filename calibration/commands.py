@@ -83,7 +83,7 @@ def _network(folder: Path, loops: int, workers: int | None) -> None:
     "--network", type=click.IntRange(min=0), default=0, show_default=True,
     help=f"to fit the network on anew, by PyTorch, {_total(NETWORK):,} for all of its loops; 0: the shipped network",
 )  # fmt: skip
-@click.option("--trees", type=click.IntRange(min=10), default=400, show_default=True, help="of the accusing part")
+@click.option("--trees", type=click.IntRange(min=10), default=120, show_default=True, help="of the accusing part")
 @click.option(
     "--folder", type=FOLDER, default=Path("calibration_parts"), show_default=True, help="for what is simulated"
 )
