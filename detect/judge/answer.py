@@ -32,7 +32,7 @@ from detect.judge.grounds import grounds
 from detect.judge.model import Model, Opinion, calibrated, rounded
 from detect.judge.own_slips import own_slips
 from detect.judge.still_stem import Still, still_stem
-from detect.likelihood.pooled import Evidence
+from detect.likelihood.pooled import ANSWERS, Evidence
 from detect.likelihood.words import said as in_words
 from detect.plantwide.slips import Slips
 from detect.prepare.prepared import STEPS_MAX, Prepared
@@ -51,7 +51,7 @@ SAMPLES = 100  # of a record; the simulated ones have 300 and more
 # this probability on 2 % of such loops are called (training law, 63000 to 63002; ``benchmarks.detect --only levels``).
 LEVEL = 0.99
 LEVELS_CYCLE = (
-    "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV tells them apart"
+    "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
 )
 # Probability of a PV that does not answer OP, below which a stem that stands is not called stuck: of loops whose valve
 # works and whose stem tag is frozen 7 % lie above it, of loops whose valve passes nothing on 68 % (training law, seeds
@@ -141,12 +141,12 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
     model = model or calibrated()
     found = features_of(loop, view)
     opinion = model.judge(found)
+    evidence = loop.dead_travel if usable(loop) else None
     if still is not None and still.means == "sticks":
-        silent = opinion.causes["dead_loop"] >= SILENT
-        if silent or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
+        silent = evidence is not None and evidence.answers < ANSWERS
+        if silent or opinion.causes["dead_loop"] >= SILENT or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
             return _from_still(still)
         still = still._replace(means="open", why=PV_ANSWERS)
-    evidence = loop.dead_travel if usable(loop) else None
     said = _judged(loop, view, found, opinion, model, evidence)
     return said if still is None or still.turned == 0 else replace(said, reason=f"{_stands(still)} {said.reason}")
 
@@ -295,7 +295,7 @@ def _from_stem(told: Verdict, loop: Prepared) -> Answer:
             sizes[name] = Amount(plain[0], plain[1], plain[2], unit)
     S = sizes["S"]
     action = next_step({"stiction": 1.0}, S, True) if S is not None else ""
-    reason = f"The stem is logged, so it answers and PV is not asked. {told.reason}"
+    reason = f"The stem is logged, so the verdict comes from it and not from PV. {told.reason}"
     return Answer(told.verdict, None, {}, S, sizes["J"], None, reason, action)
 
 
