@@ -50,6 +50,7 @@ class ConstantReinforcement(Block):
     ports_in = (Port("OP_c"),)
     ports_out = (Port("OP"),)
     kernels = Kernels(step=_step)
+    discrete = ("way",)
     period_param = "dt"
     offset_param = "offset"
 

@@ -16,8 +16,9 @@ class Declared:
     """The class data of a block, which subclasses fill in, and what they say about it.
 
     Class data: ``role``, ``ports_in``, ``ports_out``, ``kernels``, ``modes`` (name -> value of ``d[0]``),
-    ``period_param`` and ``offset_param`` (sampled blocks), ``dead_time_param`` (delays all inputs in the engine) and
-    ``before_param`` (what they were before the start), ``limit_params`` (low and high end of the output),
+    ``discrete`` (memories that hold a mode or a count), ``period_param`` and ``offset_param`` (sampled blocks),
+    ``dead_time_param`` (delays all inputs in the engine) and ``before_param`` (what they were before the start),
+    ``limit_params`` (low and high end of the output), ``lag_param`` (time constant of a first-order lag),
     ``plays`` (part in a loop -> port that plays it, where the port has another name; see ``loop_signal``).
     """
 
@@ -27,11 +28,13 @@ class Declared:
     ports_out: tuple[Port, ...] = ()
     kernels: Kernels = Kernels()
     modes: Mapping[str, float] = {}
+    discrete: tuple[str, ...] = ("mode",)
     period_param: str | None = None
     offset_param: str | None = None
     dead_time_param: str | None = None
     before_param: str | None = None
     limit_params: tuple[str, str] | None = None
+    lag_param: str | None = None
     host: Host | None = None
     tolerances: Mapping[str, float] = {}
     clock: datetime | None = None  # the moment of time 0, of a block that plays recorded moments

@@ -39,6 +39,7 @@ class FirstOrder(Delayed):
     ports_in = (Port("MV"),)
     ports_out = (Port("PV"),)
     kernels = Kernels(der=_der, linear=True)
+    lag_param = "tau"
 
     def __init__(
         self,

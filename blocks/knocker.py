@@ -51,6 +51,7 @@ class Knocker(Block):
     ports_in = (Port("OP_c"),)
     ports_out = (Port("OP"),)
     kernels = Kernels(step=_step)
+    discrete = ("way", "since")
     period_param = "dt"
     offset_param = "offset"
 

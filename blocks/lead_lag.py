@@ -42,6 +42,7 @@ class LeadLag(OneToOne):
 
     role = Role.FILTER
     kernels = Kernels(out=_out, der=_der, linear=True)
+    lag_param = "T_lag"
 
     def __init__(
         self,

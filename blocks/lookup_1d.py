@@ -62,6 +62,7 @@ class Lookup1D(OneToOne):
 
     role = Role.ARITHMETIC
     kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2)
+    discrete = ("segment",)
 
     def __init__(
         self,

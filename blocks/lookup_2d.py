@@ -82,6 +82,7 @@ class Lookup2D(Block):
     ports_in = (Port("first"), Port("second"))
     ports_out = (Port("out"),)
     kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=4)
+    discrete = ("row", "column")
 
     def __init__(
         self,

@@ -61,6 +61,7 @@ class Quantiser(OneToOne):
 
     role = Role.ARITHMETIC
     kernels = Kernels(out=_out, zc=_zc, jump=_jump, n_events=2, jumps=True)
+    discrete = ("multiple",)
     same_unit = True
 
     def __init__(self, signal: str, source: str, step: float, *, unit: str = "", name: str = "") -> None:

@@ -53,6 +53,7 @@ class MinSelect(Block):
     """
 
     role = Role.ARITHMETIC
+    discrete = ("selected",)
     ports_out = (Port("out"),)
     sign = 1.0
 

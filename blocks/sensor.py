@@ -105,6 +105,7 @@ class Sensor(Block):
     ports_out = (Port("PV_m"),)
     modes = MODES
     limit_params = ("low", "high")
+    lag_param = "tau"
 
     def __init__(
         self,
@@ -173,6 +174,7 @@ class SampledSensor(Seeded):
     kernels = Kernels(step=_step)
     period_param = "dt"
     limit_params = ("low", "high")
+    lag_param = "tau"
     offset_param = "offset"
 
     def __init__(

@@ -27,7 +27,7 @@ from engine.spread import bent, foretold, joint, narrowed, spread_to, taken_in, 
 
 FACTOR = 2  # columns of the spread's factor, over what is needed at least: more of them, and it is narrowed less often
 FAR = 4.0  # standard deviations within which a row may find the state
-KINDS = 8  # of stops whose slopes are kept
+KINDS = 24  # of stops whose slopes are kept
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -116,7 +116,7 @@ def extended(  # type: ignore[no-untyped-def]
     A, B = np.empty((KINDS, n, n)), np.empty((KINDS, n, q + 1))
     H, G = np.empty((KINDS, m, n)), np.empty((KINDS, m, q + 1))
     aside, drawn, back, nowhere = np.empty(n), np.empty(q), np.empty(n + q + 1), np.empty((0, room))
-    count, status = 0, 0
+    count, status, near = 0, 0, True
     for k in range(len(times)):
         restore(I, W, base_I, base_W)
         put(I, W, places, z)
@@ -142,10 +142,19 @@ def extended(  # type: ignore[no-untyped-def]
             width = foretold(A[i], B[i], H[i], G[i], sd[k], D, columns, E, Y, z, behind, y,
                              from_z[slot], to_z[slot], to_y[slot], size)  # fmt: skip
             which[k] = i
-            if width >= 0 and not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k],
-                                           sd[k], z, D, columns, y, width, Y, WIDE, aside, drawn):  # fmt: skip
-                width = -1
-        if width < 0:
+        row = row_of[k]
+        # between rows nothing bends within the spread, if it did not within more of it at the row before
+        bends = width >= 0 and (row >= 0 or near) and not straight(
+            I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k], z, D, columns, y,
+            width, Y, FAR if row >= 0 else WIDE, aside, drawn,
+        )  # fmt: skip
+        if bends and (row < 0 or not straight(
+            I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k], sd[k], z, D, columns, y,
+            width, Y, WIDE, aside, drawn,
+        )):  # fmt: skip
+            width = -1
+        fresh = width < 0
+        if fresh:
             A, B, H, G = with_room(A, count), with_room(B, count), with_room(H, count), with_room(G, count)
             status = slopes_at(
                 I, W, buffer, base_I, base_W, stop_I, stop_W, places, shown, noisy, at, size, times[k], phi[k], sd[k],
@@ -159,13 +168,14 @@ def extended(  # type: ignore[no-untyped-def]
             if slot >= 0 and not bent(B[which[k]], G[which[k]]):
                 known[slot] = k
                 from_z[slot], to_z[slot], to_y[slot] = z, behind, y
-        row = row_of[k]
         if row >= 0:
             at_rows[row] = y
             back[:n], back[n:] = z, 0.0
             F = nowhere
-            kinks[row] = not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k],
-                                      sd[k], z, D, columns, y, width, Y, FAR, aside, drawn)  # fmt: skip
+            if fresh:
+                bends = not straight(I, W, buffer, base_I, base_W, places, shown, noisy, probed, times[k], phi[k],
+                                     sd[k], z, D, columns, y, width, Y, FAR, aside, drawn)  # fmt: skip
+            kinks[row] = near = bends
             if kinks[row]:
                 F = joint(D, columns, sd[k], width, bent(B[which[k]], G[which[k]]))
             before = values[row - 1] if row > 0 else nothing
@@ -211,9 +221,9 @@ def otherwise(  # type: ignore[no-untyped-def]
     a, h = np.empty((n, n)), np.empty((m, n))
     aside, moved, y, known = np.zeros(n), np.empty(n), np.empty(m), np.empty(m)
     for k in range(len(row_of)):
-        i_k = which[k]
-        a[:], h[:] = A[i_k], H[i_k]
-        b, g = B[i_k], G[i_k]
+        own = which[k]
+        a[:], h[:] = A[own], H[own]
+        b, g = B[own], G[own]
         for j in range(q):
             more = other_phi[k, j] - phi[k, j]
             for i in range(n):

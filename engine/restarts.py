@@ -12,7 +12,7 @@ from engine.call import pointer_to
 from engine.events import keep_inputs, watch_rates
 from engine.flat import Floats, Ints
 from engine.floats import copy
-from engine.layout import CURRENT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, PAUSE_AT, SAVED, T
+from engine.layout import CURRENT, EV_COUNT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, PAUSE_AT, SAVED, T
 from engine.sweep import signals
 
 
@@ -50,14 +50,14 @@ def read(floats, places, z):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy")
 def arrive(ints, floats, buffer, no_rows, t):  # type: ignore[no-untyped-def]
     """Advance a run to an instant, before anything happens there; return a status."""
-    ints[HOLD] = 1
+    ints[HOLD], ints[EV_COUNT] = 1, 0  # nobody reads the events
     return advance(ints, floats, buffer, no_rows[0], no_rows, t, False)
 
 
 @njit(cache=True, error_model="numpy")
 def pass_instant(ints, floats, buffer, no_rows):  # type: ignore[no-untyped-def]
     """Let everything happen that is due at the present instant; return a status."""
-    ints[HOLD] = 0
+    ints[HOLD], ints[EV_COUNT] = 0, 0
     return advance(ints, floats, buffer, no_rows[0], no_rows, floats[T], False)
 
 

@@ -11,6 +11,7 @@ from engine.restarts import arrive, pass_instant, put, read, restore
 from engine.spread import NARROWEST, add_bend, one_bend
 
 WIDE = math.sqrt(3.0)
+SAME = 1e-6  # share by which noise of two stops of one kind may differ: instants are rounded
 KINKED = 0.5  # standard deviations by which signals may miss their slopes over all that is likely
 
 
@@ -43,6 +44,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
     G[:, q] = 0.0
     no_rows = np.empty((1, 0))
     up, down, y_up, y_down, moved_z = np.empty(n), np.empty(n), np.empty(m), np.empty(m), np.empty(n)
+    nothing = np.zeros(q)
     for i in range(n):
         variance = 0.0
         for j in range(columns):
@@ -51,13 +53,7 @@ def slopes_at(  # type: ignore[no-untyped-def]
         for way in range(2):
             moved_z[:] = z
             moved_z[i] += far if way == 0 else -far
-            restore(I, W, base_I, base_W)
-            put(I, W, places, moved_z)
-            status = arrive(I, W, buffer, no_rows, t)
-            if status == 0:
-                for j in range(len(noisy)):
-                    W[noisy[j]] *= phi[j]
-                status = pass_instant(I, W, buffer, no_rows)
+            status = arrived(I, W, buffer, base_I, base_W, places, noisy, t, phi, moved_z, nothing)
             if status != 0:
                 return status
             read(W, places, up if way == 0 else down)
@@ -98,7 +94,7 @@ def same_kind(base, behind, kinds, known, times, phi, sd, k):  # type: ignore[no
         other = known[slot]
         alike = abs((times[k] - times[k - 1]) - (times[other] - times[other - 1])) < 1e-9 * times[k]
         for j in range(phi.shape[1]):
-            alike = alike and abs(phi[k, j] - phi[other, j]) < 1e-9 and sd[k, j] == sd[other, j]
+            alike = alike and abs(phi[k, j] - phi[other, j]) < SAME and abs(sd[k, j] - sd[other, j]) <= SAME * sd[k, j]
         for b in range(kinds.shape[1]):
             alike = alike and kinds[slot, b] == behind[H0 + b * R + COUNT] - base[H0 + b * R + COUNT]
         if alike:

@@ -195,27 +195,26 @@ def foretold(A, B, H, G, sd, D, columns, E, Y, z, behind, y, from_z, to_z, to_y,
 
     They do if they miss it by a small part of its spread at most.
     """
-    n, m = len(z), len(y)
     width = spread_to(A, B, H, G, sd, D, columns, E, Y)
-    for i in range(n):
-        off = behind[i] - to_z[i]
-        for j in range(n):
-            off -= A[i, j] * (z[j] - from_z[j])
+    aside = z - from_z
+    if foretells(A, aside, behind, to_z, E, width, size) and foretells(H, aside, y, to_y, Y, width, np.abs(y)):
+        return width
+    return -1
+
+
+@njit(cache=True, error_model="numpy")
+def foretells(A, aside, now, then, E, width, size):  # type: ignore[no-untyped-def]
+    """Return whether slopes of another stop, so far ``aside``, miss what is ``now`` by a small part of its spread."""
+    for i in range(len(now)):
+        off = now[i] - then[i]
+        for j in range(len(aside)):
+            off -= A[i, j] * aside[j]
         variance = 0.0
         for j in range(width):
             variance += E[i, j] ** 2
         if off**2 > BENT**2 * variance + (NARROWEST * size[i]) ** 2:
-            return -1
-    for i in range(m):
-        off = y[i] - to_y[i]
-        for j in range(n):
-            off -= H[i, j] * (z[j] - from_z[j])
-        variance = 0.0
-        for j in range(width):
-            variance += Y[i, j] ** 2
-        if off**2 > BENT**2 * variance + (NARROWEST * abs(y[i])) ** 2:
-            return -1
-    return width
+            return False
+    return True
 
 
 @njit(cache=True, error_model="numpy")

@@ -5,7 +5,8 @@
 3. Name the best, with all effects that give the same log; or say "unknown" if none is adequate.
 4. Fit again on the first part of the record, and judge on the rest (``sizes``).
 
-A scanned loop with an unmeasured load has a Kalman filter of its own, whose likelihood is exact (``gap.filters``).
+A loop with a load that nobody measures is not replayed.  If it is linear and scanned, its Kalman filter is exact
+(``gap.filters``).  Any other is followed by a filter across its own runs (``gap.likelihood``).
 """
 
 import math

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from blocks.block import Block
 from blocks.noise import seeded
+from blocks.role import Role
 
 Floats = NDArray[np.float64]
 STEP = 1e-3  # of a state or an input
@@ -38,6 +39,8 @@ def affine(block: Block, u: Floats) -> Affine:
 
     Raises ``NotAffine`` for a block that bends there.
     """
+    if block.kernels.n_events > 0 and block.role in (Role.ARITHMETIC, Role.PROCESS):
+        raise NotAffine(f"'{block.name}' has kinks")
     if block.dead_time_param and block.dead_time > 0.0:
         block = block.with_params(**{block.dead_time_param: 0.0})
     return _affine(Alike(block), tuple(np.round(u, 9).tolist()))
@@ -84,6 +87,13 @@ def _affine(alike: Alike, at: tuple[float, ...]) -> Affine:
         if np.abs(rise - fall).max() > STRAIGHT * max(STEP, float(np.abs(rise).max())):
             raise NotAffine(f"'{block.name}' is not linear at the point of linearisation")
         slope[:, j] = (rise + fall) / (2.0 * STEP)
+    for way in (1.0, -1.0):  # what is linear in each of two quantities alone may hold their product
+        for j in range(1, len(z)):
+            aside = np.where(np.arange(len(z)) <= j, STEP, 0.0)
+            aside[j] *= way
+            bend = np.abs(f(z + aside) - base - slope @ aside)
+            if bend.max() > STRAIGHT * max(STEP, float(np.abs(slope @ aside).max())):
+                raise NotAffine(f"'{block.name}' multiplies what enters it or its states")
     in_time = f(z, 1.0) - base if block.kernels.timed else np.zeros(len(base))
     table = np.column_stack([slope, in_time, base - slope @ z])
     return Affine(tuple(names[i] for i in kept), table[: len(kept)], table[len(kept) :])

@@ -268,7 +268,8 @@ class Innovations:
         limit or has not been made anew, counts as its rounding.
         """
         size = np.abs(self.e)
-        loss = np.where(size <= FAR, 0.5 * size**2, FAR * size - 0.5 * FAR**2)
+        near = np.minimum(size, FAR)
+        loss = 0.5 * near**2 + FAR * (size - near)
         f = self.hypothesis.frame
         sure = (np.isnan(self.S) & np.isfinite(f.Y)) @ f.sure
         return np.asarray(sure + np.nansum(loss, axis=1) + 0.5 * np.nansum(np.log(self.S), axis=1))

@@ -25,7 +25,7 @@ from gap.records.record import Record
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 TIED = "filter:tied"
-NOT_SMOOTH = {"mode", *seeded(0)}
+RANDOM = frozenset(seeded(0))
 TAPS = 25  # scan values of a dead time, at most: each is a state of the filter
 BUDGET = 2_000_000_000  # steps of the engine
 
@@ -57,7 +57,9 @@ class Prepared:
             block = d.blocks[b]
             found += [(f"{block.name}.{s}", c.states[b] + i) for i, s in enumerate(block.state_names)]
             found += [
-                (f"{block.name}.{s}", c.memory[b] + i) for i, s in enumerate(block.memory_names) if s not in NOT_SMOOTH
+                (f"{block.name}.{s}", c.memory[b] + i)
+                for i, s in enumerate(block.memory_names)
+                if s not in {*RANDOM, *block.discrete}
             ]
             if block.sampled:
                 first = plan.flat[b].first_signal

@@ -10,22 +10,17 @@ of their own and are fitted with all that is free in the model.
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.arithmetic import Sum
-from blocks.recorded import Recorded
 from blocks.role import Role
-from diagram import wire
-from diagram.diagram import Diagram
 from diagram.progress import Progress, reporting
-from gap.fits.loads import is_load, planned
 from gap.insertion.effect import Effect
 from gap.likelihood.fit import Fit, coordinate, refined, tried, value, width
 from gap.likelihood.frame import Frame
 from gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
+from gap.likelihood.sizes import sizes
 from gap.likelihood.switches import with_switches
 
 Floats = NDArray[np.float64]
@@ -35,15 +30,10 @@ TRIED = 10  # effects that are fitted
 LAGGING = 25.0  # nats by which a first fit may lag behind the best to be fitted to the end
 SETTLING = 4  # times that a fit and the switches of its inputs follow each other
 FIRST, APPROACH = 2, 4  # rounds of a first fit, and of one with the gains of the model before it
-FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
-SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
-SIZES = 5  # of a size whose neutral value is none at all
-CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
-JUMPS = (0.0, 0.35, 0.8)  # of S, from which a search for a jump begins
-STANDS = 3  # rows at which a signal stands at its limit, at least
 STARTS = (0.3, 1.0, 3.0)  # of what the model states of a load, from which its fit begins
 CLOSE = 1.0  # nats of scores between which the likelier size counts
 WALKED, STEP = 8, 0.25  # steps towards the likeliest size, and the first of a coordinate, where no slope shows it
+SECANTS = 3  # from neutral to a first size, each nearer to the likeliest
 AT_BOUND = 0.01  # share of a bound, within which a parameter stands at it
 GROSS = 3.0  # mean square of innovations, each at most as far as counts in full
 CALM = 4.0  # standard deviations from which on innovations count less
@@ -119,7 +109,7 @@ def candidates(null: Fit, hypotheses: Sequence[Hypothesis], progress: Progress =
         for k, one in enumerate(hypotheses):
             # what a controller computes is known so well that gains of another controller tell nothing of it
             own = stated is not None and quiet[one.place].role is Role.CONTROLLER
-            best = _best_size(null, one, None if own else near)
+            best = _best_size(null, one, near, own)
             if best is not None:
                 found.append(best)
             tell(k + 1, len(hypotheses))
@@ -219,8 +209,9 @@ def _walked(start: Innovations, near: Innovations) -> Innovations:
     return best
 
 
-def _best_size(null: Fit, one: Hypothesis, near: Innovations | None) -> Candidate | None:
-    """Return the size of the highest score with the gains of ``near``, or its own; None if the record feels none."""
+def _best_size(null: Fit, one: Hypothesis, model: Innovations, own: bool) -> Candidate | None:
+    """Return the size of the highest score with the gains of the ``model`` or its ``own``; None if none is felt."""
+    near = None if own else model
     best: Candidate | None = None
     at = one.frame.stated if gross(null) else {key: null.best.values[key] for key in one.frame.free}
     for size in sizes(null, one):
@@ -236,7 +227,30 @@ def _best_size(null: Fit, one: Hypothesis, near: Innovations | None) -> Candidat
             or (scored[0] > best.gain - CLOSE and looked.nll < best.looked.nll)
         ):
             best = Candidate(looked, *scored)
-    return best
+    if best is None or not gross(null):
+        return best
+    nearer = _towards_neutral(best.looked, model, near)
+    scored = score(null, nearer)
+    return best if scored is None else Candidate(nearer, null.nll - nearer.nll, scored[1])
+
+
+def _towards_neutral(looked: Innovations, base: Innovations, near: Innovations | None) -> Innovations:
+    """Return the likelier of a size and what secants from neutral, ``base``, propose: it may be far too large."""
+    one, nominal = looked.hypothesis, looked.hypothesis.nominal
+    names = [p.name for p in one.effect.parameters if not p.nuisance] if one.effect else []
+    if len(names) != 1 or not math.isfinite(nominal[names[0]]):
+        return looked
+    name = names[0]
+    start, weight = coordinate(one, name, nominal[name]), 1.0 / np.sqrt(1.0 + (np.nan_to_num(base.e) / CALM) ** 2)
+    for _ in range(SECANTS):
+        d = np.nan_to_num(looked.e - base.e) * weight
+        share = -float(np.sum(np.nan_to_num(base.e) * weight * d)) / max(float(np.sum(d**2)), 1e-300)
+        at = coordinate(one, name, looked.values[name])
+        ahead = tried(one, {**looked.values, name: value(one, name, start + share * (at - start))}, near)
+        if ahead is None or ahead.nll >= looked.nll:
+            break
+        looked = ahead
+    return looked
 
 
 def gross(null: Fit) -> bool:
@@ -262,7 +276,7 @@ def score(null: Fit, looked: Innovations) -> tuple[float, Floats] | None:
     d = np.nan_to_num(looked.e - null.best.e) * weight
     for slope in basis(null):
         d = d - slope * float(np.sum(slope * d))
-    length = float(np.sqrt(np.sum(d**2)))
+    length = float(np.linalg.norm(d))
     if not 1e-6 < length < math.inf:
         return None
     direction = d / length
@@ -288,97 +302,3 @@ def basis(fit: Fit) -> Floats:
     flat = flat[np.sqrt(np.sum(flat**2, axis=1)) > 1e-3]
     q, _ = np.linalg.qr(flat.T)
     return np.asarray(q.T.reshape(-1, *fit.slopes.shape[1:]))
-
-
-def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
-    """Return the sizes of an effect to look at first."""
-    effect, _f = one.effect, one.frame
-    assert effect is not None
-    if is_load(effect):
-        return _loads(null, one)
-    if one.own == ("low", "high"):
-        return _limits(one)
-    if effect.hidden and set(one.own) == {"S", "J"}:
-        low, high = one.bounds["S"]
-        several = np.geomspace(low, high, SIZES + 2)[1:-1].tolist()
-        return [{"S": S, "J": share * S} for S in several for share in JUMPS]
-    found: list[dict[str, float]] = [{}]
-    for p in effect.parameters:
-        if p.nuisance:
-            continue
-        low, high = one.bounds[p.name]
-        nominal = one.nominal[p.name]
-        if p.spacing == "log" and low < nominal < high:
-            several = [nominal * by for by in FACTORS]
-        elif p.spacing == "log":
-            several = np.geomspace(low, high, SIZES + 2)[1:-1].tolist()
-        else:
-            start = nominal if math.isfinite(nominal) else low
-            several = [start + way * share * (high - low) for share in SHARES for way in (1.0, -1.0)]
-        kept = [v for v in several if low <= v <= high]
-        found = [{**before, p.name: v} for before in found for v in kept] if kept else found
-    return [size for size in found if size]
-
-
-def _limits(one: Hypothesis) -> list[dict[str, float]]:
-    """Return limits where OP stands or stood: of a valve, or of a controller."""
-    f, effect = one.frame, one.effect
-    assert effect is not None
-    signals = [str(s) for s in f.model[one.place].output_labels + f.model[one.place].input_labels]
-    own = [str(s) for s in f.model[one.place].output_labels]
-    shown = next((s for s in signals if s in f.signals), f.ops[-1] if f.ops else "")
-    if not shown:
-        return []
-    low, high = f.model.signal_spans.get(shown, (0.0, 1.0))
-    to_unit = 100.0 / (high - low) if effect.parameters[0].unit.startswith("%") else 1.0
-    values = np.sort(f.Y[:, f.signals.index(shown)][np.isfinite(f.Y[:, f.signals.index(shown)])])
-    zero = low if to_unit != 1.0 else 0.0
-    found = []
-    for share in (CUT[0],) if shown in own else CUT:
-        k = int(share * (len(values) - 1))
-        for name, end in (("low", values[k]), ("high", values[-1 - k])):
-            if shown not in own or np.count_nonzero(values == end) >= STANDS:  # what is logged shows its limits
-                found.append({name: (end - zero) * to_unit})
-    return [{k: float(v) for k, v in size.items() if one.bounds[k][0] < v < one.bounds[k][1]} for size in found]
-
-
-def _loads(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
-    """Return the planned loads that the innovations of the model propose."""
-    f = one.frame
-    h = _response(null, one)
-    if h is None:
-        return []
-    t, first = f.record.log.t, f.skipped
-    e = np.clip(np.nan_to_num(null.best.e[first:]), -CALM, CALM)
-    guesses = planned(one.effect, f.quiet, one.place, t[first:], e, h, shortest=4.0)
-    return [{k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds} for guess in guesses]
-
-
-def _response(null: Fit, one: Hypothesis) -> Floats | None:
-    """Return how innovations answer a load of 1 in one interval of the log at a place, (rows from then on, signals)."""
-    f = one.frame
-    t, first = f.record.log.t, f.skipped
-    at = first + (len(t) - first) // 4
-    signal = str(f.model[one.place].output_labels[0])
-    size = max(0.05 * abs(one.bounds["amplitude"][1]), 1e-9)
-    push = np.zeros(len(t))
-    push[at] = size
-    wave = [Recorded("wave", t, push, hold="previous"), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
-    pushed = f.model.insert(signal, wire(wave, ["in"], ["out"], name=f"{one.place}:pulse"))
-    moved = tried(_Kicked(f, kicked=pushed), null.best.values, null.best)
-    if moved is None:
-        return None
-    h = np.nan_to_num((moved.e - null.best.e) / size)[at:]
-    return h if np.abs(h).max(initial=0.0) > 0.0 else None
-
-
-@dataclass(frozen=True, eq=False)
-class _Kicked(Hypothesis):
-    """The model with a wave added to a signal."""
-
-    kicked: Diagram | None = None
-
-    @cached_property
-    def changed(self) -> Diagram:
-        """The model with the wave."""
-        return self.kicked or self.frame.model

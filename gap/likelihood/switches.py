@@ -36,10 +36,7 @@ def with_switches(now: Innovations) -> Innovations:
     if best is not now and not frame.scanned:
         fine = np.linspace(-0.5, 0.5, 2 * FINER + 1) * step
         best = _placed(best, best.hypothesis.frame.record.leads, fine, most)
-    if best is now:
-        return now
-    own = tried(best.hypothesis, now.values)
-    return own if own is not None and own.nll < now.nll else now
+    return now if best is now else _likelier(now, best.hypothesis.frame)
 
 
 def with_ramps(now: Innovations) -> Innovations:
@@ -69,16 +66,33 @@ def _placed(now: Innovations, about: Leads, steps: Sequence[float] | Floats, mos
     losses, leads = [], []
     for trial in (stays, *moved):
         found = tried(now.hypothesis.of(_with_leads(frame, trial)), now.values, now)
-        if found is None:
-            return now
-        losses.append(found.losses)
-        leads.append(trial)
+        if found is not None:
+            losses.append(found.losses)
+            leads.append(trial)
+    if not leads or leads[0] is not stays:
+        return now
     cost = np.array(losses)
     likeliest = {
         s: {k: leads[int(np.argmin(cost[:, k : k + BEHIND].sum(axis=1)))][s][k] for k in rows[s]} for s in about
     }
     found = tried(now.hypothesis.of(_with_leads(frame, likeliest)), now.values, now)
     return found if found is not None and found.nll < float(cost[0][frame.counted].sum()) - GAIN else now
+
+
+def _likelier(now: Innovations, other: Frame) -> Innovations:
+    """Return a filter with each switch where filters of their own find it likelier: now, or in another frame."""
+    own = tried(now.hypothesis.of(other), now.values)
+    if own is None:
+        return now
+    record = now.hypothesis.frame.record
+    mixed: dict[str, dict[int, float]] = {}
+    for s in other.record.leads.keys() | record.leads.keys():
+        before, ahead = record.leads.get(s, {}), other.record.leads.get(s, {})
+        rows = {k: slice(k, k + BEHIND) for k in before.keys() | ahead.keys()}
+        gained = {k for k, behind in rows.items() if own.losses[behind].sum() < now.losses[behind].sum()}
+        mixed[s] = {k: (ahead if k in gained else before).get(k, 0.0) for k in rows}
+    both = tried(now.hypothesis.of(_with_leads(now.hypothesis.frame, mixed)), now.values)
+    return min((x for x in (now, own, both) if x is not None), key=lambda x: x.nll)
 
 
 def _with_leads(frame: Frame, leads: Leads) -> Frame:

@@ -21,7 +21,7 @@ STEP = 1e-3  # perturbation of a start value, in its own size or 1e-3
 FELT = 1e-6  # smallest response, in spreads of the signal per unit of start value, that counts
 ROUNDS = 8
 SHARES = (2.0, 1.0, 0.5, 0.2, 0.05)  # of a step
-NO_STATE = {"mode", *seeded(0)}  # memories that are switches or random numbers
+RANDOM = frozenset(seeded(0))  # memories of random numbers
 
 
 def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
@@ -34,7 +34,7 @@ def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
         for block in quiet.blocks
         for name, value in [
             *zip(block.state_names, block.x0, strict=True),
-            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n not in NO_STATE),
+            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n not in {*RANDOM, *block.discrete}),
         ]
     }
     if not names:

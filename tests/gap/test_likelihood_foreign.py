@@ -42,6 +42,7 @@ def frame(plant: str) -> Frame:
         "gas_pressure",  # nonlinear, rows at no multiple of the scan, set points that switch between rows
         "heat_exchanger",  # a dead time of many scans
         "pump_flow",  # an equal-percentage valve
+        "split_range",  # lookup tables, whose segments are no states
         "batch_ramp",  # a set point that moves with every scan, an output that stands at its limit
     ],
 )
@@ -70,3 +71,11 @@ def test_a_right_model_of_another_hand_has_no_gap() -> None:
     report = diagnose(model.diagram, log, limits=False)
     assert not report.gap
     assert "No gap" in report.words[0]
+
+
+@pytest.mark.parametrize(("plant", "effect", "place"), [("pump_flow", "positioner_lag", "valve")])
+def test_a_slower_lag_of_the_model_is_named(plant: str, effect: str, place: str) -> None:
+    # the plant's positioner has another time constant; so has the model's, where a second lag would leave a gap
+    run = next(one for one in trial.runs() if one.plant == plant and one.effect == effect)
+    row = trial.diagnosed(run)
+    assert row["right_cause"] and row["place"] == place

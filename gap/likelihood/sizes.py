@@ -1,0 +1,119 @@
+"""The sizes of an effect that are looked at first, before anything is fitted."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blocks.arithmetic import Sum
+from blocks.recorded import Recorded
+from diagram import wire
+from diagram.diagram import Diagram
+from gap.fits.loads import is_load, planned
+from gap.likelihood.fit import Fit, tried
+from gap.likelihood.hypothesis import Hypothesis
+
+Floats = NDArray[np.float64]
+FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried
+SHARES = (0.02, 0.1, 0.4)  # of the range, to both sides of neutral
+SIZES = 5  # of a size whose neutral value is none at all
+CUT = (0.0, 0.01, 0.05, 0.2, 0.5)  # shares of the rows of OP that a limit would cut
+JUMPS = (0.0, 0.35, 0.8)  # of S, from which a search for a jump begins
+STANDS = 3  # rows at which a signal stands at its limit, at least
+CALM = 4.0  # standard deviations from which on innovations propose no load
+
+
+def sizes(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
+    """Return the sizes of an effect to look at first."""
+    effect, _f = one.effect, one.frame
+    assert effect is not None
+    if is_load(effect):
+        return _loads(null, one)
+    if one.own == ("low", "high"):
+        return _limits(one)
+    if effect.hidden and set(one.own) == {"S", "J"}:
+        low, high = one.bounds["S"]
+        several = np.geomspace(low, high, SIZES + 2)[1:-1].tolist()
+        return [{"S": S, "J": share * S} for S in several for share in JUMPS]
+    found: list[dict[str, float]] = [{}]
+    for p in effect.parameters:
+        if p.nuisance:
+            continue
+        low, high = one.bounds[p.name]
+        nominal = one.nominal[p.name]
+        if p.spacing == "log" and low < nominal < high:
+            several = [nominal * by for by in FACTORS]
+        elif p.spacing == "log":
+            several = np.geomspace(low, high, SIZES + 2)[1:-1].tolist()
+        else:
+            start = nominal if math.isfinite(nominal) else low
+            several = [start + way * share * (high - low) for share in SHARES for way in (1.0, -1.0)]
+        kept = [v for v in several if low <= v <= high]
+        found = [{**before, p.name: v} for before in found for v in kept] if kept else found
+    return [size for size in found if size]
+
+
+def _limits(one: Hypothesis) -> list[dict[str, float]]:
+    """Return limits where OP stands or stood: of a valve, or of a controller."""
+    f, effect = one.frame, one.effect
+    assert effect is not None
+    signals = [str(s) for s in f.model[one.place].output_labels + f.model[one.place].input_labels]
+    own = [str(s) for s in f.model[one.place].output_labels]
+    shown = next((s for s in signals if s in f.signals), f.ops[-1] if f.ops else "")
+    if not shown:
+        return []
+    low, high = f.model.signal_spans.get(shown, (0.0, 1.0))
+    to_unit = 100.0 / (high - low) if effect.parameters[0].unit.startswith("%") else 1.0
+    values = np.sort(f.Y[:, f.signals.index(shown)][np.isfinite(f.Y[:, f.signals.index(shown)])])
+    zero = low if to_unit != 1.0 else 0.0
+    found = []
+    for share in (CUT[0],) if shown in own else CUT:
+        k = int(share * (len(values) - 1))
+        for name, end in (("low", values[k]), ("high", values[-1 - k])):
+            if shown not in own or np.count_nonzero(values == end) >= STANDS:  # what is logged shows its limits
+                found.append({name: (end - zero) * to_unit})
+    return [{k: float(v) for k, v in size.items() if one.bounds[k][0] < v < one.bounds[k][1]} for size in found]
+
+
+def _loads(null: Fit, one: Hypothesis) -> list[dict[str, float]]:
+    """Return the planned loads that the innovations of the model propose."""
+    f = one.frame
+    h = _response(null, one)
+    if h is None:
+        return []
+    t, first = f.record.log.t, f.skipped
+    e = np.clip(np.nan_to_num(null.best.e[first:]), -CALM, CALM)
+    guesses = planned(one.effect, f.quiet, one.place, t[first:], e, h, shortest=4.0)
+    return [{k: float(np.clip(v, *one.bounds[k])) for k, v in guess.items() if k in one.bounds} for guess in guesses]
+
+
+def _response(null: Fit, one: Hypothesis) -> Floats | None:
+    """Return how innovations answer a load of 1 in one interval of the log at a place, (rows from then on, signals)."""
+    f = one.frame
+    t, first = f.record.log.t, f.skipped
+    at = first + (len(t) - first) // 4
+    signal = str(f.model[one.place].output_labels[0])
+    size = max(0.05 * abs(one.bounds["amplitude"][1]), 1e-9)
+    push = np.zeros(len(t))
+    push[at] = size
+    wave = [Recorded("wave", t, push, hold="previous"), Sum("out", {"in": 1.0, "wave": 1.0}, name="sum")]
+    pushed = f.model.insert(signal, wire(wave, ["in"], ["out"], name=f"{one.place}:pulse"))
+    moved = tried(_Kicked(f, kicked=pushed), null.best.values, null.best)
+    if moved is None:
+        return None
+    h = np.nan_to_num((moved.e - null.best.e) / size)[at:]
+    return h if np.abs(h).max(initial=0.0) > 0.0 else None
+
+
+@dataclass(frozen=True, eq=False)
+class _Kicked(Hypothesis):
+    """The model with a wave added to a signal."""
+
+    kicked: Diagram | None = None
+
+    @cached_property
+    def changed(self) -> Diagram:
+        """The model with the wave."""
+        return self.kicked or self.frame.model
