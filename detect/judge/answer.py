@@ -50,12 +50,9 @@ SAMPLES = 100  # of a record; the simulated ones have 300 and more
 # In a process known to integrate a deadband makes the loop cycle, which no simulation that is learnt from shows.  From
 # this probability on 2 % of such loops are called (training law, 63000 to 63002; ``benchmarks.detect --only levels``).
 LEVEL = 0.99
-LEVELS_CYCLE = (
-    "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
-)
-# Probability of a PV that does not answer OP, below which a stem that stands is not called stuck: of loops whose valve
-# works and whose stem tag is frozen 7 % lie above it, of loops whose valve passes nothing on 68 % (training law, seeds
-# 72100 to 72102).
+LEVELS_CYCLE = "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
+# Probability of a PV that does not answer OP, below which a stem that stands is not called stuck, unless the record's
+# own likelihood says that PV does not answer; it was read off loops of the training law by the model before.
 SILENT = 0.03
 NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."
@@ -143,8 +140,8 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
     opinion = model.judge(found)
     evidence = loop.dead_travel if usable(loop) else None
     if still is not None and still.means == "sticks":
-        silent = evidence is not None and evidence.answers < ANSWERS
-        if silent or opinion.causes["dead_loop"] >= SILENT or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
+        silent = opinion.causes["dead_loop"] >= SILENT or (evidence is not None and evidence.answers < ANSWERS)
+        if silent or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
             return _from_still(still)
         still = still._replace(means="open", why=PV_ANSWERS)
     said = _judged(loop, view, found, opinion, model, evidence)
