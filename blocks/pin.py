@@ -5,14 +5,16 @@
 in   r  the signal as the model drives it       v_k  its logged value at the time t_k (the timetable)
 out  s  the signal set right                    o    the offset in force (both in the unit of r)
 
-The offset is zero until the first time and held after the last.  It is the residual of the model: without a gap it is
-the noise of a sensor or the rounding of the log.  Where the model drives r through an integral (a controller), the
-change from one offset to the next is its one-step error.
+The offset is zero until the first time and held after the last.  What holds no longer than to a time before the next
+row, as the noise of a sensor that has taken another sample by then, ends there (``until``).  It is the residual of the
+model: without a gap it is the noise of a sensor or the rounding of the log.  Where the model drives r through an
+integral (a controller), the change from one offset to the next is its one-step error.
 
 Valid for any finite samples at increasing times; they need not be periodic.  Between samples nothing is interpolated.
 See also: recorded (a table as a source), ``diagram.pins`` (pins behind the drivers of all logged signals).
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -20,11 +22,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from blocks.block import Block, Kernels
-from blocks.ports import Labels, Port
+from blocks.ports import Labels, Port, require
 from blocks.recorded import samples
 from blocks.role import Role
 
-# p = v in force; d = o
+SOON = 1e-9  # of a row's interval: what ends so near the next row ends there
+
+# p = v in force, NaN where none is; d = o
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -33,15 +37,17 @@ def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
-    d[0] = p[0] - u[0]
-    y[0] = p[0]
+    known = not math.isnan(p[0])
+    d[0] = p[0] - u[0] if known else 0.0
+    y[0] = p[0] if known else u[0]
     y[1] = d[0]
 
 
 class Pin(Block):
     """A signal set right at the times ``t`` [s] to the ``values`` [unit of r] logged there.
 
-    Raises ``BlockError`` unless t (n,) strictly increases and values (n,) are finite.
+    ``until`` (n,) [s]: when each offset ends if that is before the next time; None: none does.
+    Raises ``BlockError`` unless t (n,) strictly increases, values (n,) are finite, and until exceeds t.
 
     >>> pin = Pin([0.0, 1.0], [0.5, 0.7])
     >>> pin.output(0.2, [], [0.4]).tolist(), pin.starting_at(offset=0.1).output(0.2, [], [0.4]).tolist()
@@ -58,6 +64,7 @@ class Pin(Block):
         t: ArrayLike,
         values: ArrayLike,
         *,
+        until: ArrayLike | None = None,
         name: str = "pin",
         inputs: Labels = None,
         outputs: Labels = None,
@@ -65,6 +72,13 @@ class Pin(Block):
         spans: Mapping[str, tuple[float, float]] | None = None,
     ) -> None:
         times, recorded, self.clock = samples(name, t, values)
+        if until is not None:
+            ends = np.asarray(until, dtype=float)
+            later = ends.shape == times.shape and bool(np.all(ends > times))
+            require(later, name, "until", until, "an offset ends behind its row", "give one later time for each")
+            early = np.flatnonzero(ends[:-1] < times[1:] - SOON * np.diff(times))
+            times = np.insert(times, early + 1, ends[early])
+            recorded = np.insert(recorded, early + 1, np.nan)
         super().__init__(
             name=name,
             params={},

@@ -123,9 +123,16 @@ def _pin(diagram: "Wired", signal: str) -> int:
     raise WiringError(f"'{signal}' is not pinned; {nearest(signal, pins)}; diagram.pinned(log) makes pins")
 
 
+def times_of_rows(pin: Block) -> Floats:
+    """Return the times [s] of the rows that a pin holds a signal to; where an offset only ends there is no row."""
+    assert pin.timetable is not None
+    times: Floats = pin.timetable[np.isfinite(pin.timetable[:, 1]), 0]
+    return times
+
+
 def _stops(pins: list[Block], t0: float, t_end: float) -> Floats:
     """Return the times of all samples of the pins, from the start to the end of the run, both included."""
-    listed = np.concatenate([pin.timetable[:, 0] for pin in pins if pin.timetable is not None])
+    listed = np.concatenate([times_of_rows(pin) for pin in pins])
     return np.unique(np.concatenate([[t0], listed[(listed > t0) & (listed < t_end)], [t_end]]))
 
 

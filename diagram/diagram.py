@@ -124,18 +124,21 @@ class Diagram(Wired):
         """
         return changes.replaced(self, name, block)
 
-    def pinned(self, log: "Log", signals: Sequence[str] | None = None) -> "Diagram":
+    def pinned(
+        self, log: "Log", signals: Sequence[str] | None = None, fresh: Mapping[str, tuple[float, float]] | None = None
+    ) -> "Diagram":
         """Return the diagram held to a log: logged signals are set right at each logged time (``diagram.pins``).
 
         ``signals``: those to pin, by default all that the log has too.  Of a sensor's PV, ``PV:sensor`` is then what
         the sensor gives and ``PV:offset`` what the pin adds.  Open inputs that are logged are driven by the log, held
-        between samples.  What is missing or marked bad in the log is not pinned there.
+        between samples.  What is missing or marked bad in the log is not pinned there.  ``fresh``: signal -> (period,
+        first time) [s] of noise that is drawn anew: its offset ends when the next is drawn, of which no row tells.
 
         Raises ``WiringError`` if log and diagram share no signal, or for a signal that one of them has not.
         """
         from diagram.pinning import pinned
 
-        return pinned(self, log, signals)
+        return pinned(self, log, signals, fresh)
 
     def part(self, names: Iterable[str], name: str = "part") -> "Diagram":
         """Return the named blocks as a diagram of their own; signals from elsewhere become open inputs."""

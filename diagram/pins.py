@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from blocks.block import Block
-from diagram.branches import Branches
+from diagram.branches import Branches, times_of_rows
 from diagram.diagram import Diagram
 from diagram.ensembles.result import Ensemble
 from diagram.ensembles.running import Summary, ensemble
 from diagram.inputs import Inputs
-from diagram.pinning import logged, pin_blocks, pinned
+from diagram.pinning import Fresh, logged, pin_blocks, pinned
 from diagram.progress import Progress
 from diagram.settings import Changes, Settings, settings_of
 from diagram.simulation import Run, simulate
@@ -41,7 +41,7 @@ def residuals(run: Run) -> dict[str, Floats]:
     for block in run.diagram.blocks:
         offset = f"{block.output_labels[0]}:offset" if block.output_labels else ""
         if block.timetable is not None and offset in block.output_labels and offset in run.log:
-            known = block.timetable[:, 0]
+            known = times_of_rows(block)
             near = known[np.clip(np.searchsorted(known, run.log.t - 0.5 * _rounding(run.log.t)), 0, len(known) - 1)]
             listed = np.abs(near - run.log.t) <= _rounding(run.log.t)
             found[block.output_labels[0]] = np.where(listed, run.log[offset], np.nan)
@@ -88,6 +88,7 @@ def replays(
     params: Mapping[str, ArrayLike] | None = None,
     start: Mapping[str, ArrayLike] | None = None,
     inputs: Inputs | None = None,
+    fresh: Fresh | None = None,
     summary: Summary | None = None,
     keep_logs: bool = True,
     branches: Branches | None = None,
@@ -99,9 +100,10 @@ def replays(
     """Replay many times on all cores: parameters, start values and logs as arrays, one entry a run.
 
     ``logs``: one for all runs, which share its tables, or one a run with equal numbers of rows: other records, or
-    windows of one, ``log.between(t0, t1)``.  ``inputs`` as in ``ensemble``, of what no log has.  ``keep``: the signals
-    to keep, by default the offsets (``PV:offset``, (runs, rows)).  ``summary`` with ``keep_logs=False`` keeps numbers
-    only; ``branches`` as in ``replay``; the rest as in ``ensemble``.
+    windows of one, ``log.between(t0, t1)``. ``inputs`` as in ``ensemble``, of what no log has; ``fresh`` as in
+    ``Diagram.pinned``. ``keep``: the signals to keep, by default the offsets (``PV:offset``, (runs, rows)).
+    ``summary`` with ``keep_logs=False`` keeps numbers only; ``branches`` as in ``replay``; the rest as in
+    ``ensemble``.
 
     Raises ``ValueError`` if logs differ in their number of rows, or in the signals that they have.
 
@@ -122,11 +124,11 @@ def replays(
             "give windows of one length, log.samples(first, stop)"
         )
     names = logged(diagram, each[0], signals)
-    held = pinned(diagram, each[0], names)
+    held = pinned(diagram, each[0], names, fresh)
     own: dict[str, list[Block]] = {}
     if not isinstance(logs, Log):
         for log in each:
-            played, pins = pin_blocks(diagram, log, logged(diagram, log, names))
+            played, pins = pin_blocks(diagram, log, logged(diagram, log, names), fresh)
             for block in (*played.values(), *pins):
                 own.setdefault(block.name, []).append(block)
     return ensemble(

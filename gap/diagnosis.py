@@ -23,8 +23,10 @@ from gap.effects.quantisation import Quantisation
 from gap.explanations.alternatives import alternatives
 from gap.explanations.beside_digits import beside_digits
 from gap.explanations.candidates import candidates, ranked
+from gap.explanations.chance import priced
 from gap.explanations.nesting import one_of_nested
 from gap.explanations.one_of_pair import enough_alone
+from gap.explanations.other_law import stem_of_other_law
 from gap.explanations.pairs import beside_stem, paired
 from gap.explanations.unmeasured import unmeasured_load
 from gap.filters.diagnosing import filtering_of, outcome
@@ -41,7 +43,6 @@ from gap.insertion.effect import Effect
 from gap.likelihood.diagnosing import frame_of
 from gap.likelihood.diagnosing import outcome as outcome_of
 from gap.likelihood.telling import told as told_by_likelihood
-from gap.linearised.chance import priced
 from gap.linearised.filtered import filter_of
 from gap.linearised.usual import floor_of_record, suspected
 from gap.records.model import read, silenced
@@ -89,8 +90,7 @@ def diagnose(
     legal = candidates(problem, problem.quiet, catalogue)
     fits = ranked(legal, progress)
     problem, fits = _instants_again(problem, fits)
-    if problem.record.filter is not None:
-        fits = priced(problem, fits)
+    fits = priced(problem, fits)
     if problem.record.filter is None or problem.score > problem.limit:  # digits alone prove little of a large diagram
         found = (_compression(problem, one) for one in catalogue if one.of_log)
         compressed = [fit for fit in found if fit is not None]
@@ -195,6 +195,9 @@ def told(
     # what leaves something has to be likelier than a load that nobody measures
     beyond = math.inf if rival is None else rival.F - needed(problem)
     good = adequate(problem, best) and (best.total < beyond or stands(problem, best))
+    stem = stem_of_other_law(problem, fits)
+    if stem is not None and not (good and best is stem):
+        return named(problem, [stem], fits, "adequate", rival)
     if good and (best.effect.hidden or stands(problem, best)):
         loud = beside_stem(problem, fits, catalogue) if best.effect.hidden else None
         if loud is not None:

@@ -10,8 +10,8 @@ from gap.insertion.effect import Effect, Parameter
 HEAD = """# The effects
 
 These are the effects that a model of a plant may lack.  Each effect is one file in ``gap/effects``.  One call inserts
-it into any diagram, at a block of its role.  At its neutral values it changes nothing.  ``python -m gap.page >
-docs/effects.md`` writes this page.
+it into any diagram, at a block of its role.  At its neutral values it changes nothing.
+``python -m gap.page > docs/effects.md`` writes this page.
 
 ```python
 import numpy as np

@@ -1,6 +1,7 @@
 """A second lag of the process, of time constant ``tau`` [s], behind the one that the model has."""
 
 from blocks.role import Role
+from diagram.diagram import Diagram
 from gap.insertion.lag import Lag
 
 
@@ -15,3 +16,7 @@ class SecondLag(Lag):
     name = "second_lag"
     role = Role.PROCESS
     where = "at"
+
+    def own(self, diagram: Diagram, place: str) -> str | None:
+        """Return None: it is one more lag, whatever lags the process has."""
+        return None

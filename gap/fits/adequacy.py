@@ -65,13 +65,18 @@ def adequate(problem: Problem, fit: Fit) -> bool:
     if fit.effect.hidden and problem.record.filter is not None:  # a slip between two rows bends what drives the stem
         enough = EXPLAINED_BETWEEN
     if share(problem, fit) >= enough:
-        return True
+        return proven(problem, fit)
     away = ~standing(problem, fit)
     if away.all():
         return False
     e = fit.e[away]
     usual = problem.floor.mean * len(e) + SIGMAS * problem.floor.sd * float(np.sqrt(len(e)))
     return share(problem, fit) >= EXPLAINED_LIMIT or float(scored(e)) <= usual + needed(problem)
+
+
+def proven(problem: Problem, fit: Fit) -> bool:
+    """Return whether a fit that leaves something may be named: a limit only if the log stands there."""
+    return fit.candidate.own != ("low", "high") or stands(problem, fit)
 
 
 def stands(problem: Problem, fit: Fit) -> bool:

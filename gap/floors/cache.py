@@ -19,7 +19,7 @@ from gap.floors.floor import Floor, foretold, settling_rows, sharpest, skipped_r
 from gap.records.record import Record, switches
 from logs.files.write import replacing
 
-VERSION = 5  # of what a floor is
+VERSION = 7  # of what a floor is
 
 
 def folder() -> Path:

@@ -51,8 +51,6 @@ class Lag(Inserted):
         It is that of the place itself, or of a filter that only the place reads.
         """
         at = diagram[place]
-        if self.role is Role.PROCESS:
-            return None
         near = [at]
         signal = measured(diagram, at) if self.role is Role.SENSOR else str(at.input_labels[0])
         if signal in diagram.driven:

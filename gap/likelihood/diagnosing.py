@@ -36,6 +36,7 @@ from gap.records.start import start_values
 ODDS = 10.0  # to one, for an effect against none
 ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises
 TIE = 3.0  # nats by which an explanation may lag behind the best, and still be named with it
+STEMS = 20.0  # nats to which a filter that follows the mean of a stem is sure: one play as two blocks differed by 18
 MOST_BLOCKS, MOST_STATES = 14, 60  # of a diagram; larger ones have an observer of their own
 
 
@@ -116,8 +117,22 @@ def outcome(frame: Frame, catalogue: Sequence[Effect], seed: int = 0, progress: 
     share = moved(fits[0], seed) if good or not alone.unusual else 1.0
     if share < RELEVANT:
         return Outcome(null, alone, fits, None, False, (), found, share)
+    return Outcome(null, alone, fits, best, gap, _not_told_apart(fits) if good else (), found)
+
+
+def _not_told_apart(fits: Sequence[Fit]) -> Sequence[Fit]:
+    """Return the first fit, and those that the record does not tell from it, the likeliest first."""
     same = [fit for fit in fits if price(fit) <= price(fits[0]) + TIE]
-    return Outcome(null, alone, fits, best, gap, _likeliest_first(same) if good else (), found)
+    near = [fit for fit in fits if price(fit) <= price(fits[0]) + STEMS and _nested(fit, fits[0]) and fit not in same]
+    return [*_likeliest_first(same), *near]
+
+
+def _nested(one: Fit, other: Fit) -> bool:
+    """Return whether one of two effects at one place nests the other."""
+    a, b = one.hypothesis.effect, other.hypothesis.effect
+    if a is None or b is None or one.hypothesis.place != other.hypothesis.place:
+        return False
+    return a.nests == b.name or b.nests == a.name
 
 
 def _likeliest_first(same: Sequence[Fit]) -> Sequence[Fit]:

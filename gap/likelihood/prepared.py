@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blocks.arithmetic import Sum
-from blocks.noise import seeded
 from blocks.sources import Constant
 from diagram import wire
 from diagram.diagram import Diagram
@@ -19,13 +18,12 @@ from engine.run import Settings, prepare
 from engine.snapshot import Snapshot
 from engine.table import Component
 from gap.likelihood.late import Late
-from gap.records.model import Nuisance, nuisances, silenced
+from gap.records.model import Nuisance, nuisances, silenced, smooth_memories
 from gap.records.record import Record
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]
 TIED = "filter:tied"
-RANDOM = frozenset(seeded(0))
 TAPS = 25  # scan values of a dead time, at most: each is a state of the filter
 BUDGET = 2_000_000_000  # steps of the engine
 
@@ -56,11 +54,8 @@ class Prepared:
                 raise NoFilter("a dead time is left")
             block = d.blocks[b]
             found += [(f"{block.name}.{s}", c.states[b] + i) for i, s in enumerate(block.state_names)]
-            found += [
-                (f"{block.name}.{s}", c.memory[b] + i)
-                for i, s in enumerate(block.memory_names)
-                if s not in {*RANDOM, *block.discrete}
-            ]
+            smooth = smooth_memories(block)
+            found += [(f"{block.name}.{s}", c.memory[b] + i) for i, s in enumerate(block.memory_names) if s in smooth]
             if block.sampled:
                 first = plan.flat[b].first_signal
                 found += [(f"{block.name}={s}", c.signals[first + j]) for j, s in enumerate(block.output_labels)]

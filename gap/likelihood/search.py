@@ -241,7 +241,7 @@ def _towards_neutral(looked: Innovations, base: Innovations, near: Innovations |
     if len(names) != 1 or not math.isfinite(nominal[names[0]]):
         return looked
     name = names[0]
-    start, weight = coordinate(one, name, nominal[name]), 1.0 / np.sqrt(1.0 + (np.nan_to_num(base.e) / CALM) ** 2)
+    start, weight = coordinate(one, name, nominal[name]), _less_far_from_usual(np.nan_to_num(base.e))
     for _ in range(SECANTS):
         d = np.nan_to_num(looked.e - base.e) * weight
         share = -float(np.sum(np.nan_to_num(base.e) * weight * d)) / max(float(np.sum(d**2)), 1e-300)
@@ -291,7 +291,11 @@ def trusted(fit: Fit) -> Floats:
     """
     e = np.nan_to_num(fit.best.e)
     rows = fit.hypothesis.frame.counted
-    return np.asarray(rows[:, None] / np.sqrt(1.0 + (e / CALM) ** 2))
+    return np.asarray(rows[:, None] * _less_far_from_usual(e))
+
+
+def _less_far_from_usual(e: Floats) -> Floats:
+    return np.asarray(1.0 / np.sqrt(1.0 + (e / CALM) ** 2))
 
 
 def basis(fit: Fit) -> Floats:

@@ -4,19 +4,23 @@ Nuisances are blocks that draw random numbers (``sd`` > 0): sensor noise, loads 
 are silenced, for runs without a gap they draw.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from blocks.noise import Noise, Seeded
+from blocks.block import Block
+from blocks.noise import Noise, Seeded, seeded
 from blocks.role import Role
 from blocks.sources import Constant
 from diagram.diagram import Diagram
+from gap.insertion.paths import noise_of
 from gap.records.record import FEWEST, GapError, Record
 from gap.records.regular import with_inputs_held, with_rows_filled
 from logs import Log
 
 LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
+RANDOM = frozenset(seeded(0))  # memories of random numbers
 ELSEWHERE = 1.0  # times its range, by which an output beyond its limits is in another unit
 
 
@@ -31,6 +35,18 @@ class Nuisance:
     def __str__(self) -> str:
         colour = f", correlation time {self.correlation_time:g} s" if self.correlation_time else ", white"
         return f"{self.block} (standard deviation {self.sd:g}{colour})"
+
+
+def smooth_memories(block: Block) -> tuple[str, ...]:
+    """Return the memories of a block that may have any value near theirs: no mode, no count, no random number.
+
+    >>> from blocks import Lookup1D, SampledFilter
+    >>> smooth_memories(SampledFilter("y", "u", 2.0, dt=1.0))
+    ('y',)
+    >>> smooth_memories(Lookup1D("y", "u", [0.0, 1.0], [0.0, 2.0]))
+    ()
+    """
+    return tuple(name for name in block.memory_names if name not in RANDOM and name not in block.discrete)
 
 
 def nuisances(diagram: Diagram) -> tuple[Nuisance, ...]:
@@ -149,4 +165,25 @@ def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     bad = [s for s in usable if np.isnan(log[s]).all()]
     for signal in usable:
         _refuse_other_unit(opened, log, signal)
-    return opened, Record(log, tuple(opened.open_inputs), tuple(s for s in usable if s not in bad))
+    pinned = tuple(s for s in usable if s not in bad)
+    return opened, Record(log, tuple(opened.open_inputs), pinned, fresh=_fresh(opened, pinned))
+
+
+def _fresh(diagram: Diagram, signals: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Return the signals of sensors whose noise is white, with (period, first time) [s] of its draws.
+
+    None beside a load that nobody measures: what that has done to a row lasts longer than the noise there.
+    """
+    drawing = nuisances(diagram)
+    if any(one.correlation_time > 0.0 for one in drawing):
+        return {}
+    white = {one.block for one in drawing}
+    found = {}
+    for s in signals:
+        sensor = diagram.blocks[diagram.driven[s][0]]
+        name = noise_of(diagram, sensor) if sensor.role is Role.SENSOR else None
+        if name in white:
+            drawn = diagram[name]
+            first = float(drawn.params[drawn.offset_param]) if drawn.offset_param else 0.0
+            found[s] = (drawn.period, first)
+    return found

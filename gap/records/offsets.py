@@ -57,8 +57,8 @@ def branched(
     else:
         signals = [*record.played, *record.pinned]
         many = replays(
-            diagram, list(logs), signals=signals, keep=keep, params=given, start=start, progress=False,
-            branches=branches,
+            diagram, list(logs), signals=signals, keep=keep, params=given, start=start, fresh=record.fresh,
+            progress=False, branches=branches,
         )  # fmt: skip
     found = np.stack([many.values[f"{s}:offset"] for s in record.pinned], axis=-1)
     found[~many.ok] = np.nan
@@ -69,7 +69,7 @@ def branched(
 @lru_cache(maxsize=READY)
 def held(diagram: Diagram, record: Record) -> Diagram:
     """Return the diagram pinned to a record; the same one again for the next replays of it."""
-    return diagram.pinned(record.log, [*record.played, *record.pinned])
+    return diagram.pinned(record.log, [*record.played, *record.pinned], record.fresh)
 
 
 def _missing(record: Record) -> NDArray[np.bool_]:

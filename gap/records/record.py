@@ -126,7 +126,8 @@ class Record:
     drives and that are taken as they are, not judged; ``filter`` what makes residuals of it where no replay does;
     ``suspects`` the blocks at which a gap can be, none named: all; ``computed`` the rounding of signals that were
     computed from logged ones [their unit]; ``leads`` by how much [s] before the row that shows it an input switched;
-    ``ramps`` inputs that move from row to row and go in lines between them.
+    ``ramps`` inputs that move from row to row and go in lines between them; ``fresh`` signals in which noise is drawn
+    anew, with (period, first time) [s] of the draws: between rows nobody knows it.
     """
 
     log: Log
@@ -139,6 +140,7 @@ class Record:
     computed: Mapping[str, float] = field(default_factory=dict)
     leads: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
     ramps: frozenset[str] = frozenset()
+    fresh: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def source(self, signal: str, name: str = "") -> Recorded:
         """Return what plays a logged input: held between its switches, each of which lies its lead before its row.

@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from blocks.noise import seeded
 from diagram.diagram import Diagram
+from gap.records.model import smooth_memories
 from gap.records.offsets import offsets
 from gap.records.record import Record
 
@@ -21,20 +21,19 @@ STEP = 1e-3  # perturbation of a start value, in its own size or 1e-3
 FELT = 1e-6  # smallest response, in spreads of the signal per unit of start value, that counts
 ROUNDS = 8
 SHARES = (2.0, 1.0, 0.5, 0.2, 0.05)  # of a step
-RANDOM = frozenset(seeded(0))  # memories of random numbers
 
 
 def start_values(quiet: Diagram, record: Record) -> dict[str, float]:
     """Return the start values of a silent model that suit the first rows of a record, by name."""
     log = record.log.samples(0, min(ROWS, len(record.log)))
-    head = Record(log, record.played, record.pinned)
+    head = Record(log, record.played, record.pinned, fresh=record.fresh)
     spread = np.array([max(float(np.nanstd(record.log[s])), 1e-9) for s in record.pinned])
     names = {
         f"{block.name}.{name}": float(value)
         for block in quiet.blocks
         for name, value in [
             *zip(block.state_names, block.x0, strict=True),
-            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n not in {*RANDOM, *block.discrete}),
+            *((n, v) for n, v in zip(block.memory_names, block.d0, strict=True) if n in smooth_memories(block)),
         ]
     }
     if not names:

@@ -12,7 +12,7 @@ from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size,
 from gap.explanations.isolability import classes
 from gap.explanations.pair import Pair
 from gap.explanations.unmeasured import UnmeasuredLoad
-from gap.fits.adequacy import EXPLAINED, EXPLAINED_HIDDEN, needed, scored_alone, share
+from gap.fits.adequacy import EXPLAINED, EXPLAINED_HIDDEN, needed, proven, scored_alone, share
 from gap.fits.noise import correlation, is_noise
 from gap.fits.search import Candidate, Fit, best_of, refined
 from gap.fits.sensitivity import seen
@@ -223,7 +223,10 @@ def adequate_pair(problem: Problem, pair: Pair, best: Fit) -> bool:
     hidden = pair.first.effect.hidden or pair.second.effect.hidden
     enough = EXPLAINED_HIDDEN if hidden else EXPLAINED + BOTH
     return left <= problem.limit + needed(problem) or (
-        share(problem, pair.second) >= enough and share(problem, best) < EXPLAINED
+        share(problem, pair.second) >= enough
+        and share(problem, best) < EXPLAINED
+        and proven(problem, pair.first)
+        and proven(problem, pair.second)
     )
 
 

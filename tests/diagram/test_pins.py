@@ -4,7 +4,21 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from blocks import PI, FirstOrder, IdealValve, Noise, QuasiStaticStem, Sensor, Staircase, Step, StickSlip, Sum
+from blocks import (
+    PI,
+    BlockError,
+    FirstOrder,
+    IdealValve,
+    Noise,
+    QuasiStaticStem,
+    SampledSensor,
+    Sensor,
+    Staircase,
+    Step,
+    StickSlip,
+    Sum,
+)
+from blocks.pin import Pin
 from diagram import WiringError, simulate, wire
 from diagram.pins import pinned, replay, replays, residuals
 from diagram.reference import simulate_reference
@@ -195,3 +209,32 @@ def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
         make()
     for word in words:
         assert word in str(error.value)
+
+
+def scanned(sd=0.0):
+    return wire(
+        [Step("MV", 1.0), FirstOrder(2.0, 5.0, outputs="y"), SampledSensor(1.0, sd=sd, inputs="y", outputs="PV")]
+    )
+
+
+def test_noise_that_is_drawn_anew_holds_no_longer_than_its_scan():
+    log = Log([0.0, 2.0, 4.5], {"PV": [0.1, 0.9, 1.3]})
+    held = scanned().pinned(log, ["PV"], {"PV": (1.0, 0.0)})
+    run = simulate(held, 5.0, every=0.5, **TIGHT)
+    y = 2.0 * (1.0 - np.exp(-np.floor(run.log.t) / 5.0))  # analytic: the sensor holds what it saw at the last second
+    off = np.zeros(11)  # each offset holds over the scan that its row shows, 4.5 s that of 4 s
+    off[:2], off[4:6], off[8:] = 0.1, 0.9 - y[4], 1.3 - y[9]  # the last is held
+    np.testing.assert_allclose(run.log["PV:offset"], off, atol=1e-9)
+    np.testing.assert_allclose(run.log["PV"], y + off, atol=1e-9)
+    np.testing.assert_allclose(simulate_reference(held, 5.0, every=0.5).log["PV:offset"], off, atol=1e-6)
+
+
+def test_rows_as_frequent_as_scans_are_pinned_as_ever():
+    log = Log(np.arange(6.0), {"PV": np.linspace(0.0, 1.0, 6)})
+    plain, fresh = (scanned().pinned(log, ["PV"], one) for one in (None, {"PV": (1.0, 0.0)}))
+    assert np.array_equal(plain["PV pin"].timetable, fresh["PV pin"].timetable)
+
+
+def test_an_offset_that_ends_before_its_row_is_refused():
+    with pytest.raises(BlockError, match="until"):
+        Pin([0.0, 1.0], [0.5, 0.7], until=[1.0, 0.5])

@@ -20,26 +20,26 @@ STEMS = {
 }
 
 
-def loop(valve, noise=0.0):
+def loop(*valve, noise=0.0):
     return wire(
         [
             Square("SP", 0.15, 600.0, mean=1.5),
             PI(K_p=0.4, T_i=10.0, start_op=0.5),
-            valve,
-            FirstOrder(K=3.0, tau=10.0, start=1.5, outputs="y"),
+            *valve,
+            FirstOrder(K=3.0, tau=10.0, start=1.5, inputs="MV", outputs="y"),
             SampledSensor(1.0, sd=noise, start=1.5, seed=1, inputs="y", outputs="PV"),
         ]
     )
 
 
-def log_of(valve, *signals, noise=0.0):
-    run = simulate(loop(valve, noise), 3600.0, every=1.0)
+def log_of(*valve, noise=0.0, signals=()):
+    run = simulate(loop(*valve, noise=noise), 3600.0, every=1.0)
     return Log(run.log.t, {s: np.asarray(run.log[s]) for s in ("SP", "OP", "PV", *signals)})
 
 
 def told(log, noise=0.0):
     """Name, place and values of the first cause."""
-    cause = diagnose(loop(IdealValve(), noise), log, catalogue=ONES).causes[0]
+    cause = diagnose(loop(IdealValve(), noise=noise), log, catalogue=ONES).causes[0]
     return cause.effect, cause.place, {key: one.value for key, one in cause.parameters.items()}
 
 
@@ -57,7 +57,7 @@ def test_a_log_with_noise_names_it_too():
 
 
 def test_a_logged_stem_is_no_play_as_wide_as_its_breakaway():
-    name, place, values = told(log_of(StickSlip(F_S, F_C, start=0.5), "MV"))
+    name, place, values = told(log_of(StickSlip(F_S, F_C, start=0.5), signals=["MV"]))
     assert (name, place) == ("stiction", "valve")
     assert values["S"] == pytest.approx(S, rel=0.05) and values["J"] == pytest.approx(J, rel=0.1)
 
@@ -68,7 +68,7 @@ def test_a_log_of_the_model_itself_without_noise_has_no_gap():
 
 
 def test_only_what_a_valve_drives_is_judged_by_laws_of_friction():
-    log = log_of(IdealValve(), "MV")
+    log = log_of(IdealValve(), signals=["MV"])
     floor = prepared(loop(IdealValve()), log).floor
     stem, driven = MECHANICAL * np.ptp(log["MV"]), FORETOLD * np.ptp(log["PV"])
     assert floor.L.diagonal()[1:] == pytest.approx([stem, driven], rel=0.42)  # to the nearest power of two: sqrt(2)
@@ -77,5 +77,5 @@ def test_only_what_a_valve_drives_is_judged_by_laws_of_friction():
 
 def test_a_model_with_little_noise_is_judged_by_that():
     log = log_of(IdealValve(), noise=0.0002)
-    floor = prepared(loop(IdealValve(), 0.0002), log).floor
+    floor = prepared(loop(IdealValve(), noise=0.0002), log).floor
     assert floor.L[1, 1] == pytest.approx(0.0002, rel=0.05)  # analytic: the model's own noise, not what friction blurs

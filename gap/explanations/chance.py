@@ -1,7 +1,8 @@
-"""What an effect gains in a filter where there is no gap, which it must gain in a record besides.
+"""What an effect gains where there is no gap, which it must gain in a record besides.
 
 A filter takes what drives the process from rows that show noise as well; a lag that smooths it foretells measurements
-better, gap or none.  So each effect that may be named is tried, with its sizes, on runs of the model as it is.
+better, gap or none.  A replay knows of noise that is drawn between rows as little; another gain of the controller makes
+up for what it adds to OP.  So each effect that may be named is tried, with its sizes, on runs of the model as it is.
 """
 
 from collections.abc import Sequence
@@ -12,23 +13,28 @@ from numpy.typing import NDArray
 
 from gap.fits.inserting import inserted
 from gap.fits.search import Fit, narrowed
-from gap.floors.floor import scored
+from gap.floors.floor import scored, without_gap
 from gap.floors.problem import Problem
 from logs import Log
 
 Floats = NDArray[np.float64]
 
 MOST = 12  # effects that are tried
+RUNS = 6  # of the model without a gap, where no filter has runs of its own
 SIGMAS = 3.0  # standard deviations of the gain from run to run that are taken off besides its mean
 
 
 def priced(problem: Problem, fits: Sequence[Fit]) -> list[Fit]:
     """Return fits, the best first; each pays what its effect gains by chance in runs without a gap."""
     found = list(fits)
-    filter = problem.record.filter
-    if filter is None or not found or found[0].total >= problem.score:
+    if not found or found[0].total >= problem.score:
         return found
-    logs = filter.own_runs(problem.model, problem.record)
+    filter = problem.record.filter
+    logs = (
+        without_gap(problem.model, problem.record, RUNS, 1)
+        if filter is None
+        else filter.own_runs(problem.model, problem.record)
+    )
     if len(logs) < 2:
         return found
     plain = problem.innovations(problem.quiet, logs=logs)
