@@ -23,13 +23,17 @@ class Source:
     loops: int
 
 
-# What is learnt from: to fit the network, trees, and the calibration.
-NETWORK = (
+# What is learnt from: to fit a network from nothing, to go on with that one, trees, and the calibration.
+FIRST = (
     Source("training", 40_000, "moved", 15_000), Source("creeping", 41_000, "moved", 15_000),
     Source("training", 50_000, "moved", 85_000), Source("creeping", 50_000, "moved", 74_000),
     Source("training", 60_000, "usual", 73_000), Source("creeping", 60_000, "usual", 61_500),
-    Source("crossed", 1000, "usual", 10_000),
 )  # fmt: skip
+AGAIN = (
+    Source("crossed", 1000, "usual", 30_000), Source("training", 70_000, "usual", 5_000),
+    Source("creeping", 70_100, "usual", 2_500),
+)  # fmt: skip
+PASSES = 4  # over the loops of ``AGAIN``
 TREES = (
     Source("crossed", 11, "usual", 2500), Source("training", 84_100, "usual", 500),
     Source("creeping", 84_101, "usual", 500),
@@ -61,17 +65,20 @@ def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | 
         raise click.UsageError(str(error)) from None
 
 
-def _network(folder: Path, loops: int, workers: int | None) -> None:
+def _network(folder: Path, loops: int, begun: Path | None, workers: int | None) -> None:
     """Fit the network, whose scores the features of all loops contain, and write the shipped file."""
+    from calibration.network import PASSES as FROM_NOTHING
     from calibration.network import fit
     from calibration.signals import PART, Examples, examples
-    from detect.judge.features.network import FILE
+    from detect.judge.features.network import FILE, Network
 
+    first = None if begun is None else Network.read(begun)
     seen = [
         examples(folder / f"signals_{one.law}_{one.kinds}_{one.seed}", one.seed, count, one.law, one.kinds, workers)
-        for one, count in _parts(NETWORK, loops, PART)
+        for one, count in _parts(FIRST if first is None else AGAIN, loops, PART)
     ]
-    fit(Examples.joined(seen), click.echo).write(FILE)
+    passes = FROM_NOTHING if first is None else PASSES
+    fit(Examples.joined(seen), click.echo, passes=passes, begun=first).write(FILE)
 
 
 @click.command()
@@ -80,8 +87,13 @@ def _network(folder: Path, loops: int, workers: int | None) -> None:
     "--holding", type=click.IntRange(min=1), default=_total(HOLDING), show_default=True, help="to calibrate on"
 )
 @click.option(
-    "--network", type=click.IntRange(min=0), default=0, show_default=True,
-    help=f"to fit the network on anew, by PyTorch, {_total(NETWORK):,} for all of its loops; 0: the shipped network",
+    "--network", type=click.IntRange(min=0), default=None,
+    help=f"to fit the network on, by PyTorch; default: {_total(FIRST):,}, with --begun {_total(AGAIN):,}; 0: none, "
+    "the shipped network stays",
+)  # fmt: skip
+@click.option(
+    "--begun", type=click.Path(exists=True, dir_okay=False, path_type=Path), default=None,
+    help="network to go on from; default: from nothing",
 )  # fmt: skip
 @click.option("--trees", type=click.IntRange(min=10), default=120, show_default=True, help="of the accusing part")
 @click.option(
@@ -92,7 +104,7 @@ def _network(folder: Path, loops: int, workers: int | None) -> None:
 )
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
 def train(
-    loops: int, holding: int, network: int, trees: int, folder: Path, out: Path | None,
+    loops: int, holding: int, network: int | None, begun: Path | None, trees: int, folder: Path, out: Path | None,
     workers: int | None,
 ) -> None:  # fmt: skip
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
@@ -100,10 +112,10 @@ def train(
     from calibration.training import fit
     from detect.judge.model import FILE
 
-    if network and not find_spec("torch"):
+    if network != 0 and not find_spec("torch"):
         raise click.UsageError(MISSING)
-    if network:
-        _network(folder, network, workers)
+    if network != 0:
+        _network(folder, network or _total(FIRST if begun is None else AGAIN), begun, workers)
     fitted = _tables(folder, TREES, loops, workers)
     held = _tables(folder, HOLDING, holding, workers)
     model = fit(fitted, held, click.echo, trees=trees)

@@ -135,14 +135,14 @@ def kept_table(
         there = place.firsts()
         missing = [k for k in range(count) if k * PART not in there]
         with processes(workers or os.cpu_count() or 1) as pool:
-            waited = {pool.submit(_made, folder, setting, seed + k, kinds): k for k in missing}
+            waited = {pool.submit(made_part, folder, setting, seed + k, kinds): k for k in missing}
             for done in track(as_completed(waited), f"{setting} loops from seed {seed}", len(missing)):
                 place.add(_frame(done.result(), waited[done] * PART))
         rows = joined(place.rows(), KEPT.key)
     return _unframed(rows.filter(rows[KEPT.key] < count * PART))
 
 
-def _made(folder: Path, setting: Law, seed: int, kinds: Kinds = "usual") -> Table:
+def made_part(folder: Path, setting: Law, seed: int, kinds: Kinds = "usual") -> Table:
     """One part, in this process."""
     if setting != "other_physics":
         return table(loops(setting, PART, seed, kinds))

@@ -3,6 +3,7 @@
     AUC                 chance that a sticky loop has a higher probability than another
     found, false alarm  shares of the sticky and of the other loops called sticky
     calibration error   mean over ten bins of |share sticky - mean probability|, weighted by the loops in each
+    quiet               shares so improbable that the verdict clears them, where the record itself excludes dead travel
     S error, J error    median of |told / true - 1| over the sticky loops that are called so
 
 A record that shows too little for any feature is never called sticky; it counts with the probability 0.5.
@@ -63,13 +64,9 @@ def score(model: Model, t: Table) -> dict[str, Any]:
     sticky = t.sticky
     hit = called & sticky
     S_true, J_true = t.truth["S"].astype(float), t.truth["J"].astype(float)
-    x = t.x[t.seen]
     inside = _inside(model, t.rows(t.seen & sticky))
-    group, name = t.truth["group"], t.names.tolist()
+    group = t.truth["group"]
     quiet = t.seen & (p <= model.clear)
-    shown = np.zeros(len(t))
-    shown[t.seen] = x[:, name.index("travel_clears")]
-    cleared = quiet & (shown > 0.0)
     return {
         "loops": len(t),
         "auc": auc(p, sticky),
@@ -80,11 +77,11 @@ def score(model: Model, t: Table) -> dict[str, Any]:
         "j_error": float(np.nanmedian(np.abs(J[hit] / J_true[hit] - 1))) if hit.any() else None,
         "s_inside": inside[0],
         "j_inside": inside[1],
-        "cleared_others": float(np.mean(cleared[~sticky])),
-        "cleared_sticky": float(np.mean(cleared[sticky])),
+        "quiet_others": float(np.mean(quiet[~sticky])),
+        "quiet_sticky": float(np.mean(quiet[sticky])),
         "by_group": {
             str(g): {"loops": int((group == g).sum()), "called": float(np.mean(called[group == g])),
-                     "cleared": float(np.mean(cleared[group == g])), "mean_p": float(np.mean(p[group == g]))}
+                     "quiet": float(np.mean(quiet[group == g])), "mean_p": float(np.mean(p[group == g]))}
             for g in np.unique(group)
         },
         "by_detectability": _by(t, called),

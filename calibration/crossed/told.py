@@ -23,8 +23,8 @@ SOUND = {
 def crossed(n: int, seed: int, first: int = 0) -> list[tuple[LoopRecord, Truth]]:
     """``n`` loops of no family that is held back, from the number ``first`` on.
 
-    >>> crossed(1, 1)[0][1].cause
-    'stiction'
+    >>> crossed(1, 1)[0][1].cause  # dead travel without a jump
+    'deadband'
     """
     made = [seen(one) for one in learnt(n, seed, first)]
     return [(one.record, truth_of(one)) for one in made]

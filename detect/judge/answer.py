@@ -32,7 +32,7 @@ from detect.judge.grounds import grounds
 from detect.judge.model import Model, Opinion, calibrated, rounded
 from detect.judge.own_slips import own_slips
 from detect.judge.still_stem import Still, still_stem
-from detect.likelihood.pooled import ANSWERS, Evidence
+from detect.likelihood.pooled import Evidence
 from detect.likelihood.words import said as in_words
 from detect.plantwide.slips import Slips
 from detect.prepare.prepared import STEPS_MAX, Prepared
@@ -140,8 +140,7 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
     opinion = model.judge(found)
     evidence = loop.dead_travel if usable(loop) else None
     if still is not None and still.means == "sticks":
-        silent = opinion.causes["dead_loop"] >= SILENT or (evidence is not None and evidence.answers < ANSWERS)
-        if silent or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
+        if opinion.causes["dead_loop"] >= SILENT or opinion.unlike > UNLIKE or opinion.probability >= model.accuse:
             return _from_still(still)
         still = still._replace(means="open", why=PV_ANSWERS)
     said = _judged(loop, view, found, opinion, model, evidence)

@@ -47,5 +47,12 @@ def _travel(found: Found, sticks: bool) -> str:
     return f"No stem with dead travel tells PV better than the best rival; it lacks {-gain:.0f} nats"
 
 
-KINDS: Mapping[Callable[[Found, bool], str], str] = {_learnt: "network_", _travel: "travel_"}
+def _process(found: Found, sticks: bool) -> str:
+    known = found.get("process_integrates", math.nan)
+    if not math.isfinite(known):
+        return "Whether PV integrates is not known"
+    return "PV integrates, as that of a level" if known else "PV settles by itself after a step of OP"
+
+
+KINDS: Mapping[Callable[[Found, bool], str], str] = {_learnt: "network_", _travel: "travel_", _process: "process_"}
 """What says each kind of evidence, and with what the names of its features start."""

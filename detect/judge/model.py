@@ -143,7 +143,7 @@ class Model:
 def _fallen_back(causes: dict[str, float], beyond: float) -> dict[str, float]:
     """Causes whose odds of stiction fall back to even as the features leave those of all simulated loops.
 
-    >>> _fallen_back({"stiction": 0.9, "healthy": 0.1}, FAR)
+    >>> _fallen_back({"stiction": 0.75, "healthy": 0.25}, FAR)
     {'stiction': 0.5, 'healthy': 0.5}
     """
     p = min(max(causes["stiction"], 1e-12), 1.0 - 1e-12)

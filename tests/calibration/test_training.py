@@ -8,7 +8,7 @@ from calibration.records import Table
 from calibration.scoring import auc, calibration_error, score
 from detect.judge.actions import CAUSES as SPOKEN
 
-FEATURES = ("travel_clears", "network_sticky", "travel_gain", "travel_bent", "travel_between", "travel_turned",
+FEATURES = ("d", "network_sticky", "travel_gain", "travel_bent", "travel_between", "travel_turned",
             "travel_rows", "a", "b", "c", "tell", "size", "other")  # fmt: skip
 
 

@@ -3,8 +3,9 @@
     view        the record in its own units: OP and PV over their spread, time in turns of OP
     network     scores of learnt convolutions over OP, PV, e, what is new in PV, and what each size of stick would leave
     dead_travel what the record's own likelihood says, which nothing has to learn
+    process     1 where PV is known to integrate, 0 where to settle: a play makes a level cycle as a stick does
 
-Of 290 features of ten families these two told loops of withheld physics apart as well as all together, or better.
+Of 290 features of ten families the first two told loops of withheld physics apart as well as all together, or better.
 """
 
 from __future__ import annotations
@@ -36,7 +37,12 @@ def features(loop: Prepared) -> dict[str, float] | None:
 
 def features_of(loop: Prepared, view: View) -> dict[str, float]:
     """All features of a record and its view by name [-]; those of dead travel only where it can be weighed."""
-    found = network_features(view)
+    found = network_features(view) | _process(view)
     if usable(loop) and loop.stems is not None and loop.dead_travel is not None:
         found |= dead_travel_features(loop.dead_travel, loop.stems)
     return {name: float(value) if math.isfinite(value) else math.nan for name, value in sorted(found.items())}
+
+
+def _process(view: View) -> dict[str, float]:
+    """What is known of the process, by its tag or by what the user says."""
+    return {"process_integrates": math.nan if view.integrating is None else float(view.integrating)}
