@@ -35,10 +35,10 @@ AGAIN = (
 )  # fmt: skip
 PASSES = 4  # over the loops of ``AGAIN``
 TREES = (
-    Source("crossed", 11, "usual", 2500), Source("training", 84_100, "usual", 500),
-    Source("creeping", 84_101, "usual", 500),
+    Source("crossed", 11, "usual", 8000), Source("training", 84_200, "usual", 2000),
+    Source("creeping", 84_210, "usual", 1000),
 )  # fmt: skip
-HOLDING = (Source("crossed", 30, "usual", 1000), Source("training", 84_102, "usual", 500))
+HOLDING = (Source("crossed", 30, "usual", 2000), Source("training", 84_220, "usual", 500))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
