@@ -30,15 +30,15 @@ FIRST = (
     Source("training", 60_000, "usual", 73_000), Source("creeping", 60_000, "usual", 61_500),
 )  # fmt: skip
 AGAIN = (
-    Source("crossed", 1000, "usual", 30_000), Source("training", 70_000, "usual", 5_000),
-    Source("creeping", 70_100, "usual", 2_500),
+    Source("crossed", 1000, "usual", 10_000), Source("training", 70_000, "usual", 3_000),
+    Source("creeping", 70_100, "usual", 2_000),
 )  # fmt: skip
 PASSES = 4  # over the loops of ``AGAIN``
 TREES = (
-    Source("crossed", 11, "usual", 8000), Source("training", 84_200, "usual", 2000),
-    Source("creeping", 84_210, "usual", 1000),
+    Source("crossed", 11, "usual", 5000), Source("training", 84_200, "usual", 1500),
+    Source("creeping", 84_210, "usual", 500),
 )  # fmt: skip
-HOLDING = (Source("crossed", 30, "usual", 2000), Source("training", 84_220, "usual", 500))
+HOLDING = (Source("crossed", 30, "usual", 1500), Source("training", 84_220, "usual", 500))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
