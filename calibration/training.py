@@ -74,7 +74,9 @@ def _weights(t: Table) -> Values:
 
 
 def _target(t: Table, which: str) -> Values:
-    return np.asarray(np.log(t.truth[which].astype(float) / t.unit))
+    """ln of the true size over OP's travel, less what the network says of it: trees set it right, (n,)."""
+    told = t.x[:, t.names.tolist().index(f"network_{which}")]
+    return np.asarray(np.log(t.truth[which].astype(float) / t.unit) - told)
 
 
 def _sizes(valves: Table, which: str, trees: int, seed: int, weight: Values) -> Trees:

@@ -2,7 +2,8 @@
 
     p(stiction)        = 1 / (1 + exp(-(a z + b))),   z the sum of the boosted trees "sticky"
     p(cause)           = (1 - p(stiction)) softmax(z_cause),   for every other cause, from the trees "others"
-    ln(S / OP travel)  quantiles of 5, 50 and 95 % from the trees "S", the outer two widened; J likewise
+    ln(S / OP travel)  what the network says, and to it quantiles of 5, 50 and 95 % of its error from the trees "S", the
+                       outer two widened; J likewise
 
 The causes sum to one and the probability of stiction is one of them, so that the two can never disagree.  Trees, a, b,
 limits and widths come from ``python -m calibration train`` (simulated loops only) and are kept in ``FILE``, an open
@@ -86,8 +87,8 @@ class Model:
         return p, (1.0 - p)[:, None] * e / e.sum(axis=1, keepdims=True)
 
     def sizes(self, x: Values, which: str) -> Values:
-        """ln of S or J over OP's travel: low, median, high, (n, 3)."""
-        q = np.sort(self.trees[which](x), axis=1)
+        """ln of S or J over OP's travel: low, median, high, (n, 3); what the network says, set right by trees."""
+        q = np.sort(self.trees[which](x) + x[:, self.names.index(f"network_{which}"), None], axis=1)
         widths = self.widths[("S", "J").index(which)]
         return np.stack([q[:, 0] - widths[0], q[:, 1], q[:, 2] + widths[1]], axis=1)
 

@@ -9,11 +9,11 @@ from calibration.scoring import auc, calibration_error, score
 from detect.judge.actions import CAUSES as SPOKEN
 
 FEATURES = ("d", "network_sticky", "travel_gain", "travel_bent", "travel_between", "travel_turned",
-            "travel_rows", "a", "b", "c", "tell", "size", "other")  # fmt: skip
+            "travel_rows", "a", "b", "c", "tell", "network_S", "network_J", "other")  # fmt: skip
 
 
 def made(n, seed):
-    """Loops whose feature "tell" says stiction with noise of 1, and "size" the logarithm of S over OP's travel."""
+    """Loops whose feature "tell" says stiction with noise of 1, and the network the logarithms of S and J over OP's travel."""
     rng = np.random.default_rng(seed)
     sticky = rng.random(n) < 0.5
     cause = np.where(sticky, "stiction", np.where(rng.random(n) < 0.5, "healthy", "tight_tuning"))
@@ -21,7 +21,8 @@ def made(n, seed):
     x[:, 10] = 2.5 * sticky + rng.normal(size=n)
     share = np.exp(rng.uniform(-1.5, -0.2, n))
     x[:, 11] = np.log(share) + 0.05 * rng.normal(size=n)
-    x[:, 12] = (cause == "tight_tuning") + 0.3 * rng.normal(size=n)
+    x[:, 12] = np.log(0.5 * share) + 0.05 * rng.normal(size=n)
+    x[:, 13] = (cause == "tight_tuning") + 0.3 * rng.normal(size=n)
     x[rng.random(n) < 0.02] = np.nan
     unit = np.where(np.isnan(x).all(axis=1), np.nan, 10.0)
     S = np.where(sticky, 10 * share, np.nan)
