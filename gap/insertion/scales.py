@@ -1,6 +1,7 @@
 """What sizes are measured by at a place: the span of its instrument, the time scale of its loop.
 
-    span of a signal      the instrument span that a block states, else 1 (signals are fractions)
+    span of a signal      the instrument span that a block states; behind one that has a single input, what the span
+                          of that input becomes at rest (a positioner, a half of a split range); else 1 (fractions)
     time scale            the integral time T_i of the nearest controller, else the time constant of the nearest
                           process, else 10 s
 
@@ -8,9 +9,12 @@ They set the bounds between which the size of an effect is searched; no result d
 """
 
 import math
+from functools import lru_cache
 
 from blocks.block import Block
 from blocks.role import Role
+from blocks.sources import Constant
+from diagram import wire
 from diagram.diagram import Diagram
 
 USUAL = 10.0  # [s], where a diagram says nothing
@@ -38,7 +42,7 @@ def size(source: Block) -> float:
 
 
 def span(diagram: Diagram, signal: str) -> float:
-    """Return the length of the span of a signal [its unit], 1 if no block that drives or reads it states one.
+    """Return the length of the span of a signal [its unit], 1 if no block states one.
 
     >>> from plant.loops import self_regulating_loop
     >>> span(self_regulating_loop(), "OP")
@@ -49,7 +53,30 @@ def span(diagram: Diagram, signal: str) -> float:
 
 
 def ends(diagram: Diagram, signal: str) -> tuple[float, float] | None:
-    """Return low and high end of the span of a signal [its unit], None if no block states one."""
+    """Return low and high end of the span of a signal [its unit], None if no block states one.
+
+    >>> from blocks import LeadLag, SampledPI
+    >>> loop = wire([SampledPI(1.0, 9.0, dt=1.0, low=0.0, high=100.0), LeadLag("p", "OP", 0.0, 2.0)], ["SP", "PV"])
+    >>> ends(loop, "p")
+    (0.0, 100.0)
+    """
+    passed: list[Block] = []
+    while (found := _stated(diagram, signal)) is None:
+        driver = diagram.blocks[diagram.driven[signal][0]] if signal not in diagram.open_inputs else None
+        if driver is None or driver in passed or not _passes(driver):
+            return None
+        passed.append(driver)
+        signal = str(driver.input_labels[0])
+    for block in reversed(passed):
+        images = [_at_rest(block, end) for end in found]
+        if not all(map(math.isfinite, images)) or images[0] == images[1]:
+            return None
+        found = min(images), max(images)
+    return found
+
+
+def _stated(diagram: Diagram, signal: str) -> tuple[float, float] | None:
+    """Return the span that a block states which drives or reads a signal."""
     if signal in diagram.signal_spans:
         return diagram.signal_spans[signal]
     read = [
@@ -59,6 +86,24 @@ def ends(diagram: Diagram, signal: str) -> tuple[float, float] | None:
         if label == signal and port.name in block.spans
     ]
     return read[0] if read else None
+
+
+def _passes(block: Block) -> bool:
+    """Return whether a block passes one signal on: a positioner, a lookup table, an element; no process does."""
+    return len(block.input_labels) == len(block.output_labels) == 1 and block.role is not Role.PROCESS
+
+
+@lru_cache(maxsize=256)
+def _at_rest(block: Block, value: float) -> float:
+    """Return what a block gives at rest if a value enters it, NaN if it does not come to rest."""
+    from diagram.linear import NoOperatingPoint, operating_point
+
+    entered = str(block.input_labels[0])
+    try:
+        point = operating_point(wire([Constant(entered, value), block]))
+    except NoOperatingPoint:
+        return math.nan
+    return float(f"{point[str(block.output_labels[0])]:.9g}")  # to the digits that the rest is solved to
 
 
 def time_scale(diagram: Diagram, place: str) -> float:
