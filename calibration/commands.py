@@ -35,8 +35,7 @@ AGAIN = (
 )  # fmt: skip
 PASSES = 4  # over the loops of ``AGAIN``
 TREES = (
-    Source("crossed", 11, "usual", 5000), Source("training", 84_200, "usual", 1500),
-    Source("creeping", 84_210, "usual", 500),
+    Source("crossed", 11, "usual", 5000), Source("training", 84_200, "usual", 1000),
 )  # fmt: skip
 HOLDING = (Source("crossed", 30, "usual", 1500), Source("training", 84_220, "usual", 500))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
