@@ -35,9 +35,9 @@ AGAIN = (
 )  # fmt: skip
 PASSES = 4  # over the loops of ``AGAIN``
 TREES = (
-    Source("crossed", 11, "usual", 5000), Source("training", 84_200, "usual", 1000),
+    Source("crossed", 11, "usual", 5000), Source("training", 84_200, "usual", 2000),
 )  # fmt: skip
-HOLDING = (Source("crossed", 30, "usual", 1500), Source("training", 84_220, "usual", 500))
+HOLDING = (Source("crossed", 30, "usual", 1000), Source("training", 84_220, "usual", 1000))
 CHOOSING, TESTING = (7000, 7100), 9700  # of the other physics: to choose on (no fit); to report on, and nothing else
 FOLDER = click.Path(file_okay=False, path_type=Path)
 
@@ -48,7 +48,7 @@ def _total(sources: Sequence[Source]) -> int:
 
 def _parts(sources: Sequence[Source], loops: int, part: int) -> list[tuple[Source, int]]:
     """How many parts of each source there are, where ``loops`` are asked for in all; at least one."""
-    return [(one, max(round(loops * one.loops / _total(sources) / part), 1)) for one in sources]
+    return [(one, max(loops * one.loops // (_total(sources) * part), 1)) for one in sources]
 
 
 def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | None) -> Any:

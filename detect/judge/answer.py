@@ -53,7 +53,7 @@ LEVEL = 0.97
 LEVELS_CYCLE = "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
 # Probability of a PV that does not answer OP, below which a stem that stands is not called stuck.  The likelihood cannot
 # stand in for it: a load hides OP from PV in half of the loops whose valve works.
-SILENT = 0.03
+SILENT = 0.02
 NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."
 PV_ANSWERS = "PV moves as it does where OP reaches it, so that the tag may be dead. Look at the valve while OP moves."
