@@ -59,7 +59,7 @@ LINES: dict[str, tuple[Sequence[str], ...]] = {
         ("check", "FIC12_day1.csv", "FIC12_day2.csv"),
         ("check", "FIC13_day1.csv", "FIC13_day2.csv"),
         ("check", "hidden.csv"),
-    ),  # fmt: skip
+    ),
     "fit": (("fit", "sticky.csv"),),
     "remedy": (("remedy", "sticky.csv"),),
     "valve": (("valve", "steps.csv"),),

@@ -47,12 +47,12 @@ UNLIKE = 0.1  # share of features beyond all simulated ones from which on nothin
 REFUSED = ("no_valve", "manual_mode", "signal_missing", "constant_signal", "frozen_pv", "not_in_charge")
 PERCENT = "% of OP"
 SAMPLES = 100  # of a record; the simulated ones have 300 and more
-# In a process known to integrate a deadband makes the loop cycle, which few simulations that are learnt from show.  From
-# this probability on 2 % of such loops are called (60 of seed 63100; ``benchmarks.detect --only levels`` reads it off).
+# In a process known to integrate a deadband makes the loop cycle, which few loops that are learnt from show.  From this
+# probability on 2 % of such loops are called (60 of seed 63100; ``benchmarks.detect --only levels`` reads it off).
 LEVEL = 0.97
 LEVELS_CYCLE = "In an integrating process a deadband without jump makes a loop cycle as a stick does; PV separates them"
-# Probability of a PV that does not answer OP, below which a stem that stands is not called stuck.  The likelihood cannot
-# stand in for it: a load hides OP from PV in half of the loops whose valve works.
+# Probability of a PV that does not answer OP, below which a stem that stands is not called stuck.  The likelihood does
+# not stand in for it: a load hides OP from PV in many loops whose valve works.
 SILENT = 0.02
 NOTHING_YET = "Nothing at the valve yet."
 COARSE = "which the record is too coarse to judge."

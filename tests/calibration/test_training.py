@@ -13,7 +13,7 @@ FEATURES = ("d", "network_sticky", "travel_gain", "travel_bent", "travel_between
 
 
 def made(n, seed):
-    """Loops whose feature "tell" says stiction with noise of 1, and the network the logarithms of S and J over OP's travel."""
+    """Loops whose feature "tell" says stiction with noise of 1, the network ln S and ln J over OP's travel."""
     rng = np.random.default_rng(seed)
     sticky = rng.random(n) < 0.5
     cause = np.where(sticky, "stiction", np.where(rng.random(n) < 0.5, "healthy", "tight_tuning"))
