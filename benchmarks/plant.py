@@ -67,7 +67,7 @@ NOTES = {
     "lsoda_error": "solve_ivp's largest error in p_1 over 200 s [bar]",
     "cvode_over_plant": "CVODE with compiled equations and Jacobian, its time over ours",
     "cvode_error": "CVODE's largest error in p_1 over 200 s [bar]",
-    "cvode_reference_error": "our error in p_1 over 20 s against diagram.reference with CVODE, rtol 1e-8 [bar]",
+    "cvode_reference_error": "our error in p_1 over 20 s against the reference with CVODE, rtol 1e-8 [bar]",
     "control_over_plant": "python-control's own response of its best twin, its time over ours (goal: at least 300)",
     "control_over_full": "the same over our time for the same physics, stems with mass",
     "control_s": "python-control's time for it, both of the processor [s]",

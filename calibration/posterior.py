@@ -1,6 +1,6 @@
 """What simulated loops of known cause say about one record, by what the network of convolutions says of both.
 
-    z          log odds of stiction, ln S and ln J over the travel of OP: scores of ``detect.judge.features.network``
+    z          log odds of stiction, ln S and ln J over the travel of OP (``detect.judge.features.network``)
     d          distance from the record to a loop in z, each number over its spread among the loops
     weight     exp(-(d / (0.6 D))^2 / 2),   D the distance of the ``NEIGHBOURS``-th loop
     stiction   1/(1 + exp(-(a + b (z - z_record)))) at the record, a and b (3,) fitted to the loops by their weights

@@ -154,7 +154,8 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
         if not self.ninputs and 1 in (self.nstates, self.noutputs):
             raise WiringError(
                 f"'{self.name}' has no open inputs, and python-control makes no model of one state or one output "
-                f"without inputs; open one, e.g. diagram.cut('{self.signals[0]}'), or use diagram.linear.linearise"
+                f"without inputs; open one, e.g. diagram.cut('{self.signals[0]}'), "
+                "or use diagram.linear.linearise"
             )
         other = self._copy()
         other.syslist, other._for_slopes, other._seen_order = [block.twin for block in self.syslist], True, None

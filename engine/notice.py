@@ -29,8 +29,9 @@ class _Counter(event.Listener):  # type: ignore[misc]
 @contextmanager
 def noticed(what: str = ENGINE) -> Iterator[None]:
     """While ``what`` is being compiled, say so: on a terminal how far it has got, elsewhere one line."""
-    total = len({id(f) for name, module in [*sys.modules.items()] if what == ENGINE and name.startswith("engine.")
-                 for f in vars(module).values() if isinstance(f, Dispatcher)})  # fmt: skip
+    rooms = [module for name, module in [*sys.modules.items()] if name.startswith("stickslip.engine.")]
+    known = {id(f) for module in rooms for f in vars(module).values() if isinstance(f, Dispatcher)}
+    total = len(known) if what == ENGINE else 0
     status: Any = None
 
     def tell(begun: int) -> None:

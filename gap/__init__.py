@@ -1,6 +1,6 @@
 """The sim-to-real gap: where a model and a log differ, which effect explains it, and how far the gap shrinks then.
 
-diagnose   a diagram and a log -> a ``GapReport``      Effect     what an effect is; ``gap.effects`` has them all
+diagnose   a diagram and a log -> a ``GapReport``      Effect  what an effect is; all are in ``gap.effects``
 calibrated a diagram and a log -> how often names are right there, counted on runs with known effects
 latent_input a report and its log -> what must be added to an input of the model, and with what it correlates
 replayed   a report and its log -> the log against the model, as it is and with the cause, over the worst stretch

@@ -73,7 +73,7 @@ def row(effect: Effect) -> str:
     module = type(effect).__module__
     said = " ".join((inspect.getdoc(sys.modules[module]) or "").split("\n\n")[0].split())
     numbers = ", ".join(map(_told, effect.parameters))
-    file = f"../{module.replace('.', '/')}.py"
+    file = f"../{module.removeprefix('stickslip.').replace('.', '/')}.py"
     return f"| [{effect.name}]({file}) | {effect.role} | {numbers} | {said.rstrip('.').replace('``', '')} |"
 
 

@@ -32,7 +32,7 @@ __all__ = ["Log", "LogError", "LoopRecord", "LoopSignals", "ReadError", "read_lo
 def __getattr__(name: str) -> Any:
     """Load the readers when they are asked for; a simulation reads no files."""
     if name not in ("read_log", "read_loop", "read_loops"):
-        raise AttributeError(f"module 'logs' has no attribute '{name}'")
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
     from logs.files import read
 
     return getattr(read, name)

@@ -15,7 +15,7 @@ def code() -> str:
     """A hash of the sources that make the rows."""
     digest = hashlib.sha256()
     for name in PACKAGES:
-        spec = find_spec(name)
+        spec = find_spec(f"stickslip.{name}")
         assert spec is not None and spec.submodule_search_locations
         folder = Path(next(iter(spec.submodule_search_locations)))
         for path in sorted(folder.rglob("*.py")):

@@ -14,7 +14,6 @@ from typing import Any
 
 import click
 
-from stickslip.standard import hidden
 from stickslip.targets import write_whole
 
 COLOUR_OF = {"bad": "red", "good": "green", "open": "yellow"}  # in a terminal, by the kind of what is said
@@ -131,7 +130,7 @@ def user_errors(command: Callable[..., Any]) -> Callable[..., Any]:
             where = traceback.extract_tb(error.__traceback__)[-1]
             fault = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno})"
             blame = "this is a defect of stickslip, not of your input; please report it with the command you gave"
-            complain(f"{hidden() or blame}: {fault}")
+            complain(f"{blame}: {fault}")
         raise SystemExit(2)
 
     return wrapped

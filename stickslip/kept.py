@@ -9,24 +9,26 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from importlib.util import cache_from_source
 from pathlib import Path
 from typing import Any
 
-from stickslip.shadow import PACKAGES
+import stickslip
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOMS = (  # those of which blocks and cases are made, and these commands
+    "blocks", "cases", "commands", "detect", "diagram", "engine", "logs", "plant", "study",
+)  # fmt: skip
 
 
-def kept(name: str, make: Callable[[], Any], root: Path = ROOT) -> Any:
+def kept(name: str, make: Callable[[], Any], folders: Sequence[str] = stickslip.__path__) -> Any:
     """Return what ``make`` gives, in JSON's lists and objects: kept under ``name``, or made now and kept.
 
-    ``root`` is the folder of the packages.
+    The rooms are in ``folders``; the list is kept in the first of them.
     """
-    path = Path(cache_from_source(str(root / "stickslip" / f"{name}.py"))).with_suffix(".json")
-    stamp = stamp_of(root)
+    path = Path(cache_from_source(os.path.join(folders[0], f"{name}.py"))).with_suffix(".json")
+    stamp = stamp_of(folders)
     with suppress(OSError, ValueError, LookupError, TypeError):  # not there yet, or not what was written
         found = json.loads(path.read_text(encoding="utf-8"))
         if found["stamp"] == stamp:
@@ -41,11 +43,12 @@ def kept(name: str, make: Callable[[], Any], root: Path = ROOT) -> Any:
     return content
 
 
-def stamp_of(root: Path) -> str:
-    """Return a fingerprint of Python and of the packages in a folder: size and time of change of each Python file."""
+def stamp_of(folders: Sequence[str]) -> str:
+    """Return a fingerprint of Python and of the rooms in folders: size and time of change of each Python file."""
     digest = hashlib.sha256(sys.version.encode())
-    for name in (*PACKAGES, "stickslip"):
-        for path, facts in sorted(_sources(str(root / name))):
+    rooms = [os.path.join(folder, room) for folder in folders for room in ROOMS]
+    for room in filter(os.path.isdir, rooms):
+        for path, facts in sorted(_sources(room)):
             digest.update(f"{path} {facts.st_size} {facts.st_mtime_ns};".encode())
     return digest.hexdigest()
 

@@ -117,7 +117,8 @@ def case_named(given: str, option: str = "CASE") -> "Case":
         return made
     if not isinstance(made, Diagram):
         raise ValueError(
-            f"{option} {given}: the function returned {type(made).__name__}; return diagram.wire([...]) or a cases.Case"
+            f"{option} {given}: the function returned {type(made).__name__}; "
+            "return diagram.wire([...]) or a cases.Case"
         )
     about = (
         f"Made by {given}, which was executed: {DURATION:g} s with a row every {EVERY:g} s unless you say otherwise."

@@ -21,14 +21,32 @@ ROOMS = {
 }
 
 
-def room_of(module: str) -> str | None:
-    """Return the room that a module is in, a room inside another before that one.
+TOOLS = {"benchmarks"}  # of developers: not installed
 
-    >>> room_of("detect.blocks.detector"), room_of("detect.card"), room_of("numpy")
-    ('detect/blocks', 'detect', None)
+
+def room_of(module: str) -> str | None:
+    """Return the room that a module is in, the inner one of two; a module of the command line is in ``stickslip``.
+
+    >>> [room_of(f"stickslip.{module}") for module in ("detect.blocks.detector", "detect.card", "commands.check")]
+    ['detect/blocks', 'detect', 'stickslip']
+    >>> room_of("benchmarks.plant"), room_of("numpy"), room_of("detect")
+    ('benchmarks', None, None)
     """
-    path = module.replace(".", "/") + "/"
-    return max((room for room in ROOMS if path.startswith(f"{room}/")), key=len, default=None)
+    first, _, rest = module.partition(".")
+    if first != "stickslip":
+        return first if first in TOOLS else None
+    path = rest.replace(".", "/") + "/"
+    return max((room for room in ROOMS if path.startswith(f"{room}/")), key=len, default="stickslip" if rest else None)
+
+
+def module_of(path: Path) -> str:
+    """Return the name by which a file of the house is imported.
+
+    >>> module_of(ROOT / "blocks" / "pi.py"), module_of(ROOT / "stickslip" / "__main__.py")
+    ('stickslip.blocks.pi', 'stickslip.__main__')
+    """
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts if parts[0] in {*TOOLS, "stickslip"} else ("stickslip", *parts)).removesuffix(".__init__")
 
 
 HEAVY = {"control", "numba", "llvmlite"}
@@ -39,7 +57,7 @@ MAY_IMPORT_HEAVY = {
 }
 PACKAGES = sorted({room.split("/")[0] for room in ROOMS})
 FILES = [
-    (room_of(".".join(path.relative_to(ROOT).with_suffix("").parts)), path)
+    (room_of(module_of(path)) or "stickslip", path)
     for package in PACKAGES
     for path in sorted((ROOT / package).rglob("*.py"))
 ]
@@ -86,7 +104,10 @@ def upward(room: str, modules: set[str]) -> set[str]:
 def test_imports_follow_the_arrows() -> None:
     rooms = {path: room for room, path in FILES}
     assert offenders(lambda path: upward(str(rooms[path]), imported(path))) == {}
-    assert upward("detect", {"diagram.wire", "control.matlab", "logs.log", "numpy"}) == {"diagram", "control"}
+    assert upward("detect", {"stickslip.diagram.wire", "control.matlab", "stickslip.logs.log", "numpy"}) == {
+        "diagram",
+        "control",
+    }
 
 
 def used_rooms() -> dict[str, set[str]]:
@@ -141,27 +162,25 @@ def loaded(path: Path) -> set[str]:
 
 
 def test_no_two_files_need_each_other_to_load() -> None:
-    modules = {
-        ".".join(path.relative_to(ROOT).with_suffix("").parts): path for _, path in FILES if path.name != "__init__.py"
-    }
+    modules = {module_of(path): path for _, path in FILES if path.name != "__init__.py"}
     needs = {name: (loaded(path) & set(modules)) - {name} for name, path in modules.items()}
     assert sum(map(len, needs.values())) > 300  # it does read them
     assert len(list(TopologicalSorter(needs).static_order())) == len(modules)
     with pytest.raises(CycleError):
-        list(TopologicalSorter({**needs, "engine.layout": {"engine.advance"}}).static_order())
+        list(TopologicalSorter({**needs, "stickslip.engine.layout": {"stickslip.engine.advance"}}).static_order())
 
 
 def test_the_rooms_of_the_gap_use_each_other_one_way() -> None:
     needs: dict[str, set[str]] = {}
     for path in (ROOT / "gap").glob("*/*.py"):
-        used = {name.split(".")[1] for name in imported(path) if name.startswith("gap.")}
+        used = {name.split(".")[2] for name in imported(path) if name.startswith("stickslip.gap.")}
         needs.setdefault(path.parent.name, set()).update(used - {path.parent.name})
     assert len(needs) > 10
     assert needs["answers"] <= set()
     assert len(list(TopologicalSorter(needs).static_order())) >= len(needs)  # raises where two rooms need each other
 
 
-A_LOG_AND_ITS_LOOP = ("logs.log", "logs.loop")  # a log gives its loop, and a loop holds its log
+A_LOG_AND_ITS_LOOP = ("stickslip.logs.log", "stickslip.logs.loop")  # a log gives its loop, and a loop holds its log
 
 
 def circles(needs: dict[str, set[str]]) -> list[str]:
@@ -177,13 +196,11 @@ def circles(needs: dict[str, set[str]]) -> list[str]:
 
 
 def test_no_circle_of_files_but_a_result_and_its_picture() -> None:
-    modules = {
-        ".".join(path.relative_to(ROOT).with_suffix("").parts): path for _, path in FILES if path.name != "__init__.py"
-    }
+    modules = {module_of(path): path for _, path in FILES if path.name != "__init__.py"}
     needs = {name: (imported(path) & set(modules)) - {name} for name, path in modules.items()}
     assert sum(map(len, needs.values())) > 500  # it does read them
     assert circles(needs) == []
-    assert circles({**needs, "diagram.changes": {"diagram.diagram"}}) != []
+    assert circles({**needs, "stickslip.diagram.changes": {"stickslip.diagram.diagram"}}) != []
     assert circles({"a.result": {"a.figures.result"}, "a.figures.result": {"a.result"}}) == []
 
 
@@ -195,7 +212,7 @@ def test_every_package_is_listed() -> None:
 
 def test_the_rule_can_fail(tmp_path: Path) -> None:
     page = tmp_path / "page.py"
-    page.write_text("def f():\n    from diagram.diagram import wire\n    import control\n")
+    page.write_text("def f():\n    from stickslip.diagram.diagram import wire\n    import control\n")
     assert {room_of(module) for module in imported(page)} == {"diagram", None}
     assert "control" in imported(page) and "diagram" not in ROOMS["detect"]
 
@@ -260,7 +277,7 @@ def slots(source: str) -> list[str]:
         if isinstance(node, ast.Import | ast.ImportFrom):
             names = [alias.name for alias in node.names]
             module = getattr(node, "module", None) or ""
-            if "engine.layout" in [*names, module] or (module == "engine" and "layout" in names):
+            if "stickslip.engine.layout" in [*names, module] or (module == "stickslip.engine" and "layout" in names):
                 found.append(ast.unparse(node))
         elif isinstance(node, ast.Subscript) and getattr(node.value, "attr", getattr(node.value, "id", "")) in (
             "I",
@@ -276,8 +293,13 @@ def test_no_slot_of_the_engine_is_addressed_outside_it() -> None:
     assert "engine/advance.py" in found  # the engine itself addresses them
 
 
-@pytest.mark.parametrize("line", ["from engine import layout as at", "from engine.layout import T", "W[places[b]]",
-                                  "outcome.W[0]", "I[at.STEPS]"])  # fmt: skip
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from stickslip.engine import layout as at", "from stickslip.engine.layout import T", "W[places[b]]",
+        "outcome.W[0]", "I[at.STEPS]",
+    ],
+)  # fmt: skip
 def test_the_rule_of_slots_can_fail(line: str) -> None:
     assert slots(line)
 
@@ -384,7 +406,7 @@ def test_no_function_hides_a_module_of_its_name() -> None:
     found = {}
     for package in {path.parent for _, path in FILES}:
         modules = {p.stem for p in package.glob("*.py")} | {p.parent.name for p in package.glob("*/__init__.py")}
-        own = ".".join(package.relative_to(ROOT).parts)
+        own = module_of(package / "__init__.py")
         found[own] = hidden((package / "__init__.py").read_text(), own, modules)
     assert len(found) > 20
     assert {own: names for own, names in found.items() if names} == {}

@@ -9,18 +9,26 @@ import pytest
 def loaded_by(statement: str) -> set[str]:
     code = f"{statement}\nimport sys\nprint(' '.join(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return {name.split(".")[0] for name in done.stdout.split()}
+    return set(done.stdout.split())
 
 
 @pytest.mark.parametrize("package", ["logs", "detect"])
 def test_site_packages_load_no_simulator(package: str) -> None:
-    heavy = {"control", "numba", "blocks", "diagram", "plant", "engine", "matplotlib", "polars", "scipy", "filterpy"}
-    assert not loaded_by(f"import {package}") & heavy
+    heavy = {"control", "numba", "matplotlib", "polars", "scipy", "filterpy"}
+    heavy |= {f"stickslip.{room}" for room in ("blocks", "diagram", "plant", "engine")}
+    loaded = loaded_by(f"import stickslip.{package}")
+    assert f"stickslip.{package}" in loaded and not loaded & heavy
+
+
+def test_the_front_door_loads_nothing_before_it_is_asked() -> None:
+    assert {name for name in loaded_by("import stickslip") if "stickslip" in name} == {"stickslip"}
+    loaded = loaded_by("import stickslip as ss; ss.read_loop")
+    assert "stickslip.logs" in loaded and "stickslip.blocks" not in loaded
 
 
 def test_command_line_loads_nothing_heavy() -> None:
     heavy = {"control", "numba", "numpy", "matplotlib", "polars", "scipy", "rich"}
-    assert not loaded_by("import stickslip.cli") & heavy
+    assert not loaded_by("import stickslip.commands.cli") & heavy
 
 
 def test_a_simulation_that_is_compiled_already_does_not_wake_the_compiler() -> None:

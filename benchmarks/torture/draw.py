@@ -22,7 +22,7 @@ from blocks.sources import Ramp
 from diagram import Diagram, wire
 
 ROWS = 150
-SLOW = 8  # every so many diagrams may have a PI with conditional integration, which only diagram.reference knows
+SLOW = 8  # every so many diagrams may have a PI with conditional integration, which is left to the slow reference
 SCANS = (0.1, 0.25, 0.3, 0.5, 0.7, 1.0, 2.0)
 ODD = (0.1701, 0.3703, 0.9707)  # scans that meet no others, nor a step, but at the start
 ANY = (*SCANS, *ODD)

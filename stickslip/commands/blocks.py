@@ -278,7 +278,7 @@ def _entry(group: str, name: str, short: str) -> Entry:
         },
         states=block.state_names, modes=tuple(block.modes), signature=_call(name, signature),
         example="\n".join(re.findall(r"^(?:>>>|\.\.\.).*(?:\n(?!>>>|\.\.\.).+)*", doc, re.MULTILINE)),
-        file=f"{made.__module__.replace('.', '/')}.py",
+        file=f"{made.__module__.removeprefix('stickslip.').replace('.', '/')}.py",
     )  # fmt: skip
 
 

@@ -158,7 +158,7 @@ def test_a_set_is_kept_in_chunks_and_taken_up_again(tmp_path: Path, monkeypatch:
 
 
 def test_a_folder_without_loops_says_how_to_make_them(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="python -m calibration simulate"):
+    with pytest.raises(FileNotFoundError, match="calibration simulate"):
         next(read(tmp_path))
 
 

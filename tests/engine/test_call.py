@@ -116,8 +116,8 @@ def test_a_fingerprint_follows_constants_and_helpers_and_nothing_else(monkeypatc
 
 def test_a_second_process_compiles_nothing():
     code = (
-        "from blocks import FirstOrder; from engine import call; der = FirstOrder(1.0, 1.0).kernels.der;"
-        "call.address(der);"
+        "from blocks import FirstOrder; from engine import call;"
+        "der = FirstOrder(1.0, 1.0).kernels.der; call.address(der);"
         "print(call._known[der].made.cache_hits)"
     )
     runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT) for _ in range(2)]

@@ -48,7 +48,8 @@ def kept_in(home):
 def test_the_engine_finds_a_place(sealed):
     home, run = sealed
     code = (
-        "import plant; from blocks import FirstOrder; from engine.call import address;"
+        "import plant;"
+        "from blocks import FirstOrder; from engine.call import address;"
         "address(FirstOrder(1.0, 1.0).kernels.out)"
     )
     done = run("-c", code)

@@ -43,7 +43,7 @@ def steps(function):
 
     def trace(frame, event, arg):
         nonlocal count
-        if not frame.f_globals.get("__name__", "").startswith("logs"):
+        if not frame.f_globals.get("__name__", "").startswith("stickslip.logs"):
             return None
         frame.f_trace_opcodes, frame.f_trace_lines = True, False
         count += event == "opcode"

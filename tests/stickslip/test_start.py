@@ -96,3 +96,16 @@ def test_no_venv_module_says_what_to_install(start, monkeypatch, capsys):
     monkeypatch.setattr(start.venv, "create", fail)
     assert start.main() == 2
     assert "python3-venv" in capsys.readouterr().err
+
+
+def test_the_rooms_are_linked_to_where_mypy_looks_for_them(start, monkeypatch, tmp_path):
+    monkeypatch.setattr(start, "ROOT", tmp_path)
+    (tmp_path / "pyproject.toml").write_text((ROOT / "pyproject.toml").read_text())
+    for room in ("blocks", "logs"):
+        (tmp_path / room).mkdir()
+        (tmp_path / room / "__init__.py").write_text("")
+    start.linked()
+    start.linked()  # what is there already is left
+    assert (tmp_path / "build" / "typed" / "stickslip" / "logs" / "__init__.py").samefile(
+        tmp_path / "logs" / "__init__.py"
+    )

@@ -1,0 +1,39 @@
+"""Where pytest finds the examples in docstrings: in the modules that users import, ``stickslip.blocks.pi``."""
+
+import sys
+import tomllib
+from collections.abc import Generator
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent
+TARGETS = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]
+ROOMS = set(TARGETS["wheel"]["sources"])
+
+
+def is_in_room(path: Path) -> bool:
+    """Whether a file or folder belongs to a room of the house, which is a package inside ``stickslip``."""
+    return path.is_relative_to(ROOT) and bool(ROOMS & set(path.relative_to(ROOT).parts[:1]))
+
+
+def pytest_collect_directory(path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Take the folder of a room for a plain folder, because pytest would load it a second time, by a wrong name."""
+    return pytest.Dir.from_parent(parent, path=path) if is_in_room(path) else None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> Generator[None, Any, Any]:
+    """Lend the module of a file the name by which pytest asks for it, while its examples are collected."""
+    if not is_in_room(collector.path) or collector.path.suffix != ".py":
+        return (yield)
+    name = ".".join(collector.path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+    with suppress(ImportError):  # pytest says it better
+        sys.modules[name] = import_module(f"stickslip.{name}")
+    try:
+        return (yield)
+    finally:
+        sys.modules.pop(name, None)
