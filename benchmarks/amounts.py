@@ -16,12 +16,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-
-from benchmarks.report import Figures, options, publish
-from blocks import PI, ChoudhuryValve, FirstOrder, HeValve, Integrator, KanoValve, Step, StickSlip, Triangle
-from blocks.block import Block
-from detect.judge.answer import answer
-from detect.methods import (
+from stickslip.blocks import PI, ChoudhuryValve, FirstOrder, HeValve, Integrator, KanoValve, Step, StickSlip, Triangle
+from stickslip.blocks.block import Block
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.methods import (
     bicoherence,
     change_no_change,
     dead_travel,
@@ -36,10 +34,12 @@ from detect.methods import (
     stem_play,
     window_tests,
 )
-from detect.prepare.prepared import Prepared
-from detect.verdict import Verdict
-from diagram import simulate, wire
-from logs import LoopRecord
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import Verdict
+from stickslip.diagram import simulate, wire
+from stickslip.logs import LoopRecord
+
+from benchmarks.report import Figures, options, publish
 
 PAGE = Path(__file__).parents[1] / "docs" / "amounts.md"
 SIZES = ((4.0, 0.0), (4.0, 1.0), (4.0, 2.0), (4.0, 4.0), (2.0, 1.0), (8.0, 4.0))  # S, J [% of OP]

@@ -45,8 +45,8 @@ def main() -> None:
 
 def write_record(file: Path) -> None:
     """Write the loop that is judged."""
-    from calibration import simulate
-    from calibration.drawing import one
+    from stickslip.calibration import simulate
+    from stickslip.calibration.drawing import one
 
     spec = replace(one("cycling", (SEED, 0, 1), "other_physics"), samples=ROWS)
     ((record, _),) = simulate([spec])

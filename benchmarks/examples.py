@@ -2,8 +2,8 @@
 
     python -m benchmarks.examples [--quick] [--json FILE]
 
-The code is that of the page.  Timed is its last run, with all that ``diagram.simulation`` does, once the functions are
-compiled; peers build and run their system once.  Both work at rtol 1e-8.
+The code is that of the page.  Timed is its last run, with all that ``stickslip.diagram.simulation`` does, once the
+functions are compiled; peers build and run their system once.  Both work at rtol 1e-8.
 """
 
 import ast
@@ -91,9 +91,10 @@ def compare(quick: bool, repeats: int = 9) -> Figures:
 
 def called_in_python(repeats: int = 9) -> Figures:
     """Return what it costs if the functions of an example cannot be compiled."""
+    from stickslip.blocks import Equations
+    from stickslip.diagram import simulate, wire
+
     from benchmarks.peers.examples_control import hares
-    from blocks import Equations
-    from diagram import simulate, wire
 
     def rate(H, L):
         eaten = 3.2 * H * L / (50.0 + H)

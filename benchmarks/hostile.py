@@ -25,13 +25,13 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 from click.testing import CliRunner, Result
+from stickslip.logs.time_limit import time_limit
 
 from benchmarks.hostile_binary import sheet_rows, workbook
 from benchmarks.hostile_files import files, mutated
 from benchmarks.hostile_rows import good_rows, table
 from benchmarks.report import Figures, publish
-from logs.time_limit import time_limit
-from stickslip.cli import cli
+from stickslip.commands.cli import cli
 
 SECONDS = 30  # for one command on one file; the slowest takes 3 s on two quiet cores
 MEMORY = 3_000_000_000  # bytes of address space beyond what the process has at the start
@@ -41,8 +41,8 @@ NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?")
 # The smallest model, OP moves a valve and the valve PV: a diagnosis with it takes a third of a second. And a model
 # that has no signal in common with any file.
 MODEL = """
-from blocks import FirstOrder, IdealValve, Step
-from diagram import wire
+from stickslip.blocks import FirstOrder, IdealValve, Step
+from stickslip.diagram import wire
 
 
 def loop():

@@ -3,10 +3,10 @@
     python -m benchmarks.plant [--quick] [--only PARTS] [--json FILE]         exit code 1 if a goal is missed
 
 The subject is set B with high stiction in VLCS1 and VPCS1 (quasi-static stems), kicked: 2000 s, 0.1 s log of all 61
-signals, rtol 1e-6, atol 1e-9, one in-process call of ``diagram.simulate``.  Peers have the same start, tolerances and
-log times: scipy's LSODA and SUNDIALS CVODE on flat compiled equations that share nothing with ``blocks``, and
-python-control's own response of its best twin, which knows no events and therefore has stems with mass and smooth
-friction.  Ours and the compiled peers run in turn; a ratio is the median over these rounds.
+signals, rtol 1e-6, atol 1e-9, one in-process call of ``stickslip.diagram.simulate``.  Peers have the same start,
+tolerances and log times: scipy's LSODA and SUNDIALS CVODE on flat compiled equations that share nothing with
+``blocks``, and python-control's own response of its best twin, which knows no events and therefore has stems with mass
+and smooth friction.  Ours and the compiled peers run in turn; a ratio is the median over these rounds.
 
 The plant's cycle forgets its start: two runs agree until a slip falls within their error of a tie, then they go other
 ways.  Errors are therefore given over the first 200 s, and period and amplitude of p_1 over the last 1000 s.
@@ -30,13 +30,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
+from stickslip.diagram import simulate
+from stickslip.logs.oscillation import oscillation
+from stickslip.plant import SET_B, kicked, production_plant, steady_state
+from stickslip.study import production_subject, study
 
 from benchmarks.peers import production_control, production_equations, production_lsoda
 from benchmarks.report import Figures, in_turn, options, publish
-from diagram import simulate
-from logs.oscillation import oscillation
-from plant import SET_B, kicked, production_plant, steady_state
-from study import production_subject, study
 
 DURATION, EVERY = 2000.0, 0.1  # s
 EARLY, LATE = 200.0, 1000.0  # s: errors are taken before, period and amplitude after
@@ -230,7 +230,7 @@ def cvode_figures(subject: Subject, rounds: int) -> Figures:
 
 def reference_figures(subject: Subject) -> Figures:
     """Return our error against CVODE as the interpreted reference of the plant."""
-    from diagram.reference import simulate_reference
+    from stickslip.diagram.reference import simulate_reference
 
     try:
         run = simulate_reference(subject.plant, REFERENCE, every=EVERY, backend="cvode", rtol=1e-8, atol=1e-11)

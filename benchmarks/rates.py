@@ -2,10 +2,10 @@
 
     python -m benchmarks.rates [--quick] [--json FILE] [--loops N] [--seed N] [--folder DIR] [--again NAME] [--write]
 
-Draws loops (``calibration.draw``, setting "other_physics", half of them with a sticky valve), puts every method to
-each, and counts its verdicts by group of loops.  No threshold of any method was set on them.  For the delay the first
-``STREAMED`` sticky loops are fed sample by sample to ``LoopStream``, which watches with the streaming twin of a method
-or with a sliding window, and asked at ``CHECKS`` periods of the loop: the delay is the first time of an alarm.
+Draws loops (``stickslip.calibration.draw``, setting "other_physics", half of them with a sticky valve), puts every
+method to each, and counts its verdicts by group of loops.  No threshold of any method was set on them.  For the delay
+the first ``STREAMED`` sticky loops are fed sample by sample to ``LoopStream``, which watches with the streaming twin of
+a method or with a sliding window, and asked at ``CHECKS`` periods of the loop: the delay is the first time of an alarm.
 The row "combined" is the verdict of ``stickslip check`` on the record without MV.  ``--write`` keeps all in
 ``detect/rates.json``, which the table prints; ``--quick`` takes 8 loops; ``--again combined`` counts one row anew on
 the loops that are kept, in two minutes.  All 416 loops take six minutes of one core; what is counted is kept
@@ -26,22 +26,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from stickslip.calibration import LoopSpec, Truth, draw, simulate
+from stickslip.detect import METHODS, compare
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.loop_stream import LoopStream
+from stickslip.detect.methods import stem_play
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.rates import COMBINED, FILE, SCHEMA, of_counts
+from stickslip.detect.stream import LoopFacts, Sample
+from stickslip.detect.words import WORDS as WORDING
+from stickslip.detect.words import Word
+from stickslip.logs import LoopRecord
+from stickslip.logs.files.write import replacing
+from stickslip.logs.hint import nearest
 
 from benchmarks.report import Figures, publish
 from benchmarks.resumed import code_of, resumed
-from calibration import LoopSpec, Truth, draw, simulate
-from detect import METHODS, compare
-from detect.judge.answer import answer
-from detect.loop_stream import LoopStream
-from detect.methods import stem_play
-from detect.prepare.prepared import Prepared
-from detect.rates import COMBINED, FILE, SCHEMA, of_counts
-from detect.stream import LoopFacts, Sample
-from detect.words import WORDS as WORDING
-from detect.words import Word
-from logs import LoopRecord
-from logs.files.write import replacing
-from logs.hint import nearest
 
 LOOPS, QUICK = 416, 8
 SEED = 20_260_701  # used for nothing else
@@ -114,7 +114,7 @@ class Counted:
         self.streamed += row["streamed"]
 
     def kept(self, seed: int, loops: int) -> dict[str, Any]:
-        """The counts as ``detect.rates`` reads them."""
+        """The counts as ``stickslip.detect.rates`` reads them."""
         return {
             "schema": SCHEMA,
             "made_by": "python -m benchmarks.rates --write",

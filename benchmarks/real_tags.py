@@ -7,11 +7,12 @@ import csv
 import sys
 from collections.abc import Mapping, Sequence
 
+from stickslip.detect.chances import chance
+from stickslip.detect.tag import Tag, judge_tag
+from stickslip.logs import read_loop
+
 from benchmarks.report import Figures, options, publish
 from benchmarks.stability import DATA
-from detect.chances import chance
-from detect.tag import Tag, judge_tag
-from logs import read_loop
 
 NOTES = {
     "found": "tags labelled sticky that are called (goal: at least 6)",

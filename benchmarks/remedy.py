@@ -23,8 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from blocks import (
+from stickslip.blocks import (
     ConstantReinforcement,
     FirstOrder,
     GapPI,
@@ -41,13 +40,13 @@ from blocks import (
     Sum,
     TwoMove,
 )  # fmt: skip
-from blocks.block import Block
-from diagram import Diagram, simulate, wire
-from logs import LoopRecord
-from remedy import Advice, FitError, fit, remedies
-from remedy.advice import TRAVEL
-from remedy.measures.setting import Setting
-from remedy.trial import NOTHING
+from stickslip.blocks.block import Block
+from stickslip.diagram import Diagram, simulate, wire
+from stickslip.logs import LoopRecord
+from stickslip.remedy import Advice, FitError, fit, remedies
+from stickslip.remedy.advice import TRAVEL
+from stickslip.remedy.measures.setting import Setting
+from stickslip.remedy.trial import NOTHING
 
 SAMPLES = 4_000
 SKIPPED = 0.15

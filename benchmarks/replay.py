@@ -5,14 +5,14 @@ samples; its log comes from a run of the same loop, so the offsets found have to
 """
 
 import numpy as np
+from stickslip.blocks import PI, FirstOrder, IdealValve, Noise, QuasiStaticStem, Sensor, Staircase, Sum
+from stickslip.blocks.block import Block
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.pins import pinned, replays, residuals
+from stickslip.logs import Log
 
 from benchmarks.report import Figures, median_seconds
-from blocks import PI, FirstOrder, IdealValve, Noise, QuasiStaticStem, Sensor, Staircase, Sum
-from blocks.block import Block
-from diagram import simulate, wire
-from diagram.diagram import Diagram
-from diagram.pins import pinned, replays, residuals
-from logs import Log
 
 DURATION, EVERY = 7200.0, 1.0
 STICKBAND, SLIP_JUMP = 0.06, 0.02

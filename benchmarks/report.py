@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from logs.hint import nearest
+from stickslip.logs.hint import nearest
 
 Figures = dict[str, float | str | None]
 REQUIREMENT = re.compile(r"\((?:required|goal): (at most|at least|below) ([-+.\de]+)\b")

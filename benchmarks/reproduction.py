@@ -2,22 +2,24 @@
 
     python -m benchmarks.reproduction [--quick] [--json FILE]
 
-Counts of the rows in tolerance (``cases.tables``).  Set E is judged on ten sets of 100 starts that were not used
-to find it; sets A, B and C on the first of these; random plants (``cases.random_plants``: every parameter of A, B or C
-+-20 %, but stems and feeds as in the thesis) on 24 starts each.  A row that every set of parameters meets, or that
-random plants meet as well, says little about the parameters.  ``--quick`` takes 2 starts and one random plant.
+Counts of the rows in tolerance (``stickslip.cases.tables``).  Set E is judged on ten sets of 100 starts that were not
+used to find it; sets A, B and C on the first of these; random plants (``stickslip.cases.random_plants``: every
+parameter of A, B or C +-20 %, but stems and feeds as in the thesis) on 24 starts each.  A row that every set of
+parameters meets, or that random plants meet as well, says little about the parameters.  ``--quick`` takes 2 starts and
+one random plant.
 """
 
 import sys
 from dataclasses import replace
 from statistics import median
 
+from stickslip.cases.kicks import FRESH, KICKS, Studies
+from stickslip.cases.random_plants import draw
+from stickslip.cases.starts import Key, fresh, judged, plant_rows, telling
+from stickslip.plant import SETS, InfeasibleFeed
+from stickslip.plant.parameters import DEFAULT, Stem
+
 from benchmarks.report import Figures, options, publish
-from cases.kicks import FRESH, KICKS, Studies
-from cases.random_plants import draw
-from cases.starts import Key, fresh, judged, plant_rows, telling
-from plant import SETS, InfeasibleFeed
-from plant.parameters import DEFAULT, Stem
 
 PLANTS, STARTS, SEED = 9, 24, 77
 

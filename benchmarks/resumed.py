@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from logs.files.write import replacing
+from stickslip.logs.files.write import replacing
 
 Row = dict[str, Any]
 

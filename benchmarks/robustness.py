@@ -2,10 +2,10 @@
 
     python -m benchmarks.robustness [--quick] [--json FILE]
 
-Random production plants (``cases.random_plants``: every parameter +-20 %, feeds, kicks, stiction, stems, anti-surge,
-turbine) until 500 could be built; each runs 2000 s with balances of its balances inside the model.  It counts as
-integrated if the status is OK, every logged value is finite and within physical bounds, and all balances close.
-What could not be built was refused with the numbers.  ``--quick`` runs 40.
+Random production plants (``stickslip.cases.random_plants``: every parameter +-20 %, feeds, kicks, stiction, stems,
+anti-surge, turbine) until 500 could be built; each runs 2000 s with balances of its balances inside the model.  It
+counts as integrated if the status is OK, every logged value is finite and within physical bounds, and all balances
+close. What could not be built was refused with the numbers.  ``--quick`` runs 40.
 """
 
 import os
@@ -14,8 +14,9 @@ from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
+from stickslip.cases.random_plants import Outcome, RandomPlant, feasible, run
+
 from benchmarks.report import Figures, options, publish
-from cases.random_plants import Outcome, RandomPlant, feasible, run
 
 PLANTS, QUICK = 500, 40
 

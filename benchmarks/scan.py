@@ -2,9 +2,10 @@
 
     python -m benchmarks.scan [--quick] [--loops N] [--out FOLDER] [--json FILE]
 
-The plant is made by ``calibration.draw`` in the setting "other_physics", with seeds that nothing else uses: a tenth of
-the loops have a sticky valve that cycles, a fifth oscillate for other reasons, the others do their work, drift, follow
-a master, or have a deadband.  One Parquet file a loop, 7,200 samples each.  A cluster is two Dask workers here.
+The plant is made by ``stickslip.calibration.draw`` in the setting "other_physics", with seeds that nothing else uses: a
+tenth of the loops have a sticky valve that cycles, a fifth oscillate for other reasons, the others do their work,
+drift, follow a master, or have a deadband.  One Parquet file a loop, 7,200 samples each.  A cluster is two Dask workers
+here.
 """
 
 import argparse
@@ -25,7 +26,7 @@ from benchmarks.report import Figures, publish
 
 SEED = 91_002  # of the plant; nothing is fitted to it
 SAMPLES = 7_200
-# group of calibration.drawing -> how many of ten loops
+# group of stickslip.calibration.drawing -> how many of ten loops
 MIX = {
     "cycling": 1, "external_sine": 1, "tight_tuning": 1, "healthy": 3, "deadband": 1, "drift": 1,
     "external_stochastic": 1, "cascade_slave": 1,
@@ -68,9 +69,9 @@ def main() -> None:
 
 def plant(folder: Path, loops: int, samples: int) -> dict[str, str]:
     """Write the loops that are not there yet; return loop -> group of its cause."""
-    from calibration import simulate
-    from calibration.drawing import one
-    from diagram.progress import reporting
+    from stickslip.calibration import simulate
+    from stickslip.calibration.drawing import one
+    from stickslip.diagram.progress import reporting
 
     groups = [group for group, count in MIX.items() for _ in range(count)]
     asked = [(i, groups[i % len(groups)]) for i in range(loops)]
@@ -132,7 +133,7 @@ def _scanned(source: Path, out: Path) -> tuple[float, Any, float]:
 
 
 def _scan(source: str, out: str, told: Any) -> None:
-    from scan import scan
+    from stickslip.scan import scan
 
     peak, over = [0.0], threading.Event()
 
@@ -170,8 +171,7 @@ def read_whole(folder: Path, loops: int, rows: int) -> Figures:
     """Read a wide file of so many loops, as loops and as a log: seconds of the processor."""
     import numpy as np
     import polars as pl
-
-    from logs import read_log, read_loops
+    from stickslip.logs import read_log, read_loops
 
     noise = np.random.default_rng(SEED).normal(size=(3 * loops, rows))
     names = [f"FIC{i:04d}.{part}" for i in range(loops) for part in ("SP", "PV", "OP")]
@@ -189,8 +189,7 @@ def read_whole(folder: Path, loops: int, rows: int) -> Figures:
 
 def _on_cluster(source: Path, folder: Path, seconds: float) -> Figures:
     from distributed import LocalCluster
-
-    from scan import scan
+    from stickslip.scan import scan
 
     out = folder / "cluster"
     shutil.rmtree(out, ignore_errors=True)

@@ -3,7 +3,7 @@
     python -m benchmarks.simulate [--quick] [--json FILE]         exit code 1 if a requirement is missed
 
 The subject is ``ideal_high``: the thesis's loop with the full-mass stem, 600 s, 6001 log rows, one in-process
-call of ``diagram.simulate`` at rtol 1e-8.  Peers solve the same problem: hand-written C, python-control's own
+call of ``stickslip.diagram.simulate`` at rtol 1e-8.  Peers solve the same problem: hand-written C, python-control's own
 response of its best twin (it knows no events), PathSim with its zero-crossing events.  ``X_over_ideal`` is the
 peer's time over ours; every peer's error is printed beside it.
 """
@@ -17,17 +17,17 @@ import warnings
 from collections.abc import Callable
 
 import numpy as np
+from stickslip.cases import find
+from stickslip.cases.exact import exact_run
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.ensembles import ensemble
+from stickslip.diagram.flatten import plan
+from stickslip.plant.loops import self_regulating_loop
 
 from benchmarks.peers.coupled_sticky import coupled_sticky_loops
 from benchmarks.replay import NOTES as REPLAY_NOTES
 from benchmarks.replay import replay_figures
 from benchmarks.report import Figures, in_turn, median_seconds, options, publish
-from cases import find
-from cases.exact import exact_run
-from diagram import simulate, wire
-from diagram.ensembles import ensemble
-from diagram.flatten import plan
-from plant.loops import self_regulating_loop
 
 RTOL = 1e-8  # so that our error is as small as the C program's; the default of simulate() is 1e-6
 

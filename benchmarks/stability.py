@@ -19,15 +19,15 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from stickslip.calibration.crossed.drawing import Drawn, draw
+from stickslip.calibration.crossed.history import seen
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord, read_loop
 
 from benchmarks.other_physics.scoring import figures as scored
 from benchmarks.report import Figures, publish
 from benchmarks.resumed import code_of, resumed
-from calibration.crossed.drawing import Drawn, draw
-from calibration.crossed.history import seen
-from detect.judge.answer import answer
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord, read_loop
 
 DATA = Path(os.environ.get("STICKSLIP_DATA") or Path(__file__).parents[2] / "shared" / "data")
 SEED = 5

@@ -9,8 +9,8 @@ jump.  The verdict is asked three times: on the log as the plant exports it, wit
 them, with the suspects that the survey finds in all its tags; and on PV, OP and SP alone.  Beside it: what the
 thesis's algorithm says (R above 1.25 is stiction), and whether the survey of the whole log without stems puts a sticky
 valve first among all loops; so it is asked, too, of plants with one sticky valve, and of random plants
-(``cases.random_plants``, of a seed of their own), beside the share that chance would reach, and what slips it calls
-there.  ``--cells`` asks for the verdicts alone.
+(``stickslip.cases.random_plants``, of a seed of their own), beside the share that chance would reach, and what slips it
+calls there.  ``--cells`` asks for the verdicts alone.
 """
 
 import argparse
@@ -20,16 +20,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from stickslip.cases.kicks import DURATION, SIZE, indices
+from stickslip.cases.random_plants import feasible
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.plantwide.survey import survey
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.diagram import Diagram, simulate
+from stickslip.logs import Log
+from stickslip.plant import feed, production_plant
 
 from benchmarks.report import Figures, publish
-from cases.kicks import DURATION, SIZE, indices
-from cases.random_plants import feasible
-from detect.judge.answer import answer
-from detect.plantwide.survey import survey
-from detect.prepare.prepared import Prepared
-from diagram import Diagram, simulate
-from logs import Log
-from plant import feed, production_plant
 
 STARTS, QUICK, SEED = 20, 1, 20_260_901
 RANDOM, RANDOM_SEED = 60, 2031  # random plants; the seed is used for nothing else

@@ -2,10 +2,11 @@
 
     python -m benchmarks.tolerance [--quick] [--json FILE] [--loops N] [--out FOLDER]
 
-Loops with a sticky valve that cycle, and as many that oscillate or rest without one (``calibration.draw``), are brought
-to one clean state: 1 % noise, 25 samples a period, 40 cycles, no other defect.  Then one condition at a time grows
-worse and every method judges again.  Noise is in the loop, so that the controller sees it; sampling, quantisation and
-compression are the historian's, so that the loop does not.  ``--out`` writes tolerance.csv and a picture a condition.
+Loops with a sticky valve that cycle, and as many that oscillate or rest without one (``stickslip.calibration.draw``),
+are brought to one clean state: 1 % noise, 25 samples a period, 40 cycles, no other defect.  Then one condition at a
+time grows worse and every method judges again.  Noise is in the loop, so that the controller sees it; sampling,
+quantisation and compression are the historian's, so that the loop does not.  ``--out`` writes tolerance.csv and a
+picture a condition.
 """
 
 import argparse
@@ -18,12 +19,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from stickslip.calibration import LoopSpec, Truth, draw, simulate
+from stickslip.detect import METHODS, compare
+from stickslip.detect.methods import stem_play
+from stickslip.logs import Log, LoopRecord
+from stickslip.logs.files.write import replacing
+
 from benchmarks.report import Figures, publish
-from calibration import LoopSpec, Truth, draw, simulate
-from detect import METHODS, compare
-from detect.methods import stem_play
-from logs import Log, LoopRecord
-from logs.files.write import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -164,8 +166,8 @@ def read_csv(text: str) -> list[Point]:
 
 def figure(points: Sequence[Point], condition: Condition) -> "Figure":
     """A panel a method: share of the sticky loops found, and of the others accused, from clean to bad."""
-    from logs.picture import Picture
-    from logs.style import INK, RED, tidy
+    from stickslip.logs.picture import Picture
+    from stickslip.logs.style import INK, RED, tidy
 
     names = [method.CARD.name for method in TESTED if method.CARD.accuses]
     columns = 5

@@ -17,80 +17,80 @@ plant        Separator Scrubber ControlValveFlow GasValveFlow CheckValve FlowRes
              (CubicMap, TabulatedMap) AntiSurge Shaft GasTurbine Flare
 """
 
-from blocks.anti_surge import AntiSurge
-from blocks.arithmetic import Gain, Sum
-from blocks.biquad import Biquad
-from blocks.block import Block, Host, Kernels
-from blocks.characteristic import Characteristic
-from blocks.check_valve import CheckValve
-from blocks.chen_valve import ChenValve
-from blocks.chirp import Chirp
-from blocks.choudhury_valve import ChoudhuryValve
-from blocks.compressor import Compressor
-from blocks.compressor_map import CubicMap
-from blocks.constant_reinforcement import ConstantReinforcement
-from blocks.control_system import as_block
-from blocks.control_valve_flow import ControlValveFlow
-from blocks.dead_time import DeadTime
-from blocks.dead_zone import DeadZone
-from blocks.deadband import Deadband
-from blocks.equations import Equations
-from blocks.first_order import FirstOrder
-from blocks.flare import Flare
-from blocks.flow_resistance import FlowResistance
-from blocks.gap_pi import GapPI
-from blocks.gas_turbine import GasTurbine
-from blocks.gas_valve_flow import GasValveFlow
-from blocks.he_valve import HeValve
-from blocks.historian import Historian
-from blocks.ideal_valve import IdealValve
-from blocks.integrator import Integrator
-from blocks.kano_valve import KanoValve
-from blocks.knocker import Knocker
-from blocks.lead_lag import LeadLag
-from blocks.lookup_1d import Lookup1D
-from blocks.lookup_2d import Lookup2D
-from blocks.lugre_stem import LuGreStem
-from blocks.noise import Noise
-from blocks.overflow import Overflow
-from blocks.periodic import Sine, Slug, Square, Triangle
-from blocks.pi import PI
-from blocks.pid import PID
-from blocks.pin import Pin
-from blocks.plenum import Plenum
-from blocks.ports import BlockError, Labels, Port
-from blocks.positioner import Positioner
-from blocks.prbs import PRBS
-from blocks.product import Divide, Product
-from blocks.quantiser import Quantiser
-from blocks.quasi_static_stem import QuasiStaticStem
-from blocks.rate_limiter import RateLimiter
-from blocks.recorded import Recorded, Staircase
-from blocks.relay import Relay
-from blocks.relay_tuner import RelayTuner
-from blocks.reset_integrator import ResetIntegrator
-from blocks.sampled_filter import SampledFilter
-from blocks.sampled_function import SampledFunction
-from blocks.sampled_pi import SampledPI
-from blocks.saturation import Saturation
-from blocks.scrubber import Scrubber
-from blocks.second_order import SecondOrder
-from blocks.select import MaxSelect, MinSelect
-from blocks.sensor import SampledSensor, Sensor
-from blocks.separator import Separator
-from blocks.shaft import Shaft
-from blocks.sources import Constant, Ramp, Step
-from blocks.state_space import StateSpace
-from blocks.stenman_valve import StenmanValve
-from blocks.stick_slip import StickSlip
-from blocks.stribeck_stem import StribeckStem
-from blocks.switch import Switch
-from blocks.tabulated_map import TabulatedMap
-from blocks.tank import Tank
-from blocks.transfer_function import TransferFunction
-from blocks.two_move import TwoMove
-from blocks.variable_delay import VariableDelay
-from blocks.zero_order_hold import ZeroOrderHold
+from stickslip.blocks.anti_surge import AntiSurge
+from stickslip.blocks.arithmetic import Gain, Sum
+from stickslip.blocks.biquad import Biquad
+from stickslip.blocks.block import Block, Host, Kernels
+from stickslip.blocks.characteristic import Characteristic
+from stickslip.blocks.check_valve import CheckValve
+from stickslip.blocks.chen_valve import ChenValve
+from stickslip.blocks.chirp import Chirp
+from stickslip.blocks.choudhury_valve import ChoudhuryValve
+from stickslip.blocks.compressor import Compressor
+from stickslip.blocks.compressor_map import CubicMap
+from stickslip.blocks.constant_reinforcement import ConstantReinforcement
+from stickslip.blocks.control_system import as_block
+from stickslip.blocks.control_valve_flow import ControlValveFlow
+from stickslip.blocks.dead_time import DeadTime
+from stickslip.blocks.dead_zone import DeadZone
+from stickslip.blocks.deadband import Deadband
+from stickslip.blocks.equations import Equations
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.flare import Flare
+from stickslip.blocks.flow_resistance import FlowResistance
+from stickslip.blocks.gap_pi import GapPI
+from stickslip.blocks.gas_turbine import GasTurbine
+from stickslip.blocks.gas_valve_flow import GasValveFlow
+from stickslip.blocks.he_valve import HeValve
+from stickslip.blocks.historian import Historian
+from stickslip.blocks.ideal_valve import IdealValve
+from stickslip.blocks.integrator import Integrator
+from stickslip.blocks.kano_valve import KanoValve
+from stickslip.blocks.knocker import Knocker
+from stickslip.blocks.lead_lag import LeadLag
+from stickslip.blocks.lookup_1d import Lookup1D
+from stickslip.blocks.lookup_2d import Lookup2D
+from stickslip.blocks.lugre_stem import LuGreStem
+from stickslip.blocks.noise import Noise
+from stickslip.blocks.overflow import Overflow
+from stickslip.blocks.periodic import Sine, Slug, Square, Triangle
+from stickslip.blocks.pi import PI
+from stickslip.blocks.pid import PID
+from stickslip.blocks.pin import Pin
+from stickslip.blocks.plenum import Plenum
+from stickslip.blocks.ports import BlockError, Labels, Port
+from stickslip.blocks.positioner import Positioner
+from stickslip.blocks.prbs import PRBS
+from stickslip.blocks.product import Divide, Product
+from stickslip.blocks.quantiser import Quantiser
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.rate_limiter import RateLimiter
+from stickslip.blocks.recorded import Recorded, Staircase
+from stickslip.blocks.relay import Relay
+from stickslip.blocks.relay_tuner import RelayTuner
+from stickslip.blocks.reset_integrator import ResetIntegrator
+from stickslip.blocks.sampled_filter import SampledFilter
+from stickslip.blocks.sampled_function import SampledFunction
+from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.blocks.saturation import Saturation
+from stickslip.blocks.scrubber import Scrubber
+from stickslip.blocks.second_order import SecondOrder
+from stickslip.blocks.select import MaxSelect, MinSelect
+from stickslip.blocks.sensor import SampledSensor, Sensor
+from stickslip.blocks.separator import Separator
+from stickslip.blocks.shaft import Shaft
+from stickslip.blocks.sources import Constant, Ramp, Step
+from stickslip.blocks.state_space import StateSpace
+from stickslip.blocks.stenman_valve import StenmanValve
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.blocks.stribeck_stem import StribeckStem
+from stickslip.blocks.switch import Switch
+from stickslip.blocks.tabulated_map import TabulatedMap
+from stickslip.blocks.tank import Tank
+from stickslip.blocks.transfer_function import TransferFunction
+from stickslip.blocks.two_move import TwoMove
+from stickslip.blocks.variable_delay import VariableDelay
+from stickslip.blocks.zero_order_hold import ZeroOrderHold
 
 __all__ = [
     "PI",

@@ -4,7 +4,7 @@ Four points z, z + a, z + b and z + a + b that all belong to a mode (no event fu
 
     f(z + a + b) - f(z + a) - f(z + b) + f(z) = 0         also with b = a
 
-What these points do not show, the engine notices at the end of each of its steps (``engine.series``).
+What these points do not show, the engine notices at the end of each of its steps (``stickslip.engine.series``).
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from blocks.block import Block
+    from stickslip.blocks.block import Block
 
 Floats = NDArray[np.float64]
 TRIES, SEEN = 12, 2  # places tried in each mode, and how many of them that belong to it are enough

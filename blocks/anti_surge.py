@@ -31,11 +31,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Floats, Kernels
-from blocks.limited_pi import LimitedController, limited, output_events
-from blocks.limits import limit_transition
-from blocks.pi import check_tuning
-from blocks.ports import Port, require
+from stickslip.blocks.block import Floats, Kernels
+from stickslip.blocks.limited_pi import LimitedController, limited, output_events
+from stickslip.blocks.limits import limit_transition
+from stickslip.blocks.pi import check_tuning
+from stickslip.blocks.ports import Port, require
 
 # p = K_p, T_i, low, high, T_t, action (as limited_pi), margin, boost, and with gradient action: gradient, limit, T_f
 # x = z, and with gradient action: f

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import UnionType
 from typing import Any, get_args
 
-from blocks.ports import BlockError, number
+from stickslip.blocks.ports import BlockError, number
 
 
 def checked(init: Callable[..., None]) -> Callable[..., None]:
@@ -24,7 +24,7 @@ def checked(init: Callable[..., None]) -> Callable[..., None]:
     >>> checked(init)(None, "3")
     Traceback (most recent call last):
     ...
-    blocks.ports.BlockError: process: K = '3', but it must be a single number; give one
+    stickslip.blocks.ports.BlockError: process: K = '3', but it must be a single number; give one
     """
     signature = inspect.signature(init)
     wanted = {p.name: _kinds(p.annotation) for p in signature.parameters.values()}
@@ -101,7 +101,8 @@ def by_name(block: str, what: str, given: Any, example: Mapping[str, Any]) -> Ma
     >>> by_name("diagram", "params", ["valve.F_s"], {"valve.F_s": 1750.0})
     Traceback (most recent call last):
     ...
-    blocks.ports.BlockError: diagram: params = ['valve.F_s'], but ... given by name; give e.g. {'valve.F_s': 1750.0}
+    stickslip.blocks.ports.BlockError: diagram: params = ['valve.F_s'], but ... given by name; give e.g. {'valve.F_s':
+    1750.0}
     """
     if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
         raise BlockError(f"{block}: {what} = {given!r}, but values are given by name; give e.g. {dict(example)}")

@@ -11,11 +11,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arguments import by_name
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port, require
-from blocks.role import Role
-from blocks.rules import finite
+from stickslip.blocks.arguments import by_name
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite
 
 
 def _sum_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

@@ -19,12 +19,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
-from blocks.arithmetic import Gain
-from blocks.block import Block, Kernels
-from blocks.one_to_one import OneToOne
-from blocks.ports import require
-from blocks.role import Role
-from blocks.rules import check_scan, finite
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.ports import require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan, finite
 
 
 def _biquad_step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

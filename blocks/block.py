@@ -13,14 +13,13 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.arguments import by_name, checked, text
-from blocks.control_view import ControlView
-from blocks.declared import FREE_MODE, PARTS
-from blocks.kernels import Floats, Host, Kernel, Kernels
-from blocks.named_kernels import Names, in_arrays
-from blocks.ports import BlockError, Labels, check_names, labelled, nearest, number, require, shortened
-from blocks.role import Role
+from stickslip.blocks.arguments import by_name, checked, text
+from stickslip.blocks.control_view import ControlView
+from stickslip.blocks.declared import FREE_MODE, PARTS
+from stickslip.blocks.kernels import Floats, Host, Kernel, Kernels
+from stickslip.blocks.named_kernels import Names, in_arrays
+from stickslip.blocks.ports import BlockError, Labels, check_names, labelled, nearest, number, require, shortened
+from stickslip.blocks.role import Role
 
 __all__ = ["Block", "Floats", "Host", "Kernel", "Kernels"]
 
@@ -196,7 +195,7 @@ class Block(ControlView):
 
         Raises ``BlockError`` for a role that is none of ``Role``, a part that is none, or a port that is not there.
 
-        >>> from blocks import Equations
+        >>> from stickslip.blocks import Equations
         >>> law = Equations("PC", out=lambda r, y: 2.0 * (r - y), inputs=["r", "y"], outputs="u")
         >>> law.with_role("controller", SP="r", PV="y", OP="u").loop_signal("PV")
         'y'
@@ -246,7 +245,7 @@ class Block(ControlView):
         A share of 0 takes a tolerance away.  Raises ``BlockError`` for an unknown parameter, a share that is not from 0
         to below 1, or a parameter that is 0 or infinite, of which there is no share.
 
-        >>> from blocks import FirstOrder
+        >>> from stickslip.blocks import FirstOrder
         >>> FirstOrder(K=3.0, tau=10.0).with_tolerances(K=0.05).relabelled("a", ["u"], ["y"]).tolerances
         {'K': 0.05}
         """

@@ -21,9 +21,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port, nearest, require
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Port, nearest, require
+from stickslip.blocks.role import Role
 
 
 def _shifted_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

@@ -16,11 +16,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.control_valve_flow import BAND, OPEN, SHUT, root
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import not_negative
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.control_valve_flow import BAND, OPEN, SHUT, root
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import not_negative
 
 
 def _out(p_up: float, p_down: float, K: float, p_crack: float, p_lam: float) -> float:

@@ -19,8 +19,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.sampled_valve import TwoBandValve
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.sampled_valve import TwoBandValve
 
 ROUNDING = 1e-14  # of OP: an OP that stands still must not seem to rise
 
@@ -49,7 +49,7 @@ class ChenValve(TwoBandValve):
     ``start`` is where OP and MV stand before the first sample.  Raises ``BlockError`` unless
     0 <= J <= S <= high - low and dt > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> valve = ChenValve(S=0.06, J=0.02, dt=1.0, start=0.5)
     >>> drive(valve, 4.0, every=1.0, OP=([0, 1, 2, 3, 4], [0.5, 0.53, 0.56, 0.59, 0.54])).log["MV"].round(3).tolist()
     [0.5, 0.5, 0.54, 0.57, 0.57]

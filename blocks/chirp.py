@@ -17,11 +17,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.periodic import TWO_PI
-from blocks.ports import BlockError, nearest, require
-from blocks.rules import finite, positive
-from blocks.sources import Source
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.periodic import TWO_PI
+from stickslip.blocks.ports import BlockError, nearest, require
+from stickslip.blocks.rules import finite, positive
+from stickslip.blocks.sources import Source
 
 SWEEPS = {"linear": 0.0, "exponential": 1.0}
 PARTS = 24.0  # steps in a period, at least

@@ -23,12 +23,12 @@ See also: plenum, shaft, anti_surge, compressor_map.
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.compressor_map import CompressorMap, CubicMap, cubic, pressure_ratio
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import positive
-from blocks.tabulated_map import TabulatedMap, edge, tabulated, tabulated_work
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.compressor_map import CompressorMap, CubicMap, cubic, pressure_ratio
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import positive
+from stickslip.blocks.tabulated_map import TabulatedMap, edge, tabulated, tabulated_work
 
 SLOWEST = 0.05  # relative speed below which the map is held
 VACUUM = 1.0  # Pa, keeps q finite where python-control first evaluates a diagram with all signals at zero

@@ -18,10 +18,10 @@ See also: knocker, two_move.
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from blocks.role import Role
-from blocks.rules import check_scan, not_negative
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan, not_negative
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -40,7 +40,7 @@ class ConstantReinforcement(Block):
     ``start``: OP_c before the first scan [unit of OP]; ``offset``: first scan [s].
     Raises ``BlockError`` unless a, hold >= 0 and dt > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> more = ConstantReinforcement(a=0.02, dt=1.0)
     >>> drive(more, 4.0, every=1.0, OP_c=([0.0, 2.0, 4.0], [0.0, 0.2, 0.0])).log["OP"].round(3).tolist()
     [0.0, 0.12, 0.22, 0.08, -0.02]

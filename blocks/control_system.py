@@ -4,12 +4,11 @@ from typing import Any
 
 import control as ct
 import numpy as np
-
-from blocks.block import Block
-from blocks.nonlinear_system import NonlinearSystem, sampling_period
-from blocks.ports import BlockError
-from blocks.state_space import StateSpace
-from blocks.transfer_function import TransferFunction
+from stickslip.blocks.block import Block
+from stickslip.blocks.nonlinear_system import NonlinearSystem, sampling_period
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.state_space import StateSpace
+from stickslip.blocks.transfer_function import TransferFunction
 
 
 def as_block(system: Any) -> Block:
@@ -51,7 +50,7 @@ def as_block(system: Any) -> Block:
         )
     raise BlockError(
         f"{system!r} is neither a block nor a diagram nor a python-control system; give one of them, or make a block "
-        "of your equations with blocks.Equations"
+        "of your equations with stickslip.blocks.Equations"
     )
 
 

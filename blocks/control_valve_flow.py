@@ -21,10 +21,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port, require
-from blocks.role import Role
-from blocks.sizing import C_v_from_Kv
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.sizing import C_v_from_Kv
 
 OPEN, SHUT = 0.0, 1.0
 BAND = 1e-8  # of the pressures: a drop that rounding makes and unmakes must not count as opening and shutting

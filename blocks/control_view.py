@@ -8,15 +8,14 @@ from typing import Any
 
 import control as ct
 import numpy as np
-
-from blocks.declared import Declared
-from blocks.kernels import Floats
-from blocks.parameters import Parametrised
-from blocks.seen_modes import Call, SeenModes
-from blocks.seen_samples import EARLY, SeenSamples
+from stickslip.blocks.declared import Declared
+from stickslip.blocks.kernels import Floats
+from stickslip.blocks.parameters import Parametrised
+from stickslip.blocks.seen_modes import Call, SeenModes
+from stickslip.blocks.seen_samples import EARLY, SeenSamples
 
 NO_APPEND = (
-    "ct.append stacks linear systems only; use diagram.wire([...], inputs=[...]), or ct.interconnect([...], "
+    "ct.append stacks linear systems only; use stickslip.diagram.wire([...], inputs=[...]), or ct.interconnect([...], "
     "inplist=..., outlist=...), or give ct.append its linearisation, ct.linearize(system, x0, u0)"
 )
 

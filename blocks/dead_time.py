@@ -16,10 +16,9 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.ports import BlockError, Port, require
-from blocks.role import Role
+from stickslip.blocks.block import Block, Floats, Kernels
+from stickslip.blocks.ports import BlockError, Port, require
+from stickslip.blocks.role import Role
 
 ORDER = 5
 
@@ -117,7 +116,7 @@ class DeadTime(Delayed):
     ``start`` has the unit of the input [unit of in].
     Raises ``BlockError`` for a negative or infinite dead time.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> late = DeadTime(1.5, inputs="flow", outputs="late")
     >>> drive(late, 4.0, every=1.0, flow=([0, 4], [0.0, 4.0])).log["late"].round(6).tolist()
     [0.0, 0.0, 0.5, 1.5, 2.5]

@@ -17,13 +17,12 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 import numpy as np
-
-from blocks.block import Floats, Kernels
-from blocks.limits import FREE, HIGH, LOW, limit_events, limit_transition
-from blocks.one_to_one import OneToOne
-from blocks.ports import require
-from blocks.role import Role
-from blocks.rules import check_limits
+from stickslip.blocks.block import Floats, Kernels
+from stickslip.blocks.limits import FREE, HIGH, LOW, limit_events, limit_transition
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.ports import require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_limits
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

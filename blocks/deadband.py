@@ -15,11 +15,11 @@ Textbook model; its describing function is in any text on nonlinear control.  Se
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.massless_stem import MasslessStem
-from blocks.ports import Port, require
-from blocks.quasi_static_stem import QuasiStaticStem, started_between
-from blocks.role import Role
-from blocks.seen_stem import STUCK
+from stickslip.blocks.massless_stem import MasslessStem
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem, started_between
+from stickslip.blocks.role import Role
+from stickslip.blocks.seen_stem import STUCK
 
 
 class Deadband(MasslessStem):
@@ -27,7 +27,7 @@ class Deadband(MasslessStem):
 
     ``start``: MV at the start [unit of OP].
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(Deadband(0.1), 3.0, every=1.0, OP=([0, 1, 2, 3], [0.0, 0.5, 0.42, 0.3])).log["MV"].round(3).tolist()
     [0.0, 0.45, 0.45, 0.35]
     """

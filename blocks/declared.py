@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping
 from datetime import datetime
 
-from blocks.kernels import Floats, Host, Kernels
-from blocks.ports import BlockError, Port, nearest
-from blocks.role import Role
+from stickslip.blocks.kernels import Floats, Host, Kernels
+from stickslip.blocks.ports import BlockError, Port, nearest
+from stickslip.blocks.role import Role
 
 STUCK_MODE, FREE_MODE = "stuck", "ideal"  # the names that these two modes of a valve have in every block
 PARTS = ("SP", "PV", "OP", "MV")
@@ -85,7 +85,7 @@ class Declared:
 
         A port plays the part it is named after, unless the block's ``plays`` says that another does.
 
-        >>> from blocks import AntiSurge, PI
+        >>> from stickslip.blocks import AntiSurge, PI
         >>> PI(1.0, 10.0, inputs=["level_SP", "level"]).loop_signal("PV"), AntiSurge().loop_signal("PV")
         ('level', 'q')
         """

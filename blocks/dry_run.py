@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.affine import not_affine
-from blocks.ports import BlockError
+from stickslip.blocks.affine import not_affine
+from stickslip.blocks.ports import BlockError
 
 if TYPE_CHECKING:
-    from blocks.block import Block, Kernel
+    from stickslip.blocks.block import Block, Kernel
 
 Floats = NDArray[np.float64]
 INPUTS = (0.0, 1.0, -1.0, 0.3, 1e6, -1e6, math.nan)  # of all ports; and then all different

@@ -23,11 +23,11 @@ See also: sampled_function (a function called every dt), state_space, transfer_f
 
 from collections.abc import Mapping, Sequence
 
-from blocks.block import Block, Kernels
-from blocks.kernel_source import arguments, called, copied, generated, names, where, with_defaults
-from blocks.kernels import Function
-from blocks.ports import BlockError, Port, nearest
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.kernel_source import arguments, called, copied, generated, names, where, with_defaults
+from stickslip.blocks.kernels import Function
+from stickslip.blocks.ports import BlockError, Port, nearest
+from stickslip.blocks.role import Role
 
 
 class Equations(Block):
@@ -39,7 +39,7 @@ class Equations(Block):
     Raises ``BlockError`` for an argument that is none of these names, a name used twice, or a function that returns
     another number of values than there are states or outputs.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> lag = Equations(
     ...     "lag", der=lambda PV, MV, K, tau: (K * MV - PV) / tau,
     ...     states={"PV": 0.0}, inputs=["MV"], params={"K": 3.0, "tau": 10.0},

@@ -15,9 +15,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.dead_time import Delayed, check_dead_time
-from blocks.ports import Port, require
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.dead_time import Delayed, check_dead_time
+from stickslip.blocks.ports import Port, require
 
 
 def _der(PV: float, MV: float, K: float, tau: float) -> float:
@@ -30,7 +30,7 @@ class FirstOrder(Delayed):
     ``start`` [unit of PV], ``theta_start`` [unit of MV]: both before the start.
     Raises ``BlockError`` unless K is finite, tau > 0 and theta >= 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> process = FirstOrder(K=3.0, tau=10.0, theta=2.0)
     >>> drive(process, 12.0, every=4.0, MV=1.0).log["PV"].round(4).tolist()  # 3 (1 - exp(-(t - 2)/10))
     [0.0, 0.5438, 1.3536, 1.8964]

@@ -14,8 +14,8 @@ Source: thesis section 3.5.4 and table 5.1.  See also: pi, separator (port F_fla
 import math
 from typing import Any
 
-from blocks.pi import PI
-from blocks.role import Role
+from stickslip.blocks.pi import PI
+from stickslip.blocks.role import Role
 
 
 class Flare(PI):

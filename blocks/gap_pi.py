@@ -19,9 +19,9 @@ See also: sampled_pi, dead_zone (as a block of its own).
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.ports import require
-from blocks.rules import not_negative
-from blocks.sampled_pi import SampledPI
+from stickslip.blocks.ports import require
+from stickslip.blocks.rules import not_negative
+from stickslip.blocks.sampled_pi import SampledPI
 
 # p = as sampled_pi, gap, zone; d = z
 
@@ -41,7 +41,7 @@ class GapPI(SampledPI):
 
     Raises ``BlockError`` as ``SampledPI`` does, for a negative gap or zone, and for conditional anti-windup.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> PI = {"K_p": 1.0, "T_i": 10.0, "dt": 1.0, "high": 9.0}
     >>> drive(GapPI(zone=0.2, **PI), 3.0, every=1.0, SP=0.1, PV=0.0).log["OP"].round(3).tolist()
     [0.1, 0.1, 0.1, 0.1]

@@ -17,11 +17,11 @@ See also: shaft, pi.
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.limits import FREE, HIGH, LOW, limit_events, limit_transition
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import positive
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.limits import FREE, HIGH, LOW, limit_events, limit_transition
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import positive
 
 STILL = 1e-3  # rad/s, keeps the power limit finite at standstill
 
@@ -51,7 +51,7 @@ class GasTurbine(Block):
 
     Raises ``BlockError`` unless T, tau_max and P_max are positive and start lies within 0 ... tau_max.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> turbine = GasTurbine(T=0.5, start=10e3)
     >>> drive(turbine, 1.0, every=0.5, tau_SP=12e3, w=994.838).log["tau_d"].round(1).tolist()  # 12e3 - 2e3 exp(-t/T)
     [10000.0, 11264.2, 11729.3]

@@ -22,12 +22,12 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.control_valve_flow import BAND, root
-from blocks.ports import BlockError, Port, require
-from blocks.role import Role
-from blocks.rules import positive
-from blocks.sizing import PER_KV, C_v_from_Kv, R
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.control_valve_flow import BAND, root
+from stickslip.blocks.ports import BlockError, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import positive
+from stickslip.blocks.sizing import PER_KV, C_v_from_Kv, R
 
 VACUUM = 1.0  # Pa, keeps Y finite where python-control first evaluates a diagram with all signals at zero
 UNITS = ("mol/s", "kg/s")

@@ -22,9 +22,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Kernels
-from blocks.ports import require
-from blocks.sampled_valve import SampledValve, check_sampling
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.ports import require
+from stickslip.blocks.sampled_valve import SampledValve, check_sampling
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -43,7 +43,7 @@ class HeValve(SampledValve):
     ``start`` is where OP and MV stand before the first sample.  Raises ``BlockError`` unless f_s >= f_d >= 0,
     f_s + f_d <= high - low and dt > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> valve = HeValve(f_s=0.04, f_d=0.02, dt=1.0, start=0.5)
     >>> drive(valve, 4.0, every=1.0, OP=([0, 1, 2, 3, 4], [0.5, 0.53, 0.56, 0.59, 0.54])).log["MV"].round(3).tolist()
     [0.5, 0.5, 0.54, 0.57, 0.57]

@@ -3,17 +3,17 @@
 in   the signals named
 
 It does nothing in a run: how often a log was taken and how it was rounded is read off the log.  It is the place of what
-happens to signals after everyone has used them, such as compression (``gap.effects``).
+happens to signals after everyone has used them, such as compression (``stickslip.gap.effects``).
 Source: textbook.  See also: sensor (what happens to a signal before it is used).
 """
 
 from collections.abc import Sequence
 from typing import Any
 
-from blocks.arguments import texts
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port
-from blocks.role import Role
+from stickslip.blocks.arguments import texts
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Port
+from stickslip.blocks.role import Role
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

@@ -11,9 +11,9 @@ See also: stick_slip, quasi_static_stem, kano_valve, choudhury_valve, he_valve, 
 
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.role import Role
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

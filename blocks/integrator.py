@@ -17,10 +17,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.dead_time import Delayed, check_dead_time
-from blocks.ports import Port, require
-from blocks.rules import finite
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.dead_time import Delayed, check_dead_time
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.rules import finite
 
 
 def _der(MV: float, K: float, T: float, u_0: float) -> float:
@@ -33,7 +33,7 @@ class Integrator(Delayed):
     ``start`` [unit of PV], ``theta_start`` [unit of MV]: both before the start.
     Raises ``BlockError`` unless K and u_0 are finite, T > 0 and theta >= 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(Integrator(K=3.0, T=10.0), 4.0, every=2.0, MV=1.0).log["PV"].round(6).tolist()
     [0.0, 0.6, 1.2]
     """

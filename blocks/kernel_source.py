@@ -12,9 +12,8 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
-
-from blocks.kernels import Function, Kernel
-from blocks.ports import BlockError, nearest
+from stickslip.blocks.kernels import Function, Kernel
+from stickslip.blocks.ports import BlockError, nearest
 
 SHAPE = ("t", "x", "d", "u", "p")  # the first arguments of a kernel that reads arrays
 _made: dict[tuple[object, ...], Kernel] = {}

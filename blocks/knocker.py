@@ -18,10 +18,10 @@ See also: constant_reinforcement (no pulses, less travel), two_move (stands stil
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import check_scan, not_negative, positive
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan, not_negative, positive
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -41,7 +41,7 @@ class Knocker(Block):
     ``start``: OP_c before the first scan [unit of OP]; ``offset``: first scan [s].
     Raises ``BlockError`` unless a >= 0, 0 < width < period and dt > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> knocker = Knocker(a=0.03, period=3.0, width=1.0, dt=1.0)
     >>> drive(knocker, 6.0, every=1.0, OP_c=([0.0, 6.0], [0.0, 0.6])).log["OP"].round(3).tolist()
     [0.0, 0.1, 0.23, 0.3, 0.4, 0.53, 0.6]

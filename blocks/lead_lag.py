@@ -16,10 +16,10 @@ See also: first_order (a process, with dead time), sampled_filter.
 
 from collections.abc import Mapping
 
-from blocks.block import Kernels
-from blocks.one_to_one import OneToOne
-from blocks.role import Role
-from blocks.rules import finite, positive
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite, positive
 
 
 def _out(x: float, in_: float, K: float, T_lead: float, T_lag: float) -> float:
@@ -35,7 +35,7 @@ class LeadLag(OneToOne):
 
     Raises ``BlockError`` unless K and T_lead are finite and T_lag > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(LeadLag("FF", "D", K=2.0, T_lead=3.0, T_lag=1.0), 2.0, every=1.0, D=1.0).log["FF"].round(4).tolist()
     [6.0, 3.4715, 2.5413]
     """

@@ -11,10 +11,9 @@ See also: pi (continuous PI), pid (with derivative action), anti_surge (with a g
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block, Floats
-from blocks.limits import FREE, HIGH, LOW, MODES, limit_events
-from blocks.role import Role
+from stickslip.blocks.block import Block, Floats
+from stickslip.blocks.limits import FREE, HIGH, LOW, MODES, limit_events
+from stickslip.blocks.role import Role
 
 
 def limited(e: float, z: float, p: Any) -> float:

@@ -17,12 +17,11 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.block import Floats, Kernels
-from blocks.one_to_one import OneToOne
-from blocks.ports import BlockError, nearest, require
-from blocks.role import Role
-from blocks.table import passed, points, same_size
+from stickslip.blocks.block import Floats, Kernels
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.ports import BlockError, nearest, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.table import passed, points, same_size
 
 BEYOND = {"hold": 0.0, "extend": 1.0}
 FIRST = 2  # where the points begin in p

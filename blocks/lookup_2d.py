@@ -17,11 +17,10 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.block import Block, Floats, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.table import passed, points, same_size
+from stickslip.blocks.block import Block, Floats, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.table import passed, points, same_size
 
 FIRST = 2  # where the points begin in p
 

@@ -32,10 +32,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.limits import FREE, HIGH, LOW, MODES
-from blocks.rules import not_negative, positive
-from blocks.stem_with_mass import StemWithMass
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.limits import FREE, HIGH, LOW, MODES
+from stickslip.blocks.rules import not_negative, positive
+from stickslip.blocks.stem_with_mass import StemWithMass
 
 
 def _bristle_rate(v: float, z: float, F_c: float, F_s: float, v_s: float, sigma_0: float) -> float:
@@ -82,7 +82,7 @@ class LuGreStem(StemWithMass):
     [travel/s] the Stribeck speed; F_s, F_c [N] and ``stem`` (k, M, F_v, low, high, start, name and labels) are as in
     ``StickSlip``.  Raises ``BlockError`` for parameters no valve can have.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> valve = LuGreStem()
     >>> valve.passive
     True

@@ -9,9 +9,8 @@ where the stem stands next; a stem that cannot jump may be slower, which is less
 from typing import Self
 
 import numpy as np
-
-from blocks.block import Block, Floats
-from blocks.seen_stem import IDEAL, STUCK, braked, halted, seen_mode
+from stickslip.blocks.block import Block, Floats
+from stickslip.blocks.seen_stem import IDEAL, STUCK, braked, halted, seen_mode
 
 JUMPING, SLIDING = 3000.0, 200.0  # r [1/s] of a stem with J > 0, and without: lags of 0.7 and 10 ms
 

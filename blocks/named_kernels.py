@@ -20,8 +20,8 @@ from dataclasses import dataclass, replace
 from types import FunctionType
 from typing import Any
 
-from blocks.kernel_source import SHAPE, arguments, called, copied, generated_for, where
-from blocks.kernels import Kernel, Kernels
+from stickslip.blocks.kernel_source import SHAPE, arguments, called, copied, generated_for, where
+from stickslip.blocks.kernels import Kernel, Kernels
 
 _known: dict[tuple[Kernels, "Names"], Kernels] = {}
 KINDS = ("out", "der", "zc", "jump", "step", "next_time")

@@ -21,12 +21,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
-
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port, require
-from blocks.role import Role
-from blocks.rules import finite
-from blocks.sources import Constant
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite
+from stickslip.blocks.sources import Constant
 
 M1 = 4294967087.0
 M2 = 4294944443.0

@@ -23,13 +23,12 @@ from typing import Any
 
 import control as ct
 import numpy as np
-
-from blocks.block import Block, Kernel, Kernels
-from blocks.kernel_source import generated
-from blocks.kernels import Function
-from blocks.parameters_by_number import Compilable, NotReadable, compilable, is_number, mentions
-from blocks.ports import BlockError, Port, require
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernel, Kernels
+from stickslip.blocks.kernel_source import generated
+from stickslip.blocks.kernels import Function
+from stickslip.blocks.parameters_by_number import Compilable, NotReadable, compilable, is_number, mentions
+from stickslip.blocks.ports import BlockError, Port, require
+from stickslip.blocks.role import Role
 
 
 class NonlinearSystem(Block):
@@ -38,7 +37,7 @@ class NonlinearSystem(Block):
     Raises ``BlockError`` for a system without named states or with an unspecified sampling period (dt = True).
 
     >>> import control as ct
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> tank = ct.nlsys(
     ...     lambda t, x, u, params: u - 0.5 * np.sqrt(x), None, inputs=["q"], outputs=["h"], states=["h"], name="tank"
     ... )

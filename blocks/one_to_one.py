@@ -7,8 +7,8 @@ See also: sources (blocks without inputs), arithmetic, saturation, dead_zone, lo
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.ports import Port
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import Port
 
 
 class OneToOne(Block):

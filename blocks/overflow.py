@@ -14,9 +14,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
 
 
 def _out(q_in: float, q_out: float, h: float, top: float) -> float:
@@ -28,8 +28,8 @@ class Overflow(Block):
 
     Raises ``BlockError`` unless top > 0.
 
-    >>> from blocks import Step, Tank
-    >>> from diagram import simulate, wire
+    >>> from stickslip.blocks import Step, Tank
+    >>> from stickslip.diagram import simulate, wire
     >>> tank = wire([Step("q_in", 1.0), Tank(A=2.0, k=0.0, top=1.0), Overflow(top=1.0)])
     >>> simulate(tank, 4.0, every=1.0).log["q_over"].round(6).tolist()
     [0.0, 0.0, 1.0, 1.0, 1.0]

@@ -15,8 +15,7 @@ from types import CodeType, FunctionType
 
 import control as ct
 import numpy as np
-
-from blocks.kernels import Function
+from stickslip.blocks.kernels import Function
 
 
 class NotReadable(Exception):

@@ -19,11 +19,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.ports import require
-from blocks.role import Role
-from blocks.rules import finite
-from blocks.sources import Source
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.ports import require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite
+from stickslip.blocks.sources import Source
 
 TWO_PI = 2.0 * math.pi
 

@@ -27,11 +27,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Floats, Kernels
-from blocks.limited_pi import LimitedController, limited, limited_output, output_events, tracking_rate
-from blocks.limits import BAND, MODES, limit_transition
-from blocks.ports import BlockError, Labels, Port, nearest, require
-from blocks.rules import check_limits, finite
+from stickslip.blocks.block import Floats, Kernels
+from stickslip.blocks.limited_pi import LimitedController, limited, limited_output, output_events, tracking_rate
+from stickslip.blocks.limits import BAND, MODES, limit_transition
+from stickslip.blocks.ports import BlockError, Labels, Port, nearest, require
+from stickslip.blocks.rules import check_limits, finite
 
 NEAR = 1e-9  # an event this close to its limit (relative) was located there; farther away, an input has jumped
 RIDING = 3.0  # times +-1: held at the limit exactly

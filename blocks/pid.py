@@ -24,12 +24,12 @@ See also: pi (no derivative, three kinds of anti-windup), sampled_pi.
 import math
 from typing import Any
 
-from blocks.block import Floats, Kernels
-from blocks.limited_pi import LimitedController, limited, output_events
-from blocks.limits import limit_transition
-from blocks.pi import check_tuning, op_span, start_integral, tuned
-from blocks.ports import Port
-from blocks.rules import not_negative, positive
+from stickslip.blocks.block import Floats, Kernels
+from stickslip.blocks.limited_pi import LimitedController, limited, output_events
+from stickslip.blocks.limits import limit_transition
+from stickslip.blocks.pi import check_tuning, op_span, start_integral, tuned
+from stickslip.blocks.ports import Port
+from stickslip.blocks.rules import not_negative, positive
 
 # p = K_p, T_i, low, high, T_t, action (as limited_pi), T_d, N, b, c;  x = z, f
 
@@ -71,7 +71,7 @@ class PID(LimitedController):
     >>> pid = PID(K_p=0.4, T_i=10.0, T_d=2.5, start_op=0.5)
     >>> [round(float(pid.output(0.0, pid.x0, [SP, 0.0])[0]), 6) for SP in (0.0, 0.1)]  # c = 0: no kick
     [0.5, 0.54]
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(pid, 20.0, every=10.0, SP=0.1, PV=0.0).log["OP"].round(6).tolist()  # 0.4 x 0.1 (1 + t/10) on top
     [0.54, 0.58, 0.62]
     """

@@ -11,7 +11,7 @@ model: without a gap it is the noise of a sensor or the rounding of the log.  Wh
 integral (a controller), the change from one offset to the next is its one-step error.
 
 Valid for any finite samples at increasing times; they need not be periodic.  Between samples nothing is interpolated.
-See also: recorded (a table as a source), ``diagram.pins`` (pins behind the drivers of all logged signals).
+See also: recorded (a table as a source), ``stickslip.diagram.pins`` (pins behind the drivers of all logged signals).
 """
 
 import math
@@ -20,11 +20,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.block import Block, Kernels
-from blocks.ports import Labels, Port, require
-from blocks.recorded import samples
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Labels, Port, require
+from stickslip.blocks.recorded import samples
+from stickslip.blocks.role import Role
 
 SOON = 1e-9  # of a row's interval: what ends so near the next row ends there
 

@@ -15,10 +15,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import positive
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import positive
 
 # p = V, c_01, inflows, outflows (numbers of ports)
 
@@ -42,7 +42,7 @@ class Plenum(Block):
 
     Raises ``BlockError`` unless V, c_01 and start are positive and some flow is named.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> vessel = Plenum(0.6, start=20e5, inflows=["m_in"], outflows=["m_out"])
     >>> drive(vessel, 1.0, every=1.0, m_in=2.0, m_out=1.0).log["p"].round(0).tolist()  # + c_01^2/V Pa
     [2000000.0, 2342665.0]

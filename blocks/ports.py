@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from logs.hint import nearest
+from stickslip.logs.hint import nearest
 
 __all__ = [
     "BlockError", "Labels", "Port", "check_names", "labelled", "nearest", "number", "require", "shortened",
@@ -106,7 +106,7 @@ def number(block: str, name: str, value: object) -> float:
     >>> number("valve", "F_s", "big")
     Traceback (most recent call last):
     ...
-    blocks.ports.BlockError: valve: F_s = 'big', but it must be a single number; give one
+    stickslip.blocks.ports.BlockError: valve: F_s = 'big', but it must be a single number; give one
     """
     try:
         if not isinstance(value, str):

@@ -31,11 +31,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import finite, not_negative, positive
+from stickslip.blocks.block import Block, Floats, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite, not_negative, positive
 
 HOLDING, OPEN, FULLY, ENDED = 0.0, 1.0, 2.0, 3.0  # with the sign of the flow
 
@@ -96,8 +95,8 @@ class Positioner(Block):
 
     Raises ``BlockError`` unless G, r_fill, r_vent > 0, band >= 0 and exhaust < supply.
 
-    >>> from blocks import Step, StickSlip
-    >>> from diagram import simulate, wire
+    >>> from stickslip.blocks import Step, StickSlip
+    >>> from stickslip.diagram import simulate, wire
     >>> valve = wire([Step("OP", 0.5), Positioner(G=2.0, band=0.005), StickSlip(F_s=1750.0, inputs="p")])
     >>> run = simulate(valve, 30.0, every=10.0)
     >>> bool(abs(run.log["MV"][-1] - 0.5) < 0.01)  # without positioner friction would leave it 0.024 short

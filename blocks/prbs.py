@@ -18,13 +18,12 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 import numpy as np
-
-from blocks.block import Kernels
-from blocks.periodic import whole
-from blocks.ports import require
-from blocks.rules import finite, positive
-from blocks.sources import Source
-from blocks.table import same_size
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.periodic import whole
+from stickslip.blocks.ports import require
+from stickslip.blocks.rules import finite, positive
+from stickslip.blocks.sources import Source
+from stickslip.blocks.table import same_size
 
 BITS = 5  # where the bits begin in p = n, mean, amplitude, dt, start, b_1 ... b_n
 

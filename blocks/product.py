@@ -17,11 +17,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.limits import FREE, LOW, limit_events, limit_transition
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import finite, positive
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.limits import FREE, LOW, limit_events, limit_transition
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite, positive
 
 
 def _product_out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

@@ -17,12 +17,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Floats, Kernels
-from blocks.limits import BAND
-from blocks.one_to_one import OneToOne
-from blocks.role import Role
-from blocks.rules import positive
+from stickslip.blocks.block import Floats, Kernels
+from stickslip.blocks.limits import BAND
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import positive
 
 BACK = 0.01  # of a step: how far back over an edge before it counts
 MOST = 2.0**52  # steps: beyond, every number is a whole number of them
@@ -54,7 +53,7 @@ class Quantiser(OneToOne):
 
     Raises ``BlockError`` unless step > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(Quantiser("y", "u", step=0.5), 2.0, every=0.5, u=([0.0, 2.0], [0.1, 1.1])).log["y"].tolist()
     [0.0, 0.5, 0.5, 1.0, 1.0]
     """

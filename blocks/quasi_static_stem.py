@@ -27,11 +27,11 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Kernels
-from blocks.massless_stem import MasslessStem
-from blocks.ports import BlockError, Port, require
-from blocks.role import Role
-from blocks.seen_stem import DOWN, IDEAL, STUCK, UP
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.massless_stem import MasslessStem
+from stickslip.blocks.ports import BlockError, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.seen_stem import DOWN, IDEAL, STUCK, UP
 
 ROUNDING = 1e-12  # of travel
 CREEP = 1e-8  # OP that moves slower than this [1/s] stands still: what a dead time gives of a held OP is not so exact
@@ -82,7 +82,7 @@ class QuasiStaticStem(MasslessStem):
     ``start``: where the stem rests at the start [fraction of travel].
     Raises ``BlockError`` unless 0 <= J <= S and the stops are in order.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> valve = QuasiStaticStem(S=0.06, J=0.02)  # f_s = 0.04, f_c = 0.02
     >>> drive(valve, 3.0, every=1.0, OP=([0, 1, 2, 3], [0.0, 0.039, 0.1, 0.05])).log["MV"].round(3).tolist()
     [0.0, 0.0, 0.08, 0.08]

@@ -20,11 +20,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Floats, Kernels
-from blocks.one_to_one import OneToOne
-from blocks.ports import require
-from blocks.role import Role
+from stickslip.blocks.block import Floats, Kernels
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.ports import require
+from stickslip.blocks.role import Role
 
 FOLLOWING, RISING, FALLING = 0.0, 1.0, -1.0
 TIE = 1.0 + 1e-6  # a slope is known so exactly: one at the limit must not let go and meet for ever
@@ -75,8 +74,8 @@ class RateLimiter(OneToOne):
 
     ``down``: as ``up`` unless given.  Raises ``BlockError`` unless both are positive and one is finite.
 
-    >>> from blocks import Step
-    >>> from diagram import drive
+    >>> from stickslip.blocks import Step
+    >>> from stickslip.diagram import drive
     >>> step = Step("SP", 0.25, at=1.0)
     >>> drive(RateLimiter("SP_r", "SP", 0.1), 4.0, every=1.0, SP=step).log["SP_r"].round(3).tolist()
     [0.0, 0.0, 0.1, 0.2, 0.25]

@@ -15,12 +15,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.block import Kernels
-from blocks.ports import BlockError, nearest, require
-from blocks.sources import Source
-from logs.arrays import seconds_and_start
-from logs.errors import LogError
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.ports import BlockError, nearest, require
+from stickslip.blocks.sources import Source
+from stickslip.logs.arrays import seconds_and_start
+from stickslip.logs.errors import LogError
 
 HOLDS = ("previous", "linear")
 

@@ -21,13 +21,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.one_to_one import OneToOne
-from blocks.ports import require
-from blocks.role import Role
-from blocks.rules import finite
-from blocks.seen_modes import Call
+from stickslip.blocks.block import Block, Floats, Kernels
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.ports import require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite
+from stickslip.blocks.seen_modes import Call
 
 OFF, ON = 0.0, 1.0
 
@@ -74,7 +73,7 @@ class Relay(Thresholds, OneToOne):
     ``switch_off``: as ``switch_on`` unless given; ``on``: whether it starts on.
     Raises ``BlockError`` unless switch_off <= switch_on and all are finite.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> alarm = Relay("alarm", "T", 80.0, 75.0)
     >>> drive(alarm, 3.0, every=1.0, T=([0, 1, 2, 3], [70.0, 85.0, 77.0, 70.0])).log["alarm"].tolist()
     [0.0, 1.0, 1.0, 0.0]

@@ -28,11 +28,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.pi import ACTIONS
-from blocks.ports import BlockError, Port, nearest, require
-from blocks.role import Role
-from blocks.rules import check_scan, finite, not_negative, positive
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.pi import ACTIONS
+from stickslip.blocks.ports import BlockError, Port, nearest, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan, finite, not_negative, positive
 
 RULES = {"Tyreus-Luyben": (1.0 / 3.2, 2.2), "Ziegler-Nichols": (0.45, 1.0 / 1.2)}
 
@@ -74,8 +74,8 @@ class RelayTuner(Block):
 
     Raises ``BlockError`` for an unknown rule or action, amplitude <= 0, hysteresis < 0, cycles < 1 or dt <= 0.
 
-    >>> from blocks import FirstOrder, Step
-    >>> from diagram import simulate, wire
+    >>> from stickslip.blocks import FirstOrder, Step
+    >>> from stickslip.diagram import simulate, wire
     >>> test = wire([Step("SP", 0.0), RelayTuner(amplitude=0.1, dt=0.1), FirstOrder(2.0, 10.0, theta=2.0, inputs="OP")])
     >>> log = simulate(test, 60.0, every=1.0).log
     >>> float(log["K_u"][-1].round(1)), float(log["T_u"][-1].round(1))

@@ -19,12 +19,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.ports import Port
-from blocks.role import Role
-from blocks.rules import finite
-from blocks.seen_modes import Call
+from stickslip.blocks.block import Block, Floats, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite
+from stickslip.blocks.seen_modes import Call
 
 ARMED, RESET = 0.0, 1.0
 
@@ -56,8 +55,8 @@ class ResetIntegrator(Block):
 
     Raises ``BlockError`` unless all are finite.
 
-    >>> from blocks import Staircase
-    >>> from diagram import drive
+    >>> from stickslip.blocks import Staircase
+    >>> from stickslip.diagram import drive
     >>> total = ResetIntegrator("V", "F", "new_batch")
     >>> new = Staircase("new_batch", [0.0, 1.0, 0.0], at=[0.0, 2.5, 2.6])
     >>> drive(total, 4.0, every=1.0, F=2.0, new_batch=new).log["V"].round(6).tolist()

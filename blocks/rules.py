@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from blocks.ports import require
+from stickslip.blocks.ports import require
 
 
 def finite(params: Mapping[str, float], name: str, *keys: str) -> None:
@@ -19,7 +19,7 @@ def positive(params: Mapping[str, float], name: str, *keys: str, remedy: str = "
     >>> positive({"V": 0.0}, "C2_inlet", "V")
     Traceback (most recent call last):
     ...
-    blocks.ports.BlockError: C2_inlet: V = 0.0, but it must be positive and finite; give SI units
+    stickslip.blocks.ports.BlockError: C2_inlet: V = 0.0, but it must be positive and finite; give SI units
     """
     for key in keys:
         value = float(params[key])

@@ -15,12 +15,12 @@ See also: biquad, zero_order_hold, lead_lag (continuous), sensor, the Kalman pre
 import math
 from collections.abc import Mapping
 
-from blocks.arithmetic import Gain
-from blocks.block import Block, Kernels
-from blocks.first_order import FirstOrder
-from blocks.one_to_one import OneToOne
-from blocks.role import Role
-from blocks.rules import check_scan, not_negative
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan, not_negative
 
 
 def _lag_step(y: float, in_: float, tau: float, dt: float) -> tuple[float, float]:
@@ -33,7 +33,7 @@ class SampledFilter(OneToOne):
 
     Raises ``BlockError`` unless tau >= 0 and dt > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(SampledFilter("PV_f", "PV", tau=2.0, dt=1.0), 3.0, every=1.0, PV=1.0).log["PV_f"].round(4).tolist()
     [0.3935, 0.6321, 0.7769, 0.8647]
     """

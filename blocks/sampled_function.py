@@ -18,12 +18,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.kernel_source import arguments, names, where, with_defaults
-from blocks.ports import BlockError, Labels, Port, nearest
-from blocks.role import Role
-from blocks.rules import check_scan
+from stickslip.blocks.block import Block, Floats, Kernels
+from stickslip.blocks.kernel_source import arguments, names, where, with_defaults
+from stickslip.blocks.ports import BlockError, Labels, Port, nearest
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class SampledFunction(Block):
 
     ``start_output`` [units of the outputs].
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> def mean(state, PV, share=0.5):
     ...     state += share * (PV - state)
     ...     return state, state

@@ -23,11 +23,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.pi import PI, check_tuning, op_span, start_integral, tuned
-from blocks.ports import BlockError, Labels, Port, nearest, require
-from blocks.role import Role
-from blocks.rules import check_scan
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.pi import PI, check_tuning, op_span, start_integral, tuned
+from stickslip.blocks.ports import BlockError, Labels, Port, nearest, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan
 
 INTEGRAL = {"previous": 0.0, "present": 1.0}
 

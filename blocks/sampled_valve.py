@@ -8,10 +8,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.ideal_valve import IdealValve
-from blocks.ports import Port, require
-from blocks.role import Role
+from stickslip.blocks.block import Block
+from stickslip.blocks.ideal_valve import IdealValve
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
 
 
 class SampledValve(Block):

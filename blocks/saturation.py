@@ -14,11 +14,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.limits import FREE, MODES, limit_events, limit_transition
-from blocks.one_to_one import OneToOne
-from blocks.role import Role
-from blocks.rules import check_limits
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.limits import FREE, MODES, limit_events, limit_transition
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_limits
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

@@ -16,9 +16,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

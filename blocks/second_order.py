@@ -16,9 +16,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Kernels
-from blocks.dead_time import Delayed, check_dead_time
-from blocks.ports import Port, number, require
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.dead_time import Delayed, check_dead_time
+from stickslip.blocks.ports import Port, number, require
 
 
 def _der(PV: float, rate: float, MV: float, K: float, omega: float, zeta: float) -> tuple[float, float]:
@@ -31,7 +31,7 @@ class SecondOrder(Delayed):
     ``start`` [unit of PV], ``theta_start`` [unit of MV]: both before the start.
     Raises ``BlockError`` unless K is finite, omega > 0, zeta >= 0 and theta >= 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> process = SecondOrder.from_lags(K=2.0, tau1=10.0, tau2=10.0)
     >>> drive(process, 20.0, every=10.0, MV=1.0).log["PV"].round(4).tolist()  # 2 (1 - (1 + t/10) exp(-t/10))
     [0.0, 0.5285, 1.188]

@@ -12,8 +12,7 @@ The modes are kept here, not among python-control's states; each response begins
 from typing import NamedTuple, Protocol
 
 import numpy as np
-
-from blocks.kernels import Floats
+from stickslip.blocks.kernels import Floats
 
 
 class Call(NamedTuple):

@@ -10,8 +10,7 @@ The state is kept here, not among python-control's states; each response begins 
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-
-from blocks.kernels import Floats
+from stickslip.blocks.kernels import Floats
 
 EARLY = 1e-9  # share of a period by which rounding may make a sample early
 

@@ -16,10 +16,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
+from stickslip.blocks.block import Block, Floats, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
 
 TIE = 1e-12
 

@@ -24,12 +24,12 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Block, Kernels
-from blocks.limits import FREE, MODES, limit_events, limit_transition
-from blocks.noise import Seed, Seeded, check_noise, coloured
-from blocks.ports import Labels, Port, require
-from blocks.role import Role
-from blocks.rules import check_limits, check_scan, finite
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.limits import FREE, MODES, limit_events, limit_transition
+from stickslip.blocks.noise import Seed, Seeded, check_noise, coloured
+from stickslip.blocks.ports import Labels, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_limits, check_scan, finite
 
 RESOLUTION = 2.0**52  # values of more steps than this are whole numbers of steps anyway
 

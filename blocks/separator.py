@@ -28,10 +28,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import positive
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import positive
 
 # p = V_sep, C_4, p_metV, T_sep, R, W_oil, rho_oil, W_met, rho_met;  x = N_oil, N_metL, N_metG
 

@@ -15,9 +15,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
 
 # p = J, loads (number of ports)
 
@@ -38,7 +38,7 @@ class Shaft(Block):
 
     Raises ``BlockError`` unless J and start are positive and a load is named.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> shaft = Shaft(20.0, start=994.838, loads=["tau_2", "tau_3"])
     >>> drive(shaft, 2.0, every=1.0, tau_d=100.0, tau_2=50.0, tau_3=40.0).log["w"].round(3).tolist()
     [994.838, 995.338, 995.838]

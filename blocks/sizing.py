@@ -18,8 +18,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from blocks.ports import BlockError, require
-from blocks.rules import positive
+from stickslip.blocks.ports import BlockError, require
+from stickslip.blocks.rules import positive
 
 WATER = 999.1  # kg/m3 at 15 degrees Celsius, to which the standard refers densities
 PER_KV = math.sqrt(WATER / 1e5) / 3600.0  # flow [kg/s] of Kv = 1 per root of density [kg/m3] times drop [Pa]

@@ -14,10 +14,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import finite
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite
 
 
 def _constant_out(value: float) -> float:

@@ -21,11 +21,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Labels, Port, require
-from blocks.role import Role
-from blocks.rules import finite
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Labels, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite
 
 Floats = NDArray[np.float64]
 
@@ -87,7 +86,7 @@ class StateSpace(Block):
 
     ``start`` [units of the states].
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> oscillator = StateSpace([[0, 1], [-1, 0]], [[0], [1]], [[1, 0]])      # y(t) = 1 - cos t
     >>> drive(oscillator, 4.0, every=2.0, u=1.0).log["y"].round(4).tolist()
     [0.0, 1.4161, 1.6536]

@@ -14,14 +14,13 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block, Floats
-from blocks.declared import STUCK_MODE
-from blocks.ports import Port, require
-from blocks.quasi_static_stem import check_stops, started_between
-from blocks.role import Role
-from blocks.rules import not_negative, positive
-from blocks.seen_stem import IDEAL, STUCK, braked, halted, seen_mode
+from stickslip.blocks.block import Block, Floats
+from stickslip.blocks.declared import STUCK_MODE
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.quasi_static_stem import check_stops, started_between
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import not_negative, positive
+from stickslip.blocks.seen_stem import IDEAL, STUCK, braked, halted, seen_mode
 
 
 class StemWithMass(Block):

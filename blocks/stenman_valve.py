@@ -16,8 +16,8 @@ Valid for a first guess and for one-parameter fits.  See also: he_valve, kano_va
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.sampled_valve import SampledValve, check_band, check_sampling
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.sampled_valve import SampledValve, check_band, check_sampling
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -33,7 +33,7 @@ class StenmanValve(SampledValve):
     ``start`` is where MV stands before the first sample.  Raises ``BlockError`` unless 0 <= d <= high - low and
     dt > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> valve = StenmanValve(d=0.04, dt=1.0, start=0.5)
     >>> drive(valve, 3.0, every=1.0, OP=([0, 1, 2, 3], [0.5, 0.53, 0.56, 0.59])).log["MV"].round(3).tolist()
     [0.5, 0.5, 0.56, 0.56]

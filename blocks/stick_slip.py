@@ -36,12 +36,12 @@ kano_valve and its siblings (sampled two-band models).
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.block import Kernels
-from blocks.ports import number, require
-from blocks.quasi_static_stem import QuasiStaticStem
-from blocks.rules import not_negative
-from blocks.seen_stem import DOWN, IDEAL, STUCK, UP
-from blocks.stem_with_mass import StemWithMass
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.ports import number, require
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.rules import not_negative
+from stickslip.blocks.seen_stem import DOWN, IDEAL, STUCK, UP
+from stickslip.blocks.stem_with_mass import StemWithMass
 
 TIE = 1e-6  # with F_s = F_c a stem comes to rest exactly at breakaway, where rounding would start it again and again;
 NOISE = 1e-9  # so it breaks away only with this share more, and with a spring force of this share of travel if F_s is 0
@@ -103,7 +103,7 @@ class StickSlip(StemWithMass):
     >>> valve = StickSlip.high()
     >>> round(100 * valve.J, 2), round(100 * valve.S, 2), round(100 * valve.deadband, 2)
     (1.9, 6.67, 4.76)
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(valve, 1.0, every=1.0, OP=0.04).log["MV"].round(4).tolist()  # 2100 N: stuck
     [0.0, 0.0]
     >>> drive(valve, 1.0, every=1.0, OP=0.05).log["MV"].round(4).tolist()  # 2625 N: slips to OP - F_c/k

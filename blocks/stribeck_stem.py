@@ -28,11 +28,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.rules import positive
-from blocks.seen_stem import DOWN, IDEAL, STUCK, UP
-from blocks.stem_with_mass import StemWithMass
-from blocks.stick_slip import TIE, StickSlip
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.rules import positive
+from stickslip.blocks.seen_stem import DOWN, IDEAL, STUCK, UP
+from stickslip.blocks.stem_with_mass import StemWithMass
+from stickslip.blocks.stick_slip import TIE, StickSlip
 
 
 def stribeck(speed: float, F_c: float, F_s: float, v_s: float, delta: float) -> float:
@@ -82,7 +82,7 @@ class StribeckStem(StemWithMass):
     ``v_s`` [travel/s] is the Stribeck speed, ``delta`` the shape; F_s, F_c [N] and ``stem`` (k, M, F_v, low, high,
     start, name and labels) are as in ``StickSlip``.  Raises ``BlockError`` for parameters no valve can have.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> valve = StribeckStem(v_s=0.01)
     >>> round(valve.friction(0.0)), round(valve.friction(0.01)), round(valve.friction(0.1))  # N
     (2250, 1624, 1311)

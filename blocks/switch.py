@@ -16,10 +16,10 @@ See also: relay (a switch between two constants), select (the lowest or highest 
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Kernels
-from blocks.ports import Port
-from blocks.relay import OFF, ON, Thresholds, check_thresholds, threshold_event, threshold_passed
-from blocks.role import Role
+from stickslip.blocks.block import Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.relay import OFF, ON, Thresholds, check_thresholds, threshold_event, threshold_passed
+from stickslip.blocks.role import Role
 
 
 def _out(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:

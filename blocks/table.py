@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.block import Block, Floats
-from blocks.ports import BlockError, require
+from stickslip.blocks.block import Block, Floats
+from stickslip.blocks.ports import BlockError, require
 
 
 def passed(value: float, n: int, at: int, p: Any) -> int:

@@ -26,14 +26,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.compressor_map import cubic
-from blocks.ports import BlockError, require
+from stickslip.blocks.compressor_map import cubic
+from stickslip.blocks.ports import BlockError, require
 
 Floats = NDArray[np.float64]
 Curves = Mapping[float, tuple[ArrayLike, ArrayLike]]
 POINTS = 33  # per speed
-TABLE = 11  # where the table stands in p of a compressor, see blocks.compressor
+TABLE = 11  # where the table stands in p of a compressor, see stickslip.blocks.compressor
 
 # p[8:11] = speeds, points, valley; p[11:] = n, q_s, q_c (k each), then psi, psi', lam, lam' (k x N each)
 

@@ -20,12 +20,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block, Floats, Kernels
-from blocks.limits import BAND
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import not_negative, positive
+from stickslip.blocks.block import Block, Floats, Kernels
+from stickslip.blocks.limits import BAND
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import not_negative, positive
 
 FILLING, FULL = 0.0, 1.0
 
@@ -63,7 +62,7 @@ class Tank(Block):
 
     ``start``: level at the start [unit of h].  Raises ``BlockError`` unless A, top > 0 and k >= 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> log = drive(Tank(A=2.0, k=0.0, top=1.0), 4.0, every=1.0, q_in=1.0).log
     >>> log["h"].round(6).tolist(), log["q_out"].tolist()
     ([0.0, 0.5, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 0.0, 0.0])

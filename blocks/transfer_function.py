@@ -21,12 +21,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Labels, Port, require
-from blocks.role import Role
-from blocks.rules import finite
-from blocks.state_space import StateSpace
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Labels, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite
+from stickslip.blocks.state_space import StateSpace
 
 Floats = NDArray[np.float64]
 
@@ -97,14 +96,15 @@ class TransferFunction(Block):
     ``start`` is the output at which it begins at rest.  Raises ``BlockError`` if it is improper, for coefficients that
     are not finite, a leading zero of den, dt < 0, or a start that it cannot rest at.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> lag = TransferFunction([3.0], [10.0, 1.0])                 # 3 (1 - exp(-t/10))
     >>> drive(lag, 20.0, every=10.0, u=1.0).log["y"].round(4).tolist()
     [0.0, 1.8964, 2.594]
     >>> TransferFunction([1.0, 0.0], [1.0])
     Traceback (most recent call last):
     ...
-    blocks.ports.BlockError: system: num has degree 1 and den 0, but an improper transfer function answers with \
+    stickslip.blocks.ports.BlockError: system: num has degree 1 and den 0, but an improper transfer function answers
+    with \
 derivatives of its input; give den at least the degree of num, for example with a filter 1/(s T_f + 1)
     """
 

@@ -23,10 +23,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port, require
-from blocks.role import Role
-from blocks.rules import check_scan, not_negative, positive
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan, not_negative, positive
 
 FOLLOWING, FIRST, RESTING = 0.0, 1.0, 2.0
 
@@ -71,7 +71,7 @@ class TwoMove(Block):
     Raises ``BlockError`` unless 0 <= J <= S, band > 0, pause > 0, cycles >= 1 and dt > 0.
 
     >>> import numpy as np
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> t = np.arange(0.0, 60.0)
     >>> moves = TwoMove(S=0.06, J=0.02, band=0.1, pause=5.0, dt=1.0)
     >>> wave = np.sin(t / 3.0)

@@ -18,11 +18,11 @@ import math
 from collections.abc import Mapping
 from typing import Any, Self
 
-from blocks.arithmetic import Sum
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port, require
-from blocks.role import Role
-from blocks.rules import positive
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Port, require
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import positive
 
 MOST = 10_000  # samples that are kept
 
@@ -47,7 +47,7 @@ class VariableDelay(Block):
 
     Raises ``BlockError`` unless dt > 0 and dt <= longest <= 10 000 dt.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> late = VariableDelay("y", "u", "age", dt=0.5, longest=10.0)
     >>> drive(late, 4.0, every=1.0, u=([0.0, 4.0], [0.0, 4.0]), age=([0.0, 4.0], [0.0, 2.0])).log["y"].tolist()
     [0.0, 0.5, 1.0, 1.5, 2.0]

@@ -14,11 +14,11 @@ See also: sampled_filter, sensor (SampledSensor: noise and quantisation too).
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Gain
-from blocks.block import Block, Kernels
-from blocks.one_to_one import OneToOne
-from blocks.role import Role
-from blocks.rules import check_scan
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.one_to_one import OneToOne
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import check_scan
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -30,7 +30,7 @@ class ZeroOrderHold(OneToOne):
 
     Raises ``BlockError`` unless dt > 0.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> held = ZeroOrderHold("u_k", "u", dt=1.0)
     >>> drive(held, 2.0, every=0.5, u=([0.0, 2.0], [0.0, 4.0])).log["u_k"].tolist()
     [0.0, 0.0, 2.0, 2.0, 4.0]

@@ -5,9 +5,9 @@ simulate   the records of such specs and what is true of them (``Truth``), many 
 at_record  simulates under the conditions of one record, and says what that tells of its valve
 """
 
-from calibration.by_simulation import AtRecord, at_record
-from calibration.drawing import draw
-from calibration.simulation import simulate
-from calibration.spec import CAUSES, LoopSpec, Truth
+from stickslip.calibration.by_simulation import AtRecord, at_record
+from stickslip.calibration.drawing import draw
+from stickslip.calibration.simulation import simulate
+from stickslip.calibration.spec import CAUSES, LoopSpec, Truth
 
 __all__ = ["CAUSES", "AtRecord", "LoopSpec", "Truth", "at_record", "draw", "simulate"]

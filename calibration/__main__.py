@@ -1,12 +1,13 @@
-"""``python -m calibration simulate N --seed S --out DIR``: many simulated loops with known causes, as Parquet."""
+"""``python -m stickslip.calibration simulate N --seed S --out DIR``: many simulated loops with known causes, as
+Parquet.
+"""
 
 from pathlib import Path
 from typing import get_args
 
 import click
-
-from calibration.commands import score, train
-from calibration.spec import Setting
+from stickslip.calibration.commands import score, train
+from stickslip.calibration.spec import Setting
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -22,7 +23,7 @@ def calibration() -> None:
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="threads; all cores if not given")
 def simulate(loops: int, seed: int, out: Path, setting: Setting, workers: int | None) -> None:
     """Simulate LOOPS loops into a folder; a second call makes what is missing."""
-    from calibration.chunks import write
+    from stickslip.calibration.chunks import write
 
     try:
         made = write(out, loops, seed, setting, workers)
@@ -35,4 +36,4 @@ calibration.add_command(train)
 calibration.add_command(score)
 
 if __name__ == "__main__":
-    calibration(prog_name="python -m calibration")
+    calibration(prog_name="python -m stickslip.calibration")

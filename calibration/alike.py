@@ -10,10 +10,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-
-from calibration.conditions import Conditions
-from calibration.drawing import OTHERS, one
-from calibration.spec import LoopSpec
+from stickslip.calibration.conditions import Conditions
+from stickslip.calibration.drawing import OTHERS, one
+from stickslip.calibration.spec import LoopSpec
 
 Random = np.random.Generator
 

@@ -1,4 +1,4 @@
-"""Boosted trees of scikit-learn (extra ``calibration``), fitted and taken over into ``detect.judge.trees``.
+"""Boosted trees of scikit-learn (extra ``calibration``), fitted and taken over into ``stickslip.detect.judge.trees``.
 
 A missing feature is given a number below all others, so that it goes left at every node.
 """
@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.trees import Trees
+from stickslip.detect.judge.trees import Trees
 
 __all__ = ["classifier", "filled", "quantile", "start", "taken"]
 

@@ -16,21 +16,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit
-
-from calibration.alike import alike
-from calibration.conditions import Conditions, conditions
-from calibration.posterior import SEEN, Reading, log_odds, read
-from calibration.records import Table, row, table
-from calibration.simulation import simulate
-from calibration.spec import LoopSpec
-from detect.chances import chance
-from detect.judge.answer import Amount
-from detect.judge.features.network import one_look
-from detect.judge.features.view import View
-from detect.judge.model import rounded
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
-from logs.processes import one_thread, processes
+from stickslip.calibration.alike import alike
+from stickslip.calibration.conditions import Conditions, conditions
+from stickslip.calibration.posterior import SEEN, Reading, log_odds, read
+from stickslip.calibration.records import Table, row, table
+from stickslip.calibration.simulation import simulate
+from stickslip.calibration.spec import LoopSpec
+from stickslip.detect.chances import chance
+from stickslip.detect.judge.answer import Amount
+from stickslip.detect.judge.features.network import one_look
+from stickslip.detect.judge.features.view import View
+from stickslip.detect.judge.model import rounded
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
+from stickslip.logs.processes import one_thread, processes
 
 Floats = NDArray[np.float64]
 

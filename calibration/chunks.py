@@ -2,8 +2,8 @@
 
 set.json    what was asked for            parts/*.parquet    ``CHUNK`` loops each, in the order of their numbers
 
-The folder is one of ``logs.files.resumable``: a part appears whole or not at all, holds the same loops whenever it is
-made, and a second call makes what is missing.
+The folder is one of ``stickslip.logs.files.resumable``: a part appears whole or not at all, holds the same loops
+whenever it is made, and a second call makes what is missing.
 """
 
 import json
@@ -14,13 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-from calibration.drawing import draw
-from calibration.simulation import simulate
-from calibration.spec import LoopSpec, Setting, Truth
-from diagram.progress import Progress, reporting
-from logs import LoopRecord
-from logs.files.resumable import PARTS, Kept, differences, opened
+from stickslip.calibration.drawing import draw
+from stickslip.calibration.simulation import simulate
+from stickslip.calibration.spec import LoopSpec, Setting, Truth
+from stickslip.diagram.progress import Progress, reporting
+from stickslip.logs import LoopRecord
+from stickslip.logs.files.resumable import PARTS, Kept, differences, opened
 
 CHUNK = 500
 SCHEMA = "stickslip.calibration/2"
@@ -37,7 +36,7 @@ def write(
 ) -> int:
     """Simulate ``n`` loops into ``folder`` and return how many were missing; ``workers`` threads (default all cores).
 
-    ``progress`` as in ``diagram.ensemble``.  Raises ``ValueError`` if the folder holds another set of loops.
+    ``progress`` as in ``stickslip.diagram.ensemble``.  Raises ``ValueError`` if the folder holds another set of loops.
     """
     asked = {"loops": n, "seed": seed, "setting": setting, "chunk": CHUNK}
     made = 0
@@ -63,7 +62,9 @@ def read(folder: Path) -> Iterator[tuple[LoopSpec, LoopRecord, Truth]]:
 
     files = sorted((folder / PARTS).glob("*.parquet"))
     if not files:
-        raise FileNotFoundError(f"'{folder}' holds no simulated loops; make them with: python -m calibration simulate")
+        raise FileNotFoundError(
+            f"'{folder}' holds no simulated loops; make them with: python -m stickslip.calibration simulate"
+        )
     for file in files:
         for row in pl.read_parquet(file).iter_rows(named=True):
             spec = LoopSpec(**json.loads(row["spec"]))

@@ -1,4 +1,6 @@
-"""``python -m calibration train`` and ``score``: the calibrated model again from nothing, and what it is worth."""
+"""``python -m stickslip.calibration train`` and ``score``: the calibrated model again from nothing, and what it is
+worth.
+"""
 
 import json
 from collections.abc import Sequence
@@ -8,9 +10,8 @@ from pathlib import Path
 from typing import Any, get_args
 
 import click
-
-from calibration.laws import Law
-from calibration.spec import Kinds, Setting
+from stickslip.calibration.laws import Law
+from stickslip.calibration.spec import Kinds, Setting
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def _parts(sources: Sequence[Source], loops: int, part: int) -> list[tuple[Sourc
 
 def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | None) -> Any:
     """The tables of several sources, one after the other."""
-    from calibration.records import PART, Table, kept_table
+    from stickslip.calibration.records import PART, Table, kept_table
 
     try:
         return Table.joined([
@@ -66,10 +67,10 @@ def _tables(folder: Path, sources: Sequence[Source], loops: int, workers: int | 
 
 def _network(folder: Path, loops: int, begun: Path | None, workers: int | None) -> None:
     """Fit the network, whose scores the features of all loops contain, and write the shipped file."""
-    from calibration.network import PASSES as FROM_NOTHING
-    from calibration.network import fit
-    from calibration.signals import PART, Examples, examples
-    from detect.judge.features.network import FILE, Network
+    from stickslip.calibration.network import PASSES as FROM_NOTHING
+    from stickslip.calibration.network import fit
+    from stickslip.calibration.signals import PART, Examples, examples
+    from stickslip.detect.judge.features.network import FILE, Network
 
     first = None if begun is None else Network.read(begun)
     seen = [
@@ -107,9 +108,9 @@ def train(
     workers: int | None,
 ) -> None:  # fmt: skip
     """Simulate, fit and calibrate the model of ``stickslip check``; a second call goes on where it was stopped."""
-    from calibration.network import MISSING
-    from calibration.training import fit
-    from detect.judge.model import FILE
+    from stickslip.calibration.network import MISSING
+    from stickslip.calibration.training import fit
+    from stickslip.detect.judge.model import FILE
 
     if network != 0 and not find_spec("torch"):
         raise click.UsageError(MISSING)
@@ -137,8 +138,8 @@ def train(
 @click.option("--workers", type=click.IntRange(min=1), default=None, help="processes; all cores if not given")
 def score(loops: int, setting: Setting, seed: int, folder: Path, file: Path | None, workers: int | None) -> None:
     """Say how good the calibrated probability is on loops that no fit has seen, as JSON."""
-    from calibration.scoring import score as figures
-    from detect.judge.model import FILE, Model
+    from stickslip.calibration.scoring import score as figures
+    from stickslip.detect.judge.model import FILE, Model
 
     told = _tables(folder, [Source(setting, seed, "usual", loops)], loops, workers)
     click.echo(json.dumps(figures(Model.read(file or FILE), told), indent=1))

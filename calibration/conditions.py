@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from calibration.crossings import extent, period
-from logs import LoopRecord
+from stickslip.calibration.crossings import extent, period
+from stickslip.logs import LoopRecord
 
 Floats = NDArray[np.float64]
 

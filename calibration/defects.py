@@ -2,12 +2,11 @@
 
 import numpy as np
 from numpy.typing import NDArray
-
-from calibration.crossings import extent
-from calibration.spec import LoopSpec
-from logs import LoopRecord
-from logs.dirt import swinging_door_kept
-from logs.tags import Process
+from stickslip.calibration.crossings import extent
+from stickslip.calibration.spec import LoopSpec
+from stickslip.logs import LoopRecord
+from stickslip.logs.dirt import swinging_door_kept
+from stickslip.logs.tags import Process
 
 Floats = NDArray[np.float64]
 

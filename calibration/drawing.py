@@ -9,10 +9,9 @@ from collections.abc import Sequence
 from typing import Any, get_args
 
 import numpy as np
-
-from calibration.excitation import SHAPES
-from calibration.margins import Loop, ultimate
-from calibration.spec import Cause, Kinds, LoopSpec, Setting
+from stickslip.calibration.excitation import SHAPES
+from stickslip.calibration.margins import Loop, ultimate
+from stickslip.calibration.spec import Cause, Kinds, LoopSpec, Setting
 
 Random = np.random.Generator
 

@@ -20,11 +20,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks import Block, Kernels, Port
-from blocks.noise import TWO_PI, Seeded, coloured, seeded, uniform
-from blocks.role import Role
-from blocks.rules import finite, not_negative, positive
-from blocks.sources import Constant
+from stickslip.blocks import Block, Kernels, Port
+from stickslip.blocks.noise import TWO_PI, Seeded, coloured, seeded, uniform
+from stickslip.blocks.role import Role
+from stickslip.blocks.rules import finite, not_negative, positive
+from stickslip.blocks.sources import Constant
 
 SHAPES = ("sine", "square", "saw", "triangle")
 RISE = (0.5, 0.5, 0.8, 0.5)  # share of the period in which the straight lines rise
@@ -77,7 +77,7 @@ class Excitation(Seeded):
     ``slope`` [unit/s]; ``walk`` [unit/sqrt(s)].
     Raises ``BlockError`` for times that are not positive or sizes that are negative.
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(Excitation("d", 1.0, shape=1, amplitude=2.0, period=4.0), 4.0, every=1.0).log["d"].tolist()
     [2.0, 2.0, -2.0, -2.0, 2.0]
     """

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from calibration.crossed.told import crossed
-from calibration.drawing import draw
-from calibration.simulation import simulate
-from calibration.spec import Kinds, Setting, Truth
-from logs import LoopRecord
+from stickslip.calibration.crossed.told import crossed
+from stickslip.calibration.drawing import draw
+from stickslip.calibration.simulation import simulate
+from stickslip.calibration.spec import Kinds, Setting, Truth
+from stickslip.logs import LoopRecord
 
 __all__ = ["Law", "loops"]
 

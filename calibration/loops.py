@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any, TypeAlias
 
-from blocks import (
+from stickslip.blocks import (
     PID,
     Biquad,
     ChenValve,
@@ -27,10 +27,10 @@ from blocks import (
     StribeckStem,
     Sum,
 )  # fmt: skip
-from blocks.block import Block
-from calibration.excitation import Excitation
-from calibration.spec import LoopSpec
-from diagram import Diagram, wire
+from stickslip.blocks.block import Block
+from stickslip.calibration.excitation import Excitation
+from stickslip.calibration.spec import LoopSpec
+from stickslip.diagram import Diagram, wire
 
 Structure: TypeAlias = tuple[str, str, str]
 """Valve, process and controller, by the words of ``LoopSpec``."""

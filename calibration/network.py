@@ -1,4 +1,4 @@
-"""The network of convolutions (``detect.judge.features.network``), fitted by PyTorch (extra "training").
+"""The network of convolutions (``stickslip.detect.judge.features.network``), fitted by PyTorch (extra "training").
 
 loss      -ln share of the right kind - ln share of the right side, sticky or not, which a deadband is spared
           + ``SIZED`` (|ln S - s| / w + ln w), w told beside s, J alike, of the sticky loops
@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.signals import Examples
-from detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STICKY, STRIDE, Network
+from stickslip.calibration.signals import Examples
+from stickslip.detect.judge.features.network import CHANNELS, FLIPPED, KERNEL, LAYERS, POOLED, STICKY, STRIDE, Network
 
 __all__ = ["MISSING", "fit"]
 
@@ -108,7 +107,9 @@ def _batches(
 
 
 def untrained(kinds: int) -> Any:
-    """The network of ``detect.judge.features.network`` as a module; the layers are called as its weights are."""
+    """The network of ``stickslip.detect.judge.features.network`` as a module; the layers are called as its weights
+    are.
+    """
     import torch
     from torch import nn
 

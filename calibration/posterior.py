@@ -1,6 +1,6 @@
 """What simulated loops of known cause say about one record, by what the network of convolutions says of both.
 
-    z          log odds of stiction, ln S and ln J over the travel of OP (``detect.judge.features.network``)
+    z          log odds of stiction, ln S and ln J over the travel of OP (``stickslip.detect.judge.features.network``)
     d          distance from the record to a loop in z, each number over its spread among the loops
     weight     exp(-(d / (0.6 D))^2 / 2),   D the distance of the ``NEIGHBOURS``-th loop
     stiction   1/(1 + exp(-(a + b (z - z_record)))) at the record, a and b (3,) fitted to the loops by their weights
@@ -24,10 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression, minimize
 from scipy.special import expit
-
-from calibration.records import Table
-from calibration.scoring import auc
-from calibration.spec import CAUSES
+from stickslip.calibration.records import Table
+from stickslip.calibration.scoring import auc
+from stickslip.calibration.spec import CAUSES
 
 Floats = NDArray[np.float64]
 

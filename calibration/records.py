@@ -1,7 +1,8 @@
 """Features and truth of simulated loops, part by part: kept on disk, so that a run that was stopped goes on.
 
 A part is ``PART`` loops of one setting, drawn with a seed of its own; parts of equal setting and seed are equal on
-every machine but for rounding.  Features are kept apart from signals (``chunks``), in ``logs.files.resumable``.
+every machine but for rounding.  Features are kept apart from signals (``chunks``), in
+``stickslip.logs.files.resumable``.
 """
 
 import hashlib
@@ -15,18 +16,17 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.chunks import read, write
-from calibration.crossings import extent
-from calibration.laws import Law, loops
-from calibration.spec import Kinds, Truth
-from detect.judge.features import features_of, view_of
-from detect.judge.features.network import FILE as NETWORK
-from detect.judge.features.view import View
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
-from logs.files.resumable import Kept, differences, joined, opened
-from logs.processes import processes
+from stickslip.calibration.chunks import read, write
+from stickslip.calibration.crossings import extent
+from stickslip.calibration.laws import Law, loops
+from stickslip.calibration.spec import Kinds, Truth
+from stickslip.detect.judge.features import features_of, view_of
+from stickslip.detect.judge.features.network import FILE as NETWORK
+from stickslip.detect.judge.features.view import View
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
+from stickslip.logs.files.resumable import Kept, differences, joined, opened
+from stickslip.logs.processes import processes
 
 if TYPE_CHECKING:
     import polars as pl
@@ -49,7 +49,7 @@ class Table:
     names : (f,) of the features
     x : (n, f) features [-], all NaN for a record that shows too little for any
     unit : (n,) travel of OP that S is told in [% of OP span]; NaN without features
-    truth : what is true of each, by name of the fields of ``calibration.Truth``, (n,)
+    truth : what is true of each, by name of the fields of ``stickslip.calibration.Truth``, (n,)
     """
 
     names: npt.NDArray[np.str_]
@@ -87,7 +87,7 @@ class Table:
 def row(record: LoopRecord, looked_for: Family = features_of) -> tuple[dict[str, float], float] | None:
     """The features of a record and the travel of OP in its unit; None where it shows too little.
 
-    ``looked_for`` makes them of a record and its view: by default all of ``detect.judge.features``.
+    ``looked_for`` makes them of a record and its view: by default all of ``stickslip.detect.judge.features``.
     """
     loop = Prepared(record)
     view = view_of(loop)
@@ -97,7 +97,7 @@ def row(record: LoopRecord, looked_for: Family = features_of) -> tuple[dict[str,
 def table(told: Sequence[tuple[LoopRecord, Truth]], looked_for: Family = features_of) -> Table:
     """The table of simulated records; ``looked_for`` as in ``row``.
 
-    >>> from calibration import draw, simulate
+    >>> from stickslip.calibration import draw, simulate
     >>> made = table(simulate(draw(2, seed=3)))
     >>> len(made), bool(made.sticky[0])
     (2, True)

@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = ["CONTROLLERS", "SIGNALS", "VALVES", "run"]
 

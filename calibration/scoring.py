@@ -14,9 +14,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.records import Table
-from detect.judge.model import Model
+from stickslip.calibration.records import Table
+from stickslip.detect.judge.model import Model
 
 __all__ = ["auc", "calibration_error", "score", "told"]
 

@@ -9,15 +9,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.crossings import extent
-from calibration.laws import Law, loops
-from calibration.spec import Kinds
-from detect.judge.features.channels import LOOKED_AT, MOST
-from detect.judge.features.network import CHANNELS, seen_by
-from detect.judge.features.view import View, view_of
-from detect.prepare.prepared import Prepared
-from logs.files.resumable import Kept, differences, joined, opened
+from stickslip.calibration.crossings import extent
+from stickslip.calibration.laws import Law, loops
+from stickslip.calibration.spec import Kinds
+from stickslip.detect.judge.features.channels import LOOKED_AT, MOST
+from stickslip.detect.judge.features.network import CHANNELS, seen_by
+from stickslip.detect.judge.features.view import View, view_of
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs.files.resumable import Kept, differences, joined, opened
 
 __all__ = ["Examples", "examples"]
 

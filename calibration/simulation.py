@@ -13,16 +13,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from calibration.crossings import even, extent, period
-from calibration.defects import names, record
-from calibration.excitation import SHAPES
-from calibration.loops import STEMS, Structure, diagram, parameters, series_filter, structure_of
-from calibration.sampled import CONTROLLERS, VALVES
-from calibration.sampled import run as sampled
-from calibration.spec import LoopSpec, Truth
-from diagram import ensemble
-from logs import LoopRecord
+from stickslip.calibration.crossings import even, extent, period
+from stickslip.calibration.defects import names, record
+from stickslip.calibration.excitation import SHAPES
+from stickslip.calibration.loops import STEMS, Structure, diagram, parameters, series_filter, structure_of
+from stickslip.calibration.sampled import CONTROLLERS, VALVES
+from stickslip.calibration.sampled import run as sampled
+from stickslip.calibration.spec import LoopSpec, Truth
+from stickslip.diagram import ensemble
+from stickslip.logs import LoopRecord
 
 Floats = NDArray[np.float64]
 
@@ -82,7 +81,7 @@ def simulate(specs: Sequence[LoopSpec], workers: int | None = None, mv: bool = F
     ``workers`` threads of the engine (default all cores); ``mv``: the record has the stem position, which is to be
     used to test the truth only.  Raises ``RuntimeError`` if a loop cannot be simulated.
 
-    >>> from calibration.drawing import draw
+    >>> from stickslip.calibration.drawing import draw
     >>> loop, truth = simulate(draw(1, seed=3))[0]
     >>> truth.cause, len(loop) >= 300
     ('stiction', True)

@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.boosting import classifier, quantile, start, taken
-from calibration.records import Table
-from detect.judge.model import Model
-from detect.judge.trees import Trees
+from stickslip.calibration.boosting import classifier, quantile, start, taken
+from stickslip.calibration.records import Table
+from stickslip.detect.judge.model import Model
+from stickslip.detect.judge.trees import Trees
 
 __all__ = ["fit"]
 

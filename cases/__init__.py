@@ -1,6 +1,6 @@
 """Published experiments as named cases, with published, analytic and reproduced numbers side by side.
 
->>> from cases import find, names
+>>> from stickslip.cases import find, names
 >>> names()[:5]
 ('ideal_high', 'ideal_normal', 'ideal_half_gain', 'ideal_integrating', 'sine')
 >>> names()[5:11]
@@ -16,8 +16,8 @@
 600.0
 """
 
-from cases.case import Case, Number
-from logs.hint import nearest
+from stickslip.cases.case import Case, Number
+from stickslip.logs.hint import nearest
 
 __all__ = ["Case", "CaseError", "Number", "find", "names"]
 
@@ -27,7 +27,7 @@ class CaseError(ValueError):
 
 
 def _all() -> dict[str, Case]:
-    from cases import ideal, models, plant_models, production, topologies
+    from stickslip.cases import ideal, models, plant_models, production, topologies
 
     return {
         **ideal.CASES_BY_NAME,

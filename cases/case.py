@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
-    from diagram.simulation import Run
-    from logs import LoopRecord
+    from stickslip.diagram.diagram import Diagram
+    from stickslip.diagram.simulation import Run
+    from stickslip.logs import LoopRecord
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,8 @@ class Case:
     signals: tuple[str, ...] = ()
 
     def run(self, **changes: Any) -> "Run":
-        """Simulate the case; keywords go to ``diagram.simulate`` (e.g. ``params={"valve.F_s": 1750.0}``)."""
-        from diagram import simulate
+        """Simulate the case; keywords go to ``stickslip.diagram.simulate`` (e.g. ``params={"valve.F_s": 1750.0}``)."""
+        from stickslip.diagram import simulate
 
         return simulate(self.build(), self.duration, every=self.every, **changes)
 
@@ -60,7 +60,7 @@ class Case:
 
         Raises ``ValueError`` if there are several and none is named, or none of that name.
 
-        >>> from cases import find
+        >>> from stickslip.cases import find
         >>> find("ideal_high").loop().name
         'ideal_high'
         """

@@ -17,10 +17,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from cases.kicks import Study, study_of
-from cases.tables import Row, jumps_a_half_cycle, relative
-from plant.parameters import Stem
+from stickslip.cases.kicks import Study, study_of
+from stickslip.cases.tables import Row, jumps_a_half_cycle, relative
+from stickslip.plant.parameters import Stem
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,7 +55,7 @@ def scan(
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Point]:  # fmt: skip
     """Return the pressure cycles along D at set E's gain, and along the gain at set E's D; skips what cannot rest."""
-    from plant import SET_E, InfeasibleFeed
+    from stickslip.plant import SET_E, InfeasibleFeed
 
     settings = dict.fromkeys([(D, SET_E.S1.K_p_pressure) for D in drops] + [(SET_E.D, K_p) for K_p in gains])
     points: list[Point] = []
@@ -91,9 +90,9 @@ def rows(points: Sequence[Point]) -> list[Row]:
 
 def figure(points: Sequence[Point]) -> "Figure":
     """Return amplitude and period of the pressure for every start, along D and along K_p."""
-    from cases.curves import label, panels
-    from logs.style import STICTION
-    from plant import SET_E
+    from stickslip.cases.curves import label, panels
+    from stickslip.logs.style import STICTION
+    from stickslip.plant import SET_E
 
     D_E, K_p_E = SET_E.D, SET_E.S1.K_p_pressure
     picture, axes = panels(2, 2, "Every start of the scan: pressure of separator 1 (dashed: published)", 3.0)

@@ -7,15 +7,13 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from cases.kicks import BAR, RPM, Floats
-from logs.style import COMMAND, STICTION, tidy
+from stickslip.cases.kicks import BAR, RPM, Floats
+from stickslip.logs.style import COMMAND, STICTION, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from diagram.simulation import Run
+    from stickslip.diagram.simulation import Run
 
 WIDTHS = {"none": 1.1, "normal": 1.6, "high": 1.0}
 PRINTED = {"normal": (0.30, 0.26, 0.12, 0.13), "high": (0.30, 0.44, 0.29, 0.39)}  # table 5.4: m3, bar, bar, rpm
@@ -26,14 +24,14 @@ WINDOWS = {1: (1000.0, 2000.0), 2: (1400.0, 1900.0)}  # s; the thesis shows one 
 @lru_cache(maxsize=6)
 def run(F_s: str, case: int) -> "Run":
     """Return the run of a case; none with constant feed starts at rest, the others as the case says."""
-    from cases import find
+    from stickslip.cases import find
 
     return find(f"plant_{case}_{F_s}").run(method="stiff")
 
 
 def panels(rows: int, columns: int, title: str, height: float = 2.4) -> tuple["Figure", list["Axes"]]:
     """Return an empty figure with a grid of axes, row by row."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(10.0, height * rows), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)

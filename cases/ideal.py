@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from cases.case import Case, Number
-from cases.exact.closed_form import closed_form_R, cycle_period, symmetric_start
-from cases.exact.parameters import ExactLoop
+from stickslip.cases.case import Case, Number
+from stickslip.cases.exact.closed_form import closed_form_R, cycle_period, symmetric_start
+from stickslip.cases.exact.parameters import ExactLoop
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
-    from diagram.simulation import Run
+    from stickslip.diagram.diagram import Diagram
+    from stickslip.diagram.simulation import Run
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +30,7 @@ _PRINTED_MODEL = (
 
 def index(t: Floats, e: Floats) -> tuple[float, float, int]:
     """Return mean, standard deviation and count of R by Algorithm 1 as printed, [-]."""
-    from detect.methods.algorithm1 import ratios
+    from stickslip.detect.methods.algorithm1 import ratios
 
     result = ratios(t, e)
     return result.mean, result.std, len(result.R)
@@ -48,7 +47,7 @@ def on_symmetric_cycle(loop: "Diagram", exact: ExactLoop) -> "Diagram":
 
 
 def _simulate(loop: "Diagram", duration: float) -> "Run":
-    from diagram import simulate
+    from stickslip.diagram import simulate
 
     return simulate(loop, duration, every=0.1, rtol=1e-8, atol=1e-11)
 
@@ -63,7 +62,7 @@ def valve_figure(loop: "Diagram", run: "Run") -> tuple[float, float]:
     The deadband is the distance between OP - MV at the stops after upward and after downward moves; the jump
     is the median distance between successive rests.
     """
-    from diagram import simulate
+    from stickslip.diagram import simulate
 
     stops = [event for event in run.events if event.block == "valve" and event.after == "stuck" and event.t > 0.0]
     log = simulate(loop, run.log.duration, times=[event.t for event in stops], rtol=1e-8, atol=1e-11).log
@@ -76,7 +75,7 @@ def valve_figure(loop: "Diagram", run: "Run") -> tuple[float, float]:
 def _self_regulating_numbers(
     F_s: float, K_p: float, setpoint: float, published: float, reading: tuple[float, float], where: str, note: str
 ) -> Sequence[Number]:
-    from plant.loops import self_regulating_loop
+    from stickslip.plant.loops import self_regulating_loop
 
     exact = ExactLoop(F_s=F_s, K_p=K_p, SP=setpoint)
     period = cycle_period(exact)
@@ -165,7 +164,7 @@ def sine_numbers() -> Sequence[Number]:
 
 def build_integrating() -> "Diagram":
     """Return eq. 7.4's loop on its symmetric cycle: stem half a jump up and just stopped, PV at its lowest."""
-    from plant.loops import integrating_loop
+    from stickslip.plant.loops import integrating_loop
 
     half_jump, f_c, K_p = 0.5 * (HIGH - 1250.0) / 52500.0, 1250.0 / 52500.0, 0.2
     lowest = -0.5 * (HIGH + 1250.0) / 52500.0 / K_p
@@ -175,7 +174,7 @@ def build_integrating() -> "Diagram":
 
 
 def _loop(**changes: Any) -> "Diagram":
-    from plant.loops import self_regulating_loop
+    from stickslip.plant.loops import self_regulating_loop
 
     return self_regulating_loop(**changes)
 
@@ -185,8 +184,8 @@ def _half_gain() -> "Diagram":
 
 
 def _sine() -> "Diagram":
-    from blocks import Sine
-    from diagram import wire
+    from stickslip.blocks import Sine
+    from stickslip.diagram import wire
 
     return wire([Sine("e", amplitude=0.075, period=50.0)], outputs=["e"], name="sine")
 

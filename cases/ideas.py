@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from cases.curves import label, panels, run, thinned
-from cases.ideal import GAIN_READING, HIGH, NORMAL
-from logs.style import COMMAND, INK, STICTION
+from stickslip.cases.curves import label, panels, run, thinned
+from stickslip.cases.ideal import GAIN_READING, HIGH, NORMAL
+from stickslip.logs.style import COMMAND, INK, STICTION
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from logs import Log
+    from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 
@@ -58,7 +56,7 @@ def width_at_middle(op: Floats, pv: Floats) -> float:
 @lru_cache(maxsize=1)
 def integrating() -> "Log":
     """Return the loop of eq. 7.4 on its symmetric cycle, 2000 s."""
-    from cases import find
+    from stickslip.cases import find
 
     return find("ideal_integrating").run().log
 
@@ -123,10 +121,10 @@ def halves(t: Floats, e: Floats) -> list[tuple[int, int, int]]:
 
 def _loop_error(F_s: float, K_p: float, gain: float) -> tuple[Floats, Floats]:
     """Return time [s] and control error of eq. 6.2's loop on its symmetric cycle, 600 s."""
-    from cases.exact.parameters import ExactLoop
-    from cases.ideal import on_symmetric_cycle
-    from diagram import simulate
-    from plant.loops import self_regulating_loop
+    from stickslip.cases.exact.parameters import ExactLoop
+    from stickslip.cases.ideal import on_symmetric_cycle
+    from stickslip.diagram import simulate
+    from stickslip.plant.loops import self_regulating_loop
 
     exact = ExactLoop(F_s=F_s, K_p=K_p, K=3.0 * gain, SP=0.5)
     loop = on_symmetric_cycle(self_regulating_loop(F_s=F_s, K_p=K_p, K=3.0 * gain), exact)
@@ -135,15 +133,15 @@ def _loop_error(F_s: float, K_p: float, gain: float) -> tuple[Floats, Floats]:
 
 
 def _sine() -> tuple[Floats, Floats]:
-    from cases import find
+    from stickslip.cases import find
 
     log = find("sine").run().log
     return log.t, log["e"]
 
 
 def _areas(cells: list[tuple[tuple[Floats, Floats], str]], title: str) -> "Figure":
-    from cases.ideal import index
-    from logs.style import AFTER, BEFORE
+    from stickslip.cases.ideal import index
+    from stickslip.logs.style import AFTER, BEFORE
 
     figure, axes = panels(len(cells), 1, title, 1.9)
     for ax, ((t, e), words), letter in zip(axes, cells, "abcd", strict=False):

@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from logs.oscillation import Band, band, oscillation, without_trend
+from stickslip.logs.oscillation import Band, band, oscillation, without_trend
 
 Floats = NDArray[np.float64]
 
@@ -93,7 +92,7 @@ def case_2_numbers(t: Floats, log: Mapping[str, Floats]) -> dict[str, float]:
 
 def indices(t: Floats, V_1: Floats, p_1: Floats) -> dict[str, float]:
     """Return mean and standard deviation of R by Algorithm 1 as printed, for level and pressure."""
-    from detect.methods.algorithm1 import ratios
+    from stickslip.detect.methods.algorithm1 import ratios
 
     found: dict[str, float] = {}
     for name, e in (("level", 40.95 - V_1), ("pressure", 30e5 - p_1)):
@@ -114,7 +113,7 @@ def study_of(
     >>> found.failed, 0.25 < found.band("level A").median < 0.35
     (0, True)
     """
-    from study import OwnMeasures, production_subject, study
+    from stickslip.study import OwnMeasures, production_subject, study
 
     measures = OwnMeasures(*((CASE_1, case_1_numbers) if case == 1 else (CASE_2, case_2_numbers)))
     result = study(
@@ -134,8 +133,8 @@ def rest_amplitudes(plant: Any) -> tuple[float, float, float, float]:
 
     No stiction; ``plant`` is a set's name or a ``Production``.
     """
-    from diagram import simulate
-    from plant import production_plant
+    from stickslip.diagram import simulate
+    from stickslip.plant import production_plant
 
     log = simulate(production_plant(plant, F_s="none"), DURATION, every=1.0, method="stiff").log
     scales = {"V_1": 1.0, "p_1": BAR, "p_out2": BAR, "w": RPM}

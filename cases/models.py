@@ -14,11 +14,11 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from cases.case import Case
+from stickslip.cases.case import Case
 
 if TYPE_CHECKING:
-    from blocks.block import Block
-    from diagram.diagram import Diagram
+    from stickslip.blocks.block import Block
+    from stickslip.diagram.diagram import Diagram
 
 K, TAU, K_P, T_I = 3.0, 10.0, 0.4, 10.0  # thesis eq. 6.2
 NOISE = 0.004  # standard deviation of the sensor [unit of PV]
@@ -40,8 +40,8 @@ def ideal_flow(rest: float = 0.0) -> "Diagram":
     >>> ideal_flow().open_inputs
     ('SP',)
     """
-    from blocks import PI, Constant, FirstOrder, Historian, IdealValve, Noise, Sum
-    from diagram import wire
+    from stickslip.blocks import PI, Constant, FirstOrder, Historian, IdealValve, Noise, Sum
+    from stickslip.diagram import wire
 
     return wire(
         [
@@ -69,7 +69,7 @@ def site_flow(rest: float = 0.0) -> "Diagram":
     >>> site_flow().tolerances
     {'process.K': 0.05, 'process.tau': 0.1}
     """
-    from blocks import FirstOrder
+    from stickslip.blocks import FirstOrder
 
     controller = _scanning(K_P, T_I, rest / K)
     process = FirstOrder(K, TAU, start=rest, inputs="F", outputs="y")
@@ -85,7 +85,7 @@ def second_order_flow(rest: float = 0.0) -> "Diagram":
     >>> second_order_flow()["process"].params["theta"]
     2.0
     """
-    from blocks import SecondOrder
+    from stickslip.blocks import SecondOrder
 
     slow, fast = TAU, 4.0
     omega = 1.0 / math.sqrt(slow * fast)
@@ -104,7 +104,7 @@ def level_loop(rest: float = 0.5) -> "Diagram":
     >>> level_loop().tolerances
     {'process.T': 0.1}
     """
-    from blocks import Integrator
+    from stickslip.blocks import Integrator
 
     process = Integrator(K=1.0, T=200.0, u_0=OUTFLOW, start=rest, inputs="F", outputs="y")
     controller = _scanning(4.0, 400.0, OUTFLOW)
@@ -120,8 +120,8 @@ def level_cascade(rest: float = 0.5) -> "Diagram":
     >>> level_cascade().open_inputs, level_cascade()["controller"].loop_signal("SP")
     (('SP_L',), 'SP')
     """
-    from blocks import FirstOrder, Integrator, SampledSensor
-    from diagram import wire
+    from stickslip.blocks import FirstOrder, Integrator, SampledSensor
+    from stickslip.diagram import wire
 
     process = FirstOrder(1.0, 3.0, start=OUTFLOW, inputs="F", outputs="y")
     flow = _site(_scanning(0.5, 3.0, OUTFLOW), process, OUTFLOW, NOISE, "flow")
@@ -136,15 +136,15 @@ def level_cascade(rest: float = 0.5) -> "Diagram":
 
 def _scanning(K_p: float, T_i: float, opening: float) -> "Block":
     """Return a controller that scans every second and takes in the present error first, at rest with this OP."""
-    from blocks import SampledPI
+    from stickslip.blocks import SampledPI
 
     return SampledPI(K_p, T_i, dt=1.0, anti_windup="conditional", integral="present", start_op=opening)
 
 
 def _site(controller: "Block", process: "Block", rest: float, noise: float, name: str) -> "Diagram":
     """Return a loop whose controller and sensor scan, with a load that nobody measures at the process input."""
-    from blocks import Historian, IdealValve, Noise, SampledSensor, Sum
-    from diagram import wire
+    from stickslip.blocks import Historian, IdealValve, Noise, SampledSensor, Sum
+    from stickslip.diagram import wire
 
     return wire(
         [
@@ -164,15 +164,16 @@ def _site(controller: "Block", process: "Block", rest: float, noise: float, name
 def cascaded_tanks() -> "Diagram":
     """Return the rig of two tanks without overflow: pump voltage ``u`` [V], level of the lower tank ``y`` [V].
 
-    Torricelli's law in both (``blocks.tank``), levels in volts of the level sensor, flows in volts of the pump; both
-    outlets are taken as equal, since no level of the upper tank is logged.  Areas, outlets and the start of the upper
-    tank are fitted to the whole estimation record, which leaves an error of 0.60 V (root mean square) in a free run.
+    Torricelli's law in both (``stickslip.blocks.tank``), levels in volts of the level sensor, flows in volts of the
+    pump; both outlets are taken as equal, since no level of the upper tank is logged.  Areas, outlets and the start of
+    the upper tank are fitted to the whole estimation record, which leaves an error of 0.60 V (root mean square) in a
+    free run.
 
     >>> cascaded_tanks().open_inputs, cascaded_tanks()["sensor"].output_labels
     (('u',), ['y'])
     """
-    from blocks import IdealValve, Sensor, Tank
-    from diagram import wire
+    from stickslip.blocks import IdealValve, Sensor, Tank
+    from stickslip.diagram import wire
 
     rim = {"h": (0.0, 10.0)}
     return wire(
@@ -189,8 +190,8 @@ def cascaded_tanks() -> "Diagram":
 
 def _driven(model: "Diagram", signal: str, levels: tuple[float, ...], dwell: float) -> "Diagram":
     """Return a model whose open input is a staircase."""
-    from blocks import Staircase
-    from diagram import wire
+    from stickslip.blocks import Staircase
+    from stickslip.diagram import wire
 
     return wire([Staircase(signal, levels, dwell=dwell), *model.blocks], name=model.name)
 

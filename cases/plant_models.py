@@ -9,12 +9,12 @@ which a log may know.
 
 from typing import TYPE_CHECKING
 
-from cases.case import Case
+from stickslip.cases.case import Case
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 FEED_SD, FEED_TIME, FEED_DT = 30.0, 120.0, 5.0  # mol/s, s, s
 LOGGED_SECTION = ("SP_LCS11", "SP_PCS11", "p_1", "V_1", "OP_VLCS1", "OP_VPCS1")
@@ -30,7 +30,7 @@ def separator_section() -> "Diagram":
     >>> separator_section()["F_in"].role, separator_section()["VPCS1"].modes
     (<Role.DISTURBANCE: 'disturbance'>, {})
     """
-    from plant.build import separator_1
+    from stickslip.plant.build import separator_1
 
     return _with_swing(_freed(separator_1()))
 
@@ -41,14 +41,14 @@ def full_plant() -> "Diagram":
     >>> set(LOGGED_PLANT) <= set(full_plant().signals)
     True
     """
-    from plant import production_plant
+    from stickslip.plant import production_plant
 
     return _with_swing(_freed(production_plant(sticky=())))
 
 
 def _freed(plant: "Diagram") -> "Diagram":
     """Return the plant with ideal valves in place of those that stick."""
-    from blocks import IdealValve
+    from stickslip.blocks import IdealValve
 
     for block in plant.blocks:
         if block.can_stick:
@@ -57,7 +57,7 @@ def _freed(plant: "Diagram") -> "Diagram":
 
 
 def _with_swing(plant: "Diagram") -> "Diagram":
-    from blocks import Noise
+    from stickslip.blocks import Noise
 
     mean = plant["F_in"].params["value"]
     swing = Noise("F_in", FEED_SD, FEED_DT, correlation_time=FEED_TIME, mean=mean, unit="mol/s")

@@ -3,17 +3,18 @@
 A seventh, ``plant_1_high_two_jumps``, differs from ``plant_1_high`` by its start alone, which leads to the other cycle.
 
 Parameter set B was fitted for constant feed, A for the sine; C and E serve both, and E, the nearest to the print,
-stands behind the cases.  ``plant.parameters`` says what they are, ``cases.choice`` how E was chosen.
+stands behind the cases.  ``stickslip.plant.parameters`` says what they are, ``stickslip.cases.choice`` how E was
+chosen.
 """
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from cases.case import Case, Number
-from plant.parameters import DEFAULT
+from stickslip.cases.case import Case, Number
+from stickslip.plant.parameters import DEFAULT
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 SET = DEFAULT  # the parameter set behind the cases
 KICK = (1.02, 1.03)  # gas and liquid of separator 1 at the start: from here VPCS1's stem jumps once a half cycle
@@ -32,7 +33,7 @@ def diagram(F_s: str, case: int, kick: tuple[float, float] = KICK, name: str = "
     >>> diagram("high", 2).name
     'plant_2_high'
     """
-    from plant import production_plant
+    from stickslip.plant import production_plant
 
     plant = production_plant(SET, F_s=F_s, case=case, name=name or f"plant_{case}_{F_s}")
     return started(plant, kick) if case == 1 and F_s != "none" else plant
@@ -44,7 +45,7 @@ def started(plant: "Diagram", kick: tuple[float, float] = KICK) -> "Diagram":
     From ``KICK`` the stem of VPCS1 jumps once a half cycle, which draws the rectangle of figure 5.2 and, with high
     stiction, gives R near table 6.1; so it does from all starts within 0.3 % of it.
     """
-    from plant import kicked
+    from stickslip.plant import kicked
 
     return kicked(plant, *kick)
 
@@ -55,9 +56,9 @@ def _build(F_s: str, case: int, kick: tuple[float, float] = KICK, name: str = ""
 
 def own_numbers(F_s: str, kick: tuple[float, float] = KICK) -> Sequence[Number]:
     """Return what the run of a kicked case itself gives, 1000 to 2000 s, beside tables 5.4 and 6.1."""
-    from cases.kicks import DURATION, EVERY, case_1_numbers
-    from cases.tables import PUBLISHED_5_4, PUBLISHED_6_1
-    from diagram import simulate
+    from stickslip.cases.kicks import DURATION, EVERY, case_1_numbers
+    from stickslip.cases.tables import PUBLISHED_5_4, PUBLISHED_6_1
+    from stickslip.diagram import simulate
 
     log = simulate(diagram(F_s, 1, kick), DURATION, every=EVERY, method="stiff").log
     found, high = case_1_numbers(log.t, log.signals), F_s == "high"
@@ -75,8 +76,8 @@ def own_numbers(F_s: str, kick: tuple[float, float] = KICK) -> Sequence[Number]:
 
 def _numbers(F_s: str, case: int, kick: tuple[float, float] = KICK) -> Callable[[], Sequence[Number]]:
     def numbers() -> Sequence[Number]:
-        from cases.kicks import Studies
-        from cases.tables import table_5_4, table_6_1, table_6_2, table_case_2
+        from stickslip.cases.kicks import Studies
+        from stickslip.cases.tables import table_5_4, table_6_1, table_6_2, table_case_2
 
         studies = Studies(SET, KICKS_OF_A_CASE)
         builders = (table_5_4, table_6_1) if case == 1 else (table_6_2, table_case_2)

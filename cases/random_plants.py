@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from blocks.block import Block
-    from diagram.diagram import Diagram
-    from diagram.simulation import Run
-    from plant import Production
+    from stickslip.blocks.block import Block
+    from stickslip.diagram.diagram import Diagram
+    from stickslip.diagram.simulation import Run
+    from stickslip.plant import Production
 
 SHARE = 0.2  # how far every parameter is moved
 KICK = 0.05  # how far the contents of separator 1 are moved
@@ -44,7 +44,7 @@ class RandomPlant:
 
     def build(self) -> "Diagram":
         """Return the plant, kicked; raise ``InfeasibleFeed`` or ``BlockError`` if it cannot be."""
-        from plant import production_plant
+        from stickslip.plant import production_plant
 
         plant = production_plant(
             self.plant, tuple(self.F_s), self.F_s, feed=self._feed(), stem=self.stem, turbine=self.turbine,
@@ -54,7 +54,7 @@ class RandomPlant:
         return plant.starting_at(dict(zip(("S1.N_oil", "S1.N_metL", "S1.N_metG"), contents.tolist(), strict=True)))
 
     def _feed(self) -> "list[Block]":
-        from plant import feed
+        from stickslip.plant import feed
 
         if self.feed == "sine":
             return feed.sine(self.F_in, self.Z_I, **self.values)
@@ -76,7 +76,7 @@ class RandomPlant:
 def varied(data: Any, rng: np.random.Generator, share: float = SHARE) -> Any:
     """Return a dataclass with each of its numbers times an independent uniform factor, in nested ones too.
 
-    >>> from plant import SET_B
+    >>> from stickslip.plant import SET_B
     >>> other = varied(SET_B, np.random.default_rng(1))
     >>> 0.8 <= other.S1.V_sep / SET_B.S1.V_sep <= 1.2, other.S1.V_sep != SET_B.S1.V_sep
     (True, True)
@@ -97,8 +97,8 @@ def draw(number: int, seed: int = 2009) -> RandomPlant:
     >>> draw(3).described() == draw(3).described(), draw(3).described() == draw(4).described()
     (True, False)
     """
-    from plant import SETS
-    from plant.parts import VALVES
+    from stickslip.plant import SETS
+    from stickslip.plant.parts import VALVES
 
     rng = np.random.default_rng([seed, number])
     plant = varied(SETS[str(rng.choice(FROM))], rng)
@@ -134,8 +134,8 @@ def draw(number: int, seed: int = 2009) -> RandomPlant:
 
 def feasible(count: int, seed: int = 2009) -> Iterator[tuple[RandomPlant, "Diagram | str"]]:
     """Yield random plants until ``count`` could be built: each with its diagram, or with why it was refused."""
-    from blocks.ports import BlockError
-    from plant import InfeasibleFeed
+    from stickslip.blocks.ports import BlockError
+    from stickslip.plant import InfeasibleFeed
 
     built = number = 0
     while built < count:
@@ -187,8 +187,8 @@ def run(asked: RandomPlant, plant: "Diagram", duration: float = DURATION, every:
     >>> run(asked, plant, 20.0).integrated
     True
     """
-    from diagram import simulate
-    from plant.balances import contents, with_balances
+    from stickslip.diagram import simulate
+    from stickslip.plant.balances import contents, with_balances
 
     result = simulate(with_balances(plant), duration, every=every, method=asked.method)
     error = np.abs(contents(result.final) / result.final["balances"].x0 - 1.0)

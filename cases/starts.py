@@ -12,9 +12,8 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-
-from cases.kicks import FRESH, KICKS, Studies, Study
-from cases.tables import Row, table_5_4, table_6_1, table_6_2, table_case_2
+from stickslip.cases.kicks import FRESH, KICKS, Studies, Study
+from stickslip.cases.tables import Row, table_5_4, table_6_1, table_6_2, table_case_2
 
 BUILDERS = (table_5_4, table_6_1, table_6_2, table_case_2)
 Key = tuple[str, str]  # table and row

@@ -1,7 +1,7 @@
 """Five short stories with known truth: loops of our own making, exported as a plant historian would.
 
 Each story is simulated here, made dirty in its own way and kept as a file in ``cases/exports``.
-``python -m cases.stories FOLDER`` writes them again: the same bytes on the same machine with the same engine.
+``python -m stickslip.cases.stories FOLDER`` writes them again: the same bytes on the same machine with the same engine.
 The three loops with a sticky valve and a noisy sensor are chaotic, so after any change of the solver's last digits
 they are another record of the same valve: alike for some minutes, and in verdict, but not in every digit.
 """
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from logs import Log
+    from stickslip.logs import Log
 
 EXPORTS = Path(__file__).parent / "exports"
 START = datetime(2026, 3, 2, 6, 0, 0)
@@ -44,7 +44,7 @@ class Story:
 
 
 def _loop(items: list[Any], duration: float, every: float) -> "Log":
-    from diagram import simulate, wire
+    from stickslip.diagram import simulate, wire
 
     run = simulate(wire(items), duration, every=every)
     if not run.ok:
@@ -62,7 +62,7 @@ def _rows(log: "Log", columns: dict[str, tuple[str, float, float, int]]) -> list
 
 def _sticky_flow_log(seed: int) -> "Log":
     """Return the flow loop whose valve has S = 6 % and J = 3 % of OP; ``seed`` of the sensor's noise."""
-    from blocks import PI, FirstOrder, SampledSensor, Step, StickSlip
+    from stickslip.blocks import PI, FirstOrder, SampledSensor, Step, StickSlip
 
     return _loop(
         [
@@ -96,7 +96,7 @@ def sticky_flow() -> str:
 
 def tight_tuning() -> str:
     """A healthy temperature loop tuned to the edge; export with decimal comma, semicolons and a units row."""
-    from blocks import PI, FirstOrder, Noise, SampledSensor, SecondOrder, Step, Sum
+    from stickslip.blocks import PI, FirstOrder, Noise, SampledSensor, SecondOrder, Step, Sum
 
     log = _loop(
         [
@@ -126,7 +126,7 @@ def tight_tuning() -> str:
 
 def outside_disturbance() -> str:
     """A healthy pressure valve under slug flow from upstream; long-form export, logged on change."""
-    from blocks import PI, FirstOrder, SampledSensor, Sine, Step, Sum
+    from stickslip.blocks import PI, FirstOrder, SampledSensor, Sine, Step, Sum
 
     log = _loop(
         [
@@ -155,7 +155,7 @@ def outside_disturbance() -> str:
 
 def sticky_level() -> str:
     """A level loop with a sticky outlet valve: the area ratio cannot see it, and must say so."""
-    from blocks import PI, Gain, Integrator, SampledSensor, Step, StickSlip
+    from stickslip.blocks import PI, Gain, Integrator, SampledSensor, Step, StickSlip
 
     log = _loop(
         [
@@ -181,7 +181,7 @@ def sticky_level() -> str:
 
 def compressed_flow() -> str:
     """The sticky flow valve again, after a historian's swinging door: too little is left to judge."""
-    from logs.dirt import swinging_door
+    from stickslip.logs.dirt import swinging_door
 
     rebuilt = swinging_door(_sticky_flow_log(seed=12), {"PV_m": 0.012, "OP": 0.01})
     lines = ["t,FIC512.SP,FIC512.PV,FIC512.OP"]

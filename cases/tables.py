@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from cases.kicks import Studies, Study, rest_amplitudes
-from logs.oscillation import Band, band
-from plant.parameters import STICTION, Stem
+from stickslip.cases.kicks import Studies, Study, rest_amplitudes
+from stickslip.logs.oscillation import Band, band
+from stickslip.plant.parameters import STICTION, Stem
 
 SIZES = tuple(STICTION)  # none, normal, high
 
@@ -274,11 +274,11 @@ def table_case_2(studies: Studies, sizes: Sequence[str] = SIZES) -> list[Row]:
 
 
 def table_ideal() -> list[Row]:
-    """Return the numbers of the ideal loops (figures 6.1, B.3 and chapter 7), see ``cases.ideal``.
+    """Return the numbers of the ideal loops (figures 6.1, B.3 and chapter 7), see ``stickslip.cases.ideal``.
 
     A published R counts as met within its printed spread, a rounded percentage within its rounding.
     """
-    from cases.ideal import CASES
+    from stickslip.cases.ideal import CASES
 
     rows = []
     for case in CASES:

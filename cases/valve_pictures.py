@@ -7,11 +7,10 @@ eq. 4.5: F_v v + F_c sgn(v) in motion, anything up to F_s at rest.
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from cases.curves import label, panels
-from logs.style import COMMAND, INK
-from logs.style import STICTION as COLOUR
-from plant.parameters import STICTION, Stem
+from stickslip.cases.curves import label, panels
+from stickslip.logs.style import COMMAND, INK
+from stickslip.logs.style import STICTION as COLOUR
+from stickslip.plant.parameters import STICTION, Stem
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,8 +21,8 @@ PERIOD, LOW, HIGH = 400.0, 0.3, 0.5  # s; OP goes up and down between these
 
 def figure_4_1() -> "Figure":
     """Return figure 4.1: MV over OP, with deadband, stickband and slip jump."""
-    from blocks import StickSlip, Triangle
-    from diagram import simulate, wire
+    from stickslip.blocks import StickSlip, Triangle
+    from stickslip.diagram import simulate, wire
 
     F_s, stem = STICTION["high"], Stem()
     middle, swing = 0.5 * (LOW + HIGH), 0.5 * (HIGH - LOW)

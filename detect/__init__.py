@@ -3,8 +3,8 @@
 One loop in five lines:
 
 >>> import numpy as np
->>> from detect import diagnose
->>> from logs import LoopRecord
+>>> from stickslip.detect import diagnose
+>>> from stickslip.logs import LoopRecord
 >>> t = np.arange(1000.0)
 >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
 >>> answer = diagnose(loop)
@@ -21,12 +21,12 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from detect.card import Card
-from detect.comparison import Comparison, compare
-from detect.diagnosis import Diagnosis, diagnose
-from detect.judge.combine import Weight, WeightedVote
-from detect.method import Method
-from detect.methods import (
+from stickslip.detect.card import Card
+from stickslip.detect.comparison import Comparison, compare
+from stickslip.detect.diagnosis import Diagnosis, diagnose
+from stickslip.detect.judge.combine import Weight, WeightedVote
+from stickslip.detect.method import Method
+from stickslip.detect.methods import (
     area_ratio,
     bicoherence,
     change_no_change,
@@ -51,7 +51,7 @@ from detect.methods import (
     surrogates,
     window_tests,
 )
-from detect.oscillation import (
+from stickslip.detect.oscillation import (
     acf_crossings,
     forsman_stattin,
     hagglund1995,
@@ -60,9 +60,9 @@ from detect.oscillation import (
     several_periods,
     thornhill1997,
 )
-from detect.oscillation.gate import Gate
-from detect.plantwide.survey import Survey, survey
-from detect.verdict import Verdict
+from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.plantwide.survey import Survey, survey
+from stickslip.detect.verdict import Verdict
 
 __all__ = [
     "GATES",

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from detect.card import Card
-from detect.method import Method
-from detect.published import PUBLISHED, THESIS, ThesisRow, wilson
-from detect.rates import COMBINED, Rate, rates
+from stickslip.detect.card import Card
+from stickslip.detect.method import Method
+from stickslip.detect.published import PUBLISHED, THESIS, ThesisRow, wilson
+from stickslip.detect.rates import COMBINED, Rate, rates
 
 __all__ = [
     "CARD_COLUMNS", "OUTLINE_COLUMNS", "PUBLISHED_COLUMNS", "RATE_COLUMNS", "card_rows", "outline_rows",
@@ -27,9 +27,9 @@ PUBLISHED_COLUMNS = ("published", "share", "90 % interval", "loops", "source", "
 
 
 def card_rows(methods: Sequence[Method] | None = None) -> list[list[str]]:
-    """One row of text a method, as in ``CARD_COLUMNS``; by default of all of ``detect.METHODS``.
+    """One row of text a method, as in ``CARD_COLUMNS``; by default of all of ``stickslip.detect.METHODS``.
 
-    >>> from detect.methods import area_ratio
+    >>> from stickslip.detect.methods import area_ratio
     >>> card_rows([area_ratio])[0][3:5]
     ['SP, PV', 'self-regulating']
     """
@@ -74,7 +74,7 @@ def published_rows(measured: Mapping[str, Rate] | None = None) -> list[list[str]
 
 def _all(methods: Sequence[Method] | None) -> Sequence[Method]:
     if methods is None:
-        from detect import METHODS
+        from stickslip.detect import METHODS
 
         return METHODS
     return methods

@@ -12,18 +12,18 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, runtime_checkable
 
-from detect.diagnosis import ask, found_on
-from detect.judge.combine import Combine
-from detect.method import Method
-from detect.prepare.prepared import Prepared
-from detect.verdict import Verdict
-from detect.words import WORDS, Word
-from logs import LogError, LoopRecord, ReadError, read_loops
-from logs.files.frames import frame_kind
-from logs.hint import nearest
-from logs.processes import one_thread
-from logs.shown import Shown
-from logs.tags import Process
+from stickslip.detect.diagnosis import ask, found_on
+from stickslip.detect.judge.combine import Combine
+from stickslip.detect.method import Method
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import Verdict
+from stickslip.detect.words import WORDS, Word
+from stickslip.logs import LogError, LoopRecord, ReadError, read_loops
+from stickslip.logs.files.frames import frame_kind
+from stickslip.logs.hint import nearest
+from stickslip.logs.processes import one_thread
+from stickslip.logs.shown import Shown
+from stickslip.logs.tags import Process
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -141,7 +141,7 @@ class Comparison(Shown):
 
     def plot(self) -> Figure:
         """The verdict of every method on every loop, with the time that the method took."""
-        from detect.figures.comparison import plot_comparison
+        from stickslip.detect.figures.comparison import plot_comparison
 
         return plot_comparison(self)
 
@@ -165,14 +165,14 @@ def compare(
     what is none of these or no method. A file of a folder that cannot be read is skipped and listed.
 
     >>> import numpy as np
-    >>> from detect.methods import area_ratio
+    >>> from stickslip.detect.methods import area_ratio
     >>> t = np.arange(1000.0)
     >>> loop = LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t, name="FIC211")
     >>> [row[:4] for row in compare(loop, [area_ratio]).rows()]
     [['FIC211', 'area_ratio', 'no', 'inconclusive']]
     """
     if methods is None:
-        from detect import METHODS
+        from stickslip.detect import METHODS
 
         methods = METHODS
     records, skipped = _records(source, process)

@@ -6,24 +6,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from detect.chances import chance
-from detect.judge.answer import Amount, Answer
-from detect.judge.combine import Combine
-from detect.judge.over_days import answer_over_days
-from detect.judge.pooled import pooled
-from detect.judge.voted import beside, voted
-from detect.likelihood.pooled import Evidence
-from detect.method import Method
-from detect.prepare.fact import Fact
-from detect.prepare.harris import Harris
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.process_kind import kind_of_tag
-from detect.prepare.swing import amplitude
-from detect.verdict import Verdict
-from detect.words import WORDS, Word
-from logs import LoopRecord
-from logs.processes import one_thread
-from logs.shown import Shown
+from stickslip.detect.chances import chance
+from stickslip.detect.judge.answer import Amount, Answer
+from stickslip.detect.judge.combine import Combine
+from stickslip.detect.judge.over_days import answer_over_days
+from stickslip.detect.judge.pooled import pooled
+from stickslip.detect.judge.voted import beside, voted
+from stickslip.detect.likelihood.pooled import Evidence
+from stickslip.detect.method import Method
+from stickslip.detect.prepare.fact import Fact
+from stickslip.detect.prepare.harris import Harris
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.process_kind import kind_of_tag
+from stickslip.detect.prepare.swing import amplitude
+from stickslip.detect.verdict import Verdict
+from stickslip.detect.words import WORDS, Word
+from stickslip.logs import LoopRecord
+from stickslip.logs.processes import one_thread
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -124,7 +124,7 @@ class Diagnosis(Shown):
 
         ``words=False`` leaves verdict and reason to the text around the picture.
         """
-        from detect.figures.diagnosis import plot_diagnosis
+        from stickslip.detect.figures.diagnosis import plot_diagnosis
 
         return plot_diagnosis(self, words)
 
@@ -136,7 +136,7 @@ def diagnose(
     """Judge one loop: a record, or a frame of pandas, polars or pyarrow.
 
     ``methods`` are modules or other objects with ``CARD`` and ``detect(record) -> Verdict``, of this package or not; by
-    default all of ``detect.METHODS``. Their answers are for comparison. The verdict is the calibrated one
+    default all of ``stickslip.detect.METHODS``. Their answers are for comparison. The verdict is the calibrated one
     (``judge.answer``), here and everywhere. If ``combine`` is given, such as a ``WeightedVote``, the methods vote
     instead, and a method whose card says ``experimental`` has no vote.
 
@@ -150,7 +150,7 @@ def diagnose(
     >>> answer.verdict, answer.to_dict()["schema"]
     ('inconclusive', 'stickslip.check/2')
     """
-    from detect import METHODS
+    from stickslip.detect import METHODS
 
     loop = prepared(record)
     record = loop.record
@@ -206,7 +206,9 @@ def ask(method: Method, loop: Prepared) -> Verdict:
         )
     verdict = method.detect(loop)
     if not isinstance(verdict, Verdict):
-        raise TypeError(f"detect(record) of method {method!r} gave {verdict!r}; it must return a detect.Verdict")
+        raise TypeError(
+            f"detect(record) of method {method!r} gave {verdict!r}; it must return a stickslip.detect.Verdict"
+        )
     draw = verdict.draw or getattr(method, "draw", None)
     on_trial = verdict.experimental or getattr(getattr(method, "CARD", None), "experimental", False)
     return replace(verdict, draw=draw, experimental=on_trial)

@@ -21,10 +21,10 @@ from itertools import repeat
 from types import ModuleType
 from typing import Any, Literal
 
-from detect.diagnosis import ask
-from detect.prepare.prepared import Prepared
-from detect.stream import Buffer, LoopFacts, Sample
-from detect.verdict import Verdict
+from stickslip.detect.diagnosis import ask
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.stream import Buffer, LoopFacts, Sample
+from stickslip.detect.verdict import Verdict
 
 __all__ = ["LoopStream"]
 
@@ -37,7 +37,7 @@ class LoopStream:
 
     facts : LoopFacts
     methods : tuple of Method
-        By default all of ``detect.METHODS``.
+        By default all of ``stickslip.detect.METHODS``.
     window : int
         Most rows held [-].
     buffer, states, ways
@@ -46,7 +46,7 @@ class LoopStream:
     Raises ValueError for a window below 64 rows.
 
     >>> import numpy as np
-    >>> from detect.methods import area_ratio
+    >>> from stickslip.detect.methods import area_ratio
     >>> stream = LoopStream(LoopFacts(process="self_regulating"), (area_ratio,))
     >>> for t in range(600):
     ...     part = 1 - 1.916 * np.exp(-(t % 25) / 8)
@@ -68,7 +68,7 @@ class LoopStream:
         if self.window < 64:
             raise ValueError(f"window = {self.window} rows; give at least 64")
         if not self.methods:
-            from detect import METHODS
+            from stickslip.detect import METHODS
 
             object.__setattr__(self, "methods", METHODS)
         object.__setattr__(self, "methods", tuple(self.methods))

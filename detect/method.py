@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
-from detect.card import Card
-from detect.prepare.prepared import Prepared
-from detect.verdict import Verdict
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import Verdict
+from stickslip.logs import LoopRecord
 
 __all__ = ["Method"]
 
@@ -20,7 +20,7 @@ class Method(Protocol):
     ``init``, ``update`` and ``verdict`` (see ``stream``). A method whose card says ``experimental`` is shown,
     but has no vote.
 
-    >>> from detect.methods import area_ratio
+    >>> from stickslip.detect.methods import area_ratio
     >>> isinstance(area_ratio, Method)
     True
     """

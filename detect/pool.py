@@ -18,9 +18,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.prepared import Prepared
-from detect.verdict import Verdict
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import Verdict
 
 __all__ = ["Pool", "joined", "pooled"]
 

@@ -19,10 +19,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from detect.comparison import Comparison
-from detect.published import PUBLISHED, wilson
-from detect.rates import COMBINED
-from logs import ReadError
+from stickslip.detect.comparison import Comparison
+from stickslip.detect.published import PUBLISHED, wilson
+from stickslip.detect.rates import COMBINED
+from stickslip.logs import ReadError
 
 __all__ = ["SCORE_COLUMNS", "Label", "Score", "read_labels", "score_rows", "scores"]
 

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from logs import Log, LoopRecord
+from stickslip.logs import Log, LoopRecord
 
 __all__ = ["Buffer", "LoopFacts", "Sample", "replay"]
 

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from detect.diagnosis import Diagnosis, found_on, found_on_all
-from detect.judge.answer import Answer
-from detect.judge.pooled import evidence_of_all
-from detect.likelihood.pooled import Day, Evidence
-from detect.prepare.prepared import Prepared, prepared
-from detect.verdict import Word
-from detect.words import WORDS
-from logs.processes import one_thread
-from logs.shown import Shown
+from stickslip.detect.diagnosis import Diagnosis, found_on, found_on_all
+from stickslip.detect.judge.answer import Answer
+from stickslip.detect.judge.pooled import evidence_of_all
+from stickslip.detect.likelihood.pooled import Day, Evidence
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.verdict import Word
+from stickslip.detect.words import WORDS
+from stickslip.logs.processes import one_thread
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,7 +88,7 @@ class Tag(Shown):
 
     def plot(self) -> Figure:
         """S and gain of every record, and the gain of every S over all of them."""
-        from detect.figures.tag import plot_tag
+        from stickslip.detect.figures.tag import plot_tag
 
         return plot_tag(self)
 
@@ -100,8 +100,8 @@ def judge_tag(tag: str, records: Sequence[Any], answers: Sequence[Answer | Diagn
     Raises ValueError for no record, and TypeError as ``prepared`` does.
 
     >>> import numpy as np
-    >>> from detect.prepare.stick import stick
-    >>> from logs import LoopRecord
+    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.logs import LoopRecord
     >>> t, rng = np.arange(2000.0), np.random.default_rng(1)
     >>> u = 50 + 5 * np.sin(t / 25) + np.sin(t / 80)
     >>> days = [np.concatenate([[50.0], stick(u, 2.0)[:-1]]) + 0.1 * rng.normal(size=2000) for _ in range(2)]

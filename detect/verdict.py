@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.words import WORDS, Word
-from logs.shown import Shown
+from stickslip.detect.words import WORDS, Word
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
@@ -169,7 +168,7 @@ class Verdict(Shown):
 
     def plot(self) -> Figure:
         """The evidence as the method draws it, with the reason below."""
-        from detect.figures.verdict import plot_verdict
+        from stickslip.detect.figures.verdict import plot_verdict
 
         return plot_verdict(self)
 

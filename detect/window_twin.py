@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any, Protocol
 
-from detect.prepare.prepared import Prepared
-from detect.stream import Buffer, LoopFacts, Sample
-from detect.verdict import Verdict
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.stream import Buffer, LoopFacts, Sample
+from stickslip.detect.verdict import Verdict
 
 __all__ = ["WINDOW", "Twin", "Watched", "WindowTwin", "twin_of"]
 
@@ -52,7 +52,7 @@ class WindowTwin:
     """A method on a window of ``window`` samples; raises ValueError for a window below 64.
 
     >>> import math
-    >>> from detect.methods import harmonics
+    >>> from stickslip.detect.methods import harmonics
     >>> twin, p = WindowTwin(harmonics), harmonics.Params()
     >>> state = twin.init(p)
     >>> for t in range(300):
@@ -97,7 +97,7 @@ class WindowTwin:
 def twin_of(method: ModuleType | Any) -> Twin:
     """The streaming twin of a method: the module itself where it has ``init``, ``update`` and ``verdict``.
 
-    >>> from detect.methods import area_ratio, play_fit
+    >>> from stickslip.detect.methods import area_ratio, play_fit
     >>> twin_of(area_ratio) is area_ratio, twin_of(play_fit).window
     (True, 2048)
     """

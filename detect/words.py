@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
-from logs.style import AFTER, GREEN, INK, RED, UNUSED
+from stickslip.logs.style import AFTER, GREEN, INK, RED, UNUSED
 
 __all__ = ["WORDS", "Kind", "Word", "Wording"]
 

@@ -8,16 +8,16 @@ replay     a diagram held to a log at every logged time        residuals        
 Settings   tolerances and method, for all of these alike
 """
 
-from diagram.composition import wire
-from diagram.diagram import Diagram
-from diagram.ensembles import ensemble
-from diagram.ensembles.result import Ensemble
-from diagram.pins import replay, replays, residuals
-from diagram.playback import held, interpolated
-from diagram.settings import Settings
-from diagram.simulation import Event, Run, simulate
-from diagram.single_block import drive
-from diagram.wiring import WiringError
+from stickslip.diagram.composition import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles import ensemble
+from stickslip.diagram.ensembles.result import Ensemble
+from stickslip.diagram.pins import replay, replays, residuals
+from stickslip.diagram.playback import held, interpolated
+from stickslip.diagram.settings import Settings
+from stickslip.diagram.simulation import Event, Run, simulate
+from stickslip.diagram.single_block import drive
+from stickslip.diagram.wiring import WiringError
 
 __all__ = [
     "Diagram",

@@ -20,16 +20,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.arguments import by_name
-from blocks.block import Block
-from blocks.declared import FREE_MODE
-from blocks.ports import nearest, number
-from diagram.wiring import WiringError
-from engine.branching import Branching, Kept
+from stickslip.blocks.arguments import by_name
+from stickslip.blocks.block import Block
+from stickslip.blocks.declared import FREE_MODE
+from stickslip.blocks.ports import nearest, number
+from stickslip.diagram.wiring import WiringError
+from stickslip.engine.branching import Branching, Kept
 
 if TYPE_CHECKING:
-    from diagram.wired import Wired
+    from stickslip.diagram.wired import Wired
 
 Floats = NDArray[np.float64]
 

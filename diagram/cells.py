@@ -1,4 +1,4 @@
-"""Where a large diagram is cut into cells that advance with steps of their own, see ``engine.windows``.
+"""Where a large diagram is cut into cells that advance with steps of their own, see ``stickslip.engine.windows``.
 
 A cut is possible at a signal that is smooth whatever happens: the output of an integrating block without events, whose
 output follows its input later only.  Everything else, e.g. a valve's position or a controller's output, keeps the
@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from engine.flat import CONTINUOUS, HOSTED, LINK_IN, LINK_OUT, SAMPLED, FlatBlock
+from stickslip.engine.flat import CONTINUOUS, HOSTED, LINK_IN, LINK_OUT, SAMPLED, FlatBlock
 
 MANY = 32  # cells; with fewer, one step size for all is cheaper
 RING = 64  # steps of a cell in one window

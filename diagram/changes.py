@@ -11,13 +11,12 @@ from typing import Any
 import control as ct
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.arguments import by_name, text, texts
-from blocks.block import Block
-from blocks.control_system import as_block
-from blocks.ports import nearest, number
-from diagram.wired import D, Wired
-from diagram.wiring import WiringError
+from stickslip.blocks.arguments import by_name, text, texts
+from stickslip.blocks.block import Block
+from stickslip.blocks.control_system import as_block
+from stickslip.blocks.ports import nearest, number
+from stickslip.diagram.wired import D, Wired
+from stickslip.diagram.wiring import WiringError
 
 
 def rebuilt(

@@ -10,7 +10,7 @@ state counts as large.
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 
-from blocks.block import Block
+from stickslip.blocks.block import Block
 
 SHARE = 10.0  # atol is small against a block that reaches this many times atol
 FINE = 1e-4  # the atol recommended, as a share of what the block reaches
@@ -33,8 +33,8 @@ def too_coarse(
     ``size`` gives the largest absolute value of a ``logged`` signal, and is asked only where ``states``, the same by
     block, of its states, leaves it open.
 
-    >>> from blocks import FirstOrder, Step
-    >>> from diagram import wire
+    >>> from stickslip.blocks import FirstOrder, Step
+    >>> from stickslip.diagram import wire
     >>> loop = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
     >>> too_coarse(loop.blocks, ["PV"], {"PV": 2.0}.__getitem__, {"process": 1.9}, 1.0)
     'atol = 1 is not small against process (at most 2 in this run): its error may be as large; give atol = 0.0002'

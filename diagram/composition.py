@@ -3,14 +3,13 @@
 from collections.abc import Iterable, Sequence
 
 import control as ct
-
-from blocks.block import Block
-from blocks.control_system import as_block
-from diagram.changes import listed
-from diagram.diagram import Diagram
-from diagram.past import Past, together
-from diagram.wired import UNNAMED
-from diagram.wiring import check_sources
+from stickslip.blocks.block import Block
+from stickslip.blocks.control_system import as_block
+from stickslip.diagram.changes import listed
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.past import Past, together
+from stickslip.diagram.wired import UNNAMED
+from stickslip.diagram.wiring import check_sources
 
 
 def wire(
@@ -25,13 +24,14 @@ def wire(
     ``loop`` shows its signals as ``loop/PV`` and reads its open inputs by name.
 
     Parameters: ``items`` blocks, diagrams and systems of python-control (``ct.tf``, ``ct.zpk``, ``ct.ss``,
-    ``ct.nlsys``, continuous or sampled, see ``blocks.control_system``), whose ports are called by their labels;
-    ``inputs`` signals left open on purpose; ``outputs`` the outputs of the python-control system (default: all).
+    ``ct.nlsys``, continuous or sampled, see ``stickslip.blocks.control_system``), whose ports are called by their
+    labels; ``inputs`` signals left open on purpose; ``outputs`` the outputs of the python-control system (default:
+    all).
 
     Raises ``WiringError`` for unknown, dangling, doubly driven or unit-mismatched signals and algebraic loops,
     ``BlockError`` for what is no such item, or a system that cannot be simulated (improper, dt = True).
 
-    >>> from blocks import PI, FirstOrder, Step
+    >>> from stickslip.blocks import PI, FirstOrder, Step
     >>> loop = wire([Step("SP", 0.5), PI(K_p=0.4, T_i=10.0, outputs="MV"), FirstOrder(K=3.0, tau=10.0)])
     >>> loop.signals
     ('SP', 'MV', 'PV')

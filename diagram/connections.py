@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.ports import nearest
-from diagram.wiring import WiringError
+from stickslip.blocks.ports import nearest
+from stickslip.diagram.wiring import WiringError
 
 
 class ConnectionMap:

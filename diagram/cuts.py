@@ -10,15 +10,14 @@ See also: ``segments``, which takes a diagram apart between logged signals.
 from collections.abc import Iterable, Mapping, Sequence
 
 import control as ct
-
-from blocks.arguments import text, texts
-from blocks.block import Block
-from blocks.control_system import as_block
-from blocks.ports import nearest
-from diagram.changes import listed, nested_blocks, rebuilt
-from diagram.past import together
-from diagram.wired import D, Wired
-from diagram.wiring import WiringError
+from stickslip.blocks.arguments import text, texts
+from stickslip.blocks.block import Block
+from stickslip.blocks.control_system import as_block
+from stickslip.blocks.ports import nearest
+from stickslip.diagram.changes import listed, nested_blocks, rebuilt
+from stickslip.diagram.past import together
+from stickslip.diagram.wired import D, Wired
+from stickslip.diagram.wiring import WiringError
 
 
 def cut(diagram: D, signals: str | Iterable[str]) -> D:

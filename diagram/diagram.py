@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any, Self
 
 import control as ct
 from numpy.typing import ArrayLike
-
-from blocks.block import Block
-from diagram import changes, cuts
-from diagram.cells import MANY
-from diagram.wired import Wired
+from stickslip.blocks.block import Block
+from stickslip.diagram import changes, cuts
+from stickslip.diagram.cells import MANY
+from stickslip.diagram.wired import Wired
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from diagram.flatten import Plan
-    from diagram.segments import Segment
-    from logs import Log
+    from stickslip.diagram.flatten import Plan
+    from stickslip.diagram.segments import Segment
+    from stickslip.logs import Log
 
 
 class Diagram(Wired):
@@ -29,15 +27,15 @@ class Diagram(Wired):
     Attributes: ``blocks`` (leaves, in the order given), ``signals`` (all driven signals), ``signal_units``,
     ``input_units``, ``signal_spans`` (of instruments), ``loops`` (controller -> its signals),
     ``driven`` (signal -> (block, port)), ``order`` (signal-flow
-    order).  Every kernel is tried once, see ``blocks.dry_run``.  As a python-control system its inputs are the open
-    inputs, its outputs the declared outputs, and it sees each block's ``seen()`` view.
+    order).  Every kernel is tried once, see ``stickslip.blocks.dry_run``.  As a python-control system its inputs are
+    the open inputs, its outputs the declared outputs, and it sees each block's ``seen()`` view.
     """
 
     _plan: "Plan | None" = None
     _cells: "Plan | None" = None
 
     def _repr_html_(self) -> str:
-        from logs.notebook import image
+        from stickslip.logs.notebook import image
 
         return image(self.plot())
 
@@ -47,14 +45,14 @@ class Diagram(Wired):
 
         ``records``: how many records its dead times have to hold at least.
         """
-        from diagram.flatten import DELAY_RECORDS, plan
+        from stickslip.diagram.flatten import DELAY_RECORDS, plan
 
         self._plan = plan(self, max(records, DELAY_RECORDS), self._plan)
         return self._plan
 
     def plan_in_cells(self, records: int = 0) -> "Plan":
         """Return the plan with the diagram cut into cells that take steps of their own, where that pays."""
-        from diagram.flatten import DELAY_RECORDS, plan_in_cells
+        from stickslip.diagram.flatten import DELAY_RECORDS, plan_in_cells
 
         if len(self.blocks) < MANY:
             return self.plan(records)
@@ -69,7 +67,7 @@ class Diagram(Wired):
         ``units``: name -> names of the blocks that are drawn as one box, for a diagram that is too large to read.
         Raises ``WiringError`` for a block that is not there.
         """
-        from diagram.figures.drawing import draw
+        from stickslip.diagram.figures.drawing import draw
 
         return draw(self, units=units)
 
@@ -90,7 +88,7 @@ class Diagram(Wired):
     def tolerances(self) -> dict[str, float]:
         """Tolerances of parameters by full name, as shares of their values.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> self_regulating_loop().with_tolerances({"process.K": 0.05, "process.tau": 0.1}).cut("PV").tolerances
         {'process.K': 0.05, 'process.tau': 0.1}
         """
@@ -127,7 +125,8 @@ class Diagram(Wired):
     def pinned(
         self, log: "Log", signals: Sequence[str] | None = None, fresh: Mapping[str, tuple[float, float]] | None = None
     ) -> "Diagram":
-        """Return the diagram held to a log: logged signals are set right at each logged time (``diagram.pins``).
+        """Return the diagram held to a log: logged signals are set right at each logged time
+        (``stickslip.diagram.pins``).
 
         ``signals``: those to pin, by default all that the log has too.  Of a sensor's PV, ``PV:sensor`` is then what
         the sensor gives and ``PV:offset`` what the pin adds.  Open inputs that are logged are driven by the log, held
@@ -136,7 +135,7 @@ class Diagram(Wired):
 
         Raises ``WiringError`` if log and diagram share no signal, or for a signal that one of them has not.
         """
-        from diagram.pinning import pinned
+        from stickslip.diagram.pinning import pinned
 
         return pinned(self, log, signals, fresh)
 
@@ -159,7 +158,7 @@ class Diagram(Wired):
 
         Raises ``WiringError`` for a signal that is unknown or that no block reads.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> opened = self_regulating_loop().cut("PV")
         >>> opened.open_inputs, opened.signals
         (('PV',), ('SP', 'OP', 'MV', 'PV:process'))
@@ -171,14 +170,14 @@ class Diagram(Wired):
 
         Every block is in one segment.  Raises ``WiringError`` for a signal that is unknown.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> for segment in self_regulating_loop().segments(["SP", "OP", "PV"]):
         ...     print(segment)
         <Segment SP: reads nothing, drives SP>
         <Segment controller: reads SP, PV, drives OP>
         <Segment valve, process: reads OP, drives PV>
         """
-        from diagram.segments import segments
+        from stickslip.diagram.segments import segments
 
         return segments(self, logged)
 
@@ -197,8 +196,8 @@ class Diagram(Wired):
 
         Raises ``WiringError`` for an unknown signal, a block that does not read it, or a path that is not clear.
 
-        >>> from blocks import Gain
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.blocks import Gain
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> biased = self_regulating_loop().insert("PV", Gain("bias", "in", 1.0, offset=0.02))
         >>> biased["bias"].input_labels, biased["bias"].output_labels
         (['PV:process'], ['PV'])
@@ -211,7 +210,7 @@ class Diagram(Wired):
         A signal that nothing drives is left open on purpose with ``inputs``; an open input that no block reads any
         more goes.  Raises ``WiringError`` for an unknown block, port or signal, and for an algebraic loop.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> self_regulating_loop().rewire("controller", "PV", "MV")["controller"].input_labels
         ['SP', 'MV']
         """

@@ -8,16 +8,15 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from blocks.block import Block
-from diagram.cells import cut, driver_of, smooth_outputs, watched
-from diagram.wired import Wired
-from engine.call import reached_by
-from engine.cells import Link
-from engine.flat import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED, FlatBlock, Floats
-from engine.snapshot import Snapshot
-from engine.table import Component, build
-from engine.watched import Watched
+from stickslip.blocks.block import Block
+from stickslip.diagram.cells import cut, driver_of, smooth_outputs, watched
+from stickslip.diagram.wired import Wired
+from stickslip.engine.call import reached_by
+from stickslip.engine.cells import Link
+from stickslip.engine.flat import CONTINUOUS, DEAD_TIME, HOSTED, SAMPLED, FlatBlock, Floats
+from stickslip.engine.snapshot import Snapshot
+from stickslip.engine.table import Component, build
+from stickslip.engine.watched import Watched
 
 DELAY_RECORDS = 2048
 Ends = tuple[Snapshot, ...]  # the components of a diagram at the end of a run
@@ -28,7 +27,7 @@ class Plan:
     """A diagram laid out for the engine; parameters and start values are filled in per run by ``fill``.
 
     ``places[b]`` lists the components that hold block ``b``; ``delays[b]`` the flat delays in front of it.
-    With ``links`` the components are cells, to be advanced together (``engine.cells``).
+    With ``links`` the components are cells, to be advanced together (``stickslip.engine.cells``).
     """
 
     flat: tuple[FlatBlock, ...]

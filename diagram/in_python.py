@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from diagram.wired import Wired
-from engine.call import any_in_python, in_python
-from engine.callback import Callback
+from stickslip.diagram.wired import Wired
+from stickslip.engine.call import any_in_python, in_python
+from stickslip.engine.callback import Callback
 
 Counts = Mapping[Callback, tuple[int, float]]
 

@@ -5,17 +5,16 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-
-from blocks.arguments import by_name
-from blocks.block import Block
-from blocks.ports import nearest
-from blocks.recorded import Recorded
-from blocks.sources import Constant
-from diagram.changes import rebuilt
-from diagram.playback import Playback, held, is_table
-from diagram.wired import D, Wired
-from diagram.wiring import WiringError
-from logs import Log
+from stickslip.blocks.arguments import by_name
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import nearest
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.sources import Constant
+from stickslip.diagram.changes import rebuilt
+from stickslip.diagram.playback import Playback, held, is_table
+from stickslip.diagram.wired import D, Wired
+from stickslip.diagram.wiring import WiringError
+from stickslip.logs import Log
 
 Inputs = Mapping[str, Any] | Log | Playback | Any  # or a frame of pandas or polars
 

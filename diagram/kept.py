@@ -7,13 +7,12 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.arguments import texts
-from blocks.ports import nearest, number
-from diagram.wired import Wired
-from engine import snapshot
-from engine.table import Component
-from logs.arrays import seconds_and_start
+from stickslip.blocks.arguments import texts
+from stickslip.blocks.ports import nearest, number
+from stickslip.diagram.wired import Wired
+from stickslip.engine import snapshot
+from stickslip.engine.table import Component
+from stickslip.logs.arrays import seconds_and_start
 
 Floats = NDArray[np.float64]
 MEMORY_SHARE = 0.8  # of the machine's memory that the values may take

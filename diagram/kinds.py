@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
-    from diagram.linear.slopes import Slopes
-    from logs import LoopSignals
-    from logs.tags import Process
+    from stickslip.diagram.diagram import Diagram
+    from stickslip.diagram.linear.slopes import Slopes
+    from stickslip.logs import LoopSignals
+    from stickslip.logs.tags import Process
 
 SLOWEST = 1e-6  # rad/s
 KINDS: "dict[Process, float]" = {"self_regulating": 0.0, "integrating": 1.0}  # powers of 1/s
@@ -27,7 +27,7 @@ NEAR = 0.2  # of such a power, within which a process is of that kind
 def known_loops(diagram: "Diagram") -> "dict[str, LoopSignals]":
     """Return the loops of a diagram, with the kind of process that it tells, else that of the unit of PV.
 
-    >>> from plant.loops import integrating_loop, self_regulating_loop
+    >>> from stickslip.plant.loops import integrating_loop, self_regulating_loop
     >>> [known_loops(loop)["controller"].process for loop in (integrating_loop(), self_regulating_loop())]
     ['integrating', 'self_regulating']
     """
@@ -37,7 +37,7 @@ def known_loops(diagram: "Diagram") -> "dict[str, LoopSignals]":
 
 def _kinds(diagram: "Diagram") -> "dict[str, Process]":
     """Return name of the controller -> kind of process, of those controllers of which the diagram tells it."""
-    from diagram.linear.slopes import slopes
+    from stickslip.diagram.linear.slopes import slopes
 
     try:
         near = slopes(diagram.with_blocks([block.without_friction() for block in diagram.blocks]))

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from blocks.block import Block
-from blocks.role import Role
-from logs import LoopSignals
-from logs.tags import measurement_in, process_of
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.logs import LoopSignals
+from stickslip.logs.tags import measurement_in, process_of
 
 
 def loops_of(blocks: Iterable[Block], units: Mapping[str, str] | None = None) -> dict[str, LoopSignals]:
@@ -14,7 +14,7 @@ def loops_of(blocks: Iterable[Block], units: Mapping[str, str] | None = None) ->
 
     ``units`` (signal -> unit) tell what is measured, and with it the kind of process: levels integrate.
 
-    >>> from blocks import PI, QuasiStaticStem
+    >>> from stickslip.blocks import PI, QuasiStaticStem
     >>> loops_of([PI(1.0, 10.0, name="FIC1"), QuasiStaticStem(0.02, 0.01)])["FIC1"].parts
     {'sp': 'SP', 'pv': 'PV', 'op': 'OP', 'mv': 'MV'}
     """

@@ -7,11 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from blocks.block import Block
-from diagram.wiring import WiringError
-from engine.flat import Floats
-from engine.snapshot import Snapshot
+from stickslip.blocks.block import Block
+from stickslip.diagram.wiring import WiringError
+from stickslip.engine.flat import Floats
+from stickslip.engine.snapshot import Snapshot
 
 Place = tuple[str, int]  # block, number of the input
 Flats = Mapping[int, tuple[int, ...]]  # block -> the flat dead times in front of it

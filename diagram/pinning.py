@@ -5,16 +5,15 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.arguments import texts
-from blocks.pin import Pin
-from blocks.ports import nearest
-from blocks.recorded import Recorded
-from diagram.changes import rebuilt
-from diagram.inputs import close, source_name
-from diagram.wired import D, Wired
-from diagram.wiring import WiringError
-from logs import Log
+from stickslip.blocks.arguments import texts
+from stickslip.blocks.pin import Pin
+from stickslip.blocks.ports import nearest
+from stickslip.blocks.recorded import Recorded
+from stickslip.diagram.changes import rebuilt
+from stickslip.diagram.inputs import close, source_name
+from stickslip.diagram.wired import D, Wired
+from stickslip.diagram.wiring import WiringError
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 Fresh = Mapping[str, tuple[float, float]]  # signal -> (period, first time) [s] of noise that is drawn anew

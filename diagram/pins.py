@@ -1,6 +1,6 @@
 """Pins: a diagram held to a log, signals set right at every logged time and moved by the diagram in between.
 
-    s(t) = r(t) + o_k,   t_k <= t < t_(k+1),     o_k = v_k - r(t_k)          (``blocks.pin``)
+    s(t) = r(t) + o_k,   t_k <= t < t_(k+1),     o_k = v_k - r(t_k)          (``stickslip.blocks.pin``)
 
 r is the signal as its block drives it, v_k its logged value at t_k.  The loop stays closed between samples and is open
 across them, so an error at one place shows there and does not wander around the loop.  Nothing logged is interpolated.
@@ -16,18 +16,17 @@ from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.block import Block
-from diagram.branches import Branches, times_of_rows
-from diagram.diagram import Diagram
-from diagram.ensembles.result import Ensemble
-from diagram.ensembles.running import Summary, ensemble
-from diagram.inputs import Inputs
-from diagram.pinning import Fresh, logged, pin_blocks, pinned
-from diagram.progress import Progress
-from diagram.settings import Changes, Settings, settings_of
-from diagram.simulation import Run, simulate
-from logs import Log
+from stickslip.blocks.block import Block
+from stickslip.diagram.branches import Branches, times_of_rows
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.result import Ensemble
+from stickslip.diagram.ensembles.running import Summary, ensemble
+from stickslip.diagram.inputs import Inputs
+from stickslip.diagram.pinning import Fresh, logged, pin_blocks, pinned
+from stickslip.diagram.progress import Progress
+from stickslip.diagram.settings import Changes, Settings, settings_of
+from stickslip.diagram.simulation import Run, simulate
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 
@@ -62,11 +61,11 @@ def replay(
     """Simulate the diagram pinned to a log, from its first to its last time, with one row for each of them.
 
     ``signals``: those to pin, by default all that log and diagram share; ``branches``: modes of a block to try where a
-    sample does not fit (``diagram.branches``); the rest as in ``simulate``.
+    sample does not fit (``stickslip.diagram.branches``); the rest as in ``simulate``.
 
-    >>> from blocks import FirstOrder, Step
-    >>> from diagram import wire
-    >>> from diagram.pins import replay, residuals
+    >>> from stickslip.blocks import FirstOrder, Step
+    >>> from stickslip.diagram import wire
+    >>> from stickslip.diagram.pins import replay, residuals
     >>> model = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
     >>> run = replay(model, Log(t=[0.0, 5.0, 10.0], signals={"PV": [0.1, 1.3, 1.7]}))
     >>> residuals(run)["PV"].round(4).tolist()
@@ -108,9 +107,9 @@ def replays(
     Raises ``ValueError`` if logs differ in their number of rows, or in the signals that they have.
 
     >>> import numpy as np
-    >>> from blocks import FirstOrder, Step
-    >>> from diagram import wire
-    >>> from diagram.pins import replays
+    >>> from stickslip.blocks import FirstOrder, Step
+    >>> from stickslip.diagram import wire
+    >>> from stickslip.diagram.pins import replays
     >>> model = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
     >>> log = Log(t=[0.0, 5.0, 10.0], signals={"PV": [0.0, 1.264241, 1.729329]})
     >>> many = replays(model, log, params={"process.K": [1.8, 2.0]})

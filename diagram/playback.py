@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block
-from blocks.recorded import Recorded
-from diagram.wiring import WiringError
-from logs import Log
-from logs.from_table import from_table
+from stickslip.blocks.block import Block
+from stickslip.blocks.recorded import Recorded
+from stickslip.diagram.wiring import WiringError
+from stickslip.logs import Log
+from stickslip.logs.from_table import from_table
 
 
 @dataclass(frozen=True)
@@ -61,13 +60,13 @@ class Played(Recorded):
 def held(table: Any, signal: str = "") -> Playback:
     """Return a log or table as input of a run, each value held until the next sample: outputs of a DCS, set points.
 
-    ``signal`` names the column where it has another name than the input.  A table is what ``logs.from_table``
+    ``signal`` names the column where it has another name than the input.  A table is what ``stickslip.logs.from_table``
     takes: a frame of pandas or polars, or a mapping of arrays, with a ``time`` [s].
 
     Raises ``LogError`` for what is no table, or has no such column.
 
-    >>> from blocks import FirstOrder
-    >>> from diagram import drive
+    >>> from stickslip.blocks import FirstOrder
+    >>> from stickslip.diagram import drive
     >>> log = {"time": [0.0, 10.0], "OP": [1.0, 0.0]}
     >>> drive(FirstOrder(K=2.0, tau=5.0), 15.0, every=5.0, MV=held(log, "OP")).log["PV"].round(4).tolist()
     [0.0, 1.2642, 1.7293, 0.6362]
@@ -80,8 +79,8 @@ def interpolated(table: Any, signal: str = "") -> Playback:
 
     For a signal that moves smoothly from sample to sample; between two samples it knows the later one already.
 
-    >>> from blocks import Gain
-    >>> from diagram import drive
+    >>> from stickslip.blocks import Gain
+    >>> from stickslip.diagram import drive
     >>> log = {"time": [0.0, 10.0], "PV": [1.0, 0.0]}
     >>> drive(Gain("percent", "PV", 100.0), 10.0, every=5.0, PV=interpolated(log)).log["percent"].tolist()
     [100.0, 50.0, 0.0]
@@ -91,7 +90,7 @@ def interpolated(table: Any, signal: str = "") -> Playback:
 
 def is_table(given: Any) -> bool:
     """Return whether an input is given as a log or a frame."""
-    from logs.files.frames import frame_kind
+    from stickslip.logs.files.frames import frame_kind
 
     return isinstance(given, Log) or bool(frame_kind(given))
 

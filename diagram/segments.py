@@ -8,10 +8,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Generic
 
-from blocks.arguments import texts
-from diagram.changes import listed, part, rebuilt
-from diagram.cuts import check_known, cut
-from diagram.wired import D, Wired
+from stickslip.blocks.arguments import texts
+from stickslip.diagram.changes import listed, part, rebuilt
+from stickslip.diagram.cuts import check_known, cut
+from stickslip.diagram.wired import D, Wired
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,9 +8,8 @@ from dataclasses import fields, replace
 from typing import Any, TypedDict
 
 import numpy as np
-
-from blocks.ports import nearest, number
-from engine.run import METHODS, Settings
+from stickslip.blocks.ports import nearest, number
+from stickslip.engine.run import METHODS, Settings
 
 __all__ = ["Changes", "Settings", "settings_of"]
 

@@ -9,31 +9,30 @@ from typing import TYPE_CHECKING, Any, Unpack
 import control as ct
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.arguments import by_name
-from blocks.block import Block
-from blocks.ports import shortened
-from diagram.branches import Branches, Taken, branching, taken
-from diagram.coarse import ToleranceWarning, too_coarse
-from diagram.diagram import Diagram
-from diagram.flatten import DELAY_RECORDS, Ends, Plan
-from diagram.in_python import InPython, counts, spent
-from diagram.inputs import Inputs, close
-from diagram.kept import log_times, logging_only, wanted_signals
-from diagram.kinds import known_loops
-from diagram.past import Past, resumed
-from diagram.playback import check_logged
-from diagram.settings import Changes, Settings, settings_of
-from diagram.strides import bounded
-from diagram.wiring import WiringError
-from engine.branching import Branching, Kept, run_branching
-from engine.cells import run_windows
-from engine.probing import Bound, bound_steps
-from engine.run import Outcome, prepare, run
-from engine.snapshot import Snapshot, total
-from engine.status import HINTS, Statistics, Status
-from logs import Log
-from logs.loop_signals import LoopsLater, within
+from stickslip.blocks.arguments import by_name
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import shortened
+from stickslip.diagram.branches import Branches, Taken, branching, taken
+from stickslip.diagram.coarse import ToleranceWarning, too_coarse
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.flatten import DELAY_RECORDS, Ends, Plan
+from stickslip.diagram.in_python import InPython, counts, spent
+from stickslip.diagram.inputs import Inputs, close
+from stickslip.diagram.kept import log_times, logging_only, wanted_signals
+from stickslip.diagram.kinds import known_loops
+from stickslip.diagram.past import Past, resumed
+from stickslip.diagram.playback import check_logged
+from stickslip.diagram.settings import Changes, Settings, settings_of
+from stickslip.diagram.strides import bounded
+from stickslip.diagram.wiring import WiringError
+from stickslip.engine.branching import Branching, Kept, run_branching
+from stickslip.engine.cells import run_windows
+from stickslip.engine.probing import Bound, bound_steps
+from stickslip.engine.run import Outcome, prepare, run
+from stickslip.engine.snapshot import Snapshot, total
+from stickslip.engine.status import HINTS, Statistics, Status
+from stickslip.logs import Log
+from stickslip.logs.loop_signals import LoopsLater, within
 
 if TYPE_CHECKING:
     import polars as pl
@@ -59,11 +58,12 @@ class Run:
 
     If ``status`` is not OK the log holds the rows reached and NaN after them, and ``hint`` says what to try.
     ``raw_events`` (events, 4) are the changes of mode in order of time: t, block, value before, value after; ``events``
-    names them.  ``notes`` say what to doubt in a run that is OK (``diagram.coarse``, ``diagram.strides``).
-    ``final`` is the diagram at the end of the run: simulate it, changed or not, with ``t0`` = that time to go on (only
-    blocks that run in Python begin anew).  ``ends`` are the engine's arrays there; they are lost in a pickle.
-    ``taken`` tells where another mode was put in place of the run's own (``diagram.branches``).
-    ``in_python`` tells which functions could not be compiled and were called in Python, how often and for how long.
+    names them.  ``notes`` say what to doubt in a run that is OK (``stickslip.diagram.coarse``,
+    ``stickslip.diagram.strides``). ``final`` is the diagram at the end of the run: simulate it, changed or not, with
+    ``t0`` = that time to go on (only blocks that run in Python begin anew).  ``ends`` are the engine's arrays there;
+    they are lost in a pickle. ``taken`` tells where another mode was put in place of the run's own
+    (``stickslip.diagram.branches``). ``in_python`` tells which functions could not be compiled and were called in
+    Python, how often and for how long.
     """
 
     log: Log
@@ -88,7 +88,7 @@ class Run:
         return shortened(f"<Run of '{self.diagram.name}': {'; '.join(told)}>")
 
     def _repr_html_(self) -> str:
-        from logs.notebook import image, paragraph, table
+        from stickslip.logs.notebook import image, paragraph, table
 
         return paragraph(repr(self)) + image(self.plot()) + table(self.log)
 
@@ -99,7 +99,7 @@ class Run:
     def response(self) -> ct.TimeResponseData:
         """Return the log as python-control's response: signals (p, n) as outputs, with labels; no inputs or states.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> response = simulate(self_regulating_loop(), 10.0, every=5.0).response()
         >>> response.output_labels, response.outputs.shape
         (['SP', 'OP', 'MV', 'PV'], (4, 3))
@@ -132,7 +132,7 @@ class Run:
 
     def plot(self, names: Sequence[str] | None = None) -> "Figure":
         """Plot the log with the events marked."""
-        from diagram.figures.trends import plot_run
+        from stickslip.diagram.figures.trends import plot_run
 
         return plot_run(self, names)
 
@@ -156,15 +156,16 @@ def simulate(
     """Simulate ``duration`` seconds and log every signal, or the ``signals`` named.
 
     Parameters: ``every`` log interval [s] (default: 1000 intervals) or ``times`` [s]; ``inputs`` open input ->
-    number, ``(t, values)`` (straight lines), log or table (held; ``diagram.playback``) or source block, or a log or
-    table alone for all open inputs that it has; ``params`` as in ``Diagram.with_params``; ``start`` as in
+    number, ``(t, values)`` (straight lines), log or table (held; ``stickslip.diagram.playback``) or source block, or a
+    log or table alone for all open inputs that it has; ``params`` as in ``Diagram.with_params``; ``start`` as in
     ``Diagram.starting_at``; ``settings`` how to integrate, or its fields by name: ``rtol``, ``atol`` local error per
     step, ``method`` "auto", "explicit" or "stiff", ``max_steps`` budget (20 000 000), ``max_step`` the largest step [s]
     (None: functions of the time are tried before the run, and what bounds the steps is noted; ``math.inf``: no bound);
     ``t0`` [s] when the run begins (blocks that sample take their first sample at their ``offset``, so before 0 they
     hold their start values); ``on_progress`` called every few thousand steps with the time reached; a
     ``KeyboardInterrupt``, its own or Ctrl-C's, ends the run with status INTERRUPTED, and what is simulated so far is
-    kept; ``branches`` of a diagram pinned to a log: modes to try where it does not fit (``diagram.branches``).
+    kept; ``branches`` of a diagram pinned to a log: modes to try where it does not fit
+    (``stickslip.diagram.branches``).
 
     A diagram that goes on from a run (``run.final``) needs ``t0`` = its end, if anything is under way in it.
 
@@ -172,8 +173,8 @@ def simulate(
     machine's memory; numerical failure is a status, not an exception.  Warns (``ToleranceWarning``) if ``atol`` is too
     large for some blocks.
 
-    >>> from blocks import Step, FirstOrder
-    >>> from diagram import simulate, wire
+    >>> from stickslip.blocks import Step, FirstOrder
+    >>> from stickslip.diagram import simulate, wire
     >>> run = simulate(wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)]), 50.0, every=10.0)
     >>> run.log["PV"].round(4).tolist()
     [0.0, 1.7293, 1.9634, 1.995, 1.9993, 1.9999]

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from blocks.block import Block
-from diagram.diagram import Diagram
-from diagram.settings import Settings
-from diagram.simulation import Run, simulate
+from stickslip.blocks.block import Block
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.settings import Settings
+from stickslip.diagram.simulation import Run, simulate
 
 
 def drive(
@@ -21,8 +21,8 @@ def drive(
 ) -> Run:
     """Simulate one block on given input signals, named by their labels; see ``simulate`` for what they may be.
 
-    >>> from blocks import FirstOrder
-    >>> from diagram import drive
+    >>> from stickslip.blocks import FirstOrder
+    >>> from stickslip.diagram import drive
     >>> drive(FirstOrder(K=2.0, tau=5.0), 5.0, every=5.0, MV=1.0).log["PV"].round(4).tolist()
     [0.0, 1.2642]
     """

@@ -1,12 +1,13 @@
 """What is said of a run whose steps were bounded because some of its functions follow the time.
 
-``engine.probing`` finds the bounds from a few hundred values of each function; whoever knows better gives ``max_step``.
+``stickslip.engine.probing`` finds the bounds from a few hundred values of each function; whoever knows better gives
+``max_step``.
 """
 
 from collections.abc import Sequence
 
-from blocks.block import Block
-from engine.probing import Bound
+from stickslip.blocks.block import Block
+from stickslip.engine.probing import Bound
 
 MOST = 6  # blocks that a note names
 
@@ -16,7 +17,7 @@ def bounded(blocks: Sequence[Block], bounds: Sequence[Bound]) -> tuple[str, ...]
 
     Of several bounds of one block the smallest counts.
 
-    >>> from blocks import Step
+    >>> from stickslip.blocks import Step
     >>> bounded([Step("SP", 1.0, name="set point")], [Bound(0, 0.04, False), Bound(0, 0.02, False)])[0][:72]
     'steps are at most 0.02 s, as far as 256 values of set point over the run'
     """

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Iterable
 
-from blocks.block import Block
+from stickslip.blocks.block import Block
 
 _told: set[type[Block]] = set()
 
@@ -20,7 +20,7 @@ def warn_of_unseen(blocks: Iterable[Block]) -> None:
             _told.add(type(block))
             warnings.warn(
                 f"python-control does not see {lost} of {type(block).__name__} '{block.name}'; "
-                "diagram.simulate(diagram, duration) does",
+                "stickslip.diagram.simulate(diagram, duration) does",
                 UnseenWarning,
                 stacklevel=5,
             )

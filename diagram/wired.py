@@ -10,18 +10,26 @@ from typing import Any, Self, TypeVar
 import control as ct
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.arguments import text, texts
-from blocks.block import Block
-from blocks.control_view import NO_APPEND
-from blocks.dry_run import dry_run
-from blocks.parameters import Parametrised
-from blocks.ports import nearest, shortened
-from diagram.connections import ConnectionMap, own_params
-from diagram.loops import loops_of
-from diagram.past import Past
-from diagram.unseen import warn_of_unseen
-from diagram.wiring import WiringError, check_readers, check_units, drivers, feeds_now, flow_order, seen_feeds, spans
+from stickslip.blocks.arguments import text, texts
+from stickslip.blocks.block import Block
+from stickslip.blocks.control_view import NO_APPEND
+from stickslip.blocks.dry_run import dry_run
+from stickslip.blocks.parameters import Parametrised
+from stickslip.blocks.ports import nearest, shortened
+from stickslip.diagram.connections import ConnectionMap, own_params
+from stickslip.diagram.loops import loops_of
+from stickslip.diagram.past import Past
+from stickslip.diagram.unseen import warn_of_unseen
+from stickslip.diagram.wiring import (
+    WiringError,
+    check_readers,
+    check_units,
+    drivers,
+    feeds_now,
+    flow_order,
+    seen_feeds,
+    spans,
+)
 
 D = TypeVar("D", bound="Wired")
 
@@ -155,7 +163,7 @@ class Wired(Parametrised, ct.InterconnectedSystem):  # type: ignore[misc]
             raise WiringError(
                 f"'{self.name}' has no open inputs, and python-control makes no model of one state or one output "
                 f"without inputs; open one, e.g. diagram.cut('{self.signals[0]}'), "
-                "or use diagram.linear.linearise"
+                "or use stickslip.diagram.linear.linearise"
             )
         other = self._copy()
         other.syslist, other._for_slopes, other._seen_order = [block.twin for block in self.syslist], True, None

@@ -5,8 +5,8 @@ Every rule here raises ``WiringError`` with the signals it concerns and, for unk
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from blocks.block import Block
-from blocks.ports import nearest
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import nearest
 
 
 class WiringError(ValueError):

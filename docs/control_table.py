@@ -16,11 +16,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-import blocks as b
-from blocks.block import Block
-from detect.blocks import DetectorBlock, PrefilterBlock
-from detect.methods import harmonics
-from diagram import Diagram, simulate, wire
+from stickslip.blocks.block import Block
+from stickslip.detect.blocks import DetectorBlock, PrefilterBlock
+from stickslip.detect.methods import harmonics
+from stickslip.diagram import Diagram, simulate, wire
+
+from stickslip import blocks as b
 
 PAGE = Path(__file__).parent / "python_control.md"
 COLUMNS = ["block", "moves", "`ct.linearize`", "largest difference"]

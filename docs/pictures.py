@@ -28,8 +28,8 @@ def keep(name: str, figure: "Figure", dpi: int = 100) -> None:
 
 def topologies() -> None:
     """The three rewired loops: trends and block diagrams, and the way over the map."""
-    from cases import find
-    from cases.topologies.map_plane import map_plane
+    from stickslip.cases import find
+    from stickslip.cases.topologies.map_plane import map_plane
 
     for name in ("cascade_flow", "split_range", "own_map"):
         run = find(name).run()
@@ -40,11 +40,11 @@ def topologies() -> None:
 
 def latent() -> None:
     """The log against the model, and what is missing at a valve that sticks, as in ``docs/gap.md``."""
-    from blocks import Staircase
-    from cases.models import ideal_flow
-    from diagram import simulate
-    from gap import diagnose, latent_input, replayed
-    from gap.effects import effect
+    from stickslip.blocks import Staircase
+    from stickslip.cases.models import ideal_flow
+    from stickslip.diagram import simulate
+    from stickslip.gap import diagnose, latent_input, replayed
+    from stickslip.gap.effects import effect
 
     real = effect("stiction").insert(ideal_flow(rest=1.5), "valve", S=3.0, J=1.0)
     set_point = Staircase("SP", [1.5, 1.65, 1.35, 1.5, 1.8, 1.2] * 2, dwell=600.0)
@@ -57,8 +57,8 @@ def latent() -> None:
 
 def plant() -> None:
     """The production plant of the README: the stem of the gas valve, the pressure before it and the shaft's torque."""
-    from diagram import simulate
-    from plant import kicked, production_plant
+    from stickslip.diagram import simulate
+    from stickslip.plant import kicked, production_plant
 
     run = simulate(kicked(production_plant(F_s="high")), 1200.0, every=0.5, method="stiff")
     keep("plant", run.plot(["OP_VPCS1", "MV_VPCS1", "p_1", "tau_d"]))
@@ -66,8 +66,8 @@ def plant() -> None:
 
 def linear() -> None:
     """Poles, Bode plots and relative gains of set B, as in ``docs/linearise.md``."""
-    from diagram.linear import linearise
-    from plant import production_plant
+    from stickslip.diagram.linear import linearise
+    from stickslip.plant import production_plant
 
     model = linearise(production_plant("B", F_s="high"))
     keep("linearise_poles", model.plot())
@@ -77,7 +77,7 @@ def linear() -> None:
 
 def spread() -> None:
     """The study of ``docs/study.md``: 1000 runs."""
-    from study import production_subject, study
+    from stickslip.study import production_subject, study
 
     with tempfile.TemporaryDirectory() as folder:
         found = study(
@@ -91,10 +91,10 @@ def spread() -> None:
 
 def judged() -> None:
     """The first story of the demonstration, and the loop of the README."""
-    from cases import find
-    from cases.stories import EXPORTS
-    from detect import diagnose
-    from logs import read_loop
+    from stickslip.cases import find
+    from stickslip.cases.stories import EXPORTS
+    from stickslip.detect import diagnose
+    from stickslip.logs import read_loop
 
     keep("sticky_flow", diagnose(read_loop(EXPORTS / "FIC101_pi_export.csv")).plot())
     keep("loop", find("ideal_high").build().plot())
@@ -104,11 +104,10 @@ def judged() -> None:
 def verdicts() -> None:
     """The three pictures of ``docs/verdict.md``: dead travel that is found, one that is excluded, one of many days."""
     import numpy as np
-
-    from detect.methods import dead_travel
-    from detect.prepare.stick import stick
-    from detect.tag import judge_tag
-    from logs import LoopRecord
+    from stickslip.detect.methods import dead_travel
+    from stickslip.detect.prepare.stick import stick
+    from stickslip.detect.tag import judge_tag
+    from stickslip.logs import LoopRecord
 
     def day(S: float, seed: int) -> LoopRecord:
         rng, t = np.random.default_rng(seed), np.arange(2400.0)
@@ -128,10 +127,9 @@ def both_simulators() -> None:
     """The sticky loop of ``docs/python_control.md`` in our engine and in python-control's."""
     import control as ct
     from matplotlib.figure import Figure
-
-    from cases import find
-    from diagram import simulate
-    from logs.style import COLOURS, tidy
+    from stickslip.cases import find
+    from stickslip.diagram import simulate
+    from stickslip.logs.style import COLOURS, tidy
 
     loop = find("ideal_high").build()
     log = simulate(loop, 200.0, every=0.1).log
@@ -139,7 +137,7 @@ def both_simulators() -> None:
     figure = Figure(figsize=(9.0, 4.0), layout="constrained")
     panels = figure.subplots(2, 2, sharex=True, sharey="row")
     seen = dict(zip(loop.output_labels, theirs.outputs, strict=True))
-    for column, title, rows in ((0, "diagram.simulate", log), (1, "ct.input_output_response", seen)):
+    for column, title, rows in ((0, "stickslip.diagram.simulate", log), (1, "ct.input_output_response", seen)):
         for panel, names in zip(panels[:, column], (("SP", "PV"), ("OP", "MV")), strict=True):
             for name in names:
                 panel.plot(log.t, rows[name], color=COLOURS[name], label=name)

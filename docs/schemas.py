@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from click.testing import CliRunner
+from stickslip.cases.stories import EXPORTS
 
-from cases.stories import EXPORTS
-from stickslip.cli import cli
+from stickslip.commands.cli import cli
 
 PAGE = Path(__file__).parent / "schemas.md"
 HEAD = """# JSON schemas
@@ -43,8 +43,8 @@ OPEN = {
     "settings",
 }  # objects whose keys are names
 MODEL = """
-from blocks import FirstOrder, IdealValve, Step
-from diagram import wire
+from stickslip.blocks import FirstOrder, IdealValve, Step
+from stickslip.diagram import wire
 
 
 def loop():
@@ -93,7 +93,7 @@ def inputs(folder: Path) -> None:
     (folder / "run.csv").write_text(
         "time,OP,PV\n" + "".join(f"{i},{0.5 + (i > 99)},{0.5 + (i > 120)}\n" for i in range(400))
     )
-    from remedy.example import sticky
+    from stickslip.remedy.example import sticky
 
     made = sticky(hours=1.0, seed=3)
     columns = zip(made.t, made.sp, made.pv, made.op, strict=True)  # type: ignore[arg-type]
@@ -113,9 +113,8 @@ def inputs(folder: Path) -> None:
 def hidden(file: Path) -> None:
     """Write two levels, of which another tag shows that the valve of one slips."""
     import numpy as np
-
-    from detect.prepare.stick import stick
-    from logs import Log, LoopSignals
+    from stickslip.detect.prepare.stick import stick
+    from stickslip.logs import Log, LoopSignals
 
     t = np.arange(3000.0)
     u = 50 + 4 * np.sin(t / 50) + 2 * np.sin(t / 31)

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from detect.cards import (
+from stickslip.detect.cards import (
     OUTLINE_COLUMNS,
     PUBLISHED_COLUMNS,
     RATE_COLUMNS,
@@ -12,7 +12,7 @@ from detect.cards import (
     published_rows,
     rate_rows,
 )  # fmt: skip
-from detect.rates import described
+from stickslip.detect.rates import described
 
 PAGES = [Path(__file__).parent / "methods.md", Path(__file__).parent / "evidence" / "methods_measured.md"]
 

@@ -1,3 +1,3 @@
 """The compiled simulator: arrays and kernel addresses, no names."""
 
-import logs.compiled  # noqa: F401  (it chooses where compiled code is kept)
+import stickslip.logs.compiled  # noqa: F401  (it chooses where compiled code is kept)

@@ -5,13 +5,12 @@ Everything it needs to go on later is in ``I`` and ``W``; it returns a ``Status`
 
 import numpy as np
 from numba import njit
-
-from engine.call import pointer_to
-from engine.crossing import crossing_ahead
-from engine.dense import interpolate
-from engine.events import begin_instant, fire_waiting, keep_inputs, next_stop, settle
-from engine.floats import copy, finite
-from engine.layout import (
+from stickslip.engine.call import pointer_to
+from stickslip.engine.crossing import crossing_ahead
+from stickslip.engine.dense import interpolate
+from stickslip.engine.events import begin_instant, fire_waiting, keep_inputs, next_stop, settle
+from stickslip.engine.floats import copy, finite
+from stickslip.engine.layout import (
     CHAIN,
     CROWDED,
     EV_COUNT,
@@ -54,13 +53,13 @@ from engine.layout import (
     T_STOP,
     T,
 )
-from engine.pace import APART, first_step, restart, watch_stiffness
-from engine.record import arrive, limit_by_delays, store_delays
-from engine.rows import write_rows_inside, write_rows_now
-from engine.sampling import publish, turn_tables
-from engine.step import prepare_dense, step
-from engine.sweep import clock, evaluate_events, play, rates, resolution, signals
-from engine.turns import take_turns
+from stickslip.engine.pace import APART, first_step, restart, watch_stiffness
+from stickslip.engine.record import arrive, limit_by_delays, store_delays
+from stickslip.engine.rows import write_rows_inside, write_rows_now
+from stickslip.engine.sampling import publish, turn_tables
+from stickslip.engine.step import prepare_dense, step
+from stickslip.engine.sweep import clock, evaluate_events, play, rates, resolution, signals
+from stickslip.engine.turns import take_turns
 
 OK, PAUSED, DELAY_FULL, STEP_TOO_SMALL, NOT_FINITE, CHATTERING, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5, 6
 

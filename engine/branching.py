@@ -11,16 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-
-from engine import layout as at
-from engine.advance import CHATTERING, OK, PAUSED, advance
-from engine.cache import ensure_compiled
-from engine.call import pointer_to
-from engine.callback import raise_kept
-from engine.events import fire, note, watch_rates
-from engine.flat import Floats, Ints
-from engine.floats import copy
-from engine.layout import (
+from stickslip.engine import layout as at
+from stickslip.engine.advance import CHATTERING, OK, PAUSED, advance
+from stickslip.engine.cache import ensure_compiled
+from stickslip.engine.call import pointer_to
+from stickslip.engine.callback import raise_kept
+from stickslip.engine.events import fire, note, watch_rates
+from stickslip.engine.flat import Floats, Ints
+from stickslip.engine.floats import copy
+from stickslip.engine.layout import (
     EV_COUNT,
     FRESH,
     HAS_RATES,
@@ -41,10 +40,10 @@ from engine.layout import (
     R,
     T,
 )
-from engine.run import EVENT_BUFFER, Outcome
-from engine.status import Status
-from engine.sweep import gather_with_rates, rates, signal_rates, signals
-from engine.table import Component
+from stickslip.engine.run import EVENT_BUFFER, Outcome
+from stickslip.engine.status import Status
+from stickslip.engine.sweep import gather_with_rates, rates, signal_rates, signals
+from stickslip.engine.table import Component
 
 FOR_EVER = np.iinfo(np.int64).max
 OWN = -1  # the run's own branch

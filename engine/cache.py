@@ -4,11 +4,10 @@ from pathlib import Path
 
 from numba import types
 from numba.core.caching import FunctionCache
-
-from engine.advance import advance
-from engine.loading import ReadyCache
-from engine.notice import noticed
-from engine.stamp import fresh
+from stickslip.engine.advance import advance
+from stickslip.engine.loading import ReadyCache
+from stickslip.engine.notice import noticed
+from stickslip.engine.stamp import fresh
 
 _FLOATS, _ROWS = types.float64[::1], types.float64[:, ::1]
 SIGNATURE = (types.int64[::1], _FLOATS, _ROWS, _FLOATS, _ROWS, types.float64, types.boolean)

@@ -17,13 +17,12 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
-
-from engine.callback import Callback
-from engine.frozen import frozen
-from engine.loading import ReadyCache
-from engine.reach import Reached, raises
-from engine.stamp import locked
-from engine.watched import Watched
+from stickslip.engine.callback import Callback
+from stickslip.engine.frozen import frozen
+from stickslip.engine.loading import ReadyCache
+from stickslip.engine.reach import Reached, raises
+from stickslip.engine.stamp import locked
+from stickslip.engine.watched import Watched
 
 Kernel = Callable[[float, Any, Any, Any, Any, Any], None]
 

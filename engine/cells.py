@@ -5,15 +5,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from engine import layout as at
-from engine.advance import OK, PAUSED
-from engine.callback import raise_kept
-from engine.flat import Floats, Ints
-from engine.run import Outcome
-from engine.status import Status
-from engine.table import Component
-from engine.windows import CELL_LOG, advance_windows, look_around
+from stickslip.engine import layout as at
+from stickslip.engine.advance import OK, PAUSED
+from stickslip.engine.callback import raise_kept
+from stickslip.engine.flat import Floats, Ints
+from stickslip.engine.run import Outcome
+from stickslip.engine.status import Status
+from stickslip.engine.table import Component
+from stickslip.engine.windows import CELL_LOG, advance_windows, look_around
 
 FIRST_WINDOW = 1e-3  # share of the run
 EVENT_ROOM = 64  # events of one cell in one window

@@ -2,10 +2,9 @@
 
 import numpy as np
 from numba import njit
-
-from engine.dense import interpolate
-from engine.floats import copy
-from engine.layout import (
+from stickslip.engine.dense import interpolate
+from stickslip.engine.floats import copy
+from stickslip.engine.layout import (
     CLOSER,
     METHOD,
     N_EVENTS,
@@ -24,7 +23,7 @@ from engine.layout import (
     REJECTED,
     STEP,
 )
-from engine.sweep import clock, evaluate_events, play, signal_rates
+from stickslip.engine.sweep import clock, evaluate_events, play, signal_rates
 
 GLANCE = 1.0 / 64.0  # share of a step over which a glance takes rates
 MOST_CLOSER = 3  # a stiff step is shortened so many times to end just behind an event, where its states are best:

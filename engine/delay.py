@@ -17,8 +17,7 @@ import math
 
 import numpy as np
 from numba import njit
-
-from engine.layout import (
+from stickslip.engine.layout import (
     ATOL,
     BREAK,
     CAPACITY,

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
-from engine.structure import Pair
+from stickslip.engine.structure import Pair
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,9 @@ below zero; transitions that follow at once from others (slip, then stick) are c
 
 import numpy as np
 from numba import njit
-
-from engine.call import call
-from engine.delay import happens
-from engine.layout import (
+from stickslip.engine.call import call
+from stickslip.engine.delay import happens
+from stickslip.engine.layout import (
     A_JUMP,
     A_NEXT,
     A_ZC,
@@ -62,8 +61,8 @@ from engine.layout import (
     U,
     X,
 )
-from engine.sampling import begin_run, due
-from engine.sweep import events_of_signals, gather_with_rates, rates, resolution, signal_rates, signals
+from stickslip.engine.sampling import begin_run, due
+from stickslip.engine.sweep import events_of_signals, gather_with_rates, rates, resolution, signal_rates, signals
 
 IMPULSE = 1e12  # rate that stands for a jump of a signal
 

@@ -6,9 +6,8 @@ Wanner, Solving ODEs I, section II.6; the order is measured in ``tests/engine/te
 
 import numpy as np
 from numba import njit
-
-from engine.floats import finite
-from engine.layout import (
+from stickslip.engine.floats import finite
+from stickslip.engine.layout import (
     ATOL,
     N_CHECKED,
     N_STATES,
@@ -21,7 +20,7 @@ from engine.layout import (
     O_Y1,
     RTOL,
 )
-from engine.sweep import rates
+from stickslip.engine.sweep import rates
 
 STIFF_RATIO = 3.25  # h |df/dy| beyond this is the stability limit of the pair at work
 _C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])

@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from engine.call import Kernel
-from engine.layout import CONTINUOUS, DEAD_TIME, HOSTED, LINK_IN, LINK_OUT, SAMPLED
+from stickslip.engine.call import Kernel
+from stickslip.engine.layout import CONTINUOUS, DEAD_TIME, HOSTED, LINK_IN, LINK_OUT, SAMPLED
 
 __all__ = ["CONTINUOUS", "DEAD_TIME", "HOSTED", "LINK_IN", "LINK_OUT", "SAMPLED", "FlatBlock", "Floats", "Ints"]
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from types import CellType, FunctionType
 from typing import Any
 
-from engine.reach import helpers
+from stickslip.engine.reach import helpers
 
 
 def frozen(kernel: FunctionType, compiled: Callable[[FunctionType], Any]) -> FunctionType:

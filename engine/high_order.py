@@ -1,14 +1,13 @@
 """Explicit steps of high order: the Dormand-Prince 8(5,3) method, for smooth stretches between events.
 
 Twelve stages carry it over steps many times longer than the 5(4) pair takes at the same accuracy; three more
-serve the seventh-order dense output.  Coefficients in ``engine.dop853``; the order is measured in
+serve the seventh-order dense output.  Coefficients in ``stickslip.engine.dop853``; the order is measured in
 ``tests/engine/test_order.py``.
 """
 
 import numpy as np
 from numba import njit
-
-from engine.dop853 import (
+from stickslip.engine.dop853 import (
     A_STAGE,
     A_START,
     A_WEIGHT,
@@ -20,9 +19,9 @@ from engine.dop853 import (
     E_WEIGHT,
     C,
 )
-from engine.floats import finite
-from engine.layout import ATOL, N_CHECKED, N_STATES, O_CONT, O_F, O_K, O_S, O_X, O_Y0, O_Y1, RTOL
-from engine.sweep import rates
+from stickslip.engine.floats import finite
+from stickslip.engine.layout import ATOL, N_CHECKED, N_STATES, O_CONT, O_F, O_K, O_S, O_X, O_Y0, O_Y1, RTOL
+from stickslip.engine.sweep import rates
 
 HIGH_STIFF_RATIO = 6.1  # h |df/dy| beyond this is the stability limit of the method at work
 

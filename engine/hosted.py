@@ -2,16 +2,15 @@
 
 import numpy as np
 from numba import njit
-
-from engine import layout as at
-from engine.call import pointer_to
-from engine.delay import happens
-from engine.events import begin_instant
-from engine.flat import FlatBlock, Floats, Ints
-from engine.sampling import publish, turn_tables
-from engine.sweep import resolution, signals
-from engine.table import Component
-from engine.turns import restart_sweep, take_turn
+from stickslip.engine import layout as at
+from stickslip.engine.call import pointer_to
+from stickslip.engine.delay import happens
+from stickslip.engine.events import begin_instant
+from stickslip.engine.flat import FlatBlock, Floats, Ints
+from stickslip.engine.sampling import publish, turn_tables
+from stickslip.engine.sweep import resolution, signals
+from stickslip.engine.table import Component
+from stickslip.engine.turns import restart_sweep, take_turn
 
 
 @njit(cache=True, error_model="numpy")

@@ -5,8 +5,7 @@ blocks that read any of these; their programs stand in the block rows, so the sp
 """
 
 from numba import njit
-
-from engine.layout import (
+from stickslip.engine.layout import (
     J_BACK,
     J_DER,
     J_OUT,
@@ -31,7 +30,7 @@ from engine.layout import (
     R,
     X,
 )
-from engine.sweep import play, rates
+from stickslip.engine.sweep import play, rates
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,13 +1,23 @@
 """Linear systems of a stiff step: ``diagonal - J`` factorised and solved along a plan made with the diagram.
 
-Process models couple each state to few others; ``engine.elimination`` orders them so that hardly any entry is added.
-Rows are not exchanged: with a shorter step the diagonal dominates, and a step spoilt by a poor factorisation is
+Process models couple each state to few others; ``stickslip.engine.elimination`` orders them so that hardly any entry is
+added. Rows are not exchanged: with a shorter step the diagonal dominates, and a step spoilt by a poor factorisation is
 rejected for its error like any other.
 """
 
 from numba import njit
-
-from engine.layout import L_BACKWARD, L_DIAGONAL, L_FACTOR, L_FORWARD, L_PLACE, N_FACTORS, N_JAC, N_STATES, O_JAC, O_LU
+from stickslip.engine.layout import (
+    L_BACKWARD,
+    L_DIAGONAL,
+    L_FACTOR,
+    L_FORWARD,
+    L_PLACE,
+    N_FACTORS,
+    N_JAC,
+    N_STATES,
+    O_JAC,
+    O_LU,
+)
 
 
 @njit(cache=True, error_model="numpy")

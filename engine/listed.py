@@ -8,8 +8,7 @@ import numpy as np
 from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
-
-from engine.layout import COUNT, TABLE, TABLE_ROWS, TABLE_VALUES, TABLE_WIDTH
+from stickslip.engine.layout import COUNT, TABLE, TABLE_ROWS, TABLE_VALUES, TABLE_WIDTH
 
 
 @intrinsic

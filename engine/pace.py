@@ -6,8 +6,7 @@ that was right there.
 
 import numpy as np
 from numba import njit
-
-from engine.layout import (
+from stickslip.engine.layout import (
     ATOL,
     CROWDED,
     EVENTS,
@@ -37,7 +36,7 @@ from engine.layout import (
     R,
     T,
 )
-from engine.sweep import rates
+from stickslip.engine.sweep import rates
 
 STIFF_STEPS = 12  # steps in a row at the stability limit before the stiff method takes over
 EASY = 0.01  # an error so small asks for no shorter step

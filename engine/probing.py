@@ -20,12 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-
-from engine import layout as at
-from engine.call import call, pointer_to
-from engine.callback import pardoned
-from engine.flat import Floats, Ints
-from engine.table import Component
+from stickslip.engine import layout as at
+from stickslip.engine.call import call, pointer_to
+from stickslip.engine.callback import pardoned
+from stickslip.engine.flat import Floats, Ints
+from stickslip.engine.table import Component
 
 LOOKS = 256
 EACH = 32  # anchors spread evenly, and as many where the function bends most

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 
-from engine import layout as at
-from engine.flat import FlatBlock, Ints
+from stickslip.engine import layout as at
+from stickslip.engine.flat import FlatBlock, Ints
 
 TARGETS = {at.A_OUT: (at.O_S, at.Y), at.A_DER: (at.O_F, at.X), at.A_ZC: (at.O_G, at.G)}  # where each kernel writes
 

@@ -15,8 +15,7 @@ from uuid import uuid4
 
 import numba
 import numpy as np
-
-from engine.watched import Watched
+from stickslip.engine.watched import Watched
 
 OUTSIDE = {"numpy", "numba", "llvmlite", "scipy", *sys.stdlib_module_names}  # they change with their version only
 VERSIONS = f"{numba.__version__} {np.__version__} {sys.version}"
@@ -27,7 +26,7 @@ PROCESS = uuid4().hex  # what is known by its address only is known in this proc
 class Reached(Watched):
     """What a function and every helper reach, by name, by module or from around them, as it is found now.
 
-    >>> from blocks.limited_pi import limited_output
+    >>> from stickslip.blocks.limited_pi import limited_output
     >>> found = Reached(limited_output)
     >>> found.fingerprint == Reached(limited_output).fingerprint != Reached(outside).fingerprint
     True

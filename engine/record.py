@@ -14,11 +14,10 @@ size of what comes out; a step for which it is too bold is refused like any othe
 
 import numpy as np
 from numba import njit
-
-from engine.delay import SMOOTH, close_record, happens, let_out, open_record
-from engine.dense import interpolate
-from engine.events import stop_at
-from engine.layout import (
+from stickslip.engine.delay import SMOOTH, close_record, happens, let_out, open_record
+from stickslip.engine.dense import interpolate
+from stickslip.engine.events import stop_at
+from stickslip.engine.layout import (
     A_NEXT,
     BREAK,
     CAPACITY,
@@ -53,7 +52,7 @@ from engine.layout import (
     R,
     T,
 )
-from engine.sweep import play, resolution
+from stickslip.engine.sweep import play, resolution
 
 KINK = 1  # a breakpoint of this level is still an instant: rates of signals jump there
 NO_JUMP = 1e-3  # a jump smaller than this share of the tolerance is rounding

@@ -6,14 +6,13 @@ parameters that hold a noise in force.  Everything else, clocks and counters inc
 
 import numpy as np
 from numba import njit
-
-from engine.advance import advance
-from engine.call import pointer_to
-from engine.events import keep_inputs, watch_rates
-from engine.flat import Floats, Ints
-from engine.floats import copy
-from engine.layout import CURRENT, EV_COUNT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, PAUSE_AT, SAVED, T
-from engine.sweep import signals
+from stickslip.engine.advance import advance
+from stickslip.engine.call import pointer_to
+from stickslip.engine.events import keep_inputs, watch_rates
+from stickslip.engine.flat import Floats, Ints
+from stickslip.engine.floats import copy
+from stickslip.engine.layout import CURRENT, EV_COUNT, EVENTS_SEEN, FRESH, HOLD, N_STATES, O_X, O_Y0, PAUSE_AT, SAVED, T
+from stickslip.engine.sweep import signals
 
 
 @njit(cache=True, error_model="numpy")

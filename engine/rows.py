@@ -1,12 +1,11 @@
 """Log rows: dense output at the log times, a chunk of rows at a time, block by block."""
 
 from numba import njit
-
-from engine.call import call
-from engine.delay import delayed
-from engine.dense import interpolate_rows
-from engine.floats import copy
-from engine.layout import (
+from stickslip.engine.call import call
+from stickslip.engine.delay import delayed
+from stickslip.engine.dense import interpolate_rows
+from stickslip.engine.floats import copy
+from stickslip.engine.layout import (
     A_OUT,
     AFFINE,
     CHUNK,
@@ -40,8 +39,8 @@ from engine.layout import (
     X,
     Y,
 )
-from engine.series_rows import series_rows
-from engine.sweep import clock, signals
+from stickslip.engine.series_rows import series_rows
+from stickslip.engine.sweep import clock, signals
 
 MANY = 4  # rows in a step of a series, from which it pays to make series of the signals too
 

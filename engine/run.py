@@ -4,15 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-
-from engine import layout as at
-from engine.advance import advance
-from engine.cache import ensure_compiled
-from engine.callback import raise_kept
-from engine.flat import FlatBlock, Floats, Ints
-from engine.hosted import Hosts
-from engine.status import Status
-from engine.table import Component
+from stickslip.engine import layout as at
+from stickslip.engine.advance import advance
+from stickslip.engine.cache import ensure_compiled
+from stickslip.engine.callback import raise_kept
+from stickslip.engine.flat import FlatBlock, Floats, Ints
+from stickslip.engine.hosted import Hosts
+from stickslip.engine.status import Status
+from stickslip.engine.table import Component
 
 METHODS = {"auto": 0, "explicit": 1, "stiff": 2}
 EVENT_BUFFER = 1024  # events
@@ -23,7 +22,7 @@ _PAUSE = 5000  # steps after which the run comes back to Python
 class Settings:
     """How to integrate: relative and absolute tolerance, method ("auto", "explicit", "stiff"), step budget.
 
-    ``max_step`` [s]: None bounds the steps only where functions of the time need it (``engine.probing``).
+    ``max_step`` [s]: None bounds the steps only where functions of the time need it (``stickslip.engine.probing``).
     """
 
     rtol: float = 1e-6

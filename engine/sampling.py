@@ -2,10 +2,9 @@
 
 import numpy as np
 from numba import njit
-
-from engine.call import call
-from engine.delay import happens, let_out
-from engine.layout import (
+from stickslip.engine.call import call
+from stickslip.engine.delay import happens, let_out
+from stickslip.engine.layout import (
     A_STEP,
     COUNT,
     EVENTS_SEEN,
@@ -35,8 +34,8 @@ from engine.layout import (
     X,
     Y,
 )
-from engine.listed import find_row, listed_time, put_row
-from engine.sweep import clock, gather
+from stickslip.engine.listed import find_row, listed_time, put_row
+from stickslip.engine.sweep import clock, gather
 
 
 @njit(cache=True, error_model="numpy")

@@ -21,9 +21,8 @@ method takes the step.
 
 import numpy as np
 from numba import njit
-
-from engine.floats import copy, finite
-from engine.layout import (
+from stickslip.engine.floats import copy, finite
+from stickslip.engine.layout import (
     ATOL,
     DENSE_TERMS,
     MODEL,
@@ -47,7 +46,7 @@ from engine.layout import (
     T_STOP,
     TIMED,
 )
-from engine.sweep import events_of_signals, rates
+from stickslip.engine.sweep import events_of_signals, rates
 
 ENOUGH = 1e-3  # terms are added until the last one is this share of the tolerance
 TRUST = 0.05  # so much, as a share of the tolerance, may the rates at the end move the states off the series

@@ -11,10 +11,9 @@ block.
 """
 
 from numba import njit
-
-from engine.dense import interpolate
-from engine.floats import copy
-from engine.layout import (
+from stickslip.engine.dense import interpolate
+from stickslip.engine.floats import copy
+from stickslip.engine.layout import (
     ATOL,
     CHUNK,
     DENSE_TERMS,
@@ -38,8 +37,8 @@ from engine.layout import (
     T_STOP,
     TIMED,
 )
-from engine.series import SHARE, TRUST, make_terms
-from engine.sweep import signals
+from stickslip.engine.series import SHARE, TRUST, make_terms
+from stickslip.engine.sweep import signals
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,11 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from engine import layout as at
-from engine.flat import Floats, Ints
-from engine.status import Statistics
-from engine.table import Component
+from stickslip.engine import layout as at
+from stickslip.engine.flat import Floats, Ints
+from stickslip.engine.status import Statistics
+from stickslip.engine.table import Component
 
 COUNTERS = {
     "steps": at.STEPS, "rejected": at.REJECTED, "rhs": at.RHS, "jacobians": at.JACOBIANS, "events": at.EVENTS,

@@ -2,12 +2,11 @@
 
 import numpy as np
 from numba import njit
-
-from engine.explicit import STIFF_RATIO, explicit_dense, explicit_step
-from engine.floats import copy
-from engine.high_order import HIGH_STIFF_RATIO, high_order_dense, high_order_step
-from engine.jacobian import jacobian
-from engine.layout import (
+from stickslip.engine.explicit import STIFF_RATIO, explicit_dense, explicit_step
+from stickslip.engine.floats import copy
+from stickslip.engine.high_order import HIGH_STIFF_RATIO, high_order_dense, high_order_step
+from stickslip.engine.jacobian import jacobian
+from stickslip.engine.layout import (
     DENSE_TERMS,
     EXPLICIT,
     JAC_VALID,
@@ -23,10 +22,10 @@ from engine.layout import (
     T_STOP,
     T,
 )
-from engine.pace import after_refusal, after_step, proposed
-from engine.rosenbrock import rosenbrock_dense, rosenbrock_step
-from engine.series import series_step
-from engine.sweep import clock
+from stickslip.engine.pace import after_refusal, after_step, proposed
+from stickslip.engine.rosenbrock import rosenbrock_dense, rosenbrock_step
+from stickslip.engine.series import series_step
+from stickslip.engine.sweep import clock
 
 
 @njit(cache=True, error_model="numpy")

@@ -9,8 +9,8 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from engine import layout as at
-from engine.flat import FlatBlock
+from stickslip.engine import layout as at
+from stickslip.engine.flat import FlatBlock
 
 Pair = tuple[int, int]  # (row, column) of the Jacobian
 Reached = tuple[int, int]  # (dead time, integrators on the way)

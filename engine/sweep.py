@@ -1,13 +1,12 @@
 """One pass over the blocks of a component in signal-flow order: signals, rates, event functions.
 
-All functions work on the two arrays of ``engine.layout``; the states they see are those at ``W[O_X]``.
+All functions work on the two arrays of ``stickslip.engine.layout``; the states they see are those at ``W[O_X]``.
 """
 
 from numba import njit
-
-from engine.call import call
-from engine.delay import delayed
-from engine.layout import (
+from stickslip.engine.call import call
+from stickslip.engine.delay import delayed
+from stickslip.engine.layout import (
     GATHER,
     N_SIGNALS,
     N_STATES,
@@ -49,7 +48,9 @@ def gather(I, W, row):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy")
 def play(I, W, t, program):  # type: ignore[no-untyped-def]
-    """Carry out the calls of a program (``engine.layout``) at time ``t``; ``program`` is its place in the header."""
+    """Carry out the calls of a program (``stickslip.engine.layout``) at time ``t``; ``program`` is its place in the
+    header.
+    """
     play_calls(I, W, t, I[program], I[program + 1])
 
 

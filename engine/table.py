@@ -1,20 +1,19 @@
-"""From a list of blocks to the two arrays of ``engine.layout``."""
+"""From a list of blocks to the two arrays of ``stickslip.engine.layout``."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 
 import numpy as np
-
-from engine import layout as at
-from engine.call import KernelError, address
-from engine.delay import SMOOTH
-from engine.elimination import eliminate
-from engine.flat import FlatBlock, Floats, Ints
-from engine.program import Programs
-from engine.series import again_size, model_size
-from engine.structure import analyse
-from engine.turns import starting_order, turns
+from stickslip.engine import layout as at
+from stickslip.engine.call import KernelError, address
+from stickslip.engine.delay import SMOOTH
+from stickslip.engine.elimination import eliminate
+from stickslip.engine.flat import FlatBlock, Floats, Ints
+from stickslip.engine.program import Programs
+from stickslip.engine.series import again_size, model_size
+from stickslip.engine.structure import analyse
+from stickslip.engine.turns import starting_order, turns
 
 
 @dataclass(frozen=True)

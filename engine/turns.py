@@ -14,12 +14,11 @@ modes.  In all other components samples alone take turns, in the order of signal
 from collections.abc import Sequence
 
 from numba import njit
-
-from engine import layout as at
-from engine.call import call
-from engine.events import fire, show_jump, watch_rates
-from engine.flat import FlatBlock
-from engine.layout import (
+from stickslip.engine import layout as at
+from stickslip.engine.call import call
+from stickslip.engine.events import fire, show_jump, watch_rates
+from stickslip.engine.flat import FlatBlock
+from stickslip.engine.layout import (
     A_ZC,
     CHAIN,
     CONTINUOUS,
@@ -51,8 +50,8 @@ from engine.layout import (
     U,
     X,
 )
-from engine.sampling import due, take
-from engine.sweep import clock, gather, play_calls
+from stickslip.engine.sampling import due, take
+from stickslip.engine.sweep import clock, gather, play_calls
 
 
 def starting_order(rows: Sequence[FlatBlock]) -> list[int]:

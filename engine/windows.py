@@ -13,12 +13,11 @@ length zero from one cell to another.
 
 import numpy as np
 from numba import njit
-
-from engine.advance import OK, PAUSED, advance
-from engine.call import pointer_to
-from engine.delay import SMOOTH, delayed
-from engine.floats import copy
-from engine.layout import (
+from stickslip.engine.advance import OK, PAUSED, advance
+from stickslip.engine.call import pointer_to
+from stickslip.engine.delay import SMOOTH, delayed
+from stickslip.engine.floats import copy
+from stickslip.engine.layout import (
     ATOL,
     BREAK,
     COUNT,
@@ -55,7 +54,7 @@ from engine.layout import (
     R,
     T,
 )
-from engine.sweep import signals
+from stickslip.engine.sweep import signals
 
 TIGHT = 7  # the cells hang together too tightly for windows
 MOST_RUNS = 10  # of one cell in one window

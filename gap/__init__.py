@@ -1,11 +1,11 @@
 """The sim-to-real gap: where a model and a log differ, which effect explains it, and how far the gap shrinks then.
 
-diagnose   a diagram and a log -> a ``GapReport``      Effect  what an effect is; all are in ``gap.effects``
+diagnose   a diagram and a log -> a ``GapReport``      Effect  what an effect is; all are in ``stickslip.gap.effects``
 calibrated a diagram and a log -> how often names are right there, counted on runs with known effects
 latent_input a report and its log -> what must be added to an input of the model, and with what it correlates
 replayed   a report and its log -> the log against the model, as it is and with the cause, over the worst stretch
 
-The rooms, each of which uses those before it only; ``gap.diagnosis`` joins them:
+The rooms, each of which uses those before it only; ``stickslip.gap.diagnosis`` joins them:
 
 answers        what a diagnosis answers with             effects       the catalogue: one file an effect
 records        what a model and a log bring              fits          sizes of an effect, fitted to a record
@@ -17,14 +17,14 @@ likelihood     one likelihood for any diagram, which will replace the rest; ``di
 calibrating    how often names are right, on runs with known effects
 """
 
-from gap.answers.report import GapReport
-from gap.calibrating.calibrate import calibrated
-from gap.calibrating.calibration import Calibration
-from gap.diagnosis import diagnose
-from gap.insertion.effect import Effect, EffectError, Parameter
-from gap.records.record import GapError
-from gap.telling.latent import LatentInput, latent_input
-from gap.telling.replayed import Replayed, replayed
+from stickslip.gap.answers.report import GapReport
+from stickslip.gap.calibrating.calibrate import calibrated
+from stickslip.gap.calibrating.calibration import Calibration
+from stickslip.gap.diagnosis import diagnose
+from stickslip.gap.insertion.effect import Effect, EffectError, Parameter
+from stickslip.gap.records.record import GapError
+from stickslip.gap.telling.latent import LatentInput, latent_input
+from stickslip.gap.telling.replayed import Replayed, replayed
 
 __all__ = [
     "Calibration", "Effect", "EffectError", "GapError", "GapReport", "LatentInput", "Parameter", "Replayed",

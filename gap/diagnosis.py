@@ -6,7 +6,7 @@
 4. Fit again on the first part of the record, and judge on the rest (``sizes``).
 
 A loop with a load that nobody measures is not replayed.  If it is linear and scanned, its Kalman filter is exact
-(``gap.filters``).  Any other is followed by a filter across its own runs (``gap.likelihood``).
+(``stickslip.gap.filters``).  Any other is followed by a filter across its own runs (``stickslip.gap.likelihood``).
 """
 
 import math
@@ -14,43 +14,43 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from diagram.diagram import Diagram
-from diagram.progress import Progress
-from gap.answers.report import GapReport
-from gap.calibrating.calibration import kept_calibration
-from gap.effects import CATALOGUE
-from gap.effects.quantisation import Quantisation
-from gap.explanations.alternatives import alternatives
-from gap.explanations.beside_digits import beside_digits
-from gap.explanations.candidates import candidates, ranked
-from gap.explanations.chance import priced
-from gap.explanations.nesting import one_of_nested
-from gap.explanations.one_of_pair import enough_alone
-from gap.explanations.other_law import stem_of_other_law
-from gap.explanations.pairs import beside_stem, paired
-from gap.explanations.unmeasured import unmeasured_load
-from gap.filters.diagnosing import filtering_of, outcome
-from gap.filters.logged_stem import logged_stem
-from gap.filters.telling import told as told_by_filters
-from gap.fits.adequacy import adequate, complete, needed, stands
-from gap.fits.instants import with_instants
-from gap.fits.search import Candidate, Fit, best_of, refined, settled
-from gap.fits.texture import fitted_compression, with_lattices
-from gap.floors.cache import keep, kept
-from gap.floors.floor import Floor, measured
-from gap.floors.problem import Problem, Settled
-from gap.insertion.effect import Effect
-from gap.likelihood.diagnosing import frame_of
-from gap.likelihood.diagnosing import outcome as outcome_of
-from gap.likelihood.telling import told as told_by_likelihood
-from gap.linearised.filtered import filter_of
-from gap.linearised.usual import floor_of_record, suspected
-from gap.records.model import read, silenced
-from gap.records.record import FEWEST, GapError, Record
-from gap.records.start import start_values
-from gap.telling.words import adequate_pair, named, named_pair, no_gap, tied, unknown
-from logs import Log
-from logs.processes import one_thread
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.progress import Progress
+from stickslip.gap.answers.report import GapReport
+from stickslip.gap.calibrating.calibration import kept_calibration
+from stickslip.gap.effects import CATALOGUE
+from stickslip.gap.effects.quantisation import Quantisation
+from stickslip.gap.explanations.alternatives import alternatives
+from stickslip.gap.explanations.beside_digits import beside_digits
+from stickslip.gap.explanations.candidates import candidates, ranked
+from stickslip.gap.explanations.chance import priced
+from stickslip.gap.explanations.nesting import one_of_nested
+from stickslip.gap.explanations.one_of_pair import enough_alone
+from stickslip.gap.explanations.other_law import stem_of_other_law
+from stickslip.gap.explanations.pairs import beside_stem, paired
+from stickslip.gap.explanations.unmeasured import unmeasured_load
+from stickslip.gap.filters.diagnosing import filtering_of, outcome
+from stickslip.gap.filters.logged_stem import logged_stem
+from stickslip.gap.filters.telling import told as told_by_filters
+from stickslip.gap.fits.adequacy import adequate, complete, needed, stands
+from stickslip.gap.fits.instants import with_instants
+from stickslip.gap.fits.search import Candidate, Fit, best_of, refined, settled
+from stickslip.gap.fits.texture import fitted_compression, with_lattices
+from stickslip.gap.floors.cache import keep, kept
+from stickslip.gap.floors.floor import Floor, measured
+from stickslip.gap.floors.problem import Problem, Settled
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.diagnosing import frame_of
+from stickslip.gap.likelihood.diagnosing import outcome as outcome_of
+from stickslip.gap.likelihood.telling import told as told_by_likelihood
+from stickslip.gap.linearised.filtered import filter_of
+from stickslip.gap.linearised.usual import floor_of_record, suspected
+from stickslip.gap.records.model import read, silenced
+from stickslip.gap.records.record import FEWEST, GapError, Record
+from stickslip.gap.records.start import start_values
+from stickslip.gap.telling.words import adequate_pair, named, named_pair, no_gap, tied, unknown
+from stickslip.logs import Log
+from stickslip.logs.processes import one_thread
 
 AGAIN = 150.0  # nats by which an explanation may lag behind the best to be fitted again
 RUNS = 40  # of the model without a gap
@@ -76,7 +76,7 @@ def diagnose(
     """
     log = getattr(log, "log", log)
     if not isinstance(log, Log):
-        raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. logs.read_log('run.csv')")
+        raise GapError(f"the log is {type(log).__name__}; give a Log, e.g. stickslip.logs.read_log('run.csv')")
     opened, record = read(diagram, log)
     stem = logged_stem(opened, record)
     filtering = filtering_of(opened, stem.without(record) if stem else record)

@@ -16,11 +16,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-
-from diagram.diagram import Diagram
-from diagram.ensembles.running import ensemble
-from gap.insertion.effect import Effect
-from logs import Log
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.running import ensemble
+from stickslip.gap.insertion.effect import Effect
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 NODES = 6  # sizes of an effect's first parameter that are tried first

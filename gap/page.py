@@ -1,23 +1,23 @@
-"""The page of all effects: ``python -m gap.page > docs/effects.md`` writes it."""
+"""The page of all effects: ``python -m stickslip.gap.page > docs/effects.md`` writes it."""
 
 import inspect
 import math
 import sys
 
-from gap.effects import CATALOGUE
-from gap.insertion.effect import Effect, Parameter
+from stickslip.gap.effects import CATALOGUE
+from stickslip.gap.insertion.effect import Effect, Parameter
 
 HEAD = """# The effects
 
 These are the effects that a model of a plant may lack.  Each effect is one file in ``gap/effects``.  One call inserts
 it into any diagram, at a block of its role.  At its neutral values it changes nothing.
-``python -m gap.page > docs/effects.md`` writes this page.
+``python -m stickslip.gap.page > docs/effects.md`` writes this page.
 
 ```python
 import numpy as np
 
-from cases.models import ideal_flow
-from gap.effects import effect
+from stickslip.cases.models import ideal_flow
+from stickslip.gap.effects import effect
 
 stiction = effect("stiction")
 print(stiction.places(ideal_flow()))
@@ -66,7 +66,7 @@ def page() -> str:
 def row(effect: Effect) -> str:
     """Return the row of one effect.
 
-    >>> from gap.effects import effect
+    >>> from stickslip.gap.effects import effect
     >>> row(effect("positioner_lag"))[:74]
     '| [positioner_lag](../gap/effects/positioner_lag.py) | valve | tau (s; 0) '
     """

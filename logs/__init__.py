@@ -18,13 +18,13 @@ The package needs numpy; polars and matplotlib are imported when a file is read 
 
 from typing import TYPE_CHECKING, Any
 
-from logs.errors import LogError, ReadError
-from logs.log import Log
-from logs.loop import LoopRecord
-from logs.loop_signals import LoopSignals
+from stickslip.logs.errors import LogError, ReadError
+from stickslip.logs.log import Log
+from stickslip.logs.loop import LoopRecord
+from stickslip.logs.loop_signals import LoopSignals
 
 if TYPE_CHECKING:
-    from logs.files.read import read_log, read_loop, read_loops
+    from stickslip.logs.files.read import read_log, read_loop, read_loops
 
 __all__ = ["Log", "LogError", "LoopRecord", "LoopSignals", "ReadError", "read_log", "read_loop", "read_loops"]
 
@@ -33,6 +33,6 @@ def __getattr__(name: str) -> Any:
     """Load the readers when they are asked for; a simulation reads no files."""
     if name not in ("read_log", "read_loop", "read_loops"):
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    from logs.files import read
+    from stickslip.logs.files import read
 
     return getattr(read, name)

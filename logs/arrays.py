@@ -6,8 +6,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.errors import LogError
+from stickslip.logs.errors import LogError
 
 __all__ = ["Mask", "Values", "check_time", "checked_mask", "checked_span", "frozen_array", "seconds_and_start"]
 

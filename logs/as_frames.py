@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from logs.signals import Signals
+from stickslip.logs.signals import Signals
 
 if TYPE_CHECKING:
     import polars as pl

@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.arrays import Mask, Values
-from logs.errors import LogError
-from logs.log import Log
+from stickslip.logs.arrays import Mask, Values
+from stickslip.logs.errors import LogError
+from stickslip.logs.log import Log
 
 __all__ = ["bad_states", "drop_out", "jitter_time", "quantise", "swinging_door", "swinging_door_kept"]
 

@@ -5,20 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.errors import LogError
-from logs.style import COLOURS, CYCLE
-from logs.time_axis import TimeAxis
-from logs.trend import broken_at_gaps, draw_signal, finish_panel, finish_plane, mark_gaps, shade_bad
+from stickslip.logs.errors import LogError
+from stickslip.logs.style import COLOURS, CYCLE
+from stickslip.logs.time_axis import TimeAxis
+from stickslip.logs.trend import broken_at_gaps, draw_signal, finish_panel, finish_plane, mark_gaps, shade_bad
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from logs.log import Log
-    from logs.loop import LoopRecord
+    from stickslip.logs.log import Log
+    from stickslip.logs.loop import LoopRecord
 
 __all__ = ["COLOURS", "plot_log", "plot_loop"]
 
@@ -34,12 +32,12 @@ def plot_log(log: Log, names: str | Sequence[str] | None = None) -> Figure:
 
     Returns a matplotlib Figure. Raises LogError if a name is not in the log or there is nothing to show.
 
-    >>> from logs import Log
+    >>> from stickslip.logs import Log
     >>> figure = plot_log(Log(t=[0, 1, 2], signals={"OP": [50, 51, 52]}, units={"OP": "%"}))
     >>> figure.axes[0].get_ylabel()
     'OP [%]'
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     shown = [names] if isinstance(names, str) else list(log.names if names is None else names)
     if not shown:
@@ -69,12 +67,12 @@ def plot_loop(loop: LoopRecord) -> Figure:
 
     Returns a matplotlib Figure.
 
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> figure = plot_loop(LoopRecord.from_arrays([0, 1, 2], pv=[1, 2, 3], op=[50, 51, 50]))
     >>> [axes.get_ylabel() for axes in figure.axes]
     ['PV', 'OP [%]', 'PV']
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     log = loop.log
     figure = Picture(figsize=(10.5, 5.0), layout="constrained")

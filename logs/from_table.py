@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from logs.errors import LogError
-from logs.log import Log
+from stickslip.logs.errors import LogError
+from stickslip.logs.log import Log
 
 
 def from_table(table: Any) -> Log:
@@ -24,7 +23,7 @@ def from_table(table: Any) -> Log:
     """
     units = getattr(table, "attrs", {}).get("units", {})
     if not isinstance(table, Mapping):
-        from logs.files.frames import polars_frame
+        from stickslip.logs.files.frames import polars_frame
 
         frame = polars_frame(table)
         kept = [name for name in frame.columns if name == "time" or frame[name].dtype.is_numeric()]
@@ -32,7 +31,7 @@ def from_table(table: Any) -> Log:
     if "time" not in table:
         raise LogError(
             f"the table has no column 'time', only {', '.join(map(repr, table)) or 'none'}; name its time [s] so, or "
-            "read it with logs.read_log, which finds the time"
+            "read it with stickslip.logs.read_log, which finds the time"
         )
     signals = {name: np.asarray(values) for name, values in table.items() if name != "time"}
     return Log(table["time"], signals, {name: unit for name, unit in units.items() if name in signals})

@@ -12,18 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array, seconds_and_start
-from logs.errors import LogError
-from logs.hint import nearest
-from logs.loop_signals import LoopSignals, LoopsLater, renamed
+from stickslip.logs.arrays import Mask, Values, check_time, checked_mask, checked_span, frozen_array, seconds_and_start
+from stickslip.logs.errors import LogError
+from stickslip.logs.hint import nearest
+from stickslip.logs.loop_signals import LoopSignals, LoopsLater, renamed
 
 if TYPE_CHECKING:
     import polars as pl
     from matplotlib.figure import Figure
-
-    from logs.loop import LoopRecord
-    from logs.tags import Process
+    from stickslip.logs.loop import LoopRecord
+    from stickslip.logs.tags import Process
 
 __all__ = ["Log", "LogError"]
 
@@ -131,7 +129,7 @@ class Log:
         >>> Log(t=[0.0], signals={"OP": [50.0]})["Op"]
         Traceback (most recent call last):
         ...
-        logs.errors.LogError: no signal 'Op'; did you mean 'OP'? known: OP
+        stickslip.logs.errors.LogError: no signal 'Op'; did you mean 'OP'? known: OP
         """
         try:
             return self.signals[name]
@@ -269,8 +267,8 @@ class Log:
         >>> log.loop(name="FIC211").sp is None
         True
         """
-        from logs.loop import LoopRecord
-        from logs.tags import measurement_of
+        from stickslip.logs.loop import LoopRecord
+        from stickslip.logs.tags import measurement_of
 
         if name in self.loops and (sp, pv, op, mv, mode) == ("SP", "PV", "OP", None, None):
             record = self._noted_loop(name)
@@ -292,8 +290,8 @@ class Log:
         )
 
     def _noted_loop(self, tag: str) -> LoopRecord:
-        from logs.loop import LoopRecord
-        from logs.tags import measurement_of
+        from stickslip.logs.loop import LoopRecord
+        from stickslip.logs.tags import measurement_of
 
         loop = self.loops[tag]
         parts = {f"{part}_name": signal for part, signal in loop.parts.items()}
@@ -315,13 +313,13 @@ class Log:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a CSV file with the metadata in '# ' lines; ``read_log`` gives the same log back."""
-        from logs.files.write import write_csv
+        from stickslip.logs.files.write import write_csv
 
         write_csv(self, path)
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
         """Write a Parquet file with the metadata in its footer; ``read_log`` gives the same log back."""
-        from logs.files.write import write_parquet
+        from stickslip.logs.files.write import write_parquet
 
         write_parquet(self, path)
 
@@ -330,7 +328,7 @@ class Log:
 
         Raises ImportError that says what to install if pandas is not there. Quality and spans are left behind.
         """
-        from logs.as_frames import to_pandas
+        from stickslip.logs.as_frames import to_pandas
 
         return to_pandas(self)
 
@@ -340,17 +338,17 @@ class Log:
         >>> Log(t=[0, 1], signals={"OP": [50, 51]}).to_polars().columns
         ['time', 'OP']
         """
-        from logs.as_frames import to_polars
+        from stickslip.logs.as_frames import to_polars
 
         return to_polars(self)
 
     def _repr_html_(self) -> str:
-        from logs.notebook import table
+        from stickslip.logs.notebook import table
 
         return table(self)
 
     def plot(self, names: str | list[str] | tuple[str, ...] | None = None) -> Figure:
-        """A figure with one panel per signal over time; see ``logs.figures.plot_log``."""
-        from logs.figures import plot_log
+        """A figure with one panel per signal over time; see ``stickslip.logs.figures.plot_log``."""
+        from stickslip.logs.figures import plot_log
 
         return plot_log(self, names)

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.arrays import Mask, Values
-from logs.errors import LogError
-from logs.log import Log
-from logs.shown import Shown
-from logs.tags import Process, measurement_of
+from stickslip.logs.arrays import Mask, Values
+from stickslip.logs.errors import LogError
+from stickslip.logs.log import Log
+from stickslip.logs.shown import Shown
+from stickslip.logs.tags import Process, measurement_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -247,7 +246,7 @@ class LoopRecord(Shown):
         return (*self.log.notes, *own)
 
     def plot(self) -> Figure:
-        """Trend of SP, PV and OP with the PV-OP (and MV-OP) phase plot; see ``logs.figures.plot_loop``."""
-        from logs.figures import plot_loop
+        """Trend of SP, PV and OP with the PV-OP (and MV-OP) phase plot; see ``stickslip.logs.figures.plot_loop``."""
+        from stickslip.logs.figures import plot_loop
 
         return plot_loop(self)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Self, get_args
 
-from logs.errors import LogError
-from logs.tags import Process
+from stickslip.logs.errors import LogError
+from stickslip.logs.tags import Process
 
 __all__ = ["LoopSignals", "LoopsLater", "renamed", "within"]
 

@@ -11,8 +11,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from logs.signals import Signals
+    from stickslip.logs.signals import Signals
 
 ROWS = 5  # at the beginning and at the end
 COLUMNS = 12

@@ -1,8 +1,7 @@
 """A figure that a notebook shows by itself, without a magic command."""
 
 from matplotlib.figure import Figure
-
-from logs.notebook import png
+from stickslip.logs.notebook import png
 
 
 class Picture(Figure):

@@ -33,6 +33,6 @@ class Shown:
         return f"<{type(self).__name__}: {shorten(self.headline, LINE, placeholder=' ...')}>"
 
     def _repr_html_(self) -> str:
-        from logs.notebook import image, paragraph
+        from stickslip.logs.notebook import image, paragraph
 
         return paragraph(repr(self)) + image(self.plot())

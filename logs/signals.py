@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from datetime import datetime
 from typing import Protocol
 
-from logs.arrays import Mask, Values
-from logs.loop_signals import LoopSignals
+from stickslip.logs.arrays import Mask, Values
+from stickslip.logs.loop_signals import LoopSignals
 
 __all__ = ["Signals"]
 

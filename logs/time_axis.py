@@ -9,9 +9,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from logs.arrays import Values
-    from logs.log import Log
+    from stickslip.logs.arrays import Values
+    from stickslip.logs.log import Log
 
 __all__ = ["TimeAxis", "time_unit"]
 
@@ -37,7 +36,7 @@ class TimeAxis:
     ``log`` gives the start on the clock, if it is known; ``duration`` [s] is how much of it is drawn, by default all.
 
     >>> from datetime import datetime
-    >>> from logs import Log
+    >>> from stickslip.logs import Log
     >>> axis = TimeAxis(Log(t=[0, 60], signals={"OP": [50, 51]}, start=datetime(2024, 5, 6)))
     >>> axis.clock, round(float(np.ptp(axis.at(np.array([0.0, 60.0])))) * 86400.0, 3)
     (True, 60.0)

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from logs.style import COLOURS, PALE, tidy
-from logs.thinned import POINTS, envelope, thinned
+from stickslip.logs.style import COLOURS, PALE, tidy
+from stickslip.logs.thinned import POINTS, envelope, thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from logs.arrays import Mask, Values
-    from logs.log import Log
-    from logs.time_axis import TimeAxis
+    from stickslip.logs.arrays import Mask, Values
+    from stickslip.logs.log import Log
+    from stickslip.logs.time_axis import TimeAxis
 
 __all__ = ["broken_at_gaps", "draw_signal", "finish_panel", "finish_plane", "mark_gaps", "rests", "shade_bad"]
 

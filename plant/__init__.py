@@ -4,9 +4,9 @@ production_plant   the whole plant, wired by names, at rest       parts        w
 SETS               the parameter sets A, B, C and E                steady_state where it rests for a given feed
 """
 
-from plant.build import kicked, production_plant
-from plant.parameters import SET_A, SET_B, SET_C, SET_E, SETS, Production
-from plant.rest import InfeasibleFeed, Rest, steady_state
+from stickslip.plant.build import kicked, production_plant
+from stickslip.plant.parameters import SET_A, SET_B, SET_C, SET_E, SETS, Production
+from stickslip.plant.rest import InfeasibleFeed, Rest, steady_state
 
 __all__ = [
     "SETS",

@@ -14,11 +14,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from blocks.role import Role
-from diagram import Diagram, wire
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.role import Role
+from stickslip.diagram import Diagram, wire
 
 ACCOUNTS = ("methane", "oil", "moles", "gas", "energy")
 FLOWS = {
@@ -56,7 +55,7 @@ class Balances(Block):
 def contents(plant: Diagram) -> NDArray[np.float64]:
     """Return what the plant holds by its states, shape (5,), as the accounts above.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> contents(production_plant("B")).round(-2).tolist()
     [88500.0, 302000.0, 810600.0, 0.0, 9897000.0]
     """
@@ -71,8 +70,8 @@ def contents(plant: Diagram) -> NDArray[np.float64]:
 def with_balances(plant: Diagram) -> Diagram:
     """Return the plant with its balances; at the end compare ``contents(run.final)`` with ``run.final["balances"].x0``.
 
-    >>> from diagram import simulate
-    >>> from plant import kicked, production_plant
+    >>> from stickslip.diagram import simulate
+    >>> from stickslip.plant import kicked, production_plant
     >>> run = simulate(with_balances(kicked(production_plant())), 50.0, every=10.0, method="stiff")
     >>> bool(abs(contents(run.final) / run.final["balances"].x0 - 1.0)[:4].max() < 1e-12)
     True

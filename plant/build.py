@@ -6,15 +6,15 @@ S1 -gas VPCS1-> C2 -> C1 (outside)          S2 -gas VPCS2-> C3 -> C2          C2
 
 from collections.abc import Mapping, Sequence
 
-from blocks.block import Block
-from blocks.ports import nearest
-from blocks.sources import Constant
-from diagram import Diagram, wire
-from diagram.wiring import WiringError
-from plant import feed as feeds
-from plant import parts
-from plant.parameters import DEFAULT, SETS, Production
-from plant.rest import Rest, steady_state
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import nearest
+from stickslip.blocks.sources import Constant
+from stickslip.diagram import Diagram, wire
+from stickslip.diagram.wiring import WiringError
+from stickslip.plant import feed as feeds
+from stickslip.plant import parts
+from stickslip.plant.parameters import DEFAULT, SETS, Production
+from stickslip.plant.rest import Rest, steady_state
 
 
 def production_plant(
@@ -44,7 +44,7 @@ def production_plant(
 
     Raises ``InfeasibleFeed`` with the numbers if the plant cannot rest there, ``WiringError`` for unknown names.
 
-    >>> from diagram import simulate
+    >>> from stickslip.diagram import simulate
     >>> run = simulate(production_plant(F_s="high"), 20.0, every=10.0)
     >>> (run.log["p_1"] / 1e5).round(6).tolist(), run.log["V_1"].round(6).tolist()
     ([30.0, 30.0, 30.0], [40.95, 40.95, 40.95])

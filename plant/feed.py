@@ -13,12 +13,12 @@ raise ``InfeasibleFeed`` for a flow that turns negative or a fraction that leave
 import math
 from collections.abc import Sequence
 
-from blocks.block import Block
-from blocks.periodic import Sine, Slug
-from blocks.ports import number
-from blocks.sources import Constant, Ramp
-from plant.parameters import DEFAULT, SETS
-from plant.rest import InfeasibleFeed
+from stickslip.blocks.block import Block
+from stickslip.blocks.periodic import Sine, Slug
+from stickslip.blocks.ports import number
+from stickslip.blocks.sources import Constant, Ramp
+from stickslip.plant.parameters import DEFAULT, SETS
+from stickslip.plant.rest import InfeasibleFeed
 
 F_IN, Z_IN = SETS[DEFAULT].F_in, SETS[DEFAULT].Z_I  # mol/s, methane fraction
 
@@ -29,7 +29,7 @@ def constant(F_in: float = F_IN, Z_I: float = Z_IN) -> list[Block]:
     >>> constant(8000.0, 37.0)
     Traceback (most recent call last):
     ...
-    plant.rest.InfeasibleFeed: the feed goes from Z_I = 37 to 37, but it lies within 0 to 1; give
+    stickslip.plant.rest.InfeasibleFeed: the feed goes from Z_I = 37 to 37, but it lies within 0 to 1; give
     fractions and a smaller swing
     """
     _check(F_in, 0.0, Z_I, 0.0)
@@ -80,7 +80,7 @@ def start(blocks: Sequence[Block]) -> dict[str, float]:
 
     >>> start(slugs(7800.0, 0.36))
     {'F_in': 7800.0, 'Z_I': 0.36}
-    >>> from blocks import Step
+    >>> from stickslip.blocks import Step
     >>> start([Step("F_in", after=8000.0, before=7500.0)])
     {'F_in': 7500.0}
     """

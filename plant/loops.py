@@ -5,8 +5,8 @@
 All signals are fractions: OP and MV of full travel, SP and PV of the measurement.
 """
 
-from blocks import PI, FirstOrder, Integrator, Step, StickSlip
-from diagram import Diagram, wire
+from stickslip.blocks import PI, FirstOrder, Integrator, Step, StickSlip
+from stickslip.diagram import Diagram, wire
 
 
 def self_regulating_loop(

@@ -7,10 +7,10 @@ Set B fits tables 5.4 and 6.1 (constant feed), set A case 2 (sine); they differ 
 About a dozen unknowns were fitted to the sixteen numbers of table 5.4, so agreement there is a fit, not a
 prediction.  Set C serves both cases with one number fitted: it reads both pressure gains as printed times one thousand
 (5e-7 and 3e-7 /Pa: table 5.1 then is in kmol or kPa), which leaves the drop D over VPCS1.  Set E serves both cases
-best, with five numbers found by search; ``cases.choice`` shows how, and what hangs on it; it is the ``DEFAULT``.  Its
-map gives no head at the flow that the thesis prints as C2's design, q = 1 (psi = -0.03), which a compressor bought for
-that flow would not do: the plant works at q = 0.49 to 0.78, rests at 0.68, and only that was fitted.  Limit cycles
-of this plant depend on where they start: compare bands over many starts, not one run.
+best, with five numbers found by search; ``stickslip.cases.choice`` shows how, and what hangs on it; it is the
+``DEFAULT``.  Its map gives no head at the flow that the thesis prints as C2's design, q = 1 (psi = -0.03), which a
+compressor bought for that flow would not do: the plant works at q = 0.49 to 0.78, rests at 0.68, and only that was
+fitted.  Limit cycles of this plant depend on where they start: compare bands over many starts, not one run.
 """
 
 import math
@@ -18,8 +18,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
-from blocks.compressor_map import CompressorMap, CubicMap
-from blocks.ports import number, require
+from stickslip.blocks.compressor_map import CompressorMap, CubicMap
+from stickslip.blocks.ports import number, require
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Stem:
 
 @dataclass(frozen=True)
 class Turbine:
-    """The gas turbine, where it is more than the torque that SC001 asks (see blocks.gas_turbine)."""
+    """The gas turbine, where it is more than the torque that SC001 asks (see stickslip.blocks.gas_turbine)."""
 
     T: float = 0.2  # [E] s, lag
     tau_max: float = 25e3  # [E] N m
@@ -98,7 +98,7 @@ STICTION: Mapping[str, float] = {"none": 1250.0, "normal": 1750.0, "high": 2250.
 class Production:
     """Everything the plant needs; change a value with ``dataclasses.replace``.
 
-    >>> from plant.parameters import SET_B
+    >>> from stickslip.plant.parameters import SET_B
     >>> round(SET_B.fluids.gamma, 4), SET_B.S1.V_SP
     (1.3067, 40.95)
     """

@@ -15,27 +15,27 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from blocks.anti_surge import AntiSurge
-from blocks.arithmetic import Gain
-from blocks.block import Block
-from blocks.compressor import Compressor
-from blocks.control_valve_flow import ControlValveFlow
-from blocks.flare import Flare
-from blocks.flow_resistance import FlowResistance
-from blocks.gas_turbine import GasTurbine
-from blocks.ideal_valve import IdealValve
-from blocks.pi import PI
-from blocks.plenum import Plenum
-from blocks.ports import nearest, number
-from blocks.quasi_static_stem import QuasiStaticStem
-from blocks.scrubber import Scrubber
-from blocks.separator import Separator
-from blocks.shaft import Shaft
-from blocks.sources import Constant
-from blocks.stick_slip import StickSlip
-from diagram.wiring import WiringError
-from plant.parameters import STICTION, Production
-from plant.rest import InfeasibleFeed, Rest
+from stickslip.blocks.anti_surge import AntiSurge
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block
+from stickslip.blocks.compressor import Compressor
+from stickslip.blocks.control_valve_flow import ControlValveFlow
+from stickslip.blocks.flare import Flare
+from stickslip.blocks.flow_resistance import FlowResistance
+from stickslip.blocks.gas_turbine import GasTurbine
+from stickslip.blocks.ideal_valve import IdealValve
+from stickslip.blocks.pi import PI
+from stickslip.blocks.plenum import Plenum
+from stickslip.blocks.ports import nearest, number
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.scrubber import Scrubber
+from stickslip.blocks.separator import Separator
+from stickslip.blocks.shaft import Shaft
+from stickslip.blocks.sources import Constant
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.diagram.wiring import WiringError
+from stickslip.plant.parameters import STICTION, Production
+from stickslip.plant.rest import InfeasibleFeed, Rest
 
 VALVES = ("VLCS1", "VPCS1", "VLCS2", "VPCS2", "VRVC2", "VRVC3")
 STEMS = ("quasi_static", "full")
@@ -50,7 +50,7 @@ def friction(
 
     Raises ``WiringError`` for an unknown valve or name, and for a friction below the Coulomb friction.
 
-    >>> from plant.parameters import SET_B
+    >>> from stickslip.plant.parameters import SET_B
     >>> friction(SET_B, ["VPCS1"], "high")
     {'VPCS1': 2250.0}
     """
@@ -101,11 +101,11 @@ def separator(plant: Production, rest: Rest, number: int, F_s: Friction, kind: s
     pressure ``p_in2`` (1) or ``p_in3`` (2); gives ``p_1``, ``V_1``, ``z_1``, ``F_L1``, ``F_G1``, ``m_G1`` and so on.
     Raises ``WiringError`` for another number.
 
-    >>> from plant import SET_E, steady_state
+    >>> from stickslip.plant import SET_E, steady_state
     >>> separator(SET_E, steady_state(SET_E), 3, {})
     Traceback (most recent call last):
     ...
-    diagram.wiring.WiringError: separator: number = 3, but the plant has separators 1 and 2; give one of them
+    stickslip.diagram.wiring.WiringError: separator: number = 3, but the plant has separators 1 and 2; give one of them
     """
     _one_of("separator", number, (1, 2))
     i, first = number, number == 1

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
-from blocks.compressor_map import head_for, pressure_ratio
-from blocks.control_valve_flow import drop_for, root
-from blocks.ports import number
-from plant.parameters import CompressorData, Fluids, Production, SeparatorData
+from stickslip.blocks.compressor_map import head_for, pressure_ratio
+from stickslip.blocks.control_valve_flow import drop_for, root
+from stickslip.blocks.ports import number
+from stickslip.plant.parameters import CompressorData, Fluids, Production, SeparatorData
 
 
 class InfeasibleFeed(ValueError):
@@ -87,7 +87,7 @@ def separator_rest(data: SeparatorData, fluids: Fluids, F_in: float, Z_I: float)
 
     Raises ``InfeasibleFeed`` if no gas boils off.
 
-    >>> from plant.parameters import SET_B
+    >>> from stickslip.plant.parameters import SET_B
     >>> S1 = separator_rest(SET_B.S1, SET_B.fluids, 8000.0, 0.37)
     >>> round(S1.z, 5), round(S1.F_G, 1), round(S1.N_oil)
     (0.11831, 2283.7, 302017)
@@ -119,7 +119,7 @@ def steady_state(plant: Production, F_in: float | None = None, Z_I: float | None
 
     Raises ``InfeasibleFeed`` with the numbers if a valve would have to open beyond its travel, or no speed fits.
 
-    >>> from plant.parameters import SET_A
+    >>> from stickslip.plant.parameters import SET_A
     >>> rest = steady_state(SET_A)
     >>> round(rest.VPCS1, 4), round(rest.C2.q, 3), round(rest.power / 1e6, 2)
     (0.1076, 0.769, 13.44)
@@ -187,7 +187,7 @@ def designed(plant: Production) -> Design:
 
     Raises ``InfeasibleFeed`` if a compressor would have to do what none can.
 
-    >>> from plant.parameters import SET_B
+    >>> from stickslip.plant.parameters import SET_B
     >>> design = designed(SET_B)
     >>> round(design.h_d2 / 1e3, 2), round(design.h_d3 / 1e3, 2), round(design.K_link, 6), round(design.K_out, 6)
     (235.59, 99.69, 0.060688, 0.087371)

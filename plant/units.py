@@ -1,6 +1,6 @@
 """Which blocks of the production plant stand together: its units, for a drawing that fits a page."""
 
-from diagram.wired import Wired
+from stickslip.diagram.wired import Wired
 
 __all__ = ["UNITS", "units"]
 
@@ -23,7 +23,7 @@ UNITS = {
 def units(diagram: Wired) -> dict[str, tuple[str, ...]]:
     """Return the units of a plant or of a part of it, unit -> names of its blocks; {} for another diagram.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> list(units(production_plant()))
     ['feed', 'separator 1', 'separator 2', 'compressor 3', 'compressor 2', 'shaft and speed control']
     """

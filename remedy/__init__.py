@@ -5,9 +5,9 @@ remedies  a fit -> ``Advice``: each remedy simulated on these loops, one recomme
 python_of a fit -> the loop as a Python file to edit
 """
 
-from remedy.advice import Advice, remedies
-from remedy.fitting import FitError, fit
-from remedy.loop_fit import LoopFit
-from remedy.python_file import python_of
+from stickslip.remedy.advice import Advice, remedies
+from stickslip.remedy.fitting import FitError, fit
+from stickslip.remedy.loop_fit import LoopFit
+from stickslip.remedy.python_file import python_of
 
 __all__ = ["Advice", "FitError", "LoopFit", "fit", "python_of", "remedies"]

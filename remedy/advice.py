@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from remedy.controller import series
-from remedy.loop_fit import LoopFit, Size, size_of
-from remedy.measures import REMEDIES
-from remedy.measures.setting import Situation
-from remedy.trial import NOTHING, Outcome, outcomes, settling
+from stickslip.remedy.controller import series
+from stickslip.remedy.loop_fit import LoopFit, Size, size_of
+from stickslip.remedy.measures import REMEDIES
+from stickslip.remedy.measures.setting import Situation
+from stickslip.remedy.trial import NOTHING, Outcome, outcomes, settling
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -159,7 +158,7 @@ class Advice:
 
     def plot(self) -> Figure:
         """PV now and then, side by side, and travel against variability of all remedies."""
-        from remedy.figures import plot_advice
+        from stickslip.remedy.figures import plot_advice
 
         return plot_advice(self)
 
@@ -191,8 +190,8 @@ def _score(one: Outcome, none: Outcome) -> float:
 def remedies(fit: LoopFit, progress: Say = _quiet) -> Advice:
     """Return what each remedy would do to a fitted loop, and which to take; ``progress`` is told what is done.
 
-    >>> from remedy import fit
-    >>> from remedy.example import sticky
+    >>> from stickslip.remedy import fit
+    >>> from stickslip.remedy.example import sticky
     >>> advice = remedies(fit(sticky()))
     >>> round(advice.none.score, 2), len(advice.tried) > 5
     (1.05, True)

@@ -8,15 +8,14 @@ No stem slips to the last digit as its model does, and one that slips by J keeps
 is lost after a few slips.  Stems are drawn again where weights are uneven; where the best of them misses a row by far,
 half are put anywhere within the band in which a stem can stick.  The same random numbers serve all sizes.
 Source: particle filter with the process behind it given the path (Doucet, de Freitas and Gordon 2001); the bank of
-``gap.filters.stems`` is the same with the gains of a model's filter.
+``stickslip.gap.filters.stems`` is the same with the gains of a model's filter.
 """
 
 import math
 from typing import Any
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 STEMS = 16
 REPEATS = 0.05  # by which a breakaway varies

@@ -1,6 +1,6 @@
 """A sticky loop of known truth, for examples: S = 5 %, J = 1.5 %, K = 1.2, tau = 30 s, theta = 4 s, PI 0.8 and 30 s."""
 
-from logs import LoopRecord
+from stickslip.logs import LoopRecord
 
 __all__ = ["sticky"]
 
@@ -12,8 +12,8 @@ def sticky(hours: float = 1.0, S: float = 5.0, J: float = 1.5, seed: int = 1, sp
     >>> len(record), record.dt
     (181, 2.0)
     """
-    from blocks import FirstOrder, HeValve, Noise, SampledPI, SampledSensor, Step, Sum
-    from diagram import simulate, wire
+    from stickslip.blocks import FirstOrder, HeValve, Noise, SampledPI, SampledSensor, Step, Sum
+    from stickslip.diagram import simulate, wire
 
     log = simulate(
         wire([

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.picture import Picture
-from logs.style import COLOURS, INK, PALE, SOFT, tidy
-from remedy.process import told
+from stickslip.logs.picture import Picture
+from stickslip.logs.style import COLOURS, INK, PALE, SOFT, tidy
+from stickslip.remedy.process import told
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from remedy.advice import Advice
-    from remedy.loop_fit import LoopFit
+    from stickslip.remedy.advice import Advice
+    from stickslip.remedy.loop_fit import LoopFit
 
 SHOWN = 12.0  # turns of OP in a picture
 

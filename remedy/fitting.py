@@ -5,7 +5,7 @@
     3  an ensemble of loops about as likely; what each leaves of PV is its load and noise
 
 The stick is believed where it gains ``SURE`` nats over the best loop without it, or ``GAIN`` where the dead travel of
-``detect.likelihood`` accuses too, which weighs rivals: a bent characteristic, a sensor with hysteresis.
+``stickslip.detect.likelihood`` accuses too, which weighs rivals: a bent characteristic, a sensor with hysteresis.
 """
 
 from __future__ import annotations
@@ -14,15 +14,14 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-
-from detect.likelihood.pooled import Evidence, evidence_of
-from detect.likelihood.stems import stems_of
-from detect.prepare.prepared import prepared
-from logs import LoopRecord
-from remedy.controller import LEAST, controller_of, limits_of
-from remedy.loop_fit import LoopFit
-from remedy.process import Day, day_of, told
-from remedy.search import best_with, best_without, ensemble_of
+from stickslip.detect.likelihood.pooled import Evidence, evidence_of
+from stickslip.detect.likelihood.stems import stems_of
+from stickslip.detect.prepare.prepared import prepared
+from stickslip.logs import LoopRecord
+from stickslip.remedy.controller import LEAST, controller_of, limits_of
+from stickslip.remedy.loop_fit import LoopFit
+from stickslip.remedy.process import Day, day_of, told
+from stickslip.remedy.search import best_with, best_without, ensemble_of
 
 __all__ = ["FitError", "fit"]
 
@@ -46,11 +45,12 @@ def fit(records: LoopRecord | Sequence[LoopRecord], progress: Say = _quiet, seed
     ``progress`` is told what is done; ``seed`` of the ensemble.  Raises ``FitError`` where the record is too
     short, OP or PV stands, or OP does not follow SP and PV.
 
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> fit(LoopRecord.from_arrays([0, 1, 2], pv=[1, 2, 1], op=[5, 5, 5]))
     Traceback (most recent call last):
     ...
-    remedy.fitting.FitError: the record has 3 samples on an even grid; 200 are needed, a few hours at the scan are good
+    stickslip.remedy.fitting.FitError: the record has 3 samples on an even grid; 200 are needed, a few hours at the scan
+    are good
     """
     given = [records] if isinstance(records, LoopRecord) else list(records)
     if not given:

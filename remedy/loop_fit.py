@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from remedy.controller import Controller
-from remedy.process import Day, Loop
-from remedy.search import Found
+from stickslip.remedy.controller import Controller
+from stickslip.remedy.process import Day, Loop
+from stickslip.remedy.search import Found
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,8 +64,8 @@ class LoopFit:
     lefts : of each loop and day, what is left at PV (loops, days) of (n,) [unit of PV]
     notes : what is to be said besides
 
-    >>> from remedy.example import sticky
-    >>> from remedy import fit
+    >>> from stickslip.remedy.example import sticky
+    >>> from stickslip.remedy import fit
     >>> found = fit(sticky())                                   # S = 5 %, J = 1.5 %, K = 1.2, tau = 30 s
     >>> found.sticks, found.S.low < 5.0 < found.S.high
     (True, True)
@@ -228,7 +227,7 @@ class LoopFit:
 
     def plot(self) -> Figure:
         """The log against the loop: the likeliest stem, its PV, and the free loop with what is left as its load."""
-        from remedy.figures import plot_fit
+        from stickslip.remedy.figures import plot_fit
 
         return plot_fit(self)
 

@@ -3,9 +3,10 @@
     PV = K x + c + d t + v,   v an autoregression,   x = G w,   w the stem, as a bank of stems sees it (``bank``)
     G = exp(-theta s) / (tau s + 1) / (tau_2 s + 1),   or exp(-theta s) / s / (tau_2 s + 1)    OP and stem are held
 
-The likelihood of ``detect.likelihood`` leaves the answer of PV to the stem free; here it is that of a process, so that
-lags and dead time are known and may be simulated.  K, c, d and the autoregression follow by least squares in turns
-(Cochrane and Orcutt 1949, J. Am. Stat. Assoc. 44:32).  v is what is left: load and noise as they came to PV.
+The likelihood of ``stickslip.detect.likelihood`` leaves the answer of PV to the stem free; here it is that of a
+process, so that lags and dead time are known and may be simulated.  K, c, d and the autoregression follow by least
+squares in turns (Cochrane and Orcutt 1949, J. Am. Stat. Assoc. 44:32).  v is what is left: load and noise as they came
+to PV.
 """
 
 from __future__ import annotations
@@ -17,8 +18,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from detect.likelihood.rows import rows_of
+from stickslip.detect.likelihood.rows import rows_of
 
 __all__ = ["Day", "Left", "Loop", "Told", "day_of", "settled", "start_noise", "told"]
 
@@ -98,7 +98,7 @@ def _random(samples: int, stems: int) -> Floats:
 
 def told(days: Sequence[Day], one: Loop, noises: Sequence[Left]) -> Told:
     """The likelihood of the days with a loop and the noise that each day has."""
-    from remedy.bank import STEMS, passed
+    from stickslip.remedy.bank import STEMS, passed
 
     nll, shown = 0.0, []
     for day, noise in zip(days, noises, strict=True):

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
-from remedy.controller import series
-from remedy.loop_fit import LoopFit
+from stickslip.remedy.controller import series
+from stickslip.remedy.loop_fit import LoopFit
 
 __all__ = ["python_of"]
 
@@ -21,8 +20,8 @@ The load is drawn anew; it has the spread and the memory of what the fitted loop
 
 from math import inf
 
-from blocks import {imports}
-from diagram import simulate, wire
+from stickslip.blocks import {imports}
+from stickslip.diagram import simulate, wire
 
 loop = wire([
     Step("SP", 0.0),

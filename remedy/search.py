@@ -1,7 +1,8 @@
 """Find the loops that tell a record: the likeliest, and a sample of those that are about as likely.
 
     1  without stick: lag and dead time on a grid, self-regulating and integrating, the best made better
-    2  with stick: sizes about what ``detect.likelihood`` finds, J/S of 0 to 1, both laws; the best made better
+    2  with stick: sizes about what ``stickslip.detect.likelihood`` finds, J/S of 0 to 1, both laws; the best made
+    better
     3  an ensemble: a walk of Metropolis through all that is free, each step taken with min(1, exp((nll - nll') / T))
 
 T = ``TEMPER`` > 1 makes the ensemble wider than the likelihood says, because no real valve is the model's.
@@ -16,8 +17,7 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-
-from remedy.process import Day, Left, Loop, settled, start_noise, told
+from stickslip.remedy.process import Day, Left, Loop, settled, start_noise, told
 
 __all__ = ["Found", "best_with", "best_without", "ensemble_of"]
 

@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks import (
+from stickslip.blocks import (
     Biquad,
     ChenValve,
     ConstantReinforcement,
@@ -30,12 +29,12 @@ from blocks import (
     Sum,
     TwoMove,
 )  # fmt: skip
-from blocks.block import Block
-from diagram import Diagram, ensemble, wire
-from remedy.controller import series
-from remedy.loop_fit import LoopFit
-from remedy.measures.setting import Setting
-from remedy.process import Loop
+from stickslip.blocks.block import Block
+from stickslip.diagram import Diagram, ensemble, wire
+from stickslip.remedy.controller import series
+from stickslip.remedy.loop_fit import LoopFit
+from stickslip.remedy.measures.setting import Setting
+from stickslip.remedy.process import Loop
 
 __all__ = ["Outcome", "diagram_of", "outcomes", "settling"]
 

@@ -6,10 +6,10 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from logs import LoopRecord
-from scan.loop_map import read_map
-from scan.sources import source_of
-from scan.valves import records_at
+from stickslip.logs import LoopRecord
+from stickslip.scan.loop_map import read_map
+from stickslip.scan.sources import source_of
+from stickslip.scan.valves import records_at
 
 __all__ = ["read_again"]
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from detect.words import WORDS
-from logs.style import BLUE, PALE, tidy
+from stickslip.detect.words import WORDS
+from stickslip.logs.style import BLUE, PALE, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from scan.result import ScanResult
+    from stickslip.scan.result import ScanResult
 
 __all__ = ["plot_scan"]
 
@@ -20,8 +18,7 @@ __all__ = ["plot_scan"]
 def plot_scan(result: ScanResult) -> Figure:
     """Bars of the verdicts, and a histogram of the periods [s] on a logarithmic axis."""
     from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
-
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(9.0, 3.2), layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.2, 1.0))

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from logs import LoopRecord
-from logs.time_limit import time_limit
-from scan.sources import Job
-from scan.together import phasors
+from stickslip.logs import LoopRecord
+from stickslip.logs.time_limit import time_limit
+from stickslip.scan.sources import Job
+from stickslip.scan.together import phasors
 
 if TYPE_CHECKING:
-    from detect.judge.answer import Amount, Answer
-    from detect.prepare.prepared import Prepared
+    from stickslip.detect.judge.answer import Amount, Answer
+    from stickslip.detect.prepare.prepared import Prepared
 
 __all__ = ["SECONDS_MAX", "judged", "row_of", "row_of_valve"]
 
@@ -43,8 +43,8 @@ def judged(job: Job, number: int) -> list[Row]:
 
 def row_of(record: LoopRecord) -> Row:
     """What a scan says of one record: the calibrated answer and the oscillation, without the single methods."""
-    from detect.judge.over_days import answer_over_days
-    from detect.prepare.prepared import prepared
+    from stickslip.detect.judge.over_days import answer_over_days
+    from stickslip.detect.prepare.prepared import prepared
 
     loop = prepared(record)
     return _row_of(record.name, answer_over_days(loop), [loop])
@@ -52,15 +52,15 @@ def row_of(record: LoopRecord) -> Row:
 
 def row_of_valve(name: str, records: Sequence[LoopRecord]) -> Row:
     """What a scan says of one valve by several records: the pooled answer; all else is of the last one."""
-    from detect.prepare.prepared import prepared
-    from detect.tag import judge_tag
+    from stickslip.detect.prepare.prepared import prepared
+    from stickslip.detect.tag import judge_tag
 
     loops = [prepared(record) for record in records]
     return _row_of(name, judge_tag(name, loops).answer, loops)
 
 
 def _row_of(name: str, found: Answer, loops: Sequence[Prepared]) -> Row:
-    from detect.prepare.swing import amplitude
+    from stickslip.detect.prepare.swing import amplitude
 
     loop = loops[-1]
     record = loop.record

@@ -6,8 +6,8 @@ import os
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from logs import LoopRecord, ReadError, read_loop
-from logs.tags import Process
+from stickslip.logs import LoopRecord, ReadError, read_loop
+from stickslip.logs.tags import Process
 
 __all__ = ["COLUMNS", "LoopTags", "read_map"]
 

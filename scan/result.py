@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from logs.files.resumable import parquet, write
-from logs.shown import Shown
-from scan.changes import Change
-from scan.table import csv_bytes
+from stickslip.logs.files.resumable import parquet, write
+from stickslip.logs.shown import Shown
+from stickslip.scan.changes import Change
+from stickslip.scan.table import csv_bytes
 
 if TYPE_CHECKING:
     import polars as pl
@@ -26,7 +26,7 @@ class ScanResult(Shown):
     """All loops of a scan, the valves to look at first on top.
 
     table : polars.DataFrame
-        One row a loop, in the order of ``rank``; see ``scan.table.COLUMNS``.
+        One row a loop, in the order of ``rank``; see ``stickslip.scan.table.COLUMNS``.
     source : str
     notes : tuple of str
         What was assumed of the source.
@@ -74,6 +74,6 @@ class ScanResult(Shown):
 
     def plot(self) -> Figure:
         """How many loops have which verdict, and the periods of those that oscillate."""
-        from scan.figures import plot_scan
+        from stickslip.scan.figures import plot_scan
 
         return plot_scan(self)

@@ -8,16 +8,16 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from logs.files.resumable import Kept, RowsFolder, differences, joined, opened
-from scan.changes import changes
-from scan.code import code
-from scan.judge import JOB_ROWS
-from scan.loop_map import read_map
-from scan.result import SCHEMA, ScanResult
-from scan.sources import Source, source_of
-from scan.table import ranked, table_of
-from scan.valves import with_valves
-from scan.workers import on_cluster, on_cores
+from stickslip.logs.files.resumable import Kept, RowsFolder, differences, joined, opened
+from stickslip.scan.changes import changes
+from stickslip.scan.code import code
+from stickslip.scan.judge import JOB_ROWS
+from stickslip.scan.loop_map import read_map
+from stickslip.scan.result import SCHEMA, ScanResult
+from stickslip.scan.sources import Source, source_of
+from stickslip.scan.table import ranked, table_of
+from stickslip.scan.valves import with_valves
+from stickslip.scan.workers import on_cluster, on_cores
 
 if TYPE_CHECKING:
     import polars as pl

@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from logs import LoopRecord, ReadError, read_log, read_loops
-from logs.files.grouping import columns_of_loops
-from logs.files.longform import LongColumns, find_long_form
-from logs.files.names import role_of
-from logs.files.size import check_cells
-from logs.files.time_names import is_date_name, is_time_name
-from scan.loop_map import LoopTags
+from stickslip.logs import LoopRecord, ReadError, read_log, read_loops
+from stickslip.logs.files.grouping import columns_of_loops
+from stickslip.logs.files.longform import LongColumns, find_long_form
+from stickslip.logs.files.names import role_of
+from stickslip.logs.files.size import check_cells
+from stickslip.logs.files.time_names import is_date_name, is_time_name
+from stickslip.scan.loop_map import LoopTags
 
 if TYPE_CHECKING:
     import polars as pl

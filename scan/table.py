@@ -6,8 +6,8 @@ import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from detect.comparison import harmless
-from scan.together import grouped
+from stickslip.detect.comparison import harmless
+from stickslip.scan.together import grouped
 
 if TYPE_CHECKING:
     import polars as pl

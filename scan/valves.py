@@ -1,7 +1,8 @@
 """Valves of which a scan holds several records: one row each, judged by all of its records together.
 
-Records of one valve share their tag but for a date or number at its end (``logs.tags.valve_in``) and lie in one folder.
-They are read once more, because a row says too little to be pooled; a valve that fails keeps the rows of its records.
+Records of one valve share their tag but for a date or number at its end (``stickslip.logs.tags.valve_in``) and lie in
+one folder. They are read once more, because a row says too little to be pooled; a valve that fails keeps the rows of
+its records.
 """
 
 from __future__ import annotations
@@ -11,13 +12,13 @@ from os import cpu_count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logs import LoopRecord
-from logs.processes import processes
-from logs.tags import valve_in
-from logs.time_limit import time_limit
-from scan.judge import JOB_ROWS, SECONDS_MAX, Row, row_of_valve
-from scan.sources import Job, Source
-from scan.table import table_of
+from stickslip.logs import LoopRecord
+from stickslip.logs.processes import processes
+from stickslip.logs.tags import valve_in
+from stickslip.logs.time_limit import time_limit
+from stickslip.scan.judge import JOB_ROWS, SECONDS_MAX, Row, row_of_valve
+from stickslip.scan.sources import Job, Source
+from stickslip.scan.table import table_of
 
 if TYPE_CHECKING:
     import polars as pl

@@ -11,12 +11,12 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 
-from logs import ReadError
-from logs.cluster import LOST, ClusterError
-from logs.cluster import on_cluster as results
-from logs.processes import processes
-from scan.judge import JOB_ROWS, Row, judged
-from scan.sources import Job
+from stickslip.logs import ReadError
+from stickslip.logs.cluster import LOST, ClusterError
+from stickslip.logs.cluster import on_cluster as results
+from stickslip.logs.processes import processes
+from stickslip.scan.judge import JOB_ROWS, Row, judged
+from stickslip.scan.sources import Job
 
 __all__ = ["on_cluster", "on_cores"]
 

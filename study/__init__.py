@@ -6,12 +6,12 @@ StudyResult           table and pictures          parse                         
 OwnMeasures           other numbers than the usual ones
 """
 
-from study.axes import Law, StudyError, loguniform, normal, parse, uniform
-from study.measures import OwnMeasures
-from study.production import production_subject
-from study.result import StudyResult
-from study.run import study
-from study.subject import Subject
+from stickslip.study.axes import Law, StudyError, loguniform, normal, parse, uniform
+from stickslip.study.measures import OwnMeasures
+from stickslip.study.production import production_subject
+from stickslip.study.result import StudyResult
+from stickslip.study.run import study
+from stickslip.study.subject import Subject
 
 __all__ = [
     "Law",

@@ -8,8 +8,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.ports import nearest
+from stickslip.blocks.ports import nearest
 
 Value = float | str
 Kind = Literal["vary", "plant", "start"]

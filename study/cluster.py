@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from logs.cluster import LOST, ClusterError, on_cluster
-from study.axes import StudyError
+from stickslip.logs.cluster import LOST, ClusterError, on_cluster
+from stickslip.study.axes import StudyError
 
 if TYPE_CHECKING:
     import polars as pl

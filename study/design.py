@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from study.axes import Axis, StudyError, Value
+from stickslip.study.axes import Axis, StudyError, Value
 
 MOST_RUNS = 1_000_000
 
@@ -56,7 +55,7 @@ def design(axes: Sequence[Axis], samples: int | None, seed: int, kicks: int | No
 
     Raises ``StudyError`` for samples without random axes, random axes without samples, and absurd sizes.
 
-    >>> from study.axes import axes_of, uniform
+    >>> from stickslip.study.axes import axes_of, uniform
     >>> plan = design(axes_of("vary", {"a.x": [1.0, 2.0], "a.y": uniform(0.0, 1.0)}), 3, 1, 2)
     >>> len(plan), [plan.at(point)[0] for point in range(plan.points)]
     (12, [1.0, 1.0, 1.0, 2.0, 2.0, 2.0])

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.ports import nearest
-from logs.shown import Shown
-from study.axes import Axis, StudyError
+from stickslip.blocks.ports import nearest
+from stickslip.logs.shown import Shown
+from stickslip.study.axes import Axis, StudyError
 
 if TYPE_CHECKING:
     import polars as pl

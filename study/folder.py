@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING, Protocol
 
-from logs.files.resumable import Kept
-from study.axes import StudyError
-from study.request import SCHEMA, differences
+from stickslip.logs.files.resumable import Kept
+from stickslip.study.axes import StudyError
+from stickslip.study.request import SCHEMA, differences
 
 if TYPE_CHECKING:
     import polars as pl

@@ -3,9 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.style import INK
-from study.findings import Findings
+from stickslip.logs.style import INK
+from stickslip.study.findings import Findings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

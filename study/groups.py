@@ -7,10 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-
-from logs.oscillation import Band, band
-from study.axes import Axis
-from study.findings import Findings
+from stickslip.logs.oscillation import Band, band
+from stickslip.study.axes import Axis
+from stickslip.study.findings import Findings
 
 Floats = NDArray[np.float64]
 SLICES = 5  # of a random axis

@@ -4,12 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from logs.style import CYCLE, SOFT, tidy
-from study.axes import Axis
-from study.findings import Findings
-from study.frame import DECADES, head, plain_numbers
-from study.groups import Group, groups
+from stickslip.logs.style import CYCLE, SOFT, tidy
+from stickslip.study.axes import Axis
+from stickslip.study.findings import Findings
+from stickslip.study.frame import DECADES, head, plain_numbers
+from stickslip.study.groups import Group, groups
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +22,7 @@ SLICES, DRAWN = 40, 12  # of a listed and of a random axis
 
 def draw_growth(result: Findings) -> "Figure | None":
     """Return amplitude [% of the operating point] and period [s] over the first axis of at least three numbers."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     axis = next((axis for axis in result.varied() if numbers(axis, 3)), None)
     if axis is None:

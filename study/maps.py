@@ -3,13 +3,12 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.style import ON_DARK, ON_LIGHT, RED, SHADE, SOFT, tidy
-from study.axes import Axis
-from study.findings import Findings
-from study.frame import head, plain_numbers
-from study.groups import Group, groups
-from study.growth import chosen, numbers
+from stickslip.logs.style import ON_DARK, ON_LIGHT, RED, SHADE, SOFT, tidy
+from stickslip.study.axes import Axis
+from stickslip.study.findings import Findings
+from stickslip.study.frame import head, plain_numbers
+from stickslip.study.groups import Group, groups
+from stickslip.study.growth import chosen, numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -29,7 +28,7 @@ def draw_maps(result: Findings) -> "Figure | None":
 
     Listed axes give cells; if one of the two is random, every run is a dot.
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     two = [axis for axis in result.varied() if numbers(axis, 2)][:2]
     if len(two) < 2:

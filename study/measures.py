@@ -1,8 +1,8 @@
 """What is measured of a run: mean, amplitude, standard deviation and period of signals, saturation, slips.
 
 Amplitude is half of peak to peak; the period is the mean time between turns from low to high, as in
-``logs.oscillation``.  Saturated is the share of the logged time an OP spends at a limit of its controller.  A slip is
-a change from stuck to sliding.
+``stickslip.logs.oscillation``.  Saturated is the share of the logged time an OP spends at a limit of its controller.  A
+slip is a change from stuck to sliding.
 """
 
 import math
@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.declared import STUCK_MODE
-from blocks.role import Role
-from diagram.diagram import Diagram
-from logs.oscillation import oscillations
+from stickslip.blocks.declared import STUCK_MODE
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.logs.oscillation import oscillations
 
 Floats = NDArray[np.float64]
 AT_LIMIT = 1e-9  # of the limit's size, or of 1: rounding at the stop
@@ -72,7 +71,7 @@ def limits(
 ) -> dict[str, tuple[float, float]]:
     """Return low and high of the signals that a controller with a finite limit gives; ``params`` come first.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> limits(production_plant(), ["OP_VPCS1", "p_1", "tau_d"])
     {'OP_VPCS1': (0.0, 1.0), 'tau_d': (0.0, inf)}
     """
@@ -88,7 +87,7 @@ def limits(
 def limiting(diagram: Diagram, signals: Sequence[str]) -> dict[str, tuple[str, str]]:
     """Return the parameters, as ``block.parameter``, that limit the signals which a controller or valve gives as OP.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> limiting(production_plant(), ["OP_VPCS1", "p_1"])
     {'OP_VPCS1': ('PCS11.low', 'PCS11.high')}
     """

@@ -10,16 +10,15 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from blocks.ports import nearest
-from diagram.diagram import Diagram
-from diagram.ensembles.variants import Reseedable
-from plant.rest import InfeasibleFeed
-from study.axes import Axis, StudyError, Value
-from study.design import Design
-from study.measures import limiting
-from study.subject import Subject, start_kicks
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import nearest
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.variants import Reseedable
+from stickslip.plant.rest import InfeasibleFeed
+from stickslip.study.axes import Axis, StudyError, Value
+from stickslip.study.design import Design
+from stickslip.study.measures import limiting
+from stickslip.study.subject import Subject, start_kicks
 
 Floats = NDArray[np.float64]
 BUILT = 512  # diagrams kept: neighbouring points share them

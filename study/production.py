@@ -13,14 +13,14 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
-from diagram.diagram import Diagram
-from diagram.settings import Settings
-from plant import feed as feeds
-from plant import kicked, production_plant
-from plant.parameters import DEFAULT, SETS, Production
-from plant.parts import VALVES
-from study.axes import StudyError, Value
-from study.subject import Subject
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.settings import Settings
+from stickslip.plant import feed as feeds
+from stickslip.plant import kicked, production_plant
+from stickslip.plant.parameters import DEFAULT, SETS, Production
+from stickslip.plant.parts import VALVES
+from stickslip.study.axes import StudyError, Value
+from stickslip.study.subject import Subject
 
 CHAIN: Mapping[str, tuple[str, ...]] = {
     "valve": ("OP_VPCS1", "MV_VPCS1", "F_G1"),
@@ -80,7 +80,7 @@ def production_subject(
 def like_the_plant(diagram: Diagram) -> Subject | None:
     """Return a diagram that has the plant's signals as a subject with its chain and kicks, None if it has not.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> like_the_plant(production_plant()).settings.method
     'stiff'
     """

@@ -6,12 +6,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import blocks
-import engine
-import plant
-from diagram.diagram import Diagram
-from logs.files import resumable
-from study.axes import Axis
+from stickslip.diagram.diagram import Diagram
+from stickslip.logs.files import resumable
+from stickslip.study.axes import Axis
+
+from stickslip import blocks, engine, plant
 
 SCHEMA = "stickslip.study-folder/1"
 PACKAGES = (blocks, engine, plant)
@@ -24,7 +23,7 @@ PHRASES = {
 def fingerprint(diagram: Diagram) -> str:
     """Return a hash of all blocks of a diagram: kinds, names, wiring and every number.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> one, two = self_regulating_loop(), self_regulating_loop(F_s=1750.0)
     >>> fingerprint(one) == fingerprint(self_regulating_loop()), fingerprint(one) == fingerprint(two)
     (True, False)

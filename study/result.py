@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logs.files.resumable import parquet, write
-from study.findings import Findings
-from study.request import SCHEMA
+from stickslip.logs.files.resumable import parquet, write
+from stickslip.study.findings import Findings
+from stickslip.study.request import SCHEMA
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,19 +30,19 @@ class StudyResult(Findings):
 
     def plot(self) -> "Figure":
         """Draw amplitude and period along the chain of signals, one line a value of the first axis."""
-        from study.spread import draw_spread
+        from stickslip.study.spread import draw_spread
 
         return draw_spread(self)
 
     def plot_growth(self) -> "Figure | None":
         """Draw amplitude and period over the first axis of numbers, one line a signal; None without such an axis."""
-        from study.growth import draw_growth
+        from stickslip.study.growth import draw_growth
 
         return draw_growth(self)
 
     def plot_map(self) -> "Figure | None":
         """Draw amplitudes over two axes of numbers, one map a signal; None without two such axes."""
-        from study.maps import draw_maps
+        from stickslip.study.maps import draw_maps
 
         return draw_maps(self)
 

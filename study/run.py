@@ -10,26 +10,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-
-from blocks.ports import nearest
-from diagram.diagram import Diagram
-from diagram.ensembles.running import cores, ensemble
-from diagram.kept import log_times
-from diagram.progress import Progress, reporting
-from diagram.settings import Changes, Settings, settings_of
-from engine.status import Status
-from logs.files.resumable import RowsFolder, joined, opened
-from study.axes import StudyError, axes_of
-from study.cluster import made_on_cluster, parts_of
-from study.design import design
-from study.folder import KEPT, Memory, Store
-from study.measures import Measures, OwnMeasures, slips, valves
-from study.points import Batch, Points, Refusal, resolve
-from study.request import code, fingerprint, spelt
-from study.result import StudyResult
-from study.stop import stop_asked
-from study.subject import Subject, as_subject
-from study.table import Schema, rows_of
+from stickslip.blocks.ports import nearest
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.running import cores, ensemble
+from stickslip.diagram.kept import log_times
+from stickslip.diagram.progress import Progress, reporting
+from stickslip.diagram.settings import Changes, Settings, settings_of
+from stickslip.engine.status import Status
+from stickslip.logs.files.resumable import RowsFolder, joined, opened
+from stickslip.study.axes import StudyError, axes_of
+from stickslip.study.cluster import made_on_cluster, parts_of
+from stickslip.study.design import design
+from stickslip.study.folder import KEPT, Memory, Store
+from stickslip.study.measures import Measures, OwnMeasures, slips, valves
+from stickslip.study.points import Batch, Points, Refusal, resolve
+from stickslip.study.request import code, fingerprint, spelt
+from stickslip.study.result import StudyResult
+from stickslip.study.stop import stop_asked
+from stickslip.study.subject import Subject, as_subject
+from stickslip.study.table import Schema, rows_of
 
 if TYPE_CHECKING:
     import polars as pl
@@ -85,8 +84,8 @@ def study(
     A run that cannot be made is a row with a status and a reason.  Ctrl-C returns what is finished.
     Raises ``StudyError`` for a request that makes no sense.
 
-    >>> from plant.loops import integrating_loop
-    >>> from study import study
+    >>> from stickslip.plant.loops import integrating_loop
+    >>> from stickslip.study import study
     >>> found = study(integrating_loop(), {"valve.F_s": [1750.0, 2250.0]}, start={"process.PV": 0.3},
     ...               duration=3000.0, every=1.0)
     >>> found.table["PV.amplitude"].round(3).to_list()  # analytic: about S/(2 K_p) = 0.143, 0.167

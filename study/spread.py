@@ -3,11 +3,10 @@
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from logs.style import BLUE, INK, SHADE, SOFT, tidy
-from study.findings import Findings
-from study.frame import DECADES, head, plain_numbers
-from study.groups import Group, bands, groups
+from stickslip.logs.style import BLUE, INK, SHADE, SOFT, tidy
+from stickslip.study.findings import Findings
+from stickslip.study.frame import DECADES, head, plain_numbers
+from stickslip.study.groups import Group, bands, groups
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +26,7 @@ def draw_spread(result: Findings) -> "Figure":
     counts them.  One column a value of the second axis where there are at most four; values at which nothing
     oscillates have none.
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     varied = result.varied()
     first = varied[0] if varied else None

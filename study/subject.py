@@ -5,11 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.role import Role
-from diagram.diagram import Diagram
-from diagram.settings import Settings
-from study.axes import Value
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.settings import Settings
+from stickslip.study.axes import Value
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +40,7 @@ class Subject:
 def as_subject(given: Subject | Diagram) -> Subject:
     """Return a diagram as a subject: it measures what is not a set point, and kicks what a controller measures.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> subject = as_subject(self_regulating_loop())
     >>> subject.signals, subject.kicked
     (('OP', 'MV', 'PV'), ('process.PV',))

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
-from diagram.diagram import Diagram
-from study.design import Design
-from study.measures import NAMES, limits, valves
-from study.points import Refusal
+from stickslip.diagram.diagram import Diagram
+from stickslip.study.design import Design
+from stickslip.study.measures import NAMES, limits, valves
+from stickslip.study.points import Refusal
 
 if TYPE_CHECKING:
     import polars as pl

@@ -3,10 +3,9 @@
 import math
 
 import numpy as np
-
-from study.findings import Findings
-from study.groups import Group, groups
-from study.growth import chosen, numbers
+from stickslip.study.findings import Findings
+from stickslip.study.groups import Group, groups
+from stickslip.study.growth import chosen, numbers
 
 __all__ = ["told"]
 

@@ -46,9 +46,8 @@ def cluster():
 def hidden_valve(tmp_path):
     """A file of two levels: the inflow hides LC1's valve, and the flow behind it jumps; all by formulas."""
     import numpy as np
-
-    from detect.prepare.stick import stick
-    from logs import Log, LoopSignals
+    from stickslip.detect.prepare.stick import stick
+    from stickslip.logs import Log, LoopSignals
 
     t = np.arange(3000.0)
     u = 50 + 4 * np.sin(t / 50) + 2 * np.sin(t / 31)

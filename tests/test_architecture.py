@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-
-from detect.words import Word
+from stickslip.detect.words import Word
 
 ROOT = Path(__file__).resolve().parent.parent
 

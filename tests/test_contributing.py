@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from stickslip.blocks import BlockError, Sensor, Sine
+from stickslip.blocks.dry_run import dry_run
+from stickslip.cases.stories import EXPORTS
+from stickslip.detect import METHODS, compare, diagnose
+from stickslip.diagram import drive, simulate, wire
+from stickslip.gap.insertion.effect import EffectError
+from stickslip.logs import LoopRecord, read_loop
 
-from blocks import BlockError, Sensor, Sine
-from blocks.dry_run import dry_run
-from cases.stories import EXPORTS
-from detect import METHODS, compare, diagnose
-from diagram import drive, simulate, wire
-from gap.insertion.effect import EffectError
-from logs import LoopRecord, read_loop
-from stickslip.cli import cli
+from stickslip.commands.cli import cli
 
 TEMPLATES = re.findall(r"```python\n(.*?)```", (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(), re.S)
 

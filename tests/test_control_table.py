@@ -7,9 +7,9 @@ from pathlib import Path
 
 import control as ct
 import pytest
+from stickslip.detect import blocks as detectors
+from stickslip.diagram import unseen
 
-from detect import blocks as detectors
-from diagram import unseen
 from stickslip.commands.blocks import BLOCKS
 
 PAGE = Path(__file__).parents[1] / "docs" / "python_control.md"
@@ -59,7 +59,7 @@ def test_a_warning_comes_once_for_each_kind_of_block(monkeypatch):
 
     noisy = control_table.TRIALS["Noise"].diagram()
     (said,) = warned(noisy)
-    assert "Noise 'out'" in said and "diagram.simulate" in said
+    assert "Noise 'out'" in said and "stickslip.diagram.simulate" in said
     assert warned(noisy) == []
     (said,) = warned(control_table.TRIALS["LuGreStem"].diagram())
     assert "the end stops of LuGreStem 'valve'" in said

@@ -10,8 +10,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
-
-from diagram import unseen
+from stickslip.diagram import unseen
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])

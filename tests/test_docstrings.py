@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import blocks
+from stickslip import blocks
 from stickslip.commands.blocks import BLOCKS
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -34,8 +34,8 @@ def test_command_line_loads_nothing_heavy() -> None:
 def test_a_simulation_that_is_compiled_already_does_not_wake_the_compiler() -> None:
     code = """
 import sys
-from diagram import simulate
-from plant.loops import self_regulating_loop
+from stickslip.diagram import simulate
+from stickslip.plant.loops import self_regulating_loop
 simulate(self_regulating_loop(), 10.0)
 print(*sys.modules)
 """

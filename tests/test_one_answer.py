@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from matplotlib.text import Text
+from stickslip.calibration import draw, simulate
+from stickslip.cases.stories import EXPORTS
+from stickslip.detect import compare, diagnose
+from stickslip.detect.methods import area_ratio
+from stickslip.detect.words import WORDS
+from stickslip.logs import LoopRecord, read_log, read_loop, read_loops
+from stickslip.scan.judge import row_of
 
-from calibration import draw, simulate
-from cases.stories import EXPORTS
-from detect import compare, diagnose
-from detect.methods import area_ratio
-from detect.words import WORDS
-from logs import LoopRecord, read_log, read_loop, read_loops
-from scan.judge import row_of
-from stickslip.cli import cli
-from stickslip.own import case_named
+from stickslip.commands.cli import cli
+from stickslip.commands.own import case_named
 
 DATA = Path(os.environ.get("STICKSLIP_DATA", Path(__file__).parents[2] / "shared" / "data"))
 REAL = ("CHEM1", "CHEM12", "CHEM13", "PAP9", "FIC46005_20240613_2155", "LIC31102B_20241108_2155")
@@ -177,9 +177,9 @@ def test_a_confident_answer_says_why(tmp_path):
 
 def test_reasons_are_drawn_from_what_decided():
     """The shares of the features and what no feature tells are the log odds (analytic)."""
-    from detect.judge.features import features
-    from detect.judge.model import calibrated
-    from detect.prepare.prepared import Prepared
+    from stickslip.detect.judge.features import features
+    from stickslip.detect.judge.model import calibrated
+    from stickslip.detect.prepare.prepared import Prepared
 
     model = calibrated()
     trees = model.trees["sticky"]

@@ -7,12 +7,13 @@ the others are spread over thirteen groups, every defect of data over all.  What
 from pathlib import Path
 from typing import Any
 
+from stickslip.calibration import draw, simulate
+from stickslip.calibration.commands import TESTING
+from stickslip.calibration.records import PART, Table, kept_table, table
+from stickslip.calibration.scoring import score
+from stickslip.detect.judge.model import calibrated
+
 from benchmarks.report import Figures
-from calibration import draw, simulate
-from calibration.commands import TESTING
-from calibration.records import PART, Table, kept_table, table
-from calibration.scoring import score
-from detect.judge.model import calibrated
 
 LOOPS, QUICK = 4000, 60
 FOLDER = Path("calibration_parts")

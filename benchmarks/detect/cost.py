@@ -16,16 +16,16 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from stickslip.blocks import PI, FirstOrder, Integrator, SampledSensor, Staircase, StickSlip
+from stickslip.detect import GATES, METHODS
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.loop_stream import LoopStream
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.stream import LoopFacts, Sample
+from stickslip.diagram import simulate, wire
+from stickslip.logs import LoopRecord
 
 from benchmarks.report import Figures, options, publish
-from blocks import PI, FirstOrder, Integrator, SampledSensor, Staircase, StickSlip
-from detect import GATES, METHODS
-from detect.judge.answer import answer
-from detect.loop_stream import LoopStream
-from detect.prepare.prepared import Prepared, prepared
-from detect.stream import LoopFacts, Sample
-from diagram import simulate, wire
-from logs import LoopRecord
 
 SAMPLES = 7200
 LENGTHS = (3600, 7200, 14_400, 28_800)

@@ -3,8 +3,8 @@
     python -m benchmarks.detect --only levels [--quick]
 
 No simulation that the model learns from has such loops.  In a process known to integrate stiction is therefore called
-from a higher probability on (``detect.judge.answer.LEVEL``), which lets 2 % of them pass.  ``level_limit`` is the
-probability that would do so on these loops: to be written there when the model changes.  Seeds are used for nothing
+from a higher probability on (``stickslip.detect.judge.answer.LEVEL``), which lets 2 % of them pass.  ``level_limit`` is
+the probability that would do so on these loops: to be written there when the model changes.  Seeds are used for nothing
 else.
 """
 
@@ -12,12 +12,12 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from stickslip.calibration import draw, simulate
+from stickslip.calibration.spec import Kinds
+from stickslip.detect.judge.answer import LEVELS_CYCLE, answer
+from stickslip.detect.prepare.prepared import Prepared
 
 from benchmarks.report import Figures
-from calibration import draw, simulate
-from calibration.spec import Kinds
-from detect.judge.answer import LEVELS_CYCLE, answer
-from detect.prepare.prepared import Prepared
 
 SEEDS: dict[Kinds, int] = {"levels": 63_100, "usual": 63_101}
 LOOPS: dict[Kinds, int] = {"levels": 400, "usual": 1000}

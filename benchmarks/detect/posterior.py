@@ -15,18 +15,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.calibration import LoopSpec, at_record, draw, simulate
+from stickslip.calibration.by_simulation import together
+from stickslip.calibration.posterior import log_odds
+from stickslip.calibration.records import row as features_row
+from stickslip.calibration.scoring import auc, calibration_error
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.judge.model import calibrated
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
 
 from benchmarks.report import Figures
 from benchmarks.resumed import code_of, resumed
-from calibration import LoopSpec, at_record, draw, simulate
-from calibration.by_simulation import together
-from calibration.posterior import log_odds
-from calibration.records import row as features_row
-from calibration.scoring import auc, calibration_error
-from detect.judge.answer import answer
-from detect.judge.model import calibrated
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
 
 SEED = 73_001  # used for nothing else
 RECORDS, QUICK = 60, 2

@@ -11,12 +11,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stickslip.logs.files.write import replacing
+
 from benchmarks.foreign.record import NAMES
 from benchmarks.foreign.scoring import NOTES, by_plant, figures
 from benchmarks.foreign.trial import chosen, diagnosed, runs, wired
 from benchmarks.report import publish
 from benchmarks.resumed import in_turn, part_file, resumed
-from logs.files.write import replacing
 
 
 def foreign(told: Namespace) -> bool:

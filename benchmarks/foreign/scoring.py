@@ -7,9 +7,10 @@ import statistics
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from stickslip.detect.published import wilson
+
 from benchmarks.foreign.answer import Answer
 from benchmarks.report import Figures
-from detect.published import wilson
 
 CLASSES = (  # of a single loop of which OP, PV and SP are logged (design/effects.md)
     ("valve_gain", "process_gain", "sensor_span"),

@@ -14,12 +14,12 @@ from importlib.util import find_spec
 from typing import Any, NamedTuple
 
 import numpy as np
+from stickslip.diagram.diagram import Diagram
+from stickslip.logs import Log
 
 from benchmarks.foreign.answer import Answer
 from benchmarks.foreign.record import NAMES, Record, plant, record
 from benchmarks.foreign.scoring import scored
-from diagram.diagram import Diagram
-from logs import Log
 
 NONE, INSIDE, OUTSIDE = "none", "effect", "outside"
 WITHOUT = 11  # records of each plant
@@ -134,7 +134,7 @@ def diagnosed(run: Run, ask: Callable[[Wired, Log], Answer] | None = None) -> di
 
 
 def _house(model: Wired, log: Log) -> Answer:
-    from gap import diagnose
+    from stickslip.gap import diagnose
 
     report = diagnose(model.diagram, log, limits=False, progress=False)
     return Answer.of(report.to_dict(), model.places)

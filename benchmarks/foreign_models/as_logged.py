@@ -1,7 +1,8 @@
 """A diagram whose signals are called and counted as in the log, for the trial of the foreign plants."""
 
+from stickslip.diagram import Diagram
+
 from benchmarks.foreign.trial import Wired
-from diagram import Diagram
 
 
 def as_logged(diagram: Diagram, **places: str) -> Wired:

@@ -1,9 +1,10 @@
 """A reactor heated along a programme: the model of ``benchmarks/foreign/batch_ramp.py``."""
 
+from stickslip.blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import wire
 
 
 def _reactor(T: float, MV: float, load: float, K: float, tau: float) -> float:

@@ -6,10 +6,11 @@ and logs only these.  The load of the vessel enters behind its dead time in the 
 
 import math
 
+from stickslip.blocks import Equations, FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
-from diagram import wire
 
 
 def _pipe(q: float, MV: float, load_p: float, K: float, tau: float) -> float:

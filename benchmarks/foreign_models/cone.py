@@ -6,10 +6,11 @@ inwards.
 
 import math
 
+from stickslip.blocks import Equations, Historian, IdealValve, Noise, SampledPI, SampledSensor
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, Historian, IdealValve, Noise, SampledPI, SampledSensor
-from diagram import wire
 
 
 def _cone(h: float, MV: float, load: float, K: float, tau: float) -> float:

@@ -3,10 +3,21 @@
 hold = integral of 0.25 (w - 0.5 - load);    20 d collapse/dt = 6 w - collapse;    L = hold - collapse
 """
 
+from stickslip.blocks import (
+    FirstOrder,
+    Historian,
+    IdealValve,
+    Integrator,
+    LeadLag,
+    Noise,
+    SampledPI,
+    SampledSensor,
+    Sum,
+)
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import FirstOrder, Historian, IdealValve, Integrator, LeadLag, Noise, SampledPI, SampledSensor, Sum
-from diagram import wire
 
 
 def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:

@@ -2,10 +2,11 @@
 
 import math
 
+from stickslip.blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import wire
 
 
 def _reactor(c: float, T: float, MV: float, load: float, K: float, tau: float) -> tuple[float, float]:

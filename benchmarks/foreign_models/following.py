@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from stickslip.diagram import Diagram, ensemble, simulate
 
 from benchmarks.foreign.trial import Wired
-from diagram import Diagram, ensemble, simulate
 
 MODELS = (
     "batch_ramp", "cascade", "cone", "drum_level", "exotherm", "gas_pressure", "heat_exchanger", "neutralisation",

@@ -1,9 +1,10 @@
 """Gas in a drum behind a choked vent valve: the model of ``benchmarks/foreign/gas_pressure.py``."""
 
+from stickslip.blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import wire
 
 
 def _drum(p: float, MV: float, load: float, K: float, tau: float) -> float:

@@ -2,10 +2,11 @@
 
 import math
 
+from stickslip.blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import wire
 
 _K_A, _K_W = 10.0**-6.35, 1e-14
 

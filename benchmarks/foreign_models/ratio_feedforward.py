@@ -7,10 +7,22 @@ rows (the noise of A's meter is in it) nobody knows.
 
 import math
 
+from stickslip.blocks import (
+    Equations,
+    Gain,
+    Historian,
+    IdealValve,
+    LeadLag,
+    Noise,
+    SampledPI,
+    SampledSensor,
+    Saturation,
+    Sum,
+)
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, Gain, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Saturation, Sum
-from diagram import wire
 
 
 def _pipe(q: float, MV: float, load: float, K: float, tau: float) -> float:

@@ -1,9 +1,10 @@
 """Recycle of a compressor: the model of ``benchmarks/foreign/recycle.py``, OP and MV in %."""
 
+from stickslip.blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor
-from diagram import wire
 
 
 def _compressor(p: float, m: float, MV: float, load: float, K: float, tau: float) -> tuple[float, float]:

@@ -1,9 +1,10 @@
 """Cooling with one half of OP and heating with the other: the model of ``benchmarks/foreign/split_range.py``, in %."""
 
+from stickslip.blocks import Equations, Historian, IdealValve, LeadLag, Lookup1D, Noise, SampledPI, SampledSensor
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import Equations, Historian, IdealValve, LeadLag, Lookup1D, Noise, SampledPI, SampledSensor
-from diagram import wire
 
 
 def _vessel(T: float, heating: float, cooling: float, load: float, tau: float) -> float:

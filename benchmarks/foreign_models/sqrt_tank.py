@@ -6,10 +6,11 @@ refused in a level loop as an algebraic loop.
 
 import math
 
+from stickslip.blocks import PI, Equations, Historian, IdealValve, Noise, SampledSensor, Sum
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import PI, Equations, Historian, IdealValve, Noise, SampledSensor, Sum
-from diagram import wire
 
 
 def _tank(h: float, inflow: float, outlet: float, tau: float) -> float:

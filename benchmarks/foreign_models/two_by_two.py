@@ -3,10 +3,11 @@
 OP and MV are in %, the loads in shares of full flow.
 """
 
+from stickslip.blocks import FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
+from stickslip.diagram import wire
+
 from benchmarks.foreign.trial import Wired
 from benchmarks.foreign_models.as_logged import as_logged
-from blocks import FirstOrder, Historian, IdealValve, LeadLag, Noise, SampledPI, SampledSensor, Sum
-from diagram import wire
 
 
 def model(noise_factor: float = 1.0, load_factor: float = 1.0) -> Wired:

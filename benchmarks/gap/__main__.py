@@ -43,8 +43,8 @@ def rows(
 
 
 def _row(run: Run, first: set[str], bare: bool) -> dict[str, Any]:
-    from gap import diagnose
-    from logs import Log
+    from stickslip.gap import diagnose
+    from stickslip.logs import Log
 
     record = run.made()
     signals = {s: v for s, v in record.signals.items() if s != "time" and (run.mv or s != "MV")}
@@ -105,7 +105,7 @@ def main() -> None:
     file, also = part_file(told.folder, "plant", told.part), sorted(told.folder.glob("plant*.jsonl"))
     plant = list(resumed(large, plant_row, file, until - time.monotonic(), also))
     if told.learn:
-        from gap.answers.sureness import counted
+        from stickslip.gap.answers.sureness import counted
 
         seen = [r | {"right": right(r)} for r in found if r["visible"] > VISIBLE or not (r["effects"] or r["outside"])]
         print(counted(seen))

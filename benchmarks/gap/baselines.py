@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from benchmarks.gap.settings import SETTINGS
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
-    from gap.floors.problem import Problem
-    from logs import Log
+    from stickslip.diagram.diagram import Diagram
+    from stickslip.gap.floors.problem import Problem
+    from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 LOOSE = {"process.K": 0.5, "process.tau": 0.5, "process.omega": 0.5, "process.T": 0.5,
@@ -35,7 +35,7 @@ def free_run_place(record: Any) -> dict[str, Any]:
 
 def shrinkages(model: "Diagram", log: "Log") -> dict[str, float | None]:
     """Return the held-out shrinkage of the gap with other parameters only, and with a flexible residual."""
-    from gap.diagnosis import prepared
+    from stickslip.gap.diagnosis import prepared
 
     problem = prepared(model, log)
     if problem.score <= problem.limit:
@@ -48,9 +48,9 @@ def shrinkages(model: "Diagram", log: "Log") -> dict[str, float | None]:
 
 def calibrated_alone(model: "Diagram", log: "Log", problem: "Problem") -> Floats:
     """Return the innovations (rows, signals) of the model with parameters fitted on the first part of a record."""
-    from gap.diagnosis import prepared
-    from gap.fits.search import Candidate
-    from gap.telling.sizes import SEEN
+    from stickslip.gap.diagnosis import prepared
+    from stickslip.gap.fits.search import Candidate
+    from stickslip.gap.telling.sizes import SEEN
 
     loose = model.with_tolerances({key: share for key, share in LOOSE.items() if key in model.params})
     head = prepared(loose, log.samples(0, round(SEEN * len(log))), floor=problem.floor)
@@ -62,7 +62,7 @@ def calibrated_alone(model: "Diagram", log: "Log", problem: "Problem") -> Floats
 
 def without_what_is_predicted(problem: "Problem") -> Floats:
     """Return innovations less what random features of earlier rows predict of them, fitted on the first part."""
-    from gap.telling.sizes import SEEN
+    from stickslip.gap.telling.sizes import SEEN
 
     e = np.nan_to_num(problem.as_it_is)
     log, first = problem.record.log, problem.floor.skipped
@@ -81,7 +81,7 @@ def without_what_is_predicted(problem: "Problem") -> Floats:
 
 
 def _shrunk(problem: "Problem", after: Floats) -> float:
-    from gap.telling.sizes import SEEN, shrinkage
+    from stickslip.gap.telling.sizes import SEEN, shrinkage
 
     first = round(SEEN * len(problem.record.log)) - problem.floor.skipped
     return shrinkage(problem.as_it_is, after, problem.floor.mean / len(problem.record.pinned), first).fraction

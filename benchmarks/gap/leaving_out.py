@@ -32,9 +32,9 @@ def leaving_out(runs: Sequence[Run], file: Path, seconds: float) -> Iterator[dic
 
 def left_out(run: Run) -> dict[str, Any]:
     """Return what a diagnosis without the class of a run's effect says."""
-    from gap import diagnose
-    from gap.effects import CATALOGUE
-    from logs import Log
+    from stickslip.gap import diagnose
+    from stickslip.gap.effects import CATALOGUE
+    from stickslip.logs import Log
 
     (name,) = run.effects
     record = run.made()

@@ -8,12 +8,12 @@ NAMES = {
 }  # fmt: skip
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 
 def model(setting: str) -> "Diagram":
     """Return the diagram of a setting; raise ``KeyError`` for one that has none."""
-    from cases import models
+    from stickslip.cases import models
 
     diagram: Diagram = getattr(models, NAMES[setting])()
     return diagram

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
-    from logs import Log
+    from stickslip.diagram.diagram import Diagram
+    from stickslip.logs import Log
 
 
 def possible(model: "Diagram", log: "Log", effects: Mapping[str, Mapping[str, float]]) -> float | None:
     """Return the held-out shrinkage with the true effect, None for none, several, or one of log or noise only."""
-    from gap.diagnosis import prepared
-    from gap.effects import effect
-    from gap.explanations.candidates import candidates
-    from gap.telling.sizes import SEEN, shrinkage
+    from stickslip.gap.diagnosis import prepared
+    from stickslip.gap.effects import effect
+    from stickslip.gap.explanations.candidates import candidates
+    from stickslip.gap.telling.sizes import SEEN, shrinkage
 
     if len(effects) != 1:
         return None
@@ -43,8 +43,8 @@ def relative(found: Mapping[str, Any]) -> float | None:
 
 def restated(row: dict[str, Any]) -> dict[str, Any]:
     """Return a row with the probability that is stated by now for what its answer rests on."""
-    from gap.answers.evidence import Evidence
-    from gap.answers.sureness import Sureness
+    from stickslip.gap.answers.evidence import Evidence
+    from stickslip.gap.answers.sureness import Sureness
 
     if not row.get("evidence") or row["probability"] is None:
         return row

@@ -11,14 +11,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from stickslip.blocks import Staircase, StickSlip
+from stickslip.cases.plant_models import LOGGED_PLANT, LOGGED_SECTION, full_plant, separator_section
+from stickslip.diagram import simulate
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import FAMILIES
-from blocks import Staircase, StickSlip
-from cases.plant_models import LOGGED_PLANT, LOGGED_SECTION, full_plant, separator_section
-from diagram import simulate
-from diagram.diagram import Diagram
-from gap.effects import effect
-from logs import Log
 
 MODELS = {"separator_section": (separator_section, LOGGED_SECTION), "full_plant": (full_plant, LOGGED_PLANT)}
 ROUNDING = {"p": 100.0, "V": 1e-3, "O": 1e-4, "w": 1e-2, "t": 1.0, "S": 0.0}  # by the first letter of the signal

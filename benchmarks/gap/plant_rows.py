@@ -15,7 +15,7 @@ VISIBLE = 0.5  # largest difference to the log without the effect, root mean squ
 
 def plant_row(run: PlantRun) -> dict[str, Any]:
     """Return what the diagnosis of one run came to; one whose plant stops early leaves no record to diagnose."""
-    from gap import diagnose
+    from stickslip.gap import diagnose
 
     try:
         log = run.made()

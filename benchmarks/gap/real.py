@@ -13,11 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from gap.effects import CATALOGUE, effect
-from gap.free_run import FreeFit, FreeModel, explained, folds, left_out
-from gap.static_map import static_map
-from logs import Log
+from stickslip.gap.effects import CATALOGUE, effect
+from stickslip.gap.free_run import FreeFit, FreeModel, explained, folds, left_out
+from stickslip.gap.static_map import static_map
+from stickslip.logs import Log
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,7 +40,7 @@ def tanks() -> tuple[FreeModel, dict[str, float]]:
 
     The unit of the upper level is free, so its outlet is not; the upper level at the start is.
     """
-    from cases.models import cascaded_tanks
+    from stickslip.cases.models import cascaded_tanks
 
     d = table("cascaded_tanks/estimation")
     own = {"tank_1.A": (10.0, 60.0), "tank_2.A": (5.0, 40.0), "tank_2.k": (0.6, 2.4)}
@@ -53,8 +52,8 @@ def tanks() -> tuple[FreeModel, dict[str, float]]:
 
 def valve() -> tuple[FreeModel, dict[str, float]]:
     """Return the boiler feed valve: an ideal one, and a sensor of its position; OP and stem in % of closing."""
-    from blocks import IdealValve, Sensor
-    from diagram import wire
+    from stickslip.blocks import IdealValve, Sensor
+    from stickslip.diagram import wire
 
     d = table("damadics/first_half")
     span = (0.0, 100.0)
@@ -66,8 +65,8 @@ def valve() -> tuple[FreeModel, dict[str, float]]:
 
 def sticky_loop(name: str) -> tuple[FreeModel, dict[str, float]]:
     """Return a loop's valve and one lag, driven by its logged OP; both about their mean, PV in its own spread."""
-    from blocks import FirstOrder, IdealValve, Sensor
-    from diagram import wire
+    from stickslip.blocks import FirstOrder, IdealValve, Sensor
+    from stickslip.diagram import wire
 
     d = table(name)
     t, op, pv = (d[key][:LOOP_ROWS] for key in ("time", "OP", "PV"))
@@ -156,8 +155,8 @@ def pump() -> str:
 
 def picture() -> "Figure":
     """Draw the static map of the level station over its record."""
-    from logs.picture import Picture
-    from logs.style import BLUE, ORANGE, tidy
+    from stickslip.logs.picture import Picture
+    from stickslip.logs.style import BLUE, ORANGE, tidy
 
     d = table("labvolt/training_set")
     found = static_map(d["time"], d["input"], d["output"])

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from stickslip.targets import write_whole
+from stickslip.commands.targets import write_whole
 
 COLUMNS = (
     "record", "visible [noises]", "gap", "named", "places", "probability", "cause right", "place right", "both right",

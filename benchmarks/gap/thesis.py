@@ -22,12 +22,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.effects import CATALOGUE
-from gap.insertion.effect import Effect
+from stickslip.gap.effects import CATALOGUE
+from stickslip.gap.insertion.effect import Effect
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 Floats = NDArray[np.float64]
 TOLERANCE = 0.05  # of R: that of another solver and another start
@@ -63,15 +62,15 @@ def loop(F_s: float, K_p: float, factor: float = 1.0, of: str = "") -> "Diagram"
 
     ``factor`` of the gain of the process or of the controller (``of``), which moves that cycle.
     """
-    from cases.exact.closed_form import symmetric_start
-    from cases.exact.parameters import ExactLoop
-    from cases.models import ideal_flow
-    from diagram import wire
-    from gap.effects import effect
+    from stickslip.cases.exact.closed_form import symmetric_start
+    from stickslip.cases.exact.parameters import ExactLoop
+    from stickslip.cases.models import ideal_flow
+    from stickslip.diagram import wire
+    from stickslip.gap.effects import effect
 
     gains = {"K": 3.0 * (factor if of == "process" else 1.0), "K_p": K_p * (factor if of == "controller" else 1.0)}
     exact = symmetric_start(ExactLoop(F_s=F_s, **gains))
-    from blocks import Constant
+    from stickslip.blocks import Constant
 
     model = ideal_flow().with_params({"noise.sd": 0.0, "controller.K_p": K_p})
     closed = wire([Constant("SP", exact.SP), *model.blocks], name="printed")
@@ -81,8 +80,8 @@ def loop(F_s: float, K_p: float, factor: float = 1.0, of: str = "") -> "Diagram"
 
 def indices(changed: "Diagram", params: dict[str, Any]) -> list[tuple[float, int]]:
     """Return mean and count of R for each set of parameters; NaN where the loop does not cycle."""
-    from detect.methods.algorithm1 import ratios
-    from diagram import ensemble
+    from stickslip.detect.methods.algorithm1 import ratios
+    from stickslip.diagram import ensemble
 
     many = max(len(np.atleast_1d(v)) for v in params.values()) if params else 1
     run = ensemble(

@@ -2,8 +2,8 @@
 
     python -m benchmarks.other_physics [--quick] [--json FILE] [--loops N] [--seed N] [--folder DIR]
 
-Families of ``calibration.crossed.drawing.WITHHELD`` are in nothing that is learnt from.  Seeds below 10 are for this
-benchmark alone.  Rows are kept in the folder, and a second call goes on.
+Families of ``stickslip.calibration.crossed.drawing.WITHHELD`` are in nothing that is learnt from.  Seeds below 10 are
+for this benchmark alone.  Rows are kept in the folder, and a second call goes on.
 """
 
 import argparse
@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from stickslip.calibration.crossed.drawing import draw
 
 from benchmarks.other_physics.judging import judged, runs
 from benchmarks.other_physics.scoring import Row, by_family, figures, leaks
 from benchmarks.report import Figures, publish
 from benchmarks.resumed import code_of, resumed
-from calibration.crossed.drawing import draw
 
 NOTES = {
     "withheld_shown_auc": "withheld families, loops whose stem turns four times and OP travels 0.8 S, sticky against "

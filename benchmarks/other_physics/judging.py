@@ -6,14 +6,14 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from calibration.crossed.drawing import Drawn, draw
-from calibration.crossed.history import seen
-from detect.judge.answer import answer
-from detect.judge.earned import usable
-from detect.judge.features import view_of
-from detect.judge.features.network import network_features
-from detect.judge.model import calibrated
-from detect.prepare.prepared import Prepared
+from stickslip.calibration.crossed.drawing import Drawn, draw
+from stickslip.calibration.crossed.history import seen
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.judge.earned import usable
+from stickslip.detect.judge.features import view_of
+from stickslip.detect.judge.features.network import network_features
+from stickslip.detect.judge.model import calibrated
+from stickslip.detect.prepare.prepared import Prepared
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.scoring import auc, calibration_error
+from stickslip.calibration.scoring import auc, calibration_error
 
 Row = Mapping[str, Any]
 FAMILIES = ("law", "process", "driver", "positioner", "form", "compressed")

@@ -10,11 +10,11 @@ import ctypes
 from collections.abc import Callable
 
 import numpy as np
+from stickslip.blocks import PI, FirstOrder, Step, Sum
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
 
 from benchmarks.peers.c_library import library
-from blocks import PI, FirstOrder, Step, Sum
-from diagram import wire
-from diagram.diagram import Diagram
 
 A, B = 0.2, -0.1  # how the next two loops are felt
 STEP_AT = 1.0  # [s]

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from stickslip.cases.exact import IDEAL_HIGH, ExactLoop
 
 from benchmarks.peers.c_library import NoCompiler, library
-from cases.exact import IDEAL_HIGH, ExactLoop
 
 __all__ = ["NoCompiler", "Rows", "prepare", "run"]
 
@@ -39,7 +39,9 @@ def prepare(loop: ExactLoop = IDEAL_HIGH, h_stuck: float = H_STUCK, h_slip: floa
     cover (integrating process, start away from rest).
     """
     if loop.integrating or loop.PV_0 or loop.z_0 or loop.x_0:
-        raise ValueError(f"{loop!r}: the C peer covers the lag process from rest only; use cases.exact.exact_run")
+        raise ValueError(
+            f"{loop!r}: the C peer covers the lag process from rest only; use stickslip.cases.exact.exact_run"
+        )
     numbers = np.array(
         [getattr(loop, name) for name in ("K", "tau", "K_p", "T_i", "M", "k", "F_v", "F_c", "F_s", "SP")]
     )

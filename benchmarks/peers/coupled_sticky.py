@@ -1,10 +1,9 @@
 """Sticky loops in a ring: each process also feels the measured values of the next two loops; all valves differ."""
 
 import numpy as np
-
-from blocks import PI, FirstOrder, SampledPI, Step, StickSlip, Sum
-from diagram import wire
-from diagram.diagram import Diagram
+from stickslip.blocks import PI, FirstOrder, SampledPI, Step, StickSlip, Sum
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
 
 
 def coupled_sticky_loops(count: int, A: float = 0.02, B: float = -0.01, scan: float = 0.0) -> Diagram:

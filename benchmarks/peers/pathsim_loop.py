@@ -10,8 +10,7 @@ from pathsim import Connection, Simulation
 from pathsim.blocks import ODE, Adder, Amplifier, Constant, Integrator, Scope
 from pathsim.events import ZeroCrossingDown, ZeroCrossingUp
 from pathsim.solvers import RKCK54
-
-from cases.exact import IDEAL_HIGH, ExactLoop
+from stickslip.cases.exact import IDEAL_HIGH, ExactLoop
 
 RTOL, ATOL, EVENT_TOLERANCE = 1e-5, 1e-8, 1e-7
 

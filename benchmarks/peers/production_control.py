@@ -5,7 +5,7 @@ Two twins, both with stems that have mass:
     flat     one ``ct.nlsys`` of the flat equations on Python's own numbers, the fastest that runs interpreted; the
              friction is that of ``benchmarks.peers.python_control``
     diagram  the plant wired of blocks, as a python-control system: each rate asks all of its 49 blocks; stems are
-             blocks as well, seen as python-control sees them (``blocks.seen_stem``)
+             blocks as well, seen as python-control sees them (``stickslip.blocks.seen_stem``)
 
 BDF with V_S = 1e-6 is the best: it follows the plant with mass to 7e-6 bar until the fourth slip.  A peak a hundred
 times wider is up to twice as fast, but on another path after 20 s (0.8 bar); LSODA then runs, and gives up ("Unexpected
@@ -18,12 +18,12 @@ from typing import NamedTuple
 
 import control as ct
 import numpy as np
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.diagram.diagram import Diagram
 
 from benchmarks.peers import production_equations as equations
 from benchmarks.peers.production_lsoda import Problem
 from benchmarks.peers.python_control import SHARPNESS, V_S, friction
-from blocks.stick_slip import StickSlip
-from diagram.diagram import Diagram
 
 RTOL, ATOL = 1e-6, 1e-9
 M, K, F_V, F_C = 1.36, 52500.0, 612.0, 1250.0  # of the stems, thesis table A.1

@@ -18,7 +18,7 @@ from numba import njit
 from numba.extending import register_jitable
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 ORDER = (
     "S1.N_oil", "S1.N_metL", "S1.N_metG", "S2.N_oil", "S2.N_metL", "S2.N_metG",

@@ -17,8 +17,7 @@ from typing import NamedTuple
 
 import control as ct
 import numpy as np
-
-from cases.exact import IDEAL_HIGH, ExactLoop
+from stickslip.cases.exact import IDEAL_HIGH, ExactLoop
 
 V_S = 1e-6  # [1/s], width of the Stribeck peak
 SHARPNESS = 100.0

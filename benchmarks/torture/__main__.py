@@ -28,7 +28,7 @@ NOTES = {
     "undecided": "of them the oracle differs from itself, or asked more finely both agree: nothing proved",
     "skipped": "of them the oracle failed or took too long",
     "by_c": "of all judged by the C program",
-    "by_reference": "of all judged by diagram.reference",
+    "by_reference": "of all judged by stickslip.diagram.reference",
     "largest_difference": "where they agree",
     "most_steps": "of the engine for one diagram",
     "slowest_s": "longest run of the engine [s]",
@@ -60,7 +60,7 @@ def main() -> int:
     try:
         program()
     except NoCompiler as reason:
-        print(f"{reason}; all diagrams go to diagram.reference, which is slow", file=sys.stderr)
+        print(f"{reason}; all diagrams go to stickslip.diagram.reference, which is slow", file=sys.stderr)
     first, last = chosen.first, chosen.to
     if chosen.quick:
         last = first + QUICK - 1

@@ -13,9 +13,8 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from diagram import Diagram
+from stickslip.blocks.block import Block
+from stickslip.diagram import Diagram
 
 SOURCE = Path(__file__).with_name("oracle.c")
 PI = ("K_p", "T_i", "low", "high", "T_t", "action")

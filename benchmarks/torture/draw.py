@@ -11,15 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.blocks import Saturation
+from stickslip.blocks.block import Block
+from stickslip.blocks.noise import Noise
+from stickslip.blocks.periodic import Sine, Square
+from stickslip.blocks.sensor import SampledSensor, Sensor
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import Diagram, wire
 
-import blocks
-from blocks import Saturation
-from blocks.block import Block
-from blocks.noise import Noise
-from blocks.periodic import Sine, Square
-from blocks.sensor import SampledSensor, Sensor
-from blocks.sources import Ramp
-from diagram import Diagram, wire
+from stickslip import blocks
 
 ROWS = 150
 SLOW = 8  # every so many diagrams may have a PI with conditional integration, which is left to the slow reference

@@ -1,9 +1,9 @@
 """The engine's run of a diagram against an oracle: do they agree in every signal, off the scans?
 
-The oracle is the C program where it knows all blocks, else ``diagram.reference``.  Where they differ, both are asked
-again, more finely.  If they then agree, or if the oracle differs from itself, the diagram is sensitive (chaotic, or two
-events whose order rounding decides) and nothing is proved: it counts as undecided.  What is left is a finding, also
-where only the engine differs from itself: log rows that go with its steps are wrong.
+The oracle is the C program where it knows all blocks, else ``stickslip.diagram.reference``.  Where they differ, both
+are asked again, more finely.  If they then agree, or if the oracle differs from itself, the diagram is sensitive
+(chaotic, or two events whose order rounding decides) and nothing is proved: it counts as undecided.  What is left is a
+finding, also where only the engine differs from itself: log rows that go with its steps are wrong.
 
 Both locate a jump of a signal to about a microsecond.  A row that the search happens to draw nearer than ``NEAR`` to a
 jump of the engine's may therefore stand on the other side of it for the oracle: it counts as equal if it lies between
@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from stickslip.diagram import simulate
+from stickslip.diagram.reference import simulate_reference
+from stickslip.logs.time_limit import time_limit
 
 from benchmarks.torture.c_program import NoCompiler, OracleFailed, covers, program, solve
 from benchmarks.torture.draw import Drawn
-from diagram import simulate
-from diagram.reference import simulate_reference
-from logs.time_limit import time_limit
 
 Floats = NDArray[np.float64]
 AGREED = 1e-5  # largest difference, as a share of 1 + the largest value of the signal

@@ -10,9 +10,8 @@ import math
 from dataclasses import asdict, dataclass
 
 import numpy as np
-
-from calibration.crossed.loops import DRIVERS, FORMS
-from calibration.crossed.stems import JUMPLESS, LAWS, POSITIONERS
+from stickslip.calibration.crossed.loops import DRIVERS, FORMS
+from stickslip.calibration.crossed.stems import JUMPLESS, LAWS, POSITIONERS
 
 PROCESSES = ("flow", "pressure", "temperature", "level")
 Random = np.random.Generator

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-from calibration.crossed.drawing import Drawn
-from calibration.crossed.loops import run
-from calibration.crossed.tuning import tuned
-from logs import LoopRecord
+from stickslip.calibration.crossed.drawing import Drawn
+from stickslip.calibration.crossed.loops import run
+from stickslip.calibration.crossed.tuning import tuned
+from stickslip.logs import LoopRecord
 
 Values = npt.NDArray[np.float64]
 

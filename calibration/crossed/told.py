@@ -1,15 +1,15 @@
-"""Crossed loops as a law to learn from: record and truth as ``calibration.simulate`` gives them."""
+"""Crossed loops as a law to learn from: record and truth as ``stickslip.calibration.simulate`` gives them."""
 
 from __future__ import annotations
 
 import math
 
-from calibration.crossed.drawing import Drawn, learnt
-from calibration.crossed.history import Seen, seen
-from calibration.crossings import even, extent, period
-from calibration.drawing import OTHERS
-from calibration.spec import Truth
-from logs import LoopRecord
+from stickslip.calibration.crossed.drawing import Drawn, learnt
+from stickslip.calibration.crossed.history import Seen, seen
+from stickslip.calibration.crossings import even, extent, period
+from stickslip.calibration.drawing import OTHERS
+from stickslip.calibration.spec import Truth
+from stickslip.logs import LoopRecord
 
 __all__ = ["crossed", "truth_of"]
 
@@ -31,7 +31,7 @@ def crossed(n: int, seed: int, first: int = 0) -> list[tuple[LoopRecord, Truth]]
 
 
 def group_of(d: Drawn) -> str:
-    """The group of ``calibration.drawing`` that a loop comes nearest to: what moves it, or that it sticks."""
+    """The group of ``stickslip.calibration.drawing`` that a loop comes nearest to: what moves it, or that it sticks."""
     if d.kind == "play":
         return "deadband"
     if d.sticks:

@@ -1,14 +1,14 @@
 """Loops that can be solved exactly, without a simulator: what the engine is checked against."""
 
-from cases.exact.closed_form import (
+from stickslip.cases.exact.closed_form import (
     closed_form_R,
     cycle_period,
     oscillating_references,
     symmetric_error,
     symmetric_start,
 )
-from cases.exact.ideal_loop import ExactRun, StemEvent, exact_run
-from cases.exact.parameters import (
+from stickslip.cases.exact.ideal_loop import ExactRun, StemEvent, exact_run
+from stickslip.cases.exact.parameters import (
     IDEAL_HALF_GAIN,
     IDEAL_HIGH,
     IDEAL_NORMAL,

@@ -13,8 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from cases.exact.parameters import ExactLoop, ExactLoopError
+from stickslip.cases.exact.parameters import ExactLoop, ExactLoopError
 
 Array = NDArray[np.float64]
 

@@ -20,10 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from cases.exact.parameters import IDEAL_HIGH, ExactLoop, ExactLoopError
-from cases.exact.slip_mode import SlipMode
-from cases.exact.stuck_mode import StuckMode
+from stickslip.cases.exact.parameters import IDEAL_HIGH, ExactLoop, ExactLoopError
+from stickslip.cases.exact.slip_mode import SlipMode
+from stickslip.cases.exact.stuck_mode import StuckMode
 
 Array = NDArray[np.float64]
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-
-from cases.exact.parameters import ExactLoop, ExactLoopError
+from stickslip.cases.exact.parameters import ExactLoop, ExactLoopError
 
 Array = NDArray[np.float64]
 

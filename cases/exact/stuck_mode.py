@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-
-from cases.exact.parameters import ExactLoop
+from stickslip.cases.exact.parameters import ExactLoop
 
 Array = NDArray[np.float64]
 

@@ -16,11 +16,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from cases.case import Case, Number
+from stickslip.cases.case import Case, Number
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 K_L, T_L = 4.0, 400.0  # level controller: gain [-], integral time [s]
 K_F, T_F = 0.5, 3.0  # flow controller; T_F equals the lag of the flow
@@ -35,8 +34,8 @@ def direct_loop() -> "Diagram":
     >>> direct_loop().signals
     ('OP', 'MV', 'F', 'net', 'L')
     """
-    from blocks import PI, FirstOrder, Integrator, StickSlip, Sum
-    from diagram import wire
+    from stickslip.blocks import PI, FirstOrder, Integrator, StickSlip, Sum
+    from stickslip.diagram import wire
 
     return wire(
         [
@@ -57,8 +56,8 @@ def cascade_loop() -> "Diagram":
     >>> cascade_loop().signals
     ('SP_F', 'OP', 'MV', 'F', 'net', 'L')
     """
-    from blocks import PI
-    from diagram import wire
+    from stickslip.blocks import PI
+    from stickslip.diagram import wire
 
     direct = direct_loop()
     level = direct["LC"].relabelled("LC", ["SP_L", "L"], ["SP_F"])
@@ -68,8 +67,8 @@ def cascade_loop() -> "Diagram":
 
 def both() -> "Diagram":
     """Return both loops side by side, fed alike: the inflow rises from 0.5 to 0.55 after a minute."""
-    from blocks import Constant, Step
-    from diagram import wire
+    from stickslip.blocks import Constant, Step
+    from stickslip.diagram import wire
 
     feed = Step("F_in", after=0.55, before=0.5, at=60.0)
     return wire([Constant("SP_L", 0.5), feed, direct_loop(), cascade_loop()], name="cascade_flow")

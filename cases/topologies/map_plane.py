@@ -3,14 +3,12 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from cases.topologies.own_map import own_map
-from logs.style import BLUE, GRID, ORANGE, PALE, RED, SOFT, tidy
+from stickslip.cases.topologies.own_map import own_map
+from stickslip.logs.style import BLUE, GRID, ORANGE, PALE, RED, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from diagram.simulation import Run
+    from stickslip.diagram.simulation import Run
 
 CURVE, SURGE = PALE, RED
 WAYS = {"bare": (ORANGE, 0.9), "guarded": (BLUE, 2.4)}
@@ -22,14 +20,14 @@ def map_plane(run: "Run") -> "Figure":
 
     The head is the one the pressures of the plena ask for; in surge the machine gives more or less than that.
 
-    >>> from cases import find
+    >>> from stickslip.cases import find
     >>> figure = map_plane(find("own_map").run())
     >>> figure.axes[0].get_xlabel()
     'inlet flow [m3/h]'
     """
-    from blocks.compressor_map import head_for
-    from cases.topologies.own_map import C_01, GAMMA
-    from logs.picture import Picture
+    from stickslip.blocks.compressor_map import head_for
+    from stickslip.cases.topologies.own_map import C_01, GAMMA
+    from stickslip.logs.picture import Picture
 
     shape = own_map()
     rpm, volume, head = shape.point

@@ -14,13 +14,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from cases.case import Case, Number
+from stickslip.cases.case import Case, Number
 
 if TYPE_CHECKING:
-    from blocks import TabulatedMap
-    from diagram.diagram import Diagram
-    from plant import Production
+    from stickslip.blocks import TabulatedMap
+    from stickslip.diagram.diagram import Diagram
+    from stickslip.plant import Production
 
 HEAD = {  # speed [rpm]: inlet flow [m3/h], head [kJ/kg]
     8000.0: ([4000.0, 4800.0, 5600.0, 6400.0, 7000.0], [77.0, 75.5, 71.5, 63.0, 52.0]),
@@ -43,7 +42,7 @@ def own_map() -> "TabulatedMap":
     >>> [round(value, 1) for value in own_map().point]
     [10000.0, 7500.0, 110.0]
     """
-    from blocks import TabulatedMap
+    from stickslip.blocks import TabulatedMap
 
     return TabulatedMap.from_curves(HEAD, EFFICIENCY, speed=10000.0, flow=7500.0)
 
@@ -54,8 +53,8 @@ def station(guarded: bool) -> "Diagram":
     >>> station(guarded=True).open_inputs
     ('m_in', 'p_C1', 'w')
     """
-    from blocks import AntiSurge, Compressor, Constant, ControlValveFlow, FlowResistance, IdealValve, Plenum
-    from diagram import wire
+    from stickslip.blocks import AntiSurge, Compressor, Constant, ControlValveFlow, FlowResistance, IdealValve, Plenum
+    from stickslip.diagram import wire
 
     shape = own_map()
     m, p_out, w, h_d = at_rest(shape)
@@ -77,7 +76,7 @@ def station(guarded: bool) -> "Diagram":
 
 def at_rest(shape: "TabulatedMap") -> tuple[float, float, float, float]:
     """Return flow [kg/s], discharge pressure [Pa], speed [rad/s] and head [J/kg] at the point of the map."""
-    from blocks.compressor_map import pressure_ratio
+    from stickslip.blocks.compressor_map import pressure_ratio
 
     rpm, volume, head = shape.point
     density = GAMMA * P_IN / C_01**2
@@ -86,8 +85,8 @@ def at_rest(shape: "TabulatedMap") -> tuple[float, float, float, float]:
 
 def both() -> "Diagram":
     """Return the machine with and without anti-surge control, fed alike; the feed falls to half from 10 to 20 s."""
-    from blocks import Constant, Ramp
-    from diagram import wire
+    from stickslip.blocks import Constant, Ramp
+    from stickslip.diagram import wire
 
     m, p_out, w, _ = at_rest(own_map())
     trip = Ramp("m_in", -0.05 * m, start=10.0, end=20.0, before=m, unit="kg/s")
@@ -97,7 +96,7 @@ def both() -> "Diagram":
 
 def numbers() -> Sequence[Number]:
     """Return the rest that anti-surge control must reach, and the marks of surge without it."""
-    from diagram import simulate
+    from stickslip.diagram import simulate
 
     run = simulate(both(), 240.0, every=0.01, method="stiff")
     log, shape = run.log, own_map()
@@ -128,12 +127,12 @@ def numbers() -> Sequence[Number]:
 def plant_with_own_map(shape: "TabulatedMap | None" = None) -> "Production":
     """Return set B with C2 on another map, sized so that the map's point is C2's duty at the design feed.
 
-    >>> from plant import steady_state
+    >>> from stickslip.plant import steady_state
     >>> rest = steady_state(plant_with_own_map())
     >>> round(rest.C2.q, 6), round(rest.C2.m, 2), round(rest.power / 1e6, 1)
     (1.0, 47.05, 14.3)
     """
-    from plant import SET_B, steady_state
+    from stickslip.plant import SET_B, steady_state
 
     duty = steady_state(SET_B).C2
     C2 = replace(SET_B.C2, map=own_map() if shape is None else shape, m_d=duty.m, p_ref=duty.p_in)
@@ -142,16 +141,16 @@ def plant_with_own_map(shape: "TabulatedMap | None" = None) -> "Production":
 
 def plant() -> "Diagram":
     """Return the production plant with C2 on the map, high stiction, kicked."""
-    from plant import kicked, production_plant
+    from stickslip.plant import kicked, production_plant
 
     return kicked(production_plant(plant_with_own_map(), F_s="high", name="plant_own_map"))
 
 
 def plant_numbers() -> Sequence[Number]:
     """Return where the plant with the user's map rests, and how far it drifts from there."""
-    from blocks.compressor_map import head_for
-    from diagram import simulate
-    from plant import production_plant, steady_state
+    from stickslip.blocks.compressor_map import head_for
+    from stickslip.diagram import simulate
+    from stickslip.plant import production_plant, steady_state
 
     own = plant_with_own_map()
     rest = steady_state(own)

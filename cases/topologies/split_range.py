@@ -14,11 +14,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from cases.case import Case, Number
+from stickslip.cases.case import Case, Number
 
 if TYPE_CHECKING:
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 F_S, F_C, SPRING = 2250.0, 1250.0, 52500.0  # N, N, N per travel: high stiction, thesis table A.1
 P_SP, P_ATM, P_SUPPLY = 2.0e5, 1.013e5, 6.0e5  # Pa
@@ -34,9 +33,19 @@ def split_range(F_s: float = F_S) -> "Diagram":
     >>> loop["vent"].input_labels, loop["inert"].input_labels
     (['OP_vent'], ['OP_inert'])
     """
-    from blocks import PI, Characteristic, Constant, ControlValveFlow, Gain, IdealValve, Plenum, Saturation, Square
-    from blocks import StickSlip as Sticky
-    from diagram import wire
+    from stickslip.blocks import (
+        PI,
+        Characteristic,
+        Constant,
+        ControlValveFlow,
+        Gain,
+        IdealValve,
+        Plenum,
+        Saturation,
+        Square,
+    )
+    from stickslip.blocks import StickSlip as Sticky
+    from stickslip.diagram import wire
 
     return wire(
         [

@@ -6,7 +6,7 @@
 Their signals are signals of the simulation like any other: they can be logged, plotted and fed back.
 """
 
-from detect.blocks.detector import DetectorBlock
-from detect.blocks.prefilter import PrefilterBlock
+from stickslip.detect.blocks.detector import DetectorBlock
+from stickslip.detect.blocks.prefilter import PrefilterBlock
 
 __all__ = ["DetectorBlock", "PrefilterBlock"]

@@ -7,7 +7,7 @@
 The block takes a sample every ``dt`` seconds, first at t = 0, and asks the method for a verdict every
 ``verdict_every`` samples, because a verdict costs far more than a sample.  Its answer follows its inputs at once,
 so a loop that is closed over it needs a lag.  Under python-control it takes its samples at the solver's own steps
-(``blocks.seen_samples``), and its index is 0 while there is none.
+(``stickslip.blocks.seen_samples``), and its index is 0 while there is none.
 """
 
 from dataclasses import dataclass
@@ -17,13 +17,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks import Block, Kernels, Labels, Port
-from blocks.ports import BlockError, require
-from blocks.role import Role
-from detect.stream import LoopFacts, Sample
-from detect.window_twin import twin_of
-from detect.words import WORDS
+from stickslip.blocks import Block, Kernels, Labels, Port
+from stickslip.blocks.ports import BlockError, require
+from stickslip.blocks.role import Role
+from stickslip.detect.stream import LoopFacts, Sample
+from stickslip.detect.window_twin import twin_of
+from stickslip.detect.words import WORDS
 
 PROCESSES = ("self_regulating", "integrating", "unknown")
 
@@ -38,7 +37,7 @@ class DetectorState(NamedTuple):
 
 @dataclass(frozen=True)
 class DetectorHost:
-    """Runs the streaming twin of one method (``detect.window_twin``)."""
+    """Runs the streaming twin of one method (``stickslip.detect.window_twin``)."""
 
     method: ModuleType
     params: Any
@@ -95,13 +94,14 @@ def _check_method(method: Any) -> None:
 class DetectorBlock(Block):
     """A method (a module of ``detect``) that follows its loop, sampled every ``dt`` [s].
 
-    How it follows is on its card: sample by sample, or in a window of the last samples (``detect.window_twin``).
+    How it follows is on its card: sample by sample, or in a window of the last samples
+    (``stickslip.detect.window_twin``).
 
     Raises ``BlockError`` if the method is none or does not stream, the process is of no known kind, or ``dt`` is
     not positive.
 
-    >>> from detect.methods import area_ratio
-    >>> from detect.blocks import DetectorBlock
+    >>> from stickslip.detect.methods import area_ratio
+    >>> from stickslip.detect.blocks import DetectorBlock
     >>> DetectorBlock(area_ratio, dt=1.0).output_labels
     ['index', 'verdict']
     """

@@ -7,8 +7,8 @@
 Every ``dt`` seconds one sample is taken.  Noise and liveliness are estimated from the last ``window`` samples,
 once the window is full and again each time it has been renewed; a window that is half bad or at rest changes
 nothing.  Until the first estimate, and always if ``window`` is 0, the filter uses ``noise_std`` and ``q`` as
-given.  Under python-control it takes its samples at the solver's own steps (``blocks.seen_samples``); linearised, at
-its first sample, it is a wire.
+given.  Under python-control it takes its samples at the solver's own steps (``stickslip.blocks.seen_samples``);
+linearised, at its first sample, it is a wire.
 """
 
 from dataclasses import dataclass
@@ -16,11 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks import Block, Kernels, Labels, Port
-from blocks.ports import require
-from blocks.role import Role
-from detect.prepare import prefilter
+from stickslip.blocks import Block, Kernels, Labels, Port
+from stickslip.blocks.ports import require
+from stickslip.blocks.role import Role
+from stickslip.detect.prepare import prefilter
 
 
 class PrefilterState(NamedTuple):
@@ -34,7 +33,7 @@ class PrefilterState(NamedTuple):
 
 @dataclass(frozen=True)
 class PrefilterHost:
-    """Runs ``detect.prepare.prefilter`` and renews its parameters from the data, unless ``window`` is 0."""
+    """Runs ``stickslip.detect.prepare.prefilter`` and renews its parameters from the data, unless ``window`` is 0."""
 
     first: prefilter.Params
     window: int
@@ -71,7 +70,7 @@ class PrefilterBlock(Block):
     Parameters: ``noise_std`` [unit of PV] and ``q`` [unit^2/s^3] to begin with, ``window`` samples per estimate
     (0: never estimate).  Raises ``BlockError`` if ``dt`` is not positive or the window shorter than 32.
 
-    >>> from detect.blocks import PrefilterBlock
+    >>> from stickslip.detect.blocks import PrefilterBlock
     >>> PrefilterBlock(dt=1.0, noise_std=0.01, q=1e-6, inputs="PV_m").output_labels
     ['PV_f', 'noise']
     """

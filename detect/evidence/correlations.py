@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.prepared import Prepared
 
 __all__ = ["Correlation", "correlation"]
 
@@ -49,7 +48,7 @@ class Correlation:
 def correlation(loop: Prepared) -> Correlation | None:
     """The correlations of a prepared record; None where too few samples are left or a signal stands still.
 
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(2000.0)
     >>> loop = Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.sin((t + 7) / 8), sp=0 * t))
     >>> found = correlation(loop)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from logs.oscillation import following
-from logs.trend import rests
+from stickslip.logs.oscillation import following
+from stickslip.logs.trend import rests
 
 if TYPE_CHECKING:
-    from logs import LoopRecord
+    from stickslip.logs import LoopRecord
 
 __all__ = ["set_point_words"]
 
@@ -20,7 +20,7 @@ def set_point_words(record: LoopRecord, period: float) -> str:
     """Return what follows what where SP swings with the ``period`` [s] of the loop; "" where it does not.
 
     >>> import numpy as np
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(600.0)
     >>> sp, pv = 50.0 + np.sin(2.0 * np.pi * t / 60.0), 50.0 + 0.5 * np.sin(2.0 * np.pi * (t - 8.0) / 60.0)
     >>> set_point_words(LoopRecord.from_arrays(t, pv=pv, op=pv, sp=sp), 60.0)

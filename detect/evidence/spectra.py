@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.prepared import Prepared
 
 __all__ = ["Spectrum", "spectrum"]
 
@@ -46,7 +45,7 @@ class Spectrum:
 def spectrum(loop: Prepared) -> Spectrum | None:
     """The spectrum of a prepared record; None where fewer than ``LEAST`` samples are left.
 
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(3000.0)
     >>> triangle = np.abs(t / 30 % 2 - 1)
     >>> found = spectrum(Prepared(LoopRecord.from_arrays(t, pv=triangle, op=50 + triangle, sp=0 * t + 0.5)))

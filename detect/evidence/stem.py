@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.verdict import Verdict
-from logs.trend import rests
+from stickslip.detect.verdict import Verdict
+from stickslip.logs.trend import rests
 
 if TYPE_CHECKING:
-    from logs import LoopRecord
+    from stickslip.logs import LoopRecord
 
 __all__ = ["StemTrend", "stem_trend"]
 
@@ -59,8 +58,8 @@ def stem_trend(verdicts: Sequence[Verdict], record: LoopRecord | None = None) ->
 
     A stem that ``record`` has logged is taken as it is, whether a method could judge it or not.
 
-    >>> from detect.methods import play_fit
-    >>> from logs import LoopRecord
+    >>> from stickslip.detect.methods import play_fit
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(200.0)
     >>> stem_trend([play_fit.detect(LoopRecord.from_arrays(t, pv=0 * t + 4, op=50 + np.sin(t / 9)))])[:46]
     'No stem can be reconstructed: PV stays at 4 ov'

@@ -14,13 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from detect.judge.answer import Amount, answer
-from detect.judge.model import rounded
-from detect.prepare.days import CYCLES, MOST, SAMPLES, edges_of_days, part_of
-from detect.prepare.prepared import Prepared
-from detect.words import Word
-from logs import LoopRecord
+from stickslip.detect.judge.answer import Amount, answer
+from stickslip.detect.judge.model import rounded
+from stickslip.detect.prepare.days import CYCLES, MOST, SAMPLES, edges_of_days, part_of
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.words import Word
+from stickslip.logs import LoopRecord
 
 __all__ = ["OverTime", "Window", "over_time"]
 

@@ -5,21 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from detect.words import WORDS
-from logs.style import INK, tidy
+from stickslip.detect.words import WORDS
+from stickslip.logs.style import INK, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from detect.comparison import Comparison
+    from stickslip.detect.comparison import Comparison
 
 __all__ = ["plot_comparison"]
 
 
 def plot_comparison(comparison: Comparison) -> Figure:
     """A cell a loop and method, the combined verdict in the last row, and bars of the median time [ms]."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     names = [v.method.replace("_", " ") for v in comparison.loops[0].verdicts]
     rows, columns = len(names) + 1, len(comparison.loops)

@@ -7,18 +7,16 @@ import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from detect.evidence.set_point import set_point_words
-from detect.figures.loop_trend import draw_trends, named
-from detect.figures.verdict import draw_evidence
-from detect.words import WORDS
-from logs.style import COLOURS
-from logs.trend import finish_plane
+from stickslip.detect.evidence.set_point import set_point_words
+from stickslip.detect.figures.loop_trend import draw_trends, named
+from stickslip.detect.figures.verdict import draw_evidence
+from stickslip.detect.words import WORDS
+from stickslip.logs.style import COLOURS
+from stickslip.logs.trend import finish_plane
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
-
-    from detect.diagnosis import Diagnosis
+    from stickslip.detect.diagnosis import Diagnosis
 
 __all__ = ["plot_diagnosis"]
 
@@ -27,7 +25,7 @@ POINTS = 4000  # of PV against OP: more is a blot
 
 def plot_diagnosis(answer: Diagnosis, words: bool = True) -> Figure:
     """Trend, PV-OP curve and the first evidence that can be drawn, a voter if possible; ``words`` adds the reason."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     drawn = [v for v in answer.methods if len(v.evidence) and v.draw is not None]
     shown = next(iter(sorted(drawn, key=lambda v: v.experimental)), None)

@@ -7,20 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.figures.loop_trend import named, shown_cycles
-from detect.figures.verdict import legend
-from detect.words import WORDS
-from logs.style import COLOURS, FIT, PALE, SOFT, tidy
-from logs.time_axis import TimeAxis, time_unit
-from logs.trend import finish_plane, rests
+from stickslip.detect.figures.loop_trend import named, shown_cycles
+from stickslip.detect.figures.verdict import legend
+from stickslip.detect.words import WORDS
+from stickslip.logs.style import COLOURS, FIT, PALE, SOFT, tidy
+from stickslip.logs.time_axis import TimeAxis, time_unit
+from stickslip.logs.trend import finish_plane, rests
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from detect.evidence import Correlation, OverTime, Spectrum, StemTrend
-    from logs import LoopRecord
+    from stickslip.detect.evidence import Correlation, OverTime, Spectrum, StemTrend
+    from stickslip.logs import LoopRecord
 
     Values = npt.NDArray[np.float64]
 
@@ -35,7 +33,7 @@ HARMONICS = 6.5  # of the fundamental: as far as the spectrum is drawn
 
 
 def _small() -> tuple[Figure, Axes]:
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=SMALL, layout="constrained")
     return figure, figure.subplots()
@@ -132,7 +130,7 @@ def _per(frequency: float) -> tuple[float, str]:
 
 def plot_correlation(found: Correlation) -> Figure:
     """OP and PV each with itself above; PV behind OP below, with the lag of the closest likeness."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=SMALL, layout="constrained")
     upper, lower = figure.subplots(2, 1)
@@ -160,7 +158,7 @@ def plot_over_time(found: OverTime) -> Figure:
 
     A stem that is logged answers without a probability.
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     drawers = [_chances] * any(w.probability is not None for w in found.windows)
     drawers += [_sizes] * any(w.S is not None for w in found.windows)

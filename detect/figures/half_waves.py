@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from detect.figures.verdict import draw_reason, legend
-from detect.verdict import Verdict
-from logs.style import BLUE, FIT, ORANGE, PALE, tidy
+from stickslip.detect.figures.verdict import draw_reason, legend
+from stickslip.detect.verdict import Verdict
+from stickslip.logs.style import BLUE, FIT, ORANGE, PALE, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase

@@ -6,18 +6,16 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from detect.figures.verdict import legend
-from logs.style import COLOURS, EVENT
-from logs.time_axis import TimeAxis
-from logs.trend import draw_signal, finish_panel, mark_gaps, shade_bad
+from stickslip.detect.figures.verdict import legend
+from stickslip.logs.style import COLOURS, EVENT
+from stickslip.logs.time_axis import TimeAxis
+from stickslip.logs.trend import draw_signal, finish_panel, mark_gaps, shade_bad
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from detect.evidence import StemTrend
-    from logs import LoopRecord
+    from stickslip.detect.evidence import StemTrend
+    from stickslip.logs import LoopRecord
 
 __all__ = ["draw_trends", "named", "plot_cycles", "plot_trend", "shown_cycles"]
 
@@ -61,7 +59,7 @@ def _mark_sticks(ax: Axes, axis: TimeAxis, stem: StemTrend) -> None:
 
 def plot_trend(record: LoopRecord, stem: StemTrend | None = None) -> Figure:
     """The whole record; a long one as the envelope of its lowest and highest values."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(9.6, 3.9), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
@@ -81,7 +79,7 @@ def plot_cycles(record: LoopRecord, period: float, stem: StemTrend | None) -> Fi
     """The last few cycles: PV with SP, and OP with the stem; dotted where it slips, a bar where it stands."""
     from dataclasses import replace
 
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     t0, t1 = shown_cycles(record, period, stem)
     part = replace(record, log=record.log.between(t0, t1))

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from detect.figures.half_waves import OTHER, SINE, WAVE
-from detect.figures.verdict import draw_reason, legend
-from detect.verdict import Verdict
-from logs.style import tidy
+from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
+from stickslip.detect.figures.verdict import draw_reason, legend
+from stickslip.detect.verdict import Verdict
+from stickslip.logs.style import tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.style import INK, RED, SOFT, tidy
+from stickslip.logs.style import INK, RED, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from detect.plantwide.survey import Group, Survey
+    from stickslip.detect.plantwide.survey import Group, Survey
 
 __all__ = ["plot_survey"]
 
@@ -23,7 +21,7 @@ POINTS = 2000
 
 def plot_survey(survey: Survey) -> Figure:
     """A row a group: its strongest tags, and OP of its first suspect against the tag that shows the band."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     rows = max(len(survey.groups), 1)
     heights = [0.9 + 0.26 * min(len(g.shares), MOST) for g in survey.groups] or [1.0]

@@ -5,22 +5,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from detect.likelihood.pooled import GAIN
-from logs.picture import Picture
-from logs.style import INK, PALE, SHADE, tidy
+from stickslip.detect.likelihood.pooled import GAIN
+from stickslip.logs.picture import Picture
+from stickslip.logs.style import INK, PALE, SHADE, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from detect.tag import Tag
+    from stickslip.detect.tag import Tag
 
 __all__ = ["plot_tag"]
 
 
 def plot_tag(tag: Tag) -> Figure:
     """Return the picture; without evidence it holds the reason only."""
-    from detect.figures.verdict import draw_reason
+    from stickslip.detect.figures.verdict import draw_reason
 
     figure = Picture(figsize=(9.6, 3.4), layout="constrained")
     e = tag.evidence

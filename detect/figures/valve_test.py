@@ -5,17 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.style import COLOURS, CYCLE, FIT, GREEN, PALE, tidy
-from logs.thinned import thinned
-from logs.time_axis import TimeAxis, time_unit
-from logs.trend import finish_panel
+from stickslip.logs.style import COLOURS, CYCLE, FIT, GREEN, PALE, tidy
+from stickslip.logs.thinned import thinned
+from stickslip.logs.time_axis import TimeAxis, time_unit
+from stickslip.logs.trend import finish_panel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from detect.valve_test.analysis import ValveTest
+    from stickslip.detect.valve_test.analysis import ValveTest
 
 __all__ = ["plot_responses", "plot_valve_test"]
 
@@ -25,7 +23,7 @@ BEFORE, AFTER = 0.2, 4.0  # of T86: how much of a step response is drawn
 
 def plot_valve_test(test: ValveTest) -> Figure:
     """The trend, and the position of the valve over OP; steps without an answer are grey."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(9.5, 4.2), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.7, 1.0))
@@ -75,7 +73,7 @@ def _trend(test: ValveTest, upper: Axes, lower: Axes) -> None:
 
 def plot_responses(test: ValveTest) -> Figure | None:
     """The answers to the timed steps on one another, each as a share of its final change; None without any."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     if not test.responses:
         return None

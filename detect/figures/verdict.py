@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.verdict import Verdict
-from detect.words import WORDS
-from logs.style import AFTER, BEFORE, COLOURS, FIT, UNUSED, tidy
+from stickslip.detect.verdict import Verdict
+from stickslip.detect.words import WORDS
+from stickslip.logs.style import AFTER, BEFORE, COLOURS, FIT, UNUSED, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +24,7 @@ DOTS = 250  # about as many half cycles of either side are drawn one by one
 
 def plot_verdict(v: Verdict) -> Figure:
     """One figure: evidence of the method above, verdict and reason as its title."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(10, 4.6), layout="constrained")
     reason = "" if v.draw is None or len(v.evidence) == 0 else "\n" + textwrap.fill(v.reason, 150)

@@ -75,7 +75,7 @@ def confirming_steps(cause: str, S: float, unit: str) -> str:
     >>> confirming_steps("stiction", 4.0, "% of OP")[:60]
     'put the loop in manual, move OP by 8 % one way until PV foll'
     """
-    from detect.judge.model import rounded
+    from stickslip.detect.judge.model import rounded
 
     unit = unit.removesuffix(" of OP")  # it is OP that is moved
     return CAUSES[cause].test.format(start=rounded(2.0 * S), step=rounded(0.25 * S), count=6, unit=unit)

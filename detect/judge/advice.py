@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from detect.verdict import Code, Word
+from stickslip.detect.verdict import Code, Word
 
 __all__ = ["ADVICE", "advice"]
 

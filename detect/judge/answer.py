@@ -22,23 +22,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from detect.chances import chance
-from detect.judge.actions import CAUSES, confirming_steps
-from detect.judge.earned import not_earned, usable
-from detect.judge.features import features_of, view_of
-from detect.judge.features.view import LONGEST, View
-from detect.judge.grounds import grounds
-from detect.judge.model import Model, Opinion, calibrated, rounded
-from detect.judge.own_slips import own_slips
-from detect.judge.still_stem import Still, still_stem
-from detect.likelihood.pooled import Evidence
-from detect.likelihood.words import said as in_words
-from detect.plantwide.slips import Slips
-from detect.prepare.prepared import STEPS_MAX, Prepared
-from detect.prepare.recent import recent, samples_per_period
-from detect.verdict import Verdict
-from detect.words import Word
+from stickslip.detect.chances import chance
+from stickslip.detect.judge.actions import CAUSES, confirming_steps
+from stickslip.detect.judge.earned import not_earned, usable
+from stickslip.detect.judge.features import features_of, view_of
+from stickslip.detect.judge.features.view import LONGEST, View
+from stickslip.detect.judge.grounds import grounds
+from stickslip.detect.judge.model import Model, Opinion, calibrated, rounded
+from stickslip.detect.judge.own_slips import own_slips
+from stickslip.detect.judge.still_stem import Still, still_stem
+from stickslip.detect.likelihood.pooled import Evidence
+from stickslip.detect.likelihood.words import said as in_words
+from stickslip.detect.plantwide.slips import Slips
+from stickslip.detect.prepare.prepared import STEPS_MAX, Prepared
+from stickslip.detect.prepare.recent import recent, samples_per_period
+from stickslip.detect.verdict import Verdict
+from stickslip.detect.words import Word
 
 __all__ = ["Amount", "Answer", "answer", "next_step"]
 
@@ -107,7 +106,7 @@ class Answer:
 def answer(loop: Prepared, model: Model | None = None) -> Answer:
     """The calibrated answer on a prepared record; ``model`` by default the one that the package ships.
 
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(300.0)
     >>> answer(Prepared(LoopRecord.from_arrays(t, pv=0 * t + 4, op=50 + np.sin(t / 9)))).word
     'not_applicable'
@@ -117,7 +116,7 @@ def answer(loop: Prepared, model: Model | None = None) -> Answer:
         return _refusal(refused.text)
     still = None if loop.record.mv is None else still_stem(loop)
     if loop.record.mv is not None and still is None:
-        from detect.methods import stem_play
+        from stickslip.detect.methods import stem_play
 
         told = stem_play.detect(loop)
         if told.applicable:

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from detect.verdict import Verdict, Word
+from stickslip.detect.verdict import Verdict, Word
 
 __all__ = ["WEIGHTS", "Combine", "Weight", "WeightedVote"]
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from detect.judge.answer import Amount
-from detect.judge.model import rounded
+from stickslip.detect.judge.answer import Amount
+from stickslip.detect.judge.model import rounded
 
 __all__ = ["COLUMNS", "confirming_rows"]
 

@@ -5,8 +5,8 @@ Clearing needs the evidence to exclude dead travel by itself (``likelihood.poole
 
 from __future__ import annotations
 
-from detect.likelihood.pooled import Evidence
-from detect.prepare.prepared import Prepared
+from stickslip.detect.likelihood.pooled import Evidence
+from stickslip.detect.prepare.prepared import Prepared
 
 __all__ = ["not_earned", "usable"]
 

@@ -6,8 +6,8 @@
                        outer two widened; J likewise
 
 The causes sum to one and the probability of stiction is one of them, so that the two can never disagree.  Trees, a, b,
-limits and widths come from ``python -m calibration train`` (simulated loops only) and are kept in ``FILE``, an open
-``numpy`` archive; a, b, limits and widths from other seeds than the trees.
+limits and widths come from ``python -m stickslip.calibration train`` (simulated loops only) and are kept in ``FILE``,
+an open ``numpy`` archive; a, b, limits and widths from other seeds than the trees.
 """
 
 from __future__ import annotations
@@ -22,8 +22,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.trees import Trees
+from stickslip.detect.judge.trees import Trees
 
 __all__ = ["FILE", "SCHEMA", "Model", "Opinion", "calibrated"]
 
@@ -128,7 +127,7 @@ class Model:
         numbers = json.loads(str(arrays["numbers"]))
         if numbers["schema"] != SCHEMA:
             raise ValueError(
-                f"{file} holds {numbers['schema']}, not {SCHEMA}; fit it again: python -m calibration train"
+                f"{file} holds {numbers['schema']}, not {SCHEMA}; fit it again: python -m stickslip.calibration train"
             )
         trees = {
             k: Trees.read({n.removeprefix(f"{k}/"): v for n, v in arrays.items() if n.startswith(f"{k}/")})

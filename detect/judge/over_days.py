@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from detect.judge.answer import Answer, answer
-from detect.judge.pooled import evidence_of_all, pooled
-from detect.prepare.days import DAY, days_of
-from detect.prepare.prepared import Prepared
+from stickslip.detect.judge.answer import Answer, answer
+from stickslip.detect.judge.pooled import evidence_of_all, pooled
+from stickslip.detect.prepare.days import DAY, days_of
+from stickslip.detect.prepare.prepared import Prepared
 
 __all__ = ["answer_over_days"]
 
@@ -14,7 +14,7 @@ def answer_over_days(loop: Prepared) -> Answer:
     """The answer on a record, by its days where it has two or more that can be judged and its stem is not logged.
 
     >>> import numpy as np
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t, rng = np.arange(0.0, 2 * 86400.0, 120.0), np.random.default_rng(1)
     >>> u = 50 + 5 * np.sin(t / 900) + np.sin(t / 4000)
     >>> y = np.concatenate([[50.0], u[:-1]]) + 0.1 * rng.normal(size=len(t))

@@ -20,10 +20,9 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.plantwide.slips import SIDE, Jumps, Slips, jumps_of, larger, slips_of
-from detect.prepare.prepared import Prepared
-from detect.prepare.process_kind import kind_of_tag
+from stickslip.detect.plantwide.slips import SIDE, Jumps, Slips, jumps_of, larger, slips_of
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.process_kind import kind_of_tag
 
 __all__ = ["driving", "own_slips", "rate_of"]
 
@@ -43,8 +42,8 @@ IN_RUNS = 0.9  # of the bends of PV that have another beside them: a process ben
 def own_slips(loop: Prepared) -> Slips | None:
     """Return the slips that the PV of a loop shows of its own valve; None where none, or OP's span is not known.
 
-    >>> from detect.prepare.stick import stick
-    >>> from logs import LoopRecord
+    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(3000.0)
     >>> u = 50 + 5 * np.sin(t / 60) + 2 * np.sin(t / 171)
     >>> level = np.cumsum(50 - stick(u, 4.0, 1.0) + np.sin(t / 100))

@@ -17,16 +17,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-
-from detect.chances import chance
-from detect.judge.actions import CAUSES
-from detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
-from detect.judge.earned import usable
-from detect.judge.model import Model, Opinion, calibrated
-from detect.likelihood.pooled import Evidence, evidence_of
-from detect.likelihood.words import said
-from detect.prepare.prepared import Prepared
-from detect.verdict import Word
+from stickslip.detect.chances import chance
+from stickslip.detect.judge.actions import CAUSES
+from stickslip.detect.judge.answer import LEVEL, LEVELS_CYCLE, PERCENT, Amount, Answer, next_step
+from stickslip.detect.judge.earned import usable
+from stickslip.detect.judge.model import Model, Opinion, calibrated
+from stickslip.detect.likelihood.pooled import Evidence, evidence_of
+from stickslip.detect.likelihood.words import said
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import Word
 
 __all__ = ["evidence_of_all", "pooled"]
 

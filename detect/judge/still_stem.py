@@ -24,10 +24,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.prepared import Grid, Prepared
-from detect.prepare.smoothing import noise_std
-from detect.prepare.stick import turns
+from stickslip.detect.prepare.prepared import Grid, Prepared
+from stickslip.detect.prepare.smoothing import noise_std
+from stickslip.detect.prepare.stick import turns
 
 __all__ = ["Still", "still_stem"]
 
@@ -64,7 +63,7 @@ class Still(NamedTuple):
 def still_stem(loop: Prepared) -> Still | None:
     """Return what a logged stem says that never moves while OP does; None where none is logged, or it moves.
 
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(2000.0)
     >>> u, load = 50 + 2 * np.sin(t / 50), np.sin(t / 50 + 1)
     >>> told = still_stem(Prepared(LoopRecord.from_arrays(t, pv=load, op=u, mv=0 * t + 50.3, op_span=(0, 100))))

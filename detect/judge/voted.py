@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from detect.judge.advice import advice
-from detect.judge.answer import Answer
-from detect.judge.combine import Combine
-from detect.verdict import Verdict
-from detect.words import WORDS, Word
+from stickslip.detect.judge.advice import advice
+from stickslip.detect.judge.answer import Answer
+from stickslip.detect.judge.combine import Combine
+from stickslip.detect.verdict import Verdict
+from stickslip.detect.words import WORDS, Word
 
 __all__ = ["beside", "voted"]
 

@@ -4,8 +4,7 @@ import math
 from typing import Any
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = ["climb", "told_by"]
 

@@ -32,8 +32,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.likelihood.stems import COARSE, FINER, LATE, Gains, Stems
+from stickslip.detect.likelihood.stems import COARSE, FINER, LATE, Gains, Stems
 
 __all__ = ["Day", "Evidence", "evidence_of"]
 
@@ -160,8 +159,8 @@ class _At:
 def evidence_of(records: Sequence[Stems]) -> Evidence:
     """The evidence of one valve from its records; raises ValueError for none.
 
-    >>> from detect.likelihood.stems import stems_of
-    >>> from detect.prepare.stick import stick
+    >>> from stickslip.detect.likelihood.stems import stems_of
+    >>> from stickslip.detect.prepare.stick import stick
     >>> t, rng = np.arange(2000.0), np.random.default_rng(1)
     >>> u = 5 * np.sin(t / 25) + np.sin(t / 80)
     >>> y = np.concatenate([[0.0], stick(u, 2.0)[:-1]]) + 0.1 * rng.normal(size=2000)

@@ -40,7 +40,7 @@ def lines(X: Values, y: Values, nu: float, floor: float, steps: int = STEPS, w: 
     >>> found.b.round(3).tolist()
     [[2.0, 3.0]]
     """
-    from detect.likelihood.kernels import climb
+    from stickslip.detect.likelihood.kernels import climb
 
     c, n, p = X.shape
     weights = np.ones((c, n)) if w is None else np.tile(w, (c, 1))

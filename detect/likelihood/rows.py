@@ -15,9 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.recent import blocks, recent
-from detect.prepare.stick import turns
+from stickslip.detect.prepare.recent import blocks, recent
+from stickslip.detect.prepare.stick import turns
 
 __all__ = ["LATEST", "Rows", "past", "rows_of"]
 

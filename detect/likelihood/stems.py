@@ -26,11 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.likelihood.regression import lines
-from detect.likelihood.rows import LATEST, Rows, past, rows_of
-from detect.prepare.stick import stick
-from detect.prepare.valve_models import he
+from stickslip.detect.likelihood.regression import lines
+from stickslip.detect.likelihood.rows import LATEST, Rows, past, rows_of
+from stickslip.detect.prepare.stick import stick
+from stickslip.detect.prepare.valve_models import he
 
 __all__ = ["FINER", "Gains", "Stems", "stems_of"]
 
@@ -174,7 +173,7 @@ class Stems:
 
     def _screened(self, inputs: Values, k: int) -> Values:
         """Log-likelihood of every input (n, c) but for a constant, at the weights of the line through OP, (c,)."""
-        from detect.likelihood.kernels import told_by
+        from stickslip.detect.likelihood.kernels import told_by
 
         root, y = np.sqrt(self.weights), self._kept(self.rows.y)
         q, _ = np.linalg.qr(self.base * root[:, None])

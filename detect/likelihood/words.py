@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from detect.likelihood.pooled import ANSWERS, DELAYS, EXCLUDED, FINEST, GAIN, TURNS, WITHOUT_BEST, Evidence
+from stickslip.detect.likelihood.pooled import ANSWERS, DELAYS, EXCLUDED, FINEST, GAIN, TURNS, WITHOUT_BEST, Evidence
 
 __all__ = ["said"]
 

@@ -53,17 +53,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare import cycles
-from detect.prepare.cycles import Cycles, Refusal
-from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle
-from detect.prepare.lateness import Lateness, closed_form, lag_of, lateness
-from detect.prepare.order import percentile
-from detect.prepare.prepared import Prepared, prepared
-from detect.stream import Buffer, LoopFacts, Sample
-from detect.verdict import Code, Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare import cycles
+from stickslip.detect.prepare.cycles import Cycles, Refusal
+from stickslip.detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle
+from stickslip.detect.prepare.lateness import Lateness, closed_form, lag_of, lateness
+from stickslip.detect.prepare.order import percentile
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.stream import Buffer, LoopFacts, Sample
+from stickslip.detect.verdict import Code, Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -370,6 +369,6 @@ def _fresh(found: Cycles, past: tuple[HalfCycle, ...]) -> tuple[HalfCycle, ...]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """e with the areas before (A1) and after (A2) each peak, and R of every half cycle with the interval."""
-    from detect.figures.verdict import draw_half_cycles
+    from stickslip.detect.figures.verdict import draw_half_cycles
 
     draw_half_cycles(v, figure)

@@ -39,13 +39,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.surrogates import end_matched, phase_randomised
-from detect.verdict import Verdict
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.surrogates import end_matched, phase_randomised
+from stickslip.detect.verdict import Verdict
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -340,8 +339,8 @@ def _means(x: Values, each: int, most: int) -> Values:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """bic^2 over both frequencies, NLI among its twins, and the PV-OP curve where it was measured."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("squared")):
         draw_reason(v.reason, figure)

@@ -23,17 +23,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.pool import Pool, pooled
-from detect.prepare.play import travel_of
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.smoothing import noise_std
-from detect.prepare.stem import stem_signal
-from detect.prepare.stick import turn_time
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.prepare.play import travel_of
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.smoothing import noise_std
+from stickslip.detect.prepare.stem import stem_signal
+from stickslip.detect.prepare.stick import turn_time
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -185,8 +184,8 @@ remember, recall = pooled(_seen, _judged, most=800)
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem (or PV) over time, with the intervals that count shaded."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("t")):
         draw_reason(v.reason, figure)

@@ -27,15 +27,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.pool import Pool, pooled
-from detect.prepare.against_sine import AgainstSine
-from detect.prepare.half_wave_fits import Samples, free_triangle, sine
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, Signal, prepared
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.prepare.against_sine import AgainstSine
+from stickslip.detect.prepare.half_wave_fits import Samples, free_triangle, sine
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -157,7 +156,7 @@ def _word(index: float, low: float, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The half waves with the sine and the triangle, and the two errors of each."""
-    from detect.figures.half_waves import draw_fits
+    from stickslip.detect.figures.half_waves import draw_fits
 
     signal = "PV" if v.evidence.get("of_pv") else "OP"
     draw_fits(v, figure, signal, "triangle", "below the diagonal the triangle fits better")

@@ -26,14 +26,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.likelihood.pooled import GAIN
-from detect.likelihood.words import said
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.likelihood.pooled import GAIN
+from stickslip.detect.likelihood.words import said
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -103,8 +102,8 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def draw(verdict: Verdict, figure: FigureBase) -> None:
     """OP with the likeliest stem, the gain of every S, and what each tenth of the record adds to it."""
-    from detect.figures.verdict import draw_reason, legend
-    from logs.style import COLOURS, INK, PALE, SHADE, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason, legend
+    from stickslip.logs.style import COLOURS, INK, PALE, SHADE, SOFT, tidy
 
     if not len(verdict.array("u")):
         draw_reason(verdict.reason, figure)

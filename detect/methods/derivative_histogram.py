@@ -34,14 +34,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.pool import Pool, pooled
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.smoothing import moving_average
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.smoothing import moving_average
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -232,9 +231,9 @@ def _word(found: Humps, share: float, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The histogram with the bell and the two humps."""
-    from detect.figures.half_waves import OTHER, SINE, WAVE
-    from detect.figures.verdict import draw_reason, legend
-    from logs.style import tidy
+    from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
+    from stickslip.detect.figures.verdict import draw_reason, legend
+    from stickslip.logs.style import tidy
 
     if "density" not in v.evidence:
         draw_reason(v.reason, figure)

@@ -28,13 +28,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import CUT, Prepared, Signal, prepared
-from detect.prepare.whole_cycles import averaged, whole_cycles
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import CUT, Prepared, Signal, prepared
+from stickslip.detect.prepare.whole_cycles import averaged, whole_cycles
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -207,9 +206,9 @@ def _word(index: float, sines: float, level: bool, p: Params) -> tuple[Word, str
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The cycles of OP and PV with the template that most of them are nearest to."""
-    from detect.figures.half_waves import OTHER, WAVE
-    from detect.figures.verdict import draw_reason, legend
-    from logs.style import tidy
+    from stickslip.detect.figures.half_waves import OTHER, WAVE
+    from stickslip.detect.figures.verdict import draw_reason, legend
+    from stickslip.logs.style import tidy
 
     if "phase" not in v.evidence or "PV cycles" not in v.evidence:
         draw_reason(v.reason, figure)

@@ -34,16 +34,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.bootstrap import interval
-from detect.prepare.half_cycles import crossings
-from detect.prepare.order import percentile
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.stream import Buffer, LoopFacts, Sample
-from detect.verdict import Code, Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.bootstrap import interval
+from stickslip.detect.prepare.half_cycles import crossings
+from stickslip.detect.prepare.order import percentile
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.stream import Buffer, LoopFacts, Sample
+from stickslip.detect.verdict import Code, Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -151,7 +150,7 @@ def measure(t: Values, e: Values, sp: Values, start: float, end: float, block: i
 
 def measure_all(t: Values, e: Values, sp: Values, cuts: Values, block: int = 4096) -> list[HalfWave]:
     """The half waves between neighbouring ``cuts`` [s] that have samples inside, as ``measure`` gives one by one."""
-    from detect.prepare.half_cycle_kernels import half_waves
+    from stickslip.detect.prepare.half_cycle_kernels import half_waves
 
     m = max(len(cuts) - 1, 0)
     sums, shapes = np.zeros((m, 7)), np.zeros((m, len(_PHASE)))
@@ -171,7 +170,7 @@ def measure_all(t: Values, e: Values, sp: Values, cuts: Values, block: int = 409
 
 def _mean_abs(e: Values, memory: int) -> Values:
     """Mean of |e| up to each sample: of all samples while they are fewer than ``memory``, forgetting afterwards."""
-    from detect.prepare.half_cycle_kernels import mean_abs
+    from stickslip.detect.prepare.half_cycle_kernels import mean_abs
 
     found = np.empty(len(e))
     mean_abs(e, memory, found)
@@ -209,7 +208,7 @@ def _no_set_point(p: Params) -> Verdict:
 
 
 def _judge(halves: tuple[HalfWave, ...], facts: LoopFacts, p: Params) -> Verdict:
-    from detect.prepare.health_kernels import spread
+    from stickslip.detect.prepare.health_kernels import spread
 
     def no(code: Code, reason: str) -> Verdict:
         return Verdict.not_applicable(NAME, code, reason, p.I_stiction)
@@ -357,6 +356,6 @@ def verdict(p: Params, state: State) -> Verdict:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The half waves of e with the sine and the square of equal area, and the two errors of each."""
-    from detect.figures.half_waves import draw_fits
+    from stickslip.detect.figures.half_waves import draw_fits
 
     draw_fits(v, figure, "|e|", "square", "below the diagonal the square fits better")

@@ -32,15 +32,14 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.filters import summits
-from detect.prepare.linear_models import Fit, Linear, bank, fit, near_by
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.valve_models import VALVES
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.filters import summits
+from stickslip.detect.prepare.linear_models import Fit, Linear, bank, fit, near_by
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.valve_models import VALVES
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -295,8 +294,8 @@ def _extremes(x: Values, each: int, most: int) -> Values:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """PV and the model over time, and F over the triangle of S and J with its region of confidence."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("y")):
         draw_reason(v.reason, figure)

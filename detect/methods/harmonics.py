@@ -26,13 +26,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.pool import Pool, pooled
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -198,9 +197,9 @@ def _level(op: Harmonics, pv: Harmonics, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """a_3 over a_1 of every block in the complex plane, turned so that a triangle lies right and a square left."""
-    from detect.figures.verdict import draw_reason, legend
-    from logs.figures import COLOURS
-    from logs.style import FIT, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason, legend
+    from stickslip.logs.figures import COLOURS
+    from stickslip.logs.style import FIT, SOFT, tidy
 
     if "op_re" not in v.evidence:
         draw_reason(v.reason, figure)

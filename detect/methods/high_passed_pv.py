@@ -36,15 +36,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.bootstrap import interval
-from detect.prepare.filters import first_order
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.pv_op_loops import SMOOTHED_AT, Loops, loops, tilt
-from detect.verdict import Draw, Verdict
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.bootstrap import interval
+from stickslip.detect.prepare.filters import first_order
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.pv_op_loops import SMOOTHED_AT, Loops, loops, tilt
+from stickslip.detect.verdict import Draw, Verdict
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -206,6 +205,6 @@ def judged(
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """High-passed PV over OP with the ellipse that sines would draw."""
-    from detect.figures.pv_op import draw_pv_op
+    from stickslip.detect.figures.pv_op import draw_pv_op
 
     draw_pv_op(v, figure, "high-passed PV")

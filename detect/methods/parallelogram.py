@@ -30,15 +30,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.play import interval, travel_of
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.stem import stem_signal
-from detect.prepare.stick import stick, turn_time, turns
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.play import interval, travel_of
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.stem import stem_signal
+from stickslip.detect.prepare.stick import stick, turn_time, turns
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -102,7 +101,7 @@ class Width(NamedTuple):
 def width(u: Values, y: Values, turn: float) -> Width:
     """The width of the play between u and y (n,); ``turn`` [samples] is the time between two turns of u.
 
-    >>> from detect.prepare.stick import stick
+    >>> from stickslip.detect.prepare.stick import stick
     >>> t = np.arange(800.0)
     >>> u = 5 * np.sin(t / 15) + np.sin(t / 47)
     >>> found = width(u, stick(u, 4.0), 47.0)
@@ -206,7 +205,7 @@ def sizes_of(u: Values, y: Values, found: Width) -> Sizes:
 def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
     """The verdict on one loop.
 
-    >>> from detect.prepare.stick import stick
+    >>> from stickslip.detect.prepare.stick import stick
     >>> t = np.arange(800.0)
     >>> op = 50 + 5 * np.sin(t / 15) + np.sin(t / 47)
     >>> v = detect(LoopRecord.from_arrays(t, pv=stick(op, 4.0), op=op, process="self_regulating"))
@@ -262,8 +261,8 @@ def _word(found: Width, W: float, reversals: int, p: Params) -> tuple[Word, str]
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The OP-MV (or PV) picture with the fitted parallelogram, and the correlation over the width."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("u")):
         draw_reason(v.reason, figure)

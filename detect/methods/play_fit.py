@@ -46,15 +46,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.controller import controller_sign
-from detect.prepare.play import Fit, fit
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Grid, Prepared, prepared
-from detect.prepare.stick import turn_time
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.controller import controller_sign
+from stickslip.detect.prepare.play import Fit, fit
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Grid, Prepared, prepared
+from stickslip.detect.prepare.stick import turn_time
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -231,8 +230,8 @@ def _word(f: Fit, turn: float, turned: int, loop: Prepared, p: Params) -> tuple[
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP with the fitted stem, PV with both fits, and how the fit worsens away from the best S."""
-    from detect.figures.verdict import draw_reason, legend
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason, legend
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("u")):
         draw_reason(v.reason, figure)

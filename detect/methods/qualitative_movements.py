@@ -34,16 +34,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.pool import Pool, pooled
-from detect.prepare.controller import controller_sign
-from detect.prepare.linear_twins import linear_twins
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.stem import stem_signal
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.prepare.controller import controller_sign
+from stickslip.detect.prepare.linear_twins import linear_twins
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.stem import stem_signal
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -251,8 +250,8 @@ def _word(found: Movements, chance: float, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem over time with the sticking pairs (IS, DS) marked."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("t")):
         draw_reason(v.reason, figure)

@@ -23,14 +23,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.interval_halving import Piece, primitives
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, Signal, prepared
-from detect.prepare.whole_cycles import averaged, whole_cycles
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.interval_halving import Piece, primitives
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, Signal, prepared
+from stickslip.detect.prepare.whole_cycles import averaged, whole_cycles
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -166,9 +165,9 @@ def _evidence(cycles: Values, words: list[tuple[Piece, ...]], signal: Signal) ->
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The first cycles, each piece with its letter."""
-    from detect.figures.half_waves import OTHER, SINE, WAVE
-    from detect.figures.verdict import draw_reason
-    from logs.style import tidy
+    from stickslip.detect.figures.half_waves import OTHER, SINE, WAVE
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import tidy
 
     if "pieces" not in v.evidence:
         draw_reason(v.reason, figure)

@@ -26,14 +26,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.pool import pooled
-from detect.prepare.against_sine import AgainstSine
-from detect.prepare.half_wave_fits import Samples, relay, relay_wave, sine, triangle
-from detect.prepare.prepared import Prepared, prepared
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.pool import pooled
+from stickslip.detect.prepare.against_sine import AgainstSine
+from stickslip.detect.prepare.half_wave_fits import Samples, relay, relay_wave, sine, triangle
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -148,6 +147,6 @@ def _word(index: float, low: float, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The half waves of PV with the sine and the relay wave, and the two errors of each."""
-    from detect.figures.half_waves import draw_fits
+    from stickslip.detect.figures.half_waves import draw_fits
 
     draw_fits(v, figure, "PV", "relay wave", "below the diagonal the relay wave fits better")

@@ -23,13 +23,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.pool import Pool, pooled
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import CUT, Prepared, prepared
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.pool import Pool, pooled
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import CUT, Prepared, prepared
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -148,8 +147,8 @@ def _word(K: float, half: float, share: float, p: Params) -> tuple[Word, str]:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """PV and its second difference over time, and the distribution of the latter."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("d")):
         draw_reason(v.reason, figure)

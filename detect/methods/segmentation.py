@@ -33,12 +33,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -240,8 +239,8 @@ def _word(rate: float, stay: float, gain: float, needed: float, p: Params) -> tu
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP with the stem below it, and PV."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("stem")):
         draw_reason(v.reason, figure)

@@ -24,14 +24,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.methods import high_passed_pv
-from detect.methods.high_passed_pv import flow_loops, judged
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.pv_op_loops import SMOOTHED_AT, loops
-from detect.verdict import Verdict
-from logs import LoopRecord
+from stickslip.detect.methods import high_passed_pv
+from stickslip.detect.methods.high_passed_pv import flow_loops, judged
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.pv_op_loops import SMOOTHED_AT, loops
+from stickslip.detect.verdict import Verdict
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -93,6 +92,6 @@ def detect(record: LoopRecord | Prepared, p: Params = Params()) -> Verdict:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """Shifted PV over OP with the ellipse that sines would draw."""
-    from detect.figures.pv_op import draw_pv_op
+    from stickslip.detect.figures.pv_op import draw_pv_op
 
     draw_pv_op(v, figure, "PV a quarter of a period later")

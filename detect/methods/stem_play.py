@@ -35,15 +35,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.play import travel_of
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.stem_noise import rounding, stem_noise
-from detect.prepare.stick import turn_time
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.play import travel_of
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.stem_noise import rounding, stem_noise
+from stickslip.detect.prepare.stick import turn_time
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -130,7 +129,7 @@ def stem(
 
     It may be up to ``latest`` samples late.
 
-    >>> from detect.prepare.stick import stick
+    >>> from stickslip.detect.prepare.stick import stick
     >>> t = np.arange(2000.0)
     >>> u = 5 * np.sin(t / 40) + np.sin(t / 171)
     >>> found = stem(u, 2.0 + 0.5 * stick(u, 4.0, 1.5))
@@ -352,8 +351,8 @@ def _word(f: Stem, unit: float, travel: float, turned: int, apart: float, noise:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The OP-MV picture, both over time with the stands shaded, and S and J of every stand."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("u")):
         draw_reason(v.reason, figure)

@@ -27,14 +27,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.half_cycles import crossings
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.surrogates import phase_randomised
-from detect.verdict import Verdict
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.half_cycles import crossings
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.surrogates import phase_randomised
+from stickslip.detect.verdict import Verdict
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -166,8 +165,8 @@ def _whole_cycles(loop: Prepared, period: int, most: int) -> Values:
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """The wave and one of its twins; the forecast errors of all twins, and of the record."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("x")):
         draw_reason(v.reason, figure)

@@ -32,16 +32,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.prepare.controller import controller_sign
-from detect.prepare.linear_twins import linear_twins
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, prepared
-from detect.prepare.stem import stem_signal
-from detect.prepare.stick import turn_time
-from detect.verdict import Verdict, Word
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.controller import controller_sign
+from stickslip.detect.prepare.linear_twins import linear_twins
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, prepared
+from stickslip.detect.prepare.stem import stem_signal
+from stickslip.detect.prepare.stick import turn_time
+from stickslip.detect.verdict import Verdict, Word
+from stickslip.logs import LoopRecord
 
 if TYPE_CHECKING:
     from matplotlib.figure import FigureBase
@@ -207,8 +206,8 @@ def _word(omega: float, opposite: float, chance: float, turned: int, name: str, 
 
 def draw(v: Verdict, figure: FigureBase) -> None:
     """OP and the stem (or PV) over time with the flagged windows shaded."""
-    from detect.figures.verdict import draw_reason
-    from logs.style import INK, SOFT, tidy
+    from stickslip.detect.figures.verdict import draw_reason
+    from stickslip.logs.style import INK, SOFT, tidy
 
     if not len(v.array("t")):
         draw_reason(v.reason, figure)

@@ -47,12 +47,11 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
-from detect.prepare.gaps import bridgeable, split
-from detect.prepare.smoothing import moving_average
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
+from stickslip.detect.prepare.gaps import bridgeable, split
+from stickslip.detect.prepare.smoothing import moving_average
+from stickslip.logs import LoopRecord
 
 __all__ = ["CARD", "Params", "find", "find_in", "significant_crossings"]
 
@@ -186,7 +185,7 @@ def _drifts(halves: tuple[Gate, Gate], p: Params) -> bool:
 
 def _find_one(t: Values, x: Values, p: Params) -> Gate:
     """Test for one period over the whole signal, as it is and with its drift removed."""
-    from detect.oscillation.acf_kernels import levelled, short_beat_without_drift
+    from stickslip.detect.oscillation.acf_kernels import levelled, short_beat_without_drift
 
     n = len(t)
     if n < _SAMPLES_MIN:
@@ -245,7 +244,7 @@ def _acf_test(t: Values, beat: Beat, p: Params) -> Gate:
 
 def _beat(y: Values, p: Params) -> Beat:
     """Standard deviation of y (n,), crossings of its autocorrelation, and what ``acf_kernels.beat`` says of them."""
-    from detect.oscillation.acf_kernels import beat, centred, powers, short_beat
+    from stickslip.detect.oscillation.acf_kernels import beat, centred, powers, short_beat
 
     n = len(y)
     if n <= _SHORT:
@@ -278,7 +277,7 @@ def significant_crossings(acf: Values, band: float, most: int | None = None) -> 
 
     Those after the first ``most`` are not looked at.
     """
-    from detect.oscillation.acf_kernels import swings
+    from stickslip.detect.oscillation.acf_kernels import swings
 
     found = np.empty(len(acf) if most is None else most)
     count = swings(np.ascontiguousarray(acf), band, len(found), found)
@@ -287,7 +286,7 @@ def significant_crossings(acf: Values, band: float, most: int | None = None) -> 
 
 def _strongest_period(y: Values, dt: float) -> float:
     """Period of the highest spectral line with at least three cycles in the record [s]."""
-    from detect.oscillation.acf_kernels import powers
+    from stickslip.detect.oscillation.acf_kernels import powers
 
     spectrum = np.fft.rfft(y * _hanning(len(y)))[3:]
     power = np.empty(len(spectrum))

@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.oscillation.gate import REGULARITY_MAX
-from detect.prepare.gaps import bridgeable, split
-from logs import LoopRecord
+from stickslip.detect.oscillation.gate import REGULARITY_MAX
+from stickslip.detect.prepare.gaps import bridgeable, split
+from stickslip.logs import LoopRecord
 
 __all__ = ["Even", "acf", "even", "regularity"]
 

@@ -14,12 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from detect.card import Card
-from detect.oscillation.even import regularity
-from detect.oscillation.gate import Gate
-from detect.oscillation.lobes import lobes
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.oscillation.even import regularity
+from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.oscillation.lobes import lobes
+from stickslip.logs import LoopRecord
 
 __all__ = ["CARD", "Params", "find", "likeness"]
 

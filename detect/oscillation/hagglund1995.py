@@ -22,10 +22,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.oscillation.gate import REGULARITY_MAX, Gate
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate
+from stickslip.logs import LoopRecord
 
 __all__ = ["CARD", "Params", "State", "find", "gate", "init", "run", "update"]
 

@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.oscillation.even import even
-from detect.oscillation.gate import Gate
-from detect.prepare.half_cycles import crossings
-from logs import LoopRecord
+from stickslip.detect.oscillation.even import even
+from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.prepare.half_cycles import crossings
+from stickslip.logs import LoopRecord
 
 __all__ = ["Lobes", "lobes"]
 

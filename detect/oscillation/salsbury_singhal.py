@@ -20,12 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.oscillation.acf_crossings import significant_crossings
-from detect.oscillation.even import CYCLES_MIN, acf, even, regularity
-from detect.oscillation.gate import Gate
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.oscillation.acf_crossings import significant_crossings
+from stickslip.detect.oscillation.even import CYCLES_MIN, acf, even, regularity
+from stickslip.detect.oscillation.gate import Gate
+from stickslip.logs import LoopRecord
 
 __all__ = ["CARD", "Mode", "Params", "find", "mode"]
 

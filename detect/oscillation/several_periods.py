@@ -22,11 +22,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.oscillation.even import Even, acf, even, regularity
-from detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.oscillation.even import Even, acf, even, regularity
+from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate, Stretch
+from stickslip.logs import LoopRecord
 
 __all__ = ["CARD", "Params", "find", "find_all"]
 

@@ -15,12 +15,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-
-from detect.card import Card
-from detect.oscillation.even import CYCLES_MIN, regularity
-from detect.oscillation.gate import REGULARITY_MAX, Gate
-from detect.oscillation.lobes import lobes
-from logs import LoopRecord
+from stickslip.detect.card import Card
+from stickslip.detect.oscillation.even import CYCLES_MIN, regularity
+from stickslip.detect.oscillation.gate import REGULARITY_MAX, Gate
+from stickslip.detect.oscillation.lobes import lobes
+from stickslip.logs import LoopRecord
 
 __all__ = ["CARD", "Params", "find"]
 

@@ -22,8 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.stick import stick
+from stickslip.detect.prepare.stick import stick
 
 __all__ = ["Answer", "answer_of", "without_line"]
 

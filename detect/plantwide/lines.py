@@ -21,9 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.oscillation import acf_crossings
-from logs import LoopRecord
+from stickslip.detect.oscillation import acf_crossings
+from stickslip.logs import LoopRecord
 
 __all__ = ["Spectra", "Together", "groups", "spectra"]
 

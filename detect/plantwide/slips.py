@@ -28,9 +28,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.plantwide.answers import without_line
-from detect.prepare.stick import stick
+from stickslip.detect.plantwide.answers import without_line
+from stickslip.detect.prepare.stick import stick
 
 __all__ = ["Jumps", "Slips", "jumps_of", "owners", "slips_of"]
 

@@ -22,15 +22,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.still_stem import TRAVEL
-from detect.plantwide.answers import Answer, answer_of
-from detect.plantwide.lines import Spectra, groups, spectra
-from detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
-from detect.words import WORDS, Word
-from logs import Log, LogError, LoopRecord
-from logs.processes import one_thread
-from logs.shown import Shown
+from stickslip.detect.judge.still_stem import TRAVEL
+from stickslip.detect.plantwide.answers import Answer, answer_of
+from stickslip.detect.plantwide.lines import Spectra, groups, spectra
+from stickslip.detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
+from stickslip.detect.words import WORDS, Word
+from stickslip.logs import Log, LogError, LoopRecord
+from stickslip.logs.processes import one_thread
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -177,7 +176,7 @@ class Survey(Shown):
         """The tags of every group over time with their spectra, and OP of the first suspect against the tag that shows
         it.
         """
-        from detect.figures.survey import plot_survey
+        from stickslip.detect.figures.survey import plot_survey
 
         return plot_survey(self)
 
@@ -191,8 +190,8 @@ def survey(log: Log, verdicts: Mapping[str, Word] | None = None) -> Survey:
 
     Raises ``LogError`` if the log notes no loop.
 
-    >>> from detect.prepare.stick import stick
-    >>> from logs import LoopSignals
+    >>> from stickslip.detect.prepare.stick import stick
+    >>> from stickslip.logs import LoopSignals
     >>> t = np.arange(2000.0)
     >>> u = 50 + 5 * np.sin(t / 20)
     >>> wave = np.cos(t / 20)

@@ -12,14 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.card import Card
-from detect.pool import Pool
-from detect.prepare.bootstrap import interval
-from detect.prepare.half_wave_fits import Samples, folded, gather
-from detect.prepare.preconditions import refused
-from detect.prepare.prepared import Prepared, Signal
-from detect.verdict import Draw, Verdict, Word
+from stickslip.detect.card import Card
+from stickslip.detect.pool import Pool
+from stickslip.detect.prepare.bootstrap import interval
+from stickslip.detect.prepare.half_wave_fits import Samples, folded, gather
+from stickslip.detect.prepare.preconditions import refused
+from stickslip.detect.prepare.prepared import Prepared, Signal
+from stickslip.detect.verdict import Draw, Verdict, Word
 
 __all__ = ["AgainstSine"]
 

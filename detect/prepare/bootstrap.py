@@ -7,8 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.order import percentiles
+from stickslip.detect.prepare.order import percentiles
 
 __all__ = ["interval"]
 

@@ -13,10 +13,9 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.controller import controller_sign
-from detect.prepare.fact import Fact
-from detect.prepare.stick import turn_time
+from stickslip.detect.prepare.controller import controller_sign
+from stickslip.detect.prepare.fact import Fact
+from stickslip.detect.prepare.stick import turn_time
 
 __all__ = ["causality", "lag_of_pv"]
 

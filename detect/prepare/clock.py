@@ -25,8 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.half_cycles import crossings
+from stickslip.detect.prepare.half_cycles import crossings
 
 __all__ = ["CYCLES", "LIMIT", "Clock", "clock_of"]
 

@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.drawn import controlled_as_logged, drawn
-from detect.prepare.fact import Fact
-from detect.prepare.final_element import no_valve
-from detect.prepare.in_charge import asleep, copied, untracked
-from detect.prepare.order import percentile
-from detect.prepare.response import frozen, unresponsive
-from detect.prepare.stale import held, stale
-from detect.verdict import Code
-from logs import LoopRecord
-from logs.modes import CASCADE
+from stickslip.detect.prepare.drawn import controlled_as_logged, drawn
+from stickslip.detect.prepare.fact import Fact
+from stickslip.detect.prepare.final_element import no_valve
+from stickslip.detect.prepare.in_charge import asleep, copied, untracked
+from stickslip.detect.prepare.order import percentile
+from stickslip.detect.prepare.response import frozen, unresponsive
+from stickslip.detect.prepare.stale import held, stale
+from stickslip.detect.verdict import Code
+from stickslip.logs import LoopRecord
+from stickslip.logs.modes import CASCADE
 
 __all__ = [
     "Fact", "compressed", "constant", "drawn_op", "examine", "manual", "missing", "quantised", "saturated", "set_point",
@@ -175,7 +174,7 @@ def quantised(record: LoopRecord, limit: float = 10.0) -> Fact:
     The step is the smallest move; PV counts as gridded when 90 % of its values lie within 5 % of a step of
     the grid. A flat-then-jump PV on a coarse grid looks like stick-slip without any valve.
     """
-    from detect.prepare.health_kernels import on_grid
+    from stickslip.detect.prepare.health_kernels import on_grid
 
     x = _good(record, record.pv)
     moves = np.abs(np.diff(x))

@@ -7,11 +7,10 @@ takes ten sums, so that calling each from Python takes longer than the sums.
 from typing import Any
 
 import numpy as np
-
-from detect.prepare.half_cycle_kernels import flips, half_cycles, level
-from detect.prepare.health_kernels import spread, steps
-from detect.prepare.smoothing_kernels import averages, off_cubic
-from logs.compiled import njit
+from stickslip.detect.prepare.half_cycle_kernels import flips, half_cycles, level
+from stickslip.detect.prepare.health_kernels import spread, steps
+from stickslip.detect.prepare.smoothing_kernels import averages, off_cubic
+from stickslip.logs.compiled import njit
 
 __all__ = ["all_pieces"]
 

@@ -15,16 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.oscillation import acf_crossings as oscillation
-from detect.prepare import conditions
-from detect.prepare.fact import Fact
-from detect.prepare.gaps import SINGLE, Gap, falls_into, gaps_in
-from detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, in_pieces
-from detect.prepare.order import median_step
-from detect.prepare.pieces import Pieces, pieces_of
-from detect.verdict import Code
-from logs import LoopRecord
+from stickslip.detect.oscillation import acf_crossings as oscillation
+from stickslip.detect.prepare import conditions
+from stickslip.detect.prepare.fact import Fact
+from stickslip.detect.prepare.gaps import SINGLE, Gap, falls_into, gaps_in
+from stickslip.detect.prepare.half_cycles import SAMPLES_MIN, HalfCycle, in_pieces
+from stickslip.detect.prepare.order import median_step
+from stickslip.detect.prepare.pieces import Pieces, pieces_of
+from stickslip.detect.verdict import Code
+from stickslip.logs import LoopRecord
 
 __all__ = ["Cycles", "Params", "Refusal", "cut", "preconditions"]
 

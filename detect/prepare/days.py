@@ -7,8 +7,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
-
-from logs import LogError, LoopRecord
+from stickslip.logs import LogError, LoopRecord
 
 __all__ = ["CYCLES", "DAY", "MOST", "SAMPLES", "days_of", "edges_of_days", "part_of"]
 

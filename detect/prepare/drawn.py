@@ -19,9 +19,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.smoothing import noise_std
-from logs import LoopRecord
+from stickslip.detect.prepare.smoothing import noise_std
+from stickslip.logs import LoopRecord
 
 __all__ = ["controlled_as_logged", "drawn", "free_of_noise"]
 
@@ -68,7 +67,7 @@ def controlled_as_logged(record: LoopRecord) -> bool:
 
 
 def _bends(t: Values, x: Values) -> tuple[Values, Mask]:
-    from detect.prepare.health_kernels import bends, curving
+    from stickslip.detect.prepare.health_kernels import bends, curving
 
     bend, curved = np.empty(len(x) - 2), np.empty(len(x) - 2, dtype=np.bool_)
     bends(t, x, bend)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from detect.verdict import Code
+from stickslip.detect.verdict import Code
 
 __all__ = ["Fact"]
 

@@ -1,8 +1,7 @@
 """The compiled loops of ``filters``, in a file of their own so that the compiler is loaded when one runs."""
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")

@@ -23,7 +23,7 @@ def smoothed(x: Values, cut: float) -> Values:
     >>> smoothed(ripple, 0.2)[99:101].round(9).tolist()
     [3.0, 3.0]
     """
-    from detect.prepare.filter_kernels import low_passed
+    from stickslip.detect.prepare.filter_kernels import low_passed
 
     k = math.tan(0.5 * math.pi * cut)
     whole = 1.0 + math.sqrt(2.0) * k + k * k
@@ -39,7 +39,7 @@ def first_order(x: Values, b_0: float, b_1: float, a_1: float) -> Values:
     >>> first_order(np.array([1.0, 0.0, 0.0]), 1.0, 0.0, -0.5).tolist()
     [1.0, 0.5, 0.25]
     """
-    from detect.prepare.filter_kernels import passed
+    from stickslip.detect.prepare.filter_kernels import passed
 
     rows = np.ascontiguousarray(x, dtype=float)
     return np.asarray(passed(rows.reshape(-1, rows.shape[-1]), b_0, b_1, a_1).reshape(rows.shape))

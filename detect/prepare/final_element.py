@@ -9,20 +9,20 @@ A loop whose stem is logged has a valve, and a unit that is not known says nothi
 
 from __future__ import annotations
 
-from detect.prepare.fact import Fact
-from logs import LoopRecord
-from logs.tags import measurement_in
+from stickslip.detect.prepare.fact import Fact
+from stickslip.logs import LoopRecord
+from stickslip.logs.tags import measurement_in
 
 __all__ = ["no_valve"]
 
 NO_VALVES = ("speed", "flow", "temperature")
-MACHINES = ("n m", "nm", "n·m", "w", "kw", "mw", "hz")  # what no instrument of `logs.tags` measures
+MACHINES = ("n m", "nm", "n·m", "w", "kw", "mw", "hz")  # what no instrument of `stickslip.logs.tags` measures
 
 
 def no_valve(record: LoopRecord) -> Fact:
     """Whether the log shows that OP moves no valve.
 
-    >>> from logs import Log
+    >>> from stickslip.logs import Log
     >>> log = Log([0.0, 1.0], {"PV": [4.0, 5.0], "OP": [50.0, 51.0]}, units={"OP": "N m"})
     >>> no_valve(log.loop()).text
     'There is no valve in this loop: OP is in N m.'

@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from logs import LoopRecord
+from stickslip.logs import LoopRecord
 
 __all__ = ["SINGLE", "Gap", "bridgeable", "describe", "falls_into", "gaps_in", "split", "taken"]
 

@@ -8,8 +8,7 @@ import math
 from typing import Any
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = ["FAULTS", "flips", "half_cycle", "half_cycles", "half_waves", "level", "mean_abs"]
 

@@ -69,7 +69,7 @@ def crossings(t: Values, x: Values, band: float | Values = 0.0) -> Values:
     >>> crossings(np.array([0.0, 1, 2, 3]), np.array([-1.0, 1, 3, -1])).tolist()
     [0.5, 2.75]
     """
-    from detect.prepare.half_cycle_kernels import flips
+    from stickslip.detect.prepare.half_cycle_kernels import flips
 
     times = np.empty(len(x))
     bands = np.full(len(x), band, dtype=float) if np.ndim(band) == 0 else np.ascontiguousarray(band, dtype=float)
@@ -87,7 +87,7 @@ def measure(t: Values, x: Values, start: float, end: float, noise: float = 0.0) 
     exponential); the parabola through three samples is exact for a round top. The corner is believed when the
     slope breaks there by more than KINK times what the curvature on either side would explain.
     """
-    from detect.prepare.half_cycle_kernels import FAULTS, half_cycle
+    from stickslip.detect.prepare.half_cycle_kernels import FAULTS, half_cycle
 
     fault, peak_time, peak, before, after, samples, sine, triangle = half_cycle(
         np.ascontiguousarray(t), np.ascontiguousarray(x), start, end, noise, SAMPLES_MIN, FLAT_SHARE, TWO_PEAKS, KINK
@@ -106,8 +106,8 @@ def in_pieces(
     three times the noise left.  A half cycle that is not a quarter to a whole period long has the fault "length", one
     whose peak lies below half of the standard deviation the fault "low".
     """
-    from detect.prepare.cycle_kernels import all_pieces
-    from detect.prepare.half_cycle_kernels import FAULTS
+    from stickslip.detect.prepare.cycle_kernels import all_pieces
+    from stickslip.detect.prepare.half_cycle_kernels import FAULTS
 
     e, drifts, rows = all_pieces(
         np.ascontiguousarray(t), np.ascontiguousarray(x), bounds, periods, smooth_max, noise_share,

@@ -25,8 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.prepared import HalfWave
+from stickslip.detect.prepare.prepared import HalfWave
 
 __all__ = ["RATIOS", "Fit", "Samples", "folded", "free_triangle", "gather", "relay", "relay_wave", "sine", "triangle"]
 

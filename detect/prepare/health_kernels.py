@@ -6,7 +6,7 @@ and read several times.
 
 from typing import Any
 
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = [
     "bends",

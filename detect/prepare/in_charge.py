@@ -13,9 +13,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.fact import Fact
-from logs import LoopRecord
+from stickslip.detect.prepare.fact import Fact
+from stickslip.logs import LoopRecord
 
 __all__ = ["asleep", "copied", "untracked"]
 
@@ -29,7 +28,7 @@ def copied(record: LoopRecord, limit: float = 0.9999) -> Fact:
 
     Methods refuse where OP is PV, number by number; a P controller copies PV too, turned over or to another scale.
     """
-    from detect.prepare.health_kernels import pair
+    from stickslip.detect.prepare.health_kernels import pair
 
     pv, op = record.pv[record.kept], record.op[record.kept]
     sd_pv, sd_op, both = pair(pv, op) if len(pv) >= 50 else (0.0, 0.0, 0.0)
@@ -54,7 +53,7 @@ def asleep(record: LoopRecord, limit: float = 0.5) -> Fact:
         return Fact(
             "manual_mode", False, 0.0, limit, "OP is not searched for stands: SP is unknown, or the mode known."
         )
-    from detect.prepare.health_kernels import long_stands, spread
+    from stickslip.detect.prepare.health_kernels import long_stands, spread
 
     op, pv, e = record.op[record.kept], record.pv[record.kept], record.e[record.kept]
     stands = np.empty((len(op) // STAND + 1, 2), dtype=np.int64)
@@ -83,7 +82,7 @@ def untracked(record: LoopRecord, limit: float = 3.0) -> Fact:
         return Fact(
             "not_in_charge", False, 0.0, limit, "SP is not logged, so that tracking is not seen.", forbids=False
         )
-    from detect.prepare.health_kernels import spread
+    from stickslip.detect.prepare.health_kernels import spread
 
     mean, sd = spread(e[record.kept])
     off = abs(mean)

@@ -7,8 +7,7 @@ registers.  Compiled once per machine and kept beside the sources, as the engine
 from typing import Any
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = ["best_delays", "he_stems", "kano_stems", "lagged", "polygons", "sticks"]
 

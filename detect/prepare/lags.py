@@ -77,7 +77,7 @@ class Lags:
 
     def columns(self, x: Values) -> Values:
         """What each corner of g alone would make of x (n, m), shape (m, p, rows); x stands still before its start."""
-        from detect.prepare.kernels import polygons
+        from stickslip.detect.prepare.kernels import polygons
 
         out = np.empty((x.shape[1], len(self.knots) - 2, len(self.y)))
         polygons(np.ascontiguousarray(x.T, dtype=float), self.knots, self.integrating, self.rows, out)

@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.bootstrap import interval
-from detect.prepare.half_cycles import HalfCycle
+from stickslip.detect.prepare.bootstrap import interval
+from stickslip.detect.prepare.half_cycles import HalfCycle
 
 Values = npt.NDArray[np.float64]
 

@@ -32,8 +32,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.filters import first_order
+from stickslip.detect.prepare.filters import first_order
 
 __all__ = ["Bank", "Fit", "Linear", "Process", "bank", "fit", "near_by"]
 
@@ -149,7 +148,7 @@ def _slow(model: Linear) -> bool:
 
 def _best_delays(x: Values, y: Values, start: int, end: int, tried: Bank) -> tuple[Values, Values, Values]:
     """The best delay [samples] of each input, its gain by least squares with an offset, the mean square left, (m,)."""
-    from detect.prepare.kernels import best_delays
+    from stickslip.detect.prepare.kernels import best_delays
 
     found = np.empty((len(x), 3))
     best_delays(x, y, start, end, tried.delay_max + 1, tried.sign, found)
@@ -159,7 +158,7 @@ def _best_delays(x: Values, y: Values, start: int, end: int, tried: Bank) -> tup
 
 def _through(x: Values, tau_1: float, tau_2: float, period: float, model: Linear) -> Values:
     """The inputs behind two lags [samples], one sample late because they are held, freed; inf is an integrator."""
-    from detect.prepare.kernels import lagged
+    from stickslip.detect.prepare.kernels import lagged
 
     out = np.empty(x.shape)
     lagged(np.ascontiguousarray(x, dtype=float), tau_1, tau_2, _width(x.shape[1], period, model), out)

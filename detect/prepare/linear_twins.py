@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.lags import Lags
+from stickslip.detect.prepare.lags import Lags
 
 __all__ = ["linear_twins"]
 

@@ -39,7 +39,7 @@ def median_step(t: Values) -> float:
     >>> median_step(np.array([0.0, 1.0, 2.0, 5.0]))
     1.0
     """
-    from detect.prepare.health_kernels import steps
+    from stickslip.detect.prepare.health_kernels import steps
 
     low, high = steps(t)
     return low if low == high else percentile(np.diff(t), 50.0)

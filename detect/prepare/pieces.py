@@ -9,12 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.oscillation import acf_crossings as oscillation
-from detect.oscillation.gate import Gate
-from detect.prepare import conditions
-from detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split, taken
-from logs import LoopRecord
+from stickslip.detect.oscillation import acf_crossings as oscillation
+from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.prepare import conditions
+from stickslip.detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split, taken
+from stickslip.logs import LoopRecord
 
 __all__ = ["Pieces", "pieces_of", "run_in"]
 

@@ -13,9 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.lags import Lags, Response
-from detect.prepare.stick import stick, turns
+from stickslip.detect.prepare.lags import Lags, Response
+from stickslip.detect.prepare.stick import stick, turns
 
 __all__ = ["Candidate", "Fit", "fit", "interval", "travel_of"]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from detect.card import Card
-from detect.prepare.clock import LIMIT
-from detect.prepare.fact import Fact
-from detect.prepare.prepared import Prepared
-from detect.verdict import Code, Verdict
+from stickslip.detect.card import Card
+from stickslip.detect.prepare.clock import LIMIT
+from stickslip.detect.prepare.fact import Fact
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.verdict import Code, Verdict
 
 __all__ = ["refused"]
 
@@ -32,7 +32,7 @@ def refused(card: Card, loop: Prepared, threshold: float | None = None) -> Verdi
     A dead signal comes first, then the kind of process, then what else is wrong with the data, then the oscillation.
 
     >>> import numpy as np
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> card = Card("x", "X", "nobody", ("PV",), (), "nothing", (0, 1), ("self_regulating",), "no",
     ...             needs=("oscillation",))
     >>> t = np.arange(1000.0)

@@ -34,8 +34,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.smoothing import noise_std
+from stickslip.detect.prepare.smoothing import noise_std
 
 __all__ = ["Params", "State", "Trend", "estimate", "filter", "init", "log_likelihood", "smooth", "update"]
 

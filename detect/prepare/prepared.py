@@ -19,31 +19,30 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.oscillation import acf_crossings
-from detect.oscillation.gate import Gate
-from detect.prepare.causality import causality
-from detect.prepare.clock import Clock, clock_of
-from detect.prepare.conditions import drawn_op, examine
-from detect.prepare.cycles import Cycles, Refusal, cut
-from detect.prepare.drawn import free_of_noise
-from detect.prepare.fact import Fact
-from detect.prepare.filters import smoothed
-from detect.prepare.gaps import bridgeable, split
-from detect.prepare.half_cycles import crossings
-from detect.prepare.harris import Harris, harris
-from detect.prepare.pieces import Pieces, pieces_of
-from detect.prepare.process_kind import Kind, kind_of_data, kind_of_tag
-from detect.prepare.recent import recent
-from detect.prepare.record_signals import RecordSignals
-from detect.prepare.smoothing import moving_average, noise_std
-from detect.prepare.stale import without_stale
-from logs import LoopRecord, read_loop
-from logs.files.frames import frame_kind
+from stickslip.detect.oscillation import acf_crossings
+from stickslip.detect.oscillation.gate import Gate
+from stickslip.detect.prepare.causality import causality
+from stickslip.detect.prepare.clock import Clock, clock_of
+from stickslip.detect.prepare.conditions import drawn_op, examine
+from stickslip.detect.prepare.cycles import Cycles, Refusal, cut
+from stickslip.detect.prepare.drawn import free_of_noise
+from stickslip.detect.prepare.fact import Fact
+from stickslip.detect.prepare.filters import smoothed
+from stickslip.detect.prepare.gaps import bridgeable, split
+from stickslip.detect.prepare.half_cycles import crossings
+from stickslip.detect.prepare.harris import Harris, harris
+from stickslip.detect.prepare.pieces import Pieces, pieces_of
+from stickslip.detect.prepare.process_kind import Kind, kind_of_data, kind_of_tag
+from stickslip.detect.prepare.recent import recent
+from stickslip.detect.prepare.record_signals import RecordSignals
+from stickslip.detect.prepare.smoothing import moving_average, noise_std
+from stickslip.detect.prepare.stale import without_stale
+from stickslip.logs import LoopRecord, read_loop
+from stickslip.logs.files.frames import frame_kind
 
 if TYPE_CHECKING:
-    from detect.likelihood.pooled import Evidence
-    from detect.likelihood.stems import Stems
+    from stickslip.detect.likelihood.pooled import Evidence
+    from stickslip.detect.likelihood.stems import Stems
 
 __all__ = ["CUT", "STEPS_MAX", "Grid", "HalfWave", "Prepared", "Signal", "prepared"]
 
@@ -132,7 +131,7 @@ class Prepared(RecordSignals):
 
         Stale samples are as they were logged: the likelihood leaves them out itself.
         """
-        from detect.likelihood.stems import stems_of
+        from stickslip.detect.likelihood.stems import stems_of
 
         grid = self.with_stale.whole
         percent = self.op_percent(1.0)
@@ -141,7 +140,7 @@ class Prepared(RecordSignals):
     @cached_property
     def dead_travel(self) -> Evidence | None:
         """What the record says of dead travel of its valve; None where too little of it moves or is left."""
-        from detect.likelihood.pooled import evidence_of
+        from stickslip.detect.likelihood.pooled import evidence_of
 
         return None if self.stems is None else evidence_of([self.stems])
 
@@ -262,7 +261,7 @@ class Prepared(RecordSignals):
     def _grid(self, start: float, end: float) -> Grid:
         """Join the good samples by straight lines where PV is measured, by steps where OP and SP are held."""
         record = self.record
-        from detect.prepare.health_kernels import last_before
+        from stickslip.detect.prepare.health_kernels import last_before
 
         inside = slice(int(np.searchsorted(record.t, start)), int(np.searchsorted(record.t, end, side="right")))
         good = record.good[inside]

@@ -15,11 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.controller import controller_sign
-from detect.prepare.lags import Lags
-from detect.prepare.stick import turn_time
-from logs import LoopRecord
+from stickslip.detect.prepare.controller import controller_sign
+from stickslip.detect.prepare.lags import Lags
+from stickslip.detect.prepare.stick import turn_time
+from stickslip.logs import LoopRecord
 
 __all__ = ["Kind", "kind_of_data", "kind_of_tag"]
 

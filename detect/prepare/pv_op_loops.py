@@ -18,9 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.prepared import Prepared
-from detect.prepare.whole_cycles import averaged, means_between, whole_cycles
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.whole_cycles import averaged, means_between, whole_cycles
 
 __all__ = ["SMOOTHED_AT", "Loops", "loops", "roundness", "tilt"]
 

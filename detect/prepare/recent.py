@@ -11,8 +11,7 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.stick import turns
+from stickslip.detect.prepare.stick import turns
 
 __all__ = ["blocks", "differenced_noise", "recent", "samples_per_period", "samples_per_turn"]
 

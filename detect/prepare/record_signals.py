@@ -2,8 +2,7 @@
 
 import numpy as np
 import numpy.typing as npt
-
-from logs import LoopRecord
+from stickslip.logs import LoopRecord
 
 __all__ = ["RecordSignals"]
 

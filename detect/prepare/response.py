@@ -14,9 +14,8 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.fact import Fact
-from logs import LoopRecord
+from stickslip.detect.prepare.fact import Fact
+from stickslip.logs import LoopRecord
 
 __all__ = ["frozen", "unresponsive"]
 
@@ -28,7 +27,7 @@ BLOCKS = 40
 def unresponsive(record: LoopRecord, limit: float = 1.7) -> Fact:
     """Swing of PV over its noise [-]; below ``limit`` with OP that travels and PV off SP, PV does not answer OP."""
     remedy = "Check the block valves, the flow and the transmitter; log a stretch in which the loop works."
-    from detect.prepare.health_kernels import spread
+    from stickslip.detect.prepare.health_kernels import spread
 
     percent, e, kept = record.op_percent, record.e, record.kept
     n = int(np.count_nonzero(record.good))
@@ -55,7 +54,7 @@ def unresponsive(record: LoopRecord, limit: float = 1.7) -> Fact:
 def frozen(record: LoopRecord, limit: float = 0.2) -> Fact:
     """Share of the record in the longest stand of PV, bit for bit, while OP moves [-]."""
     remedy = "Check the transmitter, and log a stretch in which it lives."
-    from detect.prepare.health_kernels import longest_stand
+    from stickslip.detect.prepare.health_kernels import longest_stand
 
     pv, op = record.pv[record.kept], record.op[record.kept]
     if len(pv) < 2:

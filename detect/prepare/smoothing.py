@@ -11,8 +11,7 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.order import percentile
+from stickslip.detect.prepare.order import percentile
 
 __all__ = ["moving_average", "noise_std"]
 
@@ -33,7 +32,7 @@ def moving_average(t: Values, x: Values, width: float, ends: Literal["shrink", "
     """
     if width <= 0 or len(t) < 3:
         return x.copy()
-    from detect.prepare.smoothing_kernels import averages
+    from stickslip.detect.prepare.smoothing_kernels import averages
 
     averaged = np.empty(len(t))
     averages(
@@ -58,7 +57,7 @@ def noise_std(t: Values, x: Values) -> float:
     """
     if len(t) < 7:
         return 0.0
-    from detect.prepare.smoothing_kernels import off_cubic
+    from stickslip.detect.prepare.smoothing_kernels import off_cubic
 
     off = np.empty(len(t) - 4)
     off_cubic(np.ascontiguousarray(t, dtype=np.float64), np.ascontiguousarray(x, dtype=np.float64), off)

@@ -6,8 +6,7 @@ Loaded when first called.  Windows come in order, so that two walks along the po
 from typing import Any
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = ["averages", "off_cubic"]
 

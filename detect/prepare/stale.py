@@ -13,9 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.fact import Fact
-from logs import LoopRecord
+from stickslip.detect.prepare.fact import Fact
+from stickslip.logs import LoopRecord
 
 __all__ = ["held", "stale", "without_stale"]
 
@@ -37,7 +36,7 @@ def held(record: LoopRecord) -> Mask:
 
 def stale(record: LoopRecord) -> Fact:
     """Share of samples held, where the two signals stand together and seldom alone; methods refuse above 70 %."""
-    from detect.prepare.health_kernels import repeated
+    from stickslip.detect.prepare.health_kernels import repeated
 
     n = len(record)
     both, pv, op, runs = repeated(record.pv, record.op)

@@ -6,8 +6,7 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.prepared import Grid
+from stickslip.detect.prepare.prepared import Grid
 
 __all__ = ["stem_signal"]
 

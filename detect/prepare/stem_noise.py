@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.smoothing import noise_std
+from stickslip.detect.prepare.smoothing import noise_std
 
 __all__ = ["rounding", "stem_noise"]
 

@@ -31,7 +31,7 @@ def stick(u: Values, S: npt.ArrayLike, J: npt.ArrayLike = 0.0, start: npt.ArrayL
     >>> stick(np.array([0.0, 3.0, 6.0, 9.0, 4.0]), 6.0, 2.0).tolist()
     [0.0, 0.0, 4.0, 7.0, 7.0]
     """
-    from detect.prepare.kernels import sticks
+    from stickslip.detect.prepare.kernels import sticks
 
     s, j, at = np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, dtype=float)) for v in (S, J, start)))
     x = np.empty((len(s), len(u)))

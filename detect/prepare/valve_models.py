@@ -33,7 +33,7 @@ def kano(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
     >>> kano(np.array([7.0, 9.0, 4.0, 2.0, 1.0]), np.array([6.0]), np.array([2.0]))[0].tolist()
     [5.0, 7.0, 7.0, 4.0, 3.0]
     """
-    from detect.prepare.kernels import kano_stems
+    from stickslip.detect.prepare.kernels import kano_stems
 
     least = 1e-9 * max(float(np.ptp(u)), 1e-300)  # rounding is no move
     x = np.empty((len(S), len(u)))
@@ -47,7 +47,7 @@ def he(u: Values, S: Values, J: Values, way: float = 1.0) -> Values:
     >>> he(np.array([7.0, 9.0, 4.0, 2.0, 0.0]), np.array([6.0]), np.array([2.0]))[0].tolist()
     [5.0, 5.0, 5.0, 5.0, 2.0]
     """
-    from detect.prepare.kernels import he_stems
+    from stickslip.detect.prepare.kernels import he_stems
 
     x = np.empty((len(S), len(u)))
     he_stems(u, S, J, way, x)

@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.prepared import Prepared, Signal
+from stickslip.detect.prepare.prepared import Prepared, Signal
 
 __all__ = ["WholeCycles", "averaged", "means_between", "whole_cycles"]
 
@@ -40,7 +39,7 @@ def whole_cycles(
     of ``Prepared.wave``; crossings are always those of the smoothed wave.  ``even_halves`` puts as many points on
     either half wave, however long each is.
 
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(1000.0)
     >>> loop = Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 + np.cos(t / 8), sp=0 * t))
     >>> whole_cycles(loop, "PV").y.shape

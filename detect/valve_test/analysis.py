@@ -21,12 +21,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.methods import stem_play
-from detect.valve_test.routine import routine_steps
-from detect.valve_test.steps import Step, noise_of, steps_of
-from logs import LogError, LoopRecord
-from logs.shown import Shown
+from stickslip.detect.methods import stem_play
+from stickslip.detect.valve_test.routine import routine_steps
+from stickslip.detect.valve_test.steps import Step, noise_of, steps_of
+from stickslip.logs import LogError, LoopRecord
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -159,13 +158,13 @@ class ValveTest(Shown):
 
     def plot(self) -> Figure:
         """OP and the answer over time, and the answer over OP."""
-        from detect.figures.valve_test import plot_valve_test
+        from stickslip.detect.figures.valve_test import plot_valve_test
 
         return plot_valve_test(self)
 
     def plot_responses(self) -> Figure | None:
         """The answers to the timed steps on one another; None without any."""
-        from detect.figures.valve_test import plot_responses
+        from stickslip.detect.figures.valve_test import plot_responses
 
         return plot_responses(self)
 

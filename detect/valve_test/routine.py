@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.valve_test.steps import Step
+from stickslip.detect.valve_test.steps import Step
 
 __all__ = ["routine_steps"]
 

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.smoothing import noise_std
+from stickslip.detect.prepare.smoothing import noise_std
 
 __all__ = ["Step", "noise_of", "steps_of"]
 

@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.block import Block
-from diagram.diagram import Diagram
-from diagram.inputs import Inputs, source, source_name
-from diagram.kept import log_times
+from stickslip.blocks.block import Block
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.inputs import Inputs, source, source_name
+from stickslip.diagram.kept import log_times
 
 Floats = NDArray[np.float64]
 

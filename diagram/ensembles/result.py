@@ -8,18 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.branches import Branches, Taken
-from diagram.diagram import Diagram
-from diagram.ensembles.variants import Floats, Variants
-from diagram.kinds import known_loops
-from diagram.simulation import Event, Run, named_events, simulate
-from engine.run import Settings
-from engine.status import HINTS, Statistics, Status
-from logs import Log
-from logs.files.write import replacing
-from logs.loop_signals import LoopsLater, within
-from logs.shown import Shown
+from stickslip.diagram.branches import Branches, Taken
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.variants import Floats, Variants
+from stickslip.diagram.kinds import known_loops
+from stickslip.diagram.simulation import Event, Run, named_events, simulate
+from stickslip.engine.run import Settings
+from stickslip.engine.status import HINTS, Statistics, Status
+from stickslip.logs import Log
+from stickslip.logs.files.write import replacing
+from stickslip.logs.loop_signals import LoopsLater, within
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -158,7 +157,7 @@ class Ensemble(Shown):
 
         Without a ``signal`` it is PV, or the last one kept where none is called so.
         """
-        from diagram.figures.spread import plot_ensemble
+        from stickslip.diagram.figures.spread import plot_ensemble
 
         return plot_ensemble(self, signal or ("PV" if "PV" in self.values else list(self.values)[-1]))
 

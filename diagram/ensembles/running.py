@@ -16,29 +16,28 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.block import Block
-from diagram.branches import Branches, Taken, branching, taken
-from diagram.coarse import ToleranceWarning, too_coarse
-from diagram.diagram import Diagram
-from diagram.ensembles.per_run import apart, grids
-from diagram.ensembles.result import Ensemble, freeze
-from diagram.ensembles.variants import Floats, Places, Target, Variants, variants_of
-from diagram.flatten import DELAY_RECORDS, Plan
-from diagram.inputs import Inputs
-from diagram.kept import logging_only, wanted_signals
-from diagram.past import Past, resumed
-from diagram.playback import check_logged
-from diagram.progress import Progress, reporting
-from diagram.settings import Changes, Settings, settings_of
-from diagram.simulation import in_order, set_up, troubles
-from diagram.strides import bounded
-from engine.branching import Branching, run_branching
-from engine.probing import Bound, bound_steps
-from engine.run import Outcome, prepare, run
-from engine.snapshot import COUNTERS, Snapshot, total
-from engine.status import Status
-from engine.table import Component
+from stickslip.blocks.block import Block
+from stickslip.diagram.branches import Branches, Taken, branching, taken
+from stickslip.diagram.coarse import ToleranceWarning, too_coarse
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.per_run import apart, grids
+from stickslip.diagram.ensembles.result import Ensemble, freeze
+from stickslip.diagram.ensembles.variants import Floats, Places, Target, Variants, variants_of
+from stickslip.diagram.flatten import DELAY_RECORDS, Plan
+from stickslip.diagram.inputs import Inputs
+from stickslip.diagram.kept import logging_only, wanted_signals
+from stickslip.diagram.past import Past, resumed
+from stickslip.diagram.playback import check_logged
+from stickslip.diagram.progress import Progress, reporting
+from stickslip.diagram.settings import Changes, Settings, settings_of
+from stickslip.diagram.simulation import in_order, set_up, troubles
+from stickslip.diagram.strides import bounded
+from stickslip.engine.branching import Branching, run_branching
+from stickslip.engine.probing import Bound, bound_steps
+from stickslip.engine.run import Outcome, prepare, run
+from stickslip.engine.snapshot import COUNTERS, Snapshot, total
+from stickslip.engine.status import Status
+from stickslip.engine.table import Component
 
 Summary = Callable[[Floats, dict[str, Floats]], Mapping[str, float]]
 
@@ -82,9 +81,9 @@ def ensemble(
     A variant that fails has its ``status``; Ctrl-C returns what is finished, the rest ``INTERRUPTED``.
     Raises ``ValueError`` for a request that makes no sense, before anything runs.
 
-    >>> from blocks.sources import Ramp
-    >>> from diagram import wire
-    >>> from diagram.ensembles import ensemble
+    >>> from stickslip.blocks.sources import Ramp
+    >>> from stickslip.diagram import wire
+    >>> from stickslip.diagram.ensembles import ensemble
     >>> feed = wire([Ramp("F", slope=1.0)], outputs=["F"])
     >>> result = ensemble(feed, 2.0, params={"F.slope": [0.5, 1.0, 2.0]}, every=1.0)
     >>> result.values["F"].tolist()

@@ -10,13 +10,12 @@ from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.arguments import by_name
-from blocks.block import Block
-from diagram.diagram import Diagram
-from diagram.flatten import Plan
-from engine.snapshot import Snapshot, offset
-from engine.table import Component
+from stickslip.blocks.arguments import by_name
+from stickslip.blocks.block import Block
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.flatten import Plan
+from stickslip.engine.snapshot import Snapshot, offset
+from stickslip.engine.table import Component
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.intp]

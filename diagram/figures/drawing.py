@@ -6,13 +6,13 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from blocks.block import Block
-from blocks.role import Role
-from diagram.figures.placement import Arrow, Grid, Node, common, grid, wrapped
-from diagram.figures.routes import Box, Sheet, sheet
-from diagram.figures.strokes import HEAD_LENGTH, branches, strokes
-from diagram.wired import Wired
-from logs.style import EDGE, FILL, FRAME, FRAME_EDGE, INK, RED, SOFT, WIRE
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.figures.placement import Arrow, Grid, Node, common, grid, wrapped
+from stickslip.diagram.figures.routes import Box, Sheet, sheet
+from stickslip.diagram.figures.strokes import HEAD_LENGTH, branches, strokes
+from stickslip.diagram.wired import Wired
+from stickslip.logs.style import EDGE, FILL, FRAME, FRAME_EDGE, INK, RED, SOFT, WIRE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -60,13 +60,13 @@ def draw(
 
     Raises ``WiringError`` if a unit names a block that is not there.
 
-    >>> from blocks.sources import Step
-    >>> from diagram import wire
+    >>> from stickslip.blocks.sources import Step
+    >>> from stickslip.diagram import wire
     >>> figure = draw(wire([Step("SP", 0.5)], outputs=["SP"], name="set point"))
     >>> [text.get_text() for text in figure.axes[0].texts][:2]
     ['set point', 'SP']
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     for inner in (units or {}).values():
         for name in inner:
@@ -108,7 +108,7 @@ def symbol(name: str) -> str:
 def word(block: Block) -> str:
     """Return the word of a block's class: ``FirstOrder`` is a first order.
 
-    >>> from blocks.sources import Step
+    >>> from stickslip.blocks.sources import Step
     >>> word(Step("SP"))
     'step'
     """
@@ -127,7 +127,7 @@ def colour(block: Block) -> str:
 def main_parameters(block: Block) -> list[str]:
     """Return up to three lines ``symbol = value``: the parameters engineers know a block by, zeros left out.
 
-    >>> from blocks.sources import Step
+    >>> from stickslip.blocks.sources import Step
     >>> main_parameters(Step("SP", after=0.5, at=60.0))
     ['after = 0.5', 'at = 60']
     """

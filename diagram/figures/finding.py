@@ -3,13 +3,12 @@
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-
-from blocks.declared import STUCK_MODE
-from blocks.role import Role
-from diagram.simulation import Run
-from logs import Log
-from logs.oscillation import Oscillation, following, oscillation
-from logs.trend import rests
+from stickslip.blocks.declared import STUCK_MODE
+from stickslip.blocks.role import Role
+from stickslip.diagram.simulation import Run
+from stickslip.logs import Log
+from stickslip.logs.oscillation import Oscillation, following, oscillation
+from stickslip.logs.trend import rests
 
 __all__ = ["cycles", "finding", "later", "swing"]
 
@@ -31,8 +30,8 @@ def later(t: np.ndarray) -> np.ndarray:
 def cycles(log: Log, signal: str) -> float:
     """Return how often a signal would swing over the run if it swung as in its second half; 0 where it does not.
 
-    >>> from blocks.periodic import Sine
-    >>> from diagram import simulate, wire
+    >>> from stickslip.blocks.periodic import Sine
+    >>> from stickslip.diagram import simulate, wire
     >>> round(cycles(simulate(wire([Sine("F", amplitude=1.0, period=2.0)], outputs=["F"]), 100.0, every=0.1).log, "F"))
     50
     """
@@ -64,8 +63,8 @@ def swing(log: Log, signal: str) -> tuple[Oscillation, str] | None:
 def finding(run: Run, shown: Sequence[str]) -> str:
     """Return what a run shows of the signals in its picture; "" where nothing simple can be said.
 
-    >>> from blocks.sources import Ramp
-    >>> from diagram import simulate, wire
+    >>> from stickslip.blocks.sources import Ramp
+    >>> from stickslip.diagram import simulate, wire
     >>> finding(simulate(wire([Ramp("F", slope=0.1)], outputs=["F"]), 100.0), ["F"])
     'F goes from 0 to 10'
     """

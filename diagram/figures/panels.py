@@ -3,16 +3,15 @@
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-
-from blocks.arguments import texts
-from blocks.block import Block
-from blocks.declared import PARTS
-from blocks.ports import nearest
-from blocks.role import Role
-from diagram.simulation import Run
-from diagram.wired import Wired
-from logs import Log
-from logs.trend import rests
+from stickslip.blocks.arguments import texts
+from stickslip.blocks.block import Block
+from stickslip.blocks.declared import PARTS
+from stickslip.blocks.ports import nearest
+from stickslip.blocks.role import Role
+from stickslip.diagram.simulation import Run
+from stickslip.diagram.wired import Wired
+from stickslip.logs import Log
+from stickslip.logs.trend import rests
 
 PANELS = 8  # most panels when nobody says which signals to show
 TOGETHER = 4  # most signals on one axis that share no more than a unit
@@ -86,8 +85,8 @@ def _squashing(log: Log, panel: Sequence[str]) -> list[str]:
 def main_signals(diagram: Wired) -> set[str]:
     """Return the signals an operator looks at: SP, PV and OP of controllers, and what valves give.
 
-    >>> from blocks.sources import Step
-    >>> from diagram import wire
+    >>> from stickslip.blocks.sources import Step
+    >>> from stickslip.diagram import wire
     >>> main_signals(wire([Step("SP", 0.5)], outputs=["SP"]))
     set()
     """

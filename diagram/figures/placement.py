@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from diagram.wired import Wired
+from stickslip.diagram.wired import Wired
 
 Group = tuple[str, ...]
 PASSES = 20

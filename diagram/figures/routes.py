@@ -10,7 +10,7 @@ inside a nested diagram turns inside its frame, the rest outside.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from diagram.figures.placement import Arrow, Grid, Group, common
+from stickslip.diagram.figures.placement import Arrow, Grid, Group, common
 
 PORT = 22.0  # between two outputs of a box
 SIDE = 0.72  # between two inputs that come round a corner, in PORT

@@ -3,16 +3,14 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from blocks.ports import nearest
-from logs.style import CYCLE, PALE, RED
-from logs.time_axis import time_unit
-from logs.trend import finish_panel
+from stickslip.blocks.ports import nearest
+from stickslip.logs.style import CYCLE, PALE, RED
+from stickslip.logs.time_axis import time_unit
+from stickslip.logs.trend import finish_panel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from diagram.ensembles.result import Ensemble
+    from stickslip.diagram.ensembles.result import Ensemble
 
 POINTS = 1500  # as fine as the widest figure can show a band
 SOME = 12  # variants drawn as lines
@@ -26,7 +24,7 @@ def plot_ensemble(result: "Ensemble", signal: str) -> "Figure":
 
     Raises ``ValueError`` if the signal was not kept or no variant reached its end.
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     if signal not in result.values:
         raise ValueError(f"the ensemble kept no signal '{signal}'; {nearest(signal, list(result.values))}")

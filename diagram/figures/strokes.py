@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-from diagram.figures.placement import Grid
-from diagram.figures.routes import Sheet
+from stickslip.diagram.figures.placement import Grid
+from stickslip.diagram.figures.routes import Sheet
 
 __all__ = ["HEAD_LENGTH", "branches", "strokes"]
 

@@ -8,19 +8,18 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from blocks.block import Block
-from blocks.declared import STUCK_MODE
-from diagram.figures.finding import cycles, finding, later, swing
-from diagram.figures.panels import choose, heading, parts_played
-from diagram.simulation import Run
-from diagram.wired import UNNAMED
-from engine.status import Status
-from logs import Log
-from logs.style import COLOURS, CYCLE, EVENT, OUTSIDE, RED, SOFT, STUCK, tidy
-from logs.thinned import envelope, thinned
-from logs.time_axis import time_unit
-from logs.trend import finish_panel
+from stickslip.blocks.block import Block
+from stickslip.blocks.declared import STUCK_MODE
+from stickslip.diagram.figures.finding import cycles, finding, later, swing
+from stickslip.diagram.figures.panels import choose, heading, parts_played
+from stickslip.diagram.simulation import Run
+from stickslip.diagram.wired import UNNAMED
+from stickslip.engine.status import Status
+from stickslip.logs import Log
+from stickslip.logs.style import COLOURS, CYCLE, EVENT, OUTSIDE, RED, SOFT, STUCK, tidy
+from stickslip.logs.thinned import envelope, thinned
+from stickslip.logs.time_axis import time_unit
+from stickslip.logs.trend import finish_panel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,15 +42,14 @@ def plot_run(run: Run, names: Sequence[str] | None = None) -> "Figure":
     ``names`` chooses the signals; without it all are shown if they fit, else those of controllers and valves.
     A run that failed says so in its title.  Raises ``ValueError`` for an unknown name.
 
-    >>> from blocks.sources import Ramp
-    >>> from diagram import simulate, wire
+    >>> from stickslip.blocks.sources import Ramp
+    >>> from stickslip.diagram import simulate, wire
     >>> figure = plot_run(simulate(wire([Ramp("F", slope=0.1)], outputs=["F"]), 1200.0))
     >>> figure.axes[-1].get_xlabel(), figure.axes[0].get_ylabel()
     ('time [min]', 'F')
     """
     from matplotlib.ticker import MaxNLocator
-
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     diagram, log = run.final, run.log
     panels, left_out, squashing = choose(run, names)

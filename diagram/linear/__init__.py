@@ -4,11 +4,11 @@ operating_point   where a diagram rests            linearise   transfer function
 open_loop         one loop opened at its OP        rga         relative gain array
 """
 
-from diagram.linear.gain_arrays import Rga
-from diagram.linear.linearisation import Linear, linearise, open_loop, rga
-from diagram.linear.loop import Loop
-from diagram.linear.operating_points import NoOperatingPoint, OperatingPoint, operating_point
-from diagram.linear.poles import Pole
+from stickslip.diagram.linear.gain_arrays import Rga
+from stickslip.diagram.linear.linearisation import Linear, linearise, open_loop, rga
+from stickslip.diagram.linear.loop import Loop
+from stickslip.diagram.linear.operating_points import NoOperatingPoint, OperatingPoint, operating_point
+from stickslip.diagram.linear.poles import Pole
 
 __all__ = [
     "Linear",

@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from diagram.linear.gain_arrays import Rga
-from diagram.linear.loop import Loop
-from diagram.linear.poles import Pole
-from logs.style import BLUE, CYCLE, GRID, INK, PALE, RED, SOFT, tidy
+from stickslip.diagram.linear.gain_arrays import Rga
+from stickslip.diagram.linear.loop import Loop
+from stickslip.diagram.linear.poles import Pole
+from stickslip.logs.style import BLUE, CYCLE, GRID, INK, PALE, RED, SOFT, tidy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,7 +23,7 @@ def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
 
     Filled: real; open ring: oscillating, with its damping; red: unstable; a bar at the right: held, or without decay.
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(9.0, 1.0 + 0.27 * len(poles)), layout="constrained")
     ax = figure.subplots()
@@ -61,7 +60,7 @@ def plot_poles(poles: Sequence[Pole], title: str = "") -> "Figure":
 
 def plot_loops(loops: Sequence[Loop]) -> "Figure":
     """Return gain and phase of loops against frequency, crossovers marked, margins in the legend."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(9.0, 5.6), layout="constrained")
     gain, phase = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
@@ -100,7 +99,7 @@ def plot_loops(loops: Sequence[Loop]) -> "Figure":
 
 def plot_rga(rga: Rga) -> "Figure":
     """Return a relative gain array: shades of its size, the numbers written in."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     n = len(rga.controllers)
     figure = Picture(figsize=(2.2 + 0.95 * n, 1.6 + 0.6 * n), layout="constrained")

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from logs.shown import Shown
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,7 +48,7 @@ class Rga(Shown):
 
     def plot(self) -> "Figure":
         """Return the array as a picture: shades of |RGA| with the numbers."""
-        from diagram.linear.figures import plot_rga
+        from stickslip.diagram.linear.figures import plot_rga
 
         return plot_rga(self)
 

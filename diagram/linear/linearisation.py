@@ -14,18 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 import control as ct
 import numpy as np
-
-from blocks.block import Block
-from blocks.ports import nearest
-from blocks.role import Role
-from diagram.diagram import Diagram
-from diagram.linear.gain_arrays import NEAR_ZERO, Complex, Rga, relative_gains
-from diagram.linear.loop import Loop
-from diagram.linear.operating_points import held, residual, sizes
-from diagram.linear.poles import Pole, poles_of
-from diagram.linear.slopes import Slopes, slopes
-from diagram.wiring import WiringError
-from logs.shown import Shown
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import nearest
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.linear.gain_arrays import NEAR_ZERO, Complex, Rga, relative_gains
+from stickslip.diagram.linear.loop import Loop
+from stickslip.diagram.linear.operating_points import held, residual, sizes
+from stickslip.diagram.linear.poles import Pole, poles_of
+from stickslip.diagram.linear.slopes import Slopes, slopes
+from stickslip.diagram.wiring import WiringError
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,7 +66,7 @@ class Linear(Shown):
         Of a signal in ``cut`` readers see only what is added, and its own output is only what its block gives.
         Raises ``WiringError`` for a name that is no signal.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> G = linearise(self_regulating_loop()).system("SP", "PV")
         >>> G.input_labels, G.output_labels, round(float(G.dcgain()), 9)
         (['SP'], ['PV'], 1.0)
@@ -85,7 +84,7 @@ class Linear(Shown):
     def poles(self) -> tuple[Pole, ...]:
         """Poles of the closed diagram from fast to slow, a complex pair as its upper one.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> [(round(pole.value.real, 3), pole.made_of()) for pole in linearise(self_regulating_loop()).poles[-2:]]
         [(-0.12, 'process[PV], controller[z]'), (-0.1, 'controller[z], process[PV]')]
         """
@@ -111,7 +110,7 @@ class Linear(Shown):
 
         Raises ``WiringError`` if there is no such controller, ``ValueError`` if it is at a limit.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> loop = linearise(self_regulating_loop()).loop("controller")  # L = 0.12/s, with a fast stem
         >>> round(loop.crossover, 4), round(loop.phase_margin, 1)
         (0.12, 89.9)
@@ -127,7 +126,7 @@ class Linear(Shown):
         closed; ``frequency`` [rad/s].  At 0 it is the limit, finite for levels that integrate.
         Raises ``ValueError`` if the gains are singular, no controller is named, or the frequency is none.
 
-        >>> from plant.loops import self_regulating_loop
+        >>> from stickslip.plant.loops import self_regulating_loop
         >>> linearise(self_regulating_loop()).rga(["controller"]).values.real.round(9).tolist()
         [[1.0]]
         """
@@ -150,7 +149,7 @@ class Linear(Shown):
     # --- pictures -------------------------------------------------------------------------------------------
     def plot(self) -> "Figure":
         """Return the poles over time constants, with the states they are made of."""
-        from diagram.linear.figures import plot_poles
+        from stickslip.diagram.linear.figures import plot_poles
 
         return plot_poles(self.poles, self.slopes.diagram.name)
 
@@ -159,7 +158,7 @@ class Linear(Shown):
 
         Raises ``ValueError`` if no controller is named and none acts.
         """
-        from diagram.linear.figures import plot_loops
+        from stickslip.diagram.linear.figures import plot_loops
 
         names = self.controllers if controllers is None else controllers
         if not names:
@@ -204,8 +203,8 @@ def linearise(diagram: Diagram, t: float = 0.0, friction: bool = False) -> Linea
     Take ``operating_point(...).diagram`` for a diagram at rest.  Sticky stems are seen without friction unless
     ``friction`` (then a stuck stem passes nothing on); blocks that sample as their continuous twins.
 
-    >>> from diagram.linear import linearise
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.diagram.linear import linearise
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> linearise(self_regulating_loop()).stable
     True
     """

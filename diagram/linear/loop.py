@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 import control as ct
 import numpy as np
 from numpy.typing import NDArray
-
-from logs.shown import Shown
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -110,7 +109,7 @@ class Loop(Shown):
 
     def plot(self) -> "Figure":
         """Return the Bode plot with crossover and margins."""
-        from diagram.linear.figures import plot_loops
+        from stickslip.diagram.linear.figures import plot_loops
 
         return plot_loops([self])
 

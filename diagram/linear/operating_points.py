@@ -19,15 +19,14 @@ from typing import Any
 import control as ct
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from blocks.role import Role
-from blocks.sources import Constant
-from diagram.diagram import Diagram
-from diagram.inputs import close
-from diagram.linear.slopes import Slopes, check_time, slopes
-from diagram.simulation import simulate
-from engine.status import Status
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.blocks.sources import Constant
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.inputs import close
+from stickslip.diagram.linear.slopes import Slopes, check_time, slopes
+from stickslip.diagram.simulation import simulate
+from stickslip.engine.status import Status
 
 Floats = NDArray[np.float64]
 SETTLE = (300.0, 3e3, 3e4, 3e5)  # s, simulated one after the other where solving fails
@@ -77,7 +76,7 @@ def operating_point(
 
     Raises ``NoOperatingPoint`` if there is no rest, with what keeps moving and which controllers are at a limit.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> point = operating_point(self_regulating_loop(setpoint=0.6))
     >>> round(point["PV"], 9), round(point["OP"], 9), point.held
     (0.6, 0.2, ())

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from diagram.diagram import Diagram
-from diagram.wiring import flow_order
+from stickslip.blocks.block import Block
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.wiring import flow_order
 
 Floats = NDArray[np.float64]
 STEP = 2e-5  # relative; central differences of two steps, extrapolated
@@ -64,7 +63,7 @@ def slopes(diagram: Diagram, t: float = 0.0) -> Slopes:
 
     Raises ``ValueError`` if its signals are not finite there, or ``t`` is no time.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> found = slopes(self_regulating_loop().in_mode("ideal"))
     >>> found.states
     ('controller[z]', 'valve[x]', 'valve[v]', 'process[PV]')

@@ -1,5 +1,5 @@
 """The same diagrams solved by scipy or CVODE, to check the engine: slow, and without code shared with it."""
 
-from diagram.reference.integration import simulate_reference
+from stickslip.diagram.reference.integration import simulate_reference
 
 __all__ = ["simulate_reference"]

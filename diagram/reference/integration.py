@@ -12,19 +12,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.ports import nearest, number
-from diagram.diagram import Diagram
-from diagram.inputs import Inputs
-from diagram.kept import log_times
-from diagram.kinds import known_loops
-from diagram.past import resumed
-from diagram.playback import check_logged
-from diagram.reference.interpreter import Interpreter
-from diagram.simulation import Run, in_order, set_up
-from engine.status import HINTS, Statistics, Status
-from logs import Log
-from logs.loop_signals import LoopsLater, within
+from stickslip.blocks.ports import nearest, number
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.inputs import Inputs
+from stickslip.diagram.kept import log_times
+from stickslip.diagram.kinds import known_loops
+from stickslip.diagram.past import resumed
+from stickslip.diagram.playback import check_logged
+from stickslip.diagram.reference.interpreter import Interpreter
+from stickslip.diagram.simulation import Run, in_order, set_up
+from stickslip.engine.status import HINTS, Statistics, Status
+from stickslip.logs import Log
+from stickslip.logs.loop_signals import LoopsLater, within
 
 Floats = NDArray[np.float64]
 SCIPY = ("LSODA", "Radau", "BDF", "DOP853", "RK45")
@@ -82,8 +81,8 @@ def simulate_reference(
 
     Raises ``ValueError`` for an unknown backend or method, ``ImportError`` if scikit-sundae is missing.
 
-    >>> from blocks import FirstOrder, Step
-    >>> from diagram import wire
+    >>> from stickslip.blocks import FirstOrder, Step
+    >>> from stickslip.diagram import wire
     >>> loop = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
     >>> simulate_reference(loop, 5.0, every=5.0).log["PV"].round(4).tolist()
     [0.0, 1.2642]

@@ -10,8 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
+from stickslip.diagram.diagram import Diagram
 
 Floats = NDArray[np.float64]
 IMPULSE = 1e12  # rate that stands for a jump

@@ -3,15 +3,13 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.style import GREEN, RED, SHADE, tidy
-from logs.thinned import thinned
-from logs.time_axis import time_unit
+from stickslip.logs.style import GREEN, RED, SHADE, tidy
+from stickslip.logs.thinned import thinned
+from stickslip.logs.time_axis import time_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from gap.answers.report import GapReport
+    from stickslip.gap.answers.report import GapReport
 
 HIGHEST = 1e3  # of the scale: beyond, a residual is just large
 TICKS = (-1000.0, -100.0, -10.0, -3.0, 0.0, 3.0, 10.0, 100.0, 1000.0)
@@ -19,7 +17,7 @@ TICKS = (-1000.0, -100.0, -10.0, -3.0, 0.0, 3.0, 10.0, 100.0, 1000.0)
 
 def plot_residuals(report: "GapReport") -> "Figure":
     """Return one panel a signal: its innovations, 1 = standard deviation without a gap, on a scale linear up to 3."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(9.0, 0.9 + 1.9 * len(report.residuals)), layout="constrained")
     panels = figure.subplots(len(report.residuals), 1, sharex=True, squeeze=False)[:, 0]

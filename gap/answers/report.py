@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.answers.evidence import Evidence
-from gap.answers.seen import Seen
-from logs.shown import Shown
+from stickslip.gap.answers.evidence import Evidence
+from stickslip.gap.answers.seen import Seen
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 Floats = NDArray[np.float64]
 UNKNOWN = "unknown"
@@ -148,7 +146,7 @@ class GapReport(Shown):
 
     def plot(self) -> "Figure":
         """Draw the residuals of each logged signal, of the model as it is and with the causes."""
-        from gap.answers.figures import plot_residuals
+        from stickslip.gap.answers.figures import plot_residuals
 
         return plot_residuals(self)
 
@@ -157,14 +155,14 @@ class GapReport(Shown):
 
         Each cause is named in its block.
         """
-        from diagram.figures.drawing import draw
+        from stickslip.diagram.figures.drawing import draw
 
         there = {block.name for block in self.diagram.blocks}
         said = {one.place: one.effect.replace("_", " ") for one in self.causes if one.place in there}
         return draw(self.diagram, self.where.shares if self.where else {}, said=said)
 
     def _repr_html_(self) -> str:
-        from logs.notebook import image, paragraph
+        from stickslip.logs.notebook import image, paragraph
 
         return "".join(paragraph(word) for word in self.words) + image(self.plot_diagram()) + image(self.plot())
 

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from gap.answers.evidence import Evidence
+from stickslip.gap.answers.evidence import Evidence
 
 PRIOR = 6.0  # runs that the benchmark's share counts for beside runs of one's own (A)
 CLOSE = 60.0  # nats between the named set and the next explanation, below which they are close
@@ -84,7 +84,7 @@ class Sureness:
         if not self.runs:
             return (
                 "Probabilities are shares of right names in the benchmark's runs, not in runs of this model; "
-                "gap.calibrated(model, log), or --calibrate, counts those."
+                "stickslip.gap.calibrated(model, log), or --calibrate, counts those."
             )
         return f"Probabilities are shares of right names in {self.runs} runs of this model with known effects."
 

@@ -1,6 +1,6 @@
 """Calibrate a diagnosis: diagnose runs of the user's own model with known effects, and count what comes out.
 
-A calibration that was stopped goes on where it was (``gap.calibrating.calibration``).
+A calibration that was stopped goes on where it was (``stickslip.gap.calibrating.calibration``).
 """
 
 import json
@@ -9,20 +9,20 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from diagram.diagram import Diagram
-from diagram.progress import Progress, reporting
-from gap.answers.report import GapReport
-from gap.calibrating.calibration import Calibration, file_of, rows_of
-from gap.calibrating.injection import Injection, injections
-from gap.diagnosis import diagnose, prepared
-from gap.effects import CATALOGUE
-from gap.explanations.candidates import candidates
-from gap.fits.search import Candidate
-from gap.floors.floor import without_gap
-from gap.insertion.effect import Effect
-from gap.records.record import GapError
-from logs import Log
-from logs.processes import one_thread
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.progress import Progress, reporting
+from stickslip.gap.answers.report import GapReport
+from stickslip.gap.calibrating.calibration import Calibration, file_of, rows_of
+from stickslip.gap.calibrating.injection import Injection, injections
+from stickslip.gap.diagnosis import diagnose, prepared
+from stickslip.gap.effects import CATALOGUE
+from stickslip.gap.explanations.candidates import candidates
+from stickslip.gap.fits.search import Candidate
+from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.records.record import GapError
+from stickslip.logs import Log
+from stickslip.logs.processes import one_thread
 
 
 @one_thread

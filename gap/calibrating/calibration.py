@@ -1,7 +1,7 @@
 """A calibration: what came out of runs of the user's own model with known effects, as far as they have been made.
 
 Each run is a line of a file beside the floor of the model; ``diagnose`` states probabilities by what has been counted
-so far.  ``gap.calibrating.calibrate`` makes the runs.
+so far.  ``stickslip.gap.calibrating.calibrate`` makes the runs.
 """
 
 import json
@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from diagram.diagram import Diagram
-from gap.answers.sureness import Sureness, counted
-from gap.floors.cache import digest, folder
-from gap.records.record import Record
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.answers.sureness import Sureness, counted
+from stickslip.gap.floors.cache import digest, folder
+from stickslip.gap.records.record import Record
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from gap.fits.adequacy import needed
-from gap.fits.limits import reached
-from gap.fits.search import Candidate
-from gap.fits.sensitivity import smallest
-from gap.floors.floor import without_gap
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
-from logs import Log
+from stickslip.gap.fits.adequacy import needed
+from stickslip.gap.fits.limits import reached
+from stickslip.gap.fits.search import Candidate
+from stickslip.gap.fits.sensitivity import smallest
+from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
+from stickslip.logs import Log
 
 KNOWN_WITHIN = (1,)  # of the seed of a run: the random numbers of parameters that are known within a tolerance only
 LEAST, MOST = 2.0, 50.0  # sizes in multiples of the least that would show

@@ -1,14 +1,14 @@
 """Boil-off: gas leaves the liquid of a separator ``factor`` times as fast for the same driving pressure (C_4)."""
 
-from blocks.role import Role
-from gap.insertion.effect import Parameter
-from gap.insertion.factor import Factor
+from stickslip.blocks.role import Role
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.factor import Factor
 
 
 class BoilOffRate(Factor):
     """A separator that boils off faster or slower.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> BoilOffRate().places(production_plant())
     ('S1', 'S2')
     """

@@ -1,15 +1,16 @@
-"""Compression: the historian keeps PV to within ``deviation`` [unit of PV] by a swinging door (``logs.dirt``).
+"""Compression: the historian keeps PV to within ``deviation`` [unit of PV] by a swinging door
+(``stickslip.logs.dirt``).
 
 It acts on the log only: the controller has seen the true PV.
 """
 
 from collections.abc import Mapping
 
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, EffectError, Parameter, not_below
-from logs import Log
-from logs.dirt import swinging_door
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, EffectError, Parameter, not_below
+from stickslip.logs import Log
+from stickslip.logs.dirt import swinging_door
 
 
 class Compression(Effect):

@@ -1,14 +1,14 @@
 """Fouling: a compressor makes ``factor`` times the head of its map at the same corrected flow and speed (h_d)."""
 
-from blocks.role import Role
-from gap.insertion.effect import Parameter
-from gap.insertion.factor import Factor
+from stickslip.blocks.role import Role
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.factor import Factor
 
 
 class CompressorFouling(Factor):
     """A compressor whose blades are dirty.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> CompressorFouling().places(production_plant())
     ('C3', 'C2')
     """

@@ -1,14 +1,14 @@
 """Shift of the map: a compressor swallows ``factor`` times the flow at the same head and speed (m_d)."""
 
-from blocks.role import Role
-from gap.insertion.effect import Parameter
-from gap.insertion.factor import Factor
+from stickslip.blocks.role import Role
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.factor import Factor
 
 
 class CompressorMapShift(Factor):
     """A compressor whose map lies elsewhere.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> CompressorMapShift().places(production_plant())
     ('C3', 'C2')
     """

@@ -7,12 +7,12 @@ coefficient 1 - exp(-dt/tau).
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.first_order import FirstOrder
-from blocks.role import Role
-from blocks.sampled_filter import SampledFilter
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter, not_below
+from stickslip.blocks.block import Block
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.role import Role
+from stickslip.blocks.sampled_filter import SampledFilter
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter, not_below
 
 PARTS = ("SP", "PV")
 
@@ -20,7 +20,7 @@ PARTS = ("SP", "PV")
 class ControllerFilter(Effect):
     """A controller that filters its error.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> filtered = ControllerFilter().insert(self_regulating_loop(), "controller", tau=2.0)
     >>> filtered["controller"].input_labels
     ['SP:controller:controller_filter SP', 'PV:controller:controller_filter PV']

@@ -3,16 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter, above
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter, above
 
 
 class ControllerIntegralTime(Effect):
     """A controller tuned to another integral time.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ControllerIntegralTime().insert(self_regulating_loop(), "controller", factor=1.5)["controller"].params["T_i"]
     15.0
     """

@@ -3,16 +3,16 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import NOMINAL, Effect, Parameter
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import NOMINAL, Effect, Parameter
 
 
 class ControllerLimits(Effect):
     """A controller with other limits of its output.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ControllerLimits().insert(self_regulating_loop(), "controller", high=80.0)["controller"].limits
     (-inf, 0.8)
     """

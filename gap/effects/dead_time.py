@@ -7,19 +7,19 @@ Not for a block that several signals enter: which of them is late is another que
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.dead_time import DeadTime as Delay
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, known_first, not_below
-from gap.insertion.inserted import Inserted
-from gap.insertion.paths import made_of
+from stickslip.blocks.block import Block
+from stickslip.blocks.dead_time import DeadTime as Delay
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, known_first, not_below
+from stickslip.gap.insertion.inserted import Inserted
+from stickslip.gap.insertion.paths import made_of
 
 
 class DeadTime(Inserted):
     """More dead time at a process.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> DeadTime().insert(self_regulating_loop(), "process", theta=2.0)["process"].params["theta"]
     2.0
     """

@@ -7,18 +7,18 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.deadband import Deadband as Play
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, not_below
-from gap.insertion.inserted import Inserted, percent_in
+from stickslip.blocks.block import Block
+from stickslip.blocks.deadband import Deadband as Play
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, not_below
+from stickslip.gap.insertion.inserted import Inserted, percent_in
 
 
 class Deadband(Inserted):
-    """A valve with play (``blocks.deadband``).
+    """A valve with play (``stickslip.blocks.deadband``).
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> Deadband().insert(self_regulating_loop(), "valve", width=5.0)["valve:deadband"].params["width"]
     0.05
     """

@@ -4,13 +4,13 @@ A feed is a block of the role disturbance whose signal enters a process, directl
 diagram that says of none that it is one, any source that does.
 """
 
-from blocks.arithmetic import Sum
-from blocks.block import Block
-from blocks.role import Role
-from diagram import wire
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect
-from gap.insertion.paths import reaches_process
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.paths import reaches_process
 
 
 class Disturbance(Effect):

@@ -3,15 +3,15 @@
 No log tells it from a gas that is not ideal.
 """
 
-from blocks.role import Role
-from gap.insertion.effect import Parameter
-from gap.insertion.factor import Factor
+from stickslip.blocks.role import Role
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.factor import Factor
 
 
 class GasTemperature(Factor):
     """A separator that is warmer or colder.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> GasTemperature().places(production_plant())
     ('S1', 'S2')
     """

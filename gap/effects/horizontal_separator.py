@@ -10,15 +10,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.arithmetic import Sum
-from blocks.block import Block, Floats
-from blocks.lookup_1d import Lookup1D
-from blocks.role import Role
-from blocks.separator import Separator
-from diagram import wire
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.block import Block, Floats
+from stickslip.blocks.lookup_1d import Lookup1D
+from stickslip.blocks.role import Role
+from stickslip.blocks.separator import Separator
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter
 
 POINTS = 61
 
@@ -26,7 +25,7 @@ POINTS = 61
 class HorizontalSeparator(Effect):
     """A separator that lies.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> plant = HorizontalSeparator().insert(production_plant(), "S1", share=1.0)
     >>> plant["LCS11"].input_labels, plant["S1"].output_labels[1]
     (['SP_LCS11', 'V_1'], 'V_1:S1')

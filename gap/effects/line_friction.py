@@ -1,17 +1,17 @@
 """Friction of a line: ``factor`` times the pressure loss at the same flow; the resistance K goes down with its root."""
 
-from blocks.block import Block
-from blocks.flow_resistance import FlowResistance
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter
-from gap.insertion.factor import Factor
+from stickslip.blocks.block import Block
+from stickslip.blocks.flow_resistance import FlowResistance
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.factor import Factor
 
 
 class LineFriction(Factor):
     """A line that is rougher or partly blocked.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> LineFriction().places(production_plant())
     ('C3_pipe', 'C2_pipe')
     """

@@ -7,19 +7,19 @@ A process with a gain ``K`` has another one; in front of any other with one inpu
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Gain
-from blocks.block import Block
-from blocks.flow_resistance import FlowResistance
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, above
-from gap.insertion.inserted import Inserted
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block
+from stickslip.blocks.flow_resistance import FlowResistance
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, above
+from stickslip.gap.insertion.inserted import Inserted
 
 
 class ProcessGain(Inserted):
     """A process of another gain.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ProcessGain().insert(self_regulating_loop(), "process", factor=1.2)["process"].params["K"]
     3.5999999999999996
     """

@@ -7,16 +7,16 @@ frequency ``omega`` (which goes down).
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter, above
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter, above
 
 
 class ProcessTimeConstant(Effect):
     """A process faster or slower than the model.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ProcessTimeConstant().insert(self_regulating_loop(), "process", factor=1.5)["process"].params["tau"]
     15.0
     """

@@ -1,24 +1,24 @@
 """Quantisation: the sensor gives multiples of ``step`` [unit of PV], in the loop: the controller sees them.
 
-A sampled sensor rounds its samples; behind a continuous one stands a quantiser (``blocks.quantiser``).
+A sampled sensor rounds its samples; behind a continuous one stands a quantiser (``stickslip.blocks.quantiser``).
 """
 
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.quantiser import Quantiser
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, not_below
-from gap.insertion.inserted import Inserted
+from stickslip.blocks.block import Block
+from stickslip.blocks.quantiser import Quantiser
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, not_below
+from stickslip.gap.insertion.inserted import Inserted
 
 
 class Quantisation(Inserted):
     """A sensor of few bits.
 
-    >>> from blocks import Sensor
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Sensor
+    >>> from stickslip.diagram import wire
     >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
     >>> Quantisation().insert(sensor, "sensor", step=0.1)["sensor:quantisation"].params["step"]
     0.1

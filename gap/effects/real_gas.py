@@ -3,18 +3,18 @@
 No log tells it from another gas temperature.
 """
 
-from blocks.block import Block
-from blocks.role import Role
-from blocks.separator import Separator
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter
-from gap.insertion.factor import Factor
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.blocks.separator import Separator
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.factor import Factor
 
 
 class RealGas(Factor):
     """A separator with a gas that is not ideal.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> RealGas().places(production_plant())
     ('S1', 'S2')
     """

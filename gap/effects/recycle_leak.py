@@ -3,19 +3,19 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.anti_surge import AntiSurge
-from blocks.arithmetic import Gain
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter, not_below
-from gap.insertion.paths import made_of
+from stickslip.blocks.anti_surge import AntiSurge
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter, not_below
+from stickslip.gap.insertion.paths import made_of
 
 
 class RecycleLeak(Effect):
     """A recycle valve that does not shut.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> RecycleLeak().places(production_plant())
     ('VRVC3_body', 'VRVC2_body')
     """

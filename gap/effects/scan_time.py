@@ -9,18 +9,18 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.pi import PI
-from blocks.role import Role
-from blocks.sampled_pi import SampledPI
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter, not_below
+from stickslip.blocks.block import Block
+from stickslip.blocks.pi import PI
+from stickslip.blocks.role import Role
+from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter, not_below
 
 
 class ScanTime(Effect):
     """A controller that scans.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ScanTime().insert(self_regulating_loop(), "controller", period=4.0)["controller"].period
     4.0
     """

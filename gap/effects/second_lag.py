@@ -1,14 +1,14 @@
 """A second lag of the process, of time constant ``tau`` [s], behind the one that the model has."""
 
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.lag import Lag
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.lag import Lag
 
 
 class SecondLag(Lag):
     """A process of one order more.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> SecondLag().insert(self_regulating_loop(), "process", tau=2.0)["process:second_lag"].params["tau"]
     2.0
     """

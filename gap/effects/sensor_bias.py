@@ -3,19 +3,19 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Gain
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, finite
-from gap.insertion.inserted import Inserted
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, finite
+from stickslip.gap.insertion.inserted import Inserted
 
 
 class SensorBias(Inserted):
     """A sensor with a bias.
 
-    >>> from blocks import Sensor
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Sensor
+    >>> from stickslip.diagram import wire
     >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
     >>> SensorBias().insert(sensor, "sensor", offset=0.1)["sensor:sensor_bias"].params["offset"]
     0.1

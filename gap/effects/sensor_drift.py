@@ -3,19 +3,19 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.role import Role
-from blocks.sensor import Sensor
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, finite
-from gap.insertion.inserted import Inserted
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.blocks.sensor import Sensor
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, finite
+from stickslip.gap.insertion.inserted import Inserted
 
 
 class SensorDrift(Inserted):
     """A sensor that drifts.
 
-    >>> from blocks import Sensor
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Sensor
+    >>> from stickslip.diagram import wire
     >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
     >>> SensorDrift().insert(sensor, "sensor", rate=3.6)["sensor:sensor_drift"].params["drift"]
     0.001

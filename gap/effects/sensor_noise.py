@@ -6,18 +6,18 @@ For a sensor that draws noise, or reads a source of it.
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter, not_below
-from gap.insertion.paths import noise_of
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter, not_below
+from stickslip.gap.insertion.paths import noise_of
 
 
 class SensorNoise(Effect):
     """A sensor that is noisier, or quieter, than it should be.
 
-    >>> from blocks import SampledSensor
-    >>> from diagram import wire
+    >>> from stickslip.blocks import SampledSensor
+    >>> from stickslip.diagram import wire
     >>> sensor = wire([SampledSensor(dt=1.0, sd=0.1, inputs="y", outputs="PV")], inputs=["y"])
     >>> SensorNoise().insert(sensor, "sensor", factor=3.0)["sensor"].params["sd"].__round__(9)
     0.3

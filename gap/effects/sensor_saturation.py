@@ -4,19 +4,19 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.role import Role
-from blocks.saturation import Saturation
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter
-from gap.insertion.inserted import Inserted
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.blocks.saturation import Saturation
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.inserted import Inserted
 
 
 class SensorSaturation(Inserted):
     """A sensor with a range.
 
-    >>> from blocks import Sensor
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Sensor
+    >>> from stickslip.diagram import wire
     >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
     >>> SensorSaturation().insert(sensor, "sensor", high=1.0)["sensor:sensor_saturation"].params["high"]
     1.0

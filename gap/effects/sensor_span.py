@@ -3,19 +3,19 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Gain
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, above
-from gap.insertion.inserted import Inserted
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, above
+from stickslip.gap.insertion.inserted import Inserted
 
 
 class SensorSpan(Inserted):
     """A sensor of a wrong span.
 
-    >>> from blocks import Sensor
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Sensor
+    >>> from stickslip.diagram import wire
     >>> sensor = wire([Sensor(inputs="y", outputs="PV")], inputs=["y"])
     >>> SensorSpan().insert(sensor, "sensor", factor=1.1)["sensor:sensor_span"].params["factor"]
     1.1

@@ -3,18 +3,18 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Sum
-from blocks.block import Block
-from blocks.role import Role
-from blocks.shaft import Shaft
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter, not_below
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.blocks.shaft import Shaft
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter, not_below
 
 
 class ShaftFriction(Effect):
     """A shaft whose bearings rub.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> ShaftFriction().places(production_plant())
     ('shaft',)
     """

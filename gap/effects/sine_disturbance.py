@@ -6,19 +6,18 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.block import Block, Floats
-from blocks.periodic import Sine
-from diagram.diagram import Diagram
-from gap.effects.disturbance import Disturbance
-from gap.insertion.effect import Parameter, above, not_below
+from stickslip.blocks.block import Block, Floats
+from stickslip.blocks.periodic import Sine
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects.disturbance import Disturbance
+from stickslip.gap.insertion.effect import Parameter, above, not_below
 
 
 class SineDisturbance(Disturbance):
     """A load that swings.
 
-    >>> from blocks import Constant, FirstOrder
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Constant, FirstOrder
+    >>> from stickslip.diagram import wire
     >>> load = wire([Constant("load", 0.0, name="feed").with_role("disturbance"), FirstOrder(3.0, 10.0, inputs="load")])
     >>> SineDisturbance().insert(load, "feed", amplitude=0.1, period=60.0).params["feed:sine_disturbance/wave.period"]
     60.0

@@ -1,7 +1,7 @@
 """Slugs at the feed: a saw-tooth of ``amplitude`` [unit of the process input] and ``period`` [s].
 
-It rises slowly over 80 % of the period and falls fast over 20 % (``blocks.periodic``); ``amplitude`` is half of its
-height, ``phase`` [share of a period] where in the period it is at time 0, 0 in the middle of the rise.
+It rises slowly over 80 % of the period and falls fast over 20 % (``stickslip.blocks.periodic``); ``amplitude`` is half
+of its height, ``phase`` [share of a period] where in the period it is at time 0, 0 in the middle of the rise.
 """
 
 from collections.abc import Mapping
@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.block import Block, Floats
-from blocks.periodic import Slug as Wave
-from diagram.diagram import Diagram
-from gap.effects.disturbance import Disturbance
-from gap.insertion.effect import Parameter, above, not_below
+from stickslip.blocks.block import Block, Floats
+from stickslip.blocks.periodic import Slug as Wave
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects.disturbance import Disturbance
+from stickslip.gap.insertion.effect import Parameter, above, not_below
 
 RISE = 0.8  # share of the period
 
@@ -22,8 +21,8 @@ RISE = 0.8  # share of the period
 class Slug(Disturbance):
     """A load that comes in slugs.
 
-    >>> from blocks import Constant, FirstOrder
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Constant, FirstOrder
+    >>> from stickslip.diagram import wire
     >>> load = wire([Constant("load", 0.0, name="feed").with_role("disturbance"), FirstOrder(3.0, 10.0, inputs="load")])
     >>> Slug().insert(load, "feed", amplitude=0.1, period=60.0, phase=0.5).params["feed:slug/wave.start"]
     -30.0

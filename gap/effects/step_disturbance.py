@@ -3,18 +3,18 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.sources import Step
-from diagram.diagram import Diagram
-from gap.effects.disturbance import Disturbance
-from gap.insertion.effect import Parameter, finite
+from stickslip.blocks.block import Block
+from stickslip.blocks.sources import Step
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects.disturbance import Disturbance
+from stickslip.gap.insertion.effect import Parameter, finite
 
 
 class StepDisturbance(Disturbance):
     """A load that steps.
 
-    >>> from blocks import Constant, FirstOrder
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Constant, FirstOrder
+    >>> from stickslip.diagram import wire
     >>> load = wire([Constant("load", 0.0, name="feed").with_role("disturbance"), FirstOrder(3.0, 10.0, inputs="load")])
     >>> StepDisturbance().insert(load, "feed", amplitude=0.1, time=60.0).params["feed:step_disturbance/wave.at"]
     60.0

@@ -1,6 +1,7 @@
 """Stiction: the stem sticks, and jumps when it breaks away.
 
-A massless stem behind the valve's own (``blocks.quasi_static_stem``): what the valve gives is where the stem is wanted.
+A massless stem behind the valve's own (``stickslip.blocks.quasi_static_stem``): what the valve gives is where the stem
+is wanted.
 
     S  deadband plus stickband [% of OP's span]        J  slip jump [% of OP's span], 0 <= J <= S
 
@@ -11,18 +12,18 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.quasi_static_stem import QuasiStaticStem
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, not_below
-from gap.insertion.inserted import Inserted, percent_in
+from stickslip.blocks.block import Block
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, not_below
+from stickslip.gap.insertion.inserted import Inserted, percent_in
 
 
 class Stiction(Inserted):
     """A valve that sticks by S and jumps by J.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> Stiction().insert(self_regulating_loop(), "valve", S=5.0, J=2.0)["valve:stiction"].params["S"]
     0.05
     """

@@ -7,21 +7,21 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Sum
-from blocks.block import Block
-from blocks.overflow import Overflow
-from blocks.role import Role
-from blocks.tank import Tank
-from diagram.composition import wire
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter
-from gap.insertion.paths import users
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.block import Block
+from stickslip.blocks.overflow import Overflow
+from stickslip.blocks.role import Role
+from stickslip.blocks.tank import Tank
+from stickslip.diagram.composition import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter
+from stickslip.gap.insertion.paths import users
 
 
 class TankOverflow(Effect):
     """A tank that runs over.
 
-    >>> from diagram import wire
+    >>> from stickslip.diagram import wire
     >>> tanks = wire([
     ...     Tank(name="tank_1", outputs=["h_1", "q_1"]),
     ...     Tank(name="tank_2", inputs="q_1", outputs=["h_2", "q_2"]),

@@ -1,25 +1,25 @@
 """Characteristic: the flow is not linear in the stem position x, but (R^x - 1)/(R - 1), R = ``rangeability`` [-].
 
-R = 1 is linear, R < 1 opens quickly (``blocks.characteristic``).  x and the flow are shares of the full span.
+R = 1 is linear, R < 1 opens quickly (``stickslip.blocks.characteristic``).  x and the flow are shares of the full span.
 """
 
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Gain
-from blocks.block import Block
-from blocks.characteristic import Characteristic
-from blocks.role import Role
-from diagram import wire
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, above
-from gap.insertion.inserted import Inserted, percent_out
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block
+from stickslip.blocks.characteristic import Characteristic
+from stickslip.blocks.role import Role
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, above
+from stickslip.gap.insertion.inserted import Inserted, percent_out
 
 
 class ValveCharacteristic(Inserted):
     """A valve whose trim is not linear.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> curved = ValveCharacteristic().insert(self_regulating_loop(), "valve", rangeability=30.0)
     >>> curved["valve:valve_characteristic/law"].params["R"]
     30.0

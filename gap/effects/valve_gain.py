@@ -3,18 +3,18 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Gain
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, above
-from gap.insertion.inserted import Inserted
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, above
+from stickslip.gap.insertion.inserted import Inserted
 
 
 class ValveGain(Inserted):
     """A valve of another size.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ValveGain().insert(self_regulating_loop(), "valve", factor=1.2)["valve:valve_gain"].params["factor"]
     1.2
     """

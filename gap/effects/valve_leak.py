@@ -3,20 +3,20 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.arithmetic import Gain
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.effects.recycle_leak import RecycleLeak
-from gap.insertion.effect import Parameter, not_below
-from gap.insertion.inserted import Inserted, percent_out
-from gap.insertion.paths import given, users
+from stickslip.blocks.arithmetic import Gain
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects.recycle_leak import RecycleLeak
+from stickslip.gap.insertion.effect import Parameter, not_below
+from stickslip.gap.insertion.inserted import Inserted, percent_out
+from stickslip.gap.insertion.paths import given, users
 
 
 class ValveLeak(Inserted):
     """A valve that does not shut.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ValveLeak().insert(self_regulating_loop(), "valve", flow=2.0)["valve:valve_leak"].params["offset"]
     0.02
     """

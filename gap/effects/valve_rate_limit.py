@@ -4,18 +4,18 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.rate_limiter import RateLimiter
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter
-from gap.insertion.inserted import Inserted, percent_out
+from stickslip.blocks.block import Block
+from stickslip.blocks.rate_limiter import RateLimiter
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.inserted import Inserted, percent_out
 
 
 class ValveRateLimit(Inserted):
     """A valve whose stem is slow.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ValveRateLimit().insert(self_regulating_loop(), "valve", rate=2.0)["valve:valve_rate_limit"].params["down"]
     0.02
     """

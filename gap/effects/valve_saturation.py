@@ -4,19 +4,18 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-
-from blocks.block import Block
-from blocks.role import Role
-from blocks.saturation import Saturation
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter
-from gap.insertion.inserted import Inserted, percent_out
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.blocks.saturation import Saturation
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.inserted import Inserted, percent_out
 
 
 class ValveSaturation(Inserted):
     """A valve with stops inside its travel; 0 and 100 % stand for none of its own.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> ValveSaturation().insert(self_regulating_loop(), "valve", high=80.0)["valve:valve_saturation"].params["high"]
     0.8
     """

@@ -1,14 +1,14 @@
 """Vapour pressure of methane in a separator: ``factor`` times the model's (p_metV), as another feed would have it."""
 
-from blocks.role import Role
-from gap.insertion.effect import Parameter
-from gap.insertion.factor import Factor
+from stickslip.blocks.role import Role
+from stickslip.gap.insertion.effect import Parameter
+from stickslip.gap.insertion.factor import Factor
 
 
 class VapourPressure(Factor):
     """A separator with a lighter or heavier feed.
 
-    >>> from plant import production_plant
+    >>> from stickslip.plant import production_plant
     >>> VapourPressure().places(production_plant())
     ('S1', 'S2')
     """

@@ -5,18 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.explanations.candidates import candidates, price
-from gap.explanations.isolability import SAME
-from gap.explanations.nesting import RELEVANT
-from gap.explanations.pair import Pair
-from gap.explanations.proposals import smooth
-from gap.fits.inserting import inserted
-from gap.fits.ranges import fitted
-from gap.fits.search import Candidate, Fit, best_of, narrowed, near_neutral, refined, slopes
-from gap.fits.together import marked, together, values_of
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.gap.explanations.candidates import candidates, price
+from stickslip.gap.explanations.isolability import SAME
+from stickslip.gap.explanations.nesting import RELEVANT
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.explanations.proposals import smooth
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.ranges import fitted
+from stickslip.gap.fits.search import Candidate, Fit, best_of, narrowed, near_neutral, refined, slopes
+from stickslip.gap.fits.together import marked, together, values_of
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
 LIKE = 0.99  # cosine between the slopes of two effects at neutral, from which on the other is fitted too

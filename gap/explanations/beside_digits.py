@@ -8,15 +8,15 @@ program, through a sensor of a level each 5 % of span, lay up to 6 % above it; f
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from diagram.progress import Progress
-from gap.explanations.candidates import candidates, ranked
-from gap.explanations.pair import Pair
-from gap.fits.adequacy import adequate, complete, needed
-from gap.fits.inserting import inserted
-from gap.fits.search import Fit
-from gap.floors.floor import measured
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.diagram.progress import Progress
+from stickslip.gap.explanations.candidates import candidates, ranked
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.fits.adequacy import adequate, complete, needed
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.search import Fit
+from stickslip.gap.floors.floor import measured
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 RUNS = 12  # of the model with the first effect
 UNLIKE = 0.1  # share of that floor which a second effect must gain: another program meets the levels at other instants

@@ -10,12 +10,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-
-from gap.explanations.pair import Pair
-from gap.fits.adequacy import needed
-from gap.fits.noise import fitted_noise, is_noise
-from gap.fits.search import Candidate, Fit, refined
-from gap.floors.problem import Problem
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.fits.adequacy import needed
+from stickslip.gap.fits.noise import fitted_noise, is_noise
+from stickslip.gap.fits.search import Candidate, Fit, refined
+from stickslip.gap.floors.problem import Problem
 
 TRIED = 3  # explanations that are fitted again
 

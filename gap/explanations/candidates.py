@@ -8,24 +8,23 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-
-from diagram.diagram import Diagram
-from diagram.progress import Progress, reporting
-from gap.effects.quantisation import Quantisation
-from gap.effects.scan_time import ScanTime
-from gap.effects.sensor_noise import SensorNoise
-from gap.fits.adequacy import needed, scored_alone, stands
-from gap.fits.hidden import fitted_hidden, promising
-from gap.fits.limits import fitted_limits
-from gap.fits.loads import fitted_load, is_load
-from gap.fits.noise import fitted_noise, is_noise
-from gap.fits.ranges import fitted
-from gap.fits.scans import fitted_scan
-from gap.fits.search import Candidate, Fit, exact, refined
-from gap.fits.sensitivity import promised
-from gap.fits.texture import fitted_lattice
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.progress import Progress, reporting
+from stickslip.gap.effects.quantisation import Quantisation
+from stickslip.gap.effects.scan_time import ScanTime
+from stickslip.gap.effects.sensor_noise import SensorNoise
+from stickslip.gap.fits.adequacy import needed, scored_alone, stands
+from stickslip.gap.fits.hidden import fitted_hidden, promising
+from stickslip.gap.fits.limits import fitted_limits
+from stickslip.gap.fits.loads import fitted_load, is_load
+from stickslip.gap.fits.noise import fitted_noise, is_noise
+from stickslip.gap.fits.ranges import fitted
+from stickslip.gap.fits.scans import fitted_scan
+from stickslip.gap.fits.search import Candidate, Fit, exact, refined
+from stickslip.gap.fits.sensitivity import promised
+from stickslip.gap.fits.texture import fitted_lattice
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 PRICE = 12.0
 FOLLOWED, FOLLOWED_FREE = 6, 14  # candidates that are fitted to the end; where parameters have tolerances

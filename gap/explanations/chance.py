@@ -10,12 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.fits.inserting import inserted
-from gap.fits.search import Fit, narrowed
-from gap.floors.floor import scored, without_gap
-from gap.floors.problem import Problem
-from logs import Log
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.search import Fit, narrowed
+from stickslip.gap.floors.floor import scored, without_gap
+from stickslip.gap.floors.problem import Problem
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 

@@ -8,9 +8,8 @@ Small sizes of such effects leave the same log; which tag would tell them apart 
 from collections.abc import Sequence
 
 import numpy as np
-
-from gap.fits.search import Candidate
-from gap.fits.sensitivity import trace
+from stickslip.gap.fits.search import Candidate
+from stickslip.gap.fits.sensitivity import trace
 
 SAME = 0.9998  # cosine from which on two traces are one
 

@@ -4,14 +4,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from gap.explanations.candidates import price
-from gap.explanations.pair import Pair
-from gap.fits.adequacy import share
-from gap.fits.hidden import patterned
-from gap.fits.inserting import begun
-from gap.fits.search import ROUNDS, Candidate, Fit, best_of, refined
-from gap.fits.together import Together, marked, together, values_of
-from gap.floors.problem import Problem
+from stickslip.gap.explanations.candidates import price
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.fits.adequacy import share
+from stickslip.gap.fits.hidden import patterned
+from stickslip.gap.fits.inserting import begun
+from stickslip.gap.fits.search import ROUNDS, Candidate, Fit, best_of, refined
+from stickslip.gap.fits.together import Together, marked, together, values_of
+from stickslip.gap.floors.problem import Problem
 
 CLEAN = 0.95  # share of the gap up to which the sizes of a stem are followed by patterns, too
 WIDTHS = (0.05, 0.02)  # of patterns on the whole record, relative to a size

@@ -9,10 +9,10 @@ record much better than it would with the stem, there is none, whatever the stem
 
 from dataclasses import replace
 
-from gap.explanations.unmeasured import UnmeasuredLoad, unmeasured_load
-from gap.fits.search import Fit
-from gap.floors.floor import without_gap
-from gap.floors.problem import Problem, Settled
+from stickslip.gap.explanations.unmeasured import UnmeasuredLoad, unmeasured_load
+from stickslip.gap.fits.search import Fit
+from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.floors.problem import Problem, Settled
 
 SHARE = 0.55  # 0.56 to 1.3 of tuning records with a stem beside another effect, 0.21 to 0.51 of those without one
 SEED = 77  # of the run with the stem

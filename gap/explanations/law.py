@@ -7,16 +7,16 @@ alone: a play has one law.  What it leaves beyond that is friction of another la
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gap.explanations.beside_noise import with_noise
-from gap.explanations.candidates import price
-from gap.explanations.nesting import HARDLY_BESIDE, RELEVANT, TIE
-from gap.explanations.pair import Pair
-from gap.fits.adequacy import scored_alone, share
-from gap.fits.hidden import followed_on
-from gap.fits.inserting import inserted
-from gap.fits.search import Candidate, Fit, best_of, refined
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.gap.explanations.beside_noise import with_noise
+from stickslip.gap.explanations.candidates import price
+from stickslip.gap.explanations.nesting import HARDLY_BESIDE, RELEVANT, TIE
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.fits.adequacy import scored_alone, share
+from stickslip.gap.fits.hidden import followed_on
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.search import Candidate, Fit, best_of, refined
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 WORTH = 0.6  # share of the gap that a pair with a play explains before it is followed
 

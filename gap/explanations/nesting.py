@@ -7,9 +7,9 @@ creep (LuGre's law) the best play leaves 6 to 10 % of the gap, of plays of anoth
 
 from collections.abc import Sequence
 
-from gap.fits.adequacy import complete, share
-from gap.fits.search import Fit
-from gap.floors.problem import Problem
+from stickslip.gap.fits.adequacy import complete, share
+from stickslip.gap.fits.search import Fit
+from stickslip.gap.floors.problem import Problem
 
 TIE = 6.0  # nats between explanations that the record does not separate
 RELEVANT = 0.01  # share of the gap that the wider must explain beyond the narrower

@@ -6,11 +6,11 @@ The sizes that a pair has found are tried for each of the two alone.  A second e
 
 from collections.abc import Sequence
 
-from gap.explanations.pair import Pair
-from gap.explanations.pairs import GATE
-from gap.fits.adequacy import needed
-from gap.fits.search import Fit, best_of
-from gap.floors.problem import Problem
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.explanations.pairs import GATE
+from stickslip.gap.fits.adequacy import needed
+from stickslip.gap.fits.search import Fit, best_of
+from stickslip.gap.floors.problem import Problem
 
 
 def enough_alone(problem: Problem, pair: Pair, fits: Sequence[Fit]) -> list[Fit] | None:

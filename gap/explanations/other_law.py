@@ -12,10 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.fits.search import Fit
-from gap.floors.problem import Problem
-from gap.records.model import nuisances
+from stickslip.gap.fits.search import Fit
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.records.model import nuisances
 
 NEARLY = 0.9  # share of the squares that a stem explains whatever its law
 FAR = 0.5  # of what any other effect leaves, which it may leave at most

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from gap.explanations.candidates import PRICE
-from gap.fits.search import Fit
+from stickslip.gap.explanations.candidates import PRICE
+from stickslip.gap.fits.search import Fit
 
 
 @dataclass(frozen=True, eq=False)

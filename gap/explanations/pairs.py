@@ -6,26 +6,25 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.progress import Progress
-from gap.explanations.beside_noise import beside_noise
-from gap.explanations.candidates import candidates, price, ranked
-from gap.explanations.joint import apart, improved
-from gap.explanations.jumps import too_smooth
-from gap.explanations.law import with_its_law
-from gap.explanations.pair import Pair
-from gap.explanations.proposals import SAME as ONE
-from gap.explanations.proposals import proposed, smooth
-from gap.explanations.stem_beside import stem_beside
-from gap.explanations.unmeasured import UnmeasuredLoad
-from gap.explanations.which_beside import which_beside
-from gap.fits.adequacy import needed, scored_alone, share
-from gap.fits.inserting import inserted
-from gap.fits.search import Candidate, Fit, best_of, near_neutral, refined
-from gap.fits.sensitivity import promised
-from gap.fits.together import together
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.diagram.progress import Progress
+from stickslip.gap.explanations.beside_noise import beside_noise
+from stickslip.gap.explanations.candidates import candidates, price, ranked
+from stickslip.gap.explanations.joint import apart, improved
+from stickslip.gap.explanations.jumps import too_smooth
+from stickslip.gap.explanations.law import with_its_law
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.explanations.proposals import SAME as ONE
+from stickslip.gap.explanations.proposals import proposed, smooth
+from stickslip.gap.explanations.stem_beside import stem_beside
+from stickslip.gap.explanations.unmeasured import UnmeasuredLoad
+from stickslip.gap.explanations.which_beside import which_beside
+from stickslip.gap.fits.adequacy import needed, scored_alone, share
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.search import Candidate, Fit, best_of, near_neutral, refined
+from stickslip.gap.fits.sensitivity import promised
+from stickslip.gap.fits.together import together
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 FIRSTS = 2  # single effects to which a second is added
 ENOUGH = 0.3  # share of the gap that one of two effects explains alone

@@ -15,14 +15,13 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.explanations.candidates import way
-from gap.fits.inserting import inserted
-from gap.fits.ranges import fitted
-from gap.fits.robust import step
-from gap.fits.search import Candidate, Fit, near_neutral, slopes
-from gap.fits.together import marked
-from gap.floors.problem import Problem
+from stickslip.gap.explanations.candidates import way
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.ranges import fitted
+from stickslip.gap.fits.robust import step
+from stickslip.gap.fits.search import Candidate, Fit, near_neutral, slopes
+from stickslip.gap.fits.together import marked
+from stickslip.gap.floors.problem import Problem
 
 Floats = NDArray[np.float64]
 Values = dict[str, float]

@@ -11,16 +11,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-
-from gap.explanations.candidates import candidates, price
-from gap.explanations.joint import apart, improved, in_turn, pursued, stepped
-from gap.explanations.pair import Pair
-from gap.fits.hidden import Lines, first_part_of, glimpsed, glimpsed_beside
-from gap.fits.inserting import inserted
-from gap.fits.search import Candidate, Fit, best_of, slopes
-from gap.fits.together import marked, together
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.gap.explanations.candidates import candidates, price
+from stickslip.gap.explanations.joint import apart, improved, in_turn, pursued, stepped
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.fits.hidden import Lines, first_part_of, glimpsed, glimpsed_beside
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.search import Candidate, Fit, best_of, slopes
+from stickslip.gap.fits.together import marked, together
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 HOPE = 0.2  # of what one effect leaves, which a stem beside it takes away at the first look
 HARDLY = 0.05  # of what one effect leaves: where another than a stem leaves no more, none is looked for

@@ -17,11 +17,10 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.effects.disturbance import Disturbance
-from gap.fits.loads import response
-from gap.floors.floor import scored, without_gap
-from gap.floors.problem import Problem
+from stickslip.gap.effects.disturbance import Disturbance
+from stickslip.gap.fits.loads import response
+from stickslip.gap.floors.floor import scored, without_gap
+from stickslip.gap.floors.problem import Problem
 
 Floats = NDArray[np.float64]
 Complex = NDArray[np.complex128]

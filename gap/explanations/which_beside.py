@@ -13,13 +13,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-
-from gap.explanations.joint import in_turn, pursued
-from gap.fits.hidden import Lines, first_part_of, glimpsed_beside
-from gap.fits.inserting import begun
-from gap.fits.search import Candidate, Fit, best_of, slopes
-from gap.fits.together import marked, together
-from gap.floors.problem import Problem
+from stickslip.gap.explanations.joint import in_turn, pursued
+from stickslip.gap.fits.hidden import Lines, first_part_of, glimpsed_beside
+from stickslip.gap.fits.inserting import begun
+from stickslip.gap.fits.search import Candidate, Fit, best_of, slopes
+from stickslip.gap.fits.together import marked, together
+from stickslip.gap.floors.problem import Problem
 
 TROUGHS = 2  # of each effect that are tried with modes set right
 NODES, NEAR = 3, 6.0  # sizes of a lag that are tried, within a factor of the middle of its range

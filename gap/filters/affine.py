@@ -10,10 +10,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from blocks.noise import seeded
-from blocks.role import Role
+from stickslip.blocks.block import Block
+from stickslip.blocks.noise import seeded
+from stickslip.blocks.role import Role
 
 Floats = NDArray[np.float64]
 STEP = 1e-3  # of a state or an input

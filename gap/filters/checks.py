@@ -5,8 +5,7 @@ Each figure is normal with mean 0 and standard deviation 1 if the explanation is
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.filters.filtering import Filtered
+from stickslip.gap.filters.filtering import Filtered
 
 Floats = NDArray[np.float64]
 LAGS = (1, 2, 3, 4, 6, 9, 14, 20, 30)

@@ -10,11 +10,10 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.effects.scan_time import ScanTime
-from gap.filters.checks import CALM, known_of
-from gap.filters.filtering import Filtered
-from gap.filters.fitting import directions
+from stickslip.gap.effects.scan_time import ScanTime
+from stickslip.gap.filters.checks import CALM, known_of
+from stickslip.gap.filters.filtering import Filtered
+from stickslip.gap.filters.fitting import directions
 
 Floats = NDArray[np.float64]
 STRETCHES = 6

@@ -14,38 +14,37 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-
-from blocks.role import Role
-from diagram.diagram import Diagram
-from diagram.progress import Progress
-from gap.answers.evidence import Evidence
-from gap.effects.compression import Compression
-from gap.effects.disturbance import Disturbance
-from gap.effects.quantisation import Quantisation
-from gap.effects.scan_time import ScanTime
-from gap.effects.sensor_noise import SensorNoise
-from gap.effects.stiction import Stiction
-from gap.filters import laws
-from gap.filters.affine import NotAffine
-from gap.filters.checks import checks
-from gap.filters.constant import constancy
-from gap.filters.digits import coarse_sensor, compressed, few_levels
-from gap.filters.explaining import first_looks, fitted, ranked, settled, total
-from gap.filters.filtering import Explanation, Filtered
-from gap.filters.fitting import Found
-from gap.filters.hysteresis import DECIDED, Looked, fitted_stems, left, looked_at
-from gap.filters.jumping import decided
-from gap.filters.logged_stem import LoggedStem
-from gap.filters.reading import Filtering
-from gap.filters.rivals import TIE, Rival, beside, either_way, likeliest
-from gap.filters.scanned import base_period
-from gap.filters.summed import with_outputs
-from gap.floors.floor import settling_rows
-from gap.insertion.effect import Effect
-from gap.records.model import nuisances, silenced
-from gap.records.record import Record
-from gap.records.regular import without_unsettled
-from gap.records.start import start_values
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.progress import Progress
+from stickslip.gap.answers.evidence import Evidence
+from stickslip.gap.effects.compression import Compression
+from stickslip.gap.effects.disturbance import Disturbance
+from stickslip.gap.effects.quantisation import Quantisation
+from stickslip.gap.effects.scan_time import ScanTime
+from stickslip.gap.effects.sensor_noise import SensorNoise
+from stickslip.gap.effects.stiction import Stiction
+from stickslip.gap.filters import laws
+from stickslip.gap.filters.affine import NotAffine
+from stickslip.gap.filters.checks import checks
+from stickslip.gap.filters.constant import constancy
+from stickslip.gap.filters.digits import coarse_sensor, compressed, few_levels
+from stickslip.gap.filters.explaining import first_looks, fitted, ranked, settled, total
+from stickslip.gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.fitting import Found
+from stickslip.gap.filters.hysteresis import DECIDED, Looked, fitted_stems, left, looked_at
+from stickslip.gap.filters.jumping import decided
+from stickslip.gap.filters.logged_stem import LoggedStem
+from stickslip.gap.filters.reading import Filtering
+from stickslip.gap.filters.rivals import TIE, Rival, beside, either_way, likeliest
+from stickslip.gap.filters.scanned import base_period
+from stickslip.gap.filters.summed import with_outputs
+from stickslip.gap.floors.floor import settling_rows
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.records.model import nuisances, silenced
+from stickslip.gap.records.record import Record
+from stickslip.gap.records.regular import without_unsettled
+from stickslip.gap.records.start import start_values
 
 NEEDED = 6.5  # nats that an effect must gain: noise alone gains as much in one of 300 records
 LIMIT = 4.7  # largest check of an explanation that is right

@@ -4,17 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.effects.quantisation import Quantisation
-from gap.filters.explaining import settled
-from gap.filters.filtering import Explanation
-from gap.filters.fitting import Found, refined, tried
-from gap.filters.reading import Filtering
-from gap.floors.floor import without_gap
-from gap.insertion.effect import Effect
-from gap.insertion.straightness import deviation_of, lined
-from gap.records.record import rounding
-from logs import Log
+from stickslip.gap.effects.quantisation import Quantisation
+from stickslip.gap.filters.explaining import settled
+from stickslip.gap.filters.filtering import Explanation
+from stickslip.gap.filters.fitting import Found, refined, tried
+from stickslip.gap.filters.reading import Filtering
+from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.straightness import deviation_of, lined
+from stickslip.gap.records.record import rounding
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 APART = 2.5  # roundings of the log by which levels lie apart where a sensor is coarse

@@ -21,16 +21,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.effects.deadband import Deadband
-from gap.filters.filtering import Explanation, Filtered
-from gap.filters.kalman import looked, spread
-from gap.filters.passing import along
-from gap.filters.scanned import Scanned
-from gap.filters.stems import EVEN, LOST, deviates, normal, stuck, summed, told_by
-from gap.floors.modes import CHARGE
-from gap.insertion.inserted import percent_in
-from logs.compiled import njit
+from stickslip.gap.effects.deadband import Deadband
+from stickslip.gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.kalman import looked, spread
+from stickslip.gap.filters.passing import along
+from stickslip.gap.filters.scanned import Scanned
+from stickslip.gap.filters.stems import EVEN, LOST, deviates, normal, stuck, summed, told_by
+from stickslip.gap.floors.modes import CHARGE
+from stickslip.gap.insertion.inserted import percent_in
+from stickslip.logs.compiled import njit
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]

@@ -5,20 +5,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from blocks.role import Role
-from diagram.progress import Progress, reporting
-from gap.effects.controller_limits import ControllerLimits
-from gap.effects.quantisation import Quantisation
-from gap.effects.scan_time import ScanTime
-from gap.effects.sensor_saturation import SensorSaturation
-from gap.filters.filtering import Explanation, Filtered
-from gap.filters.fitting import NODES, Found, best_of, grid, refined, tried
-from gap.filters.limiting import limited
-from gap.filters.reading import Filtering
-from gap.filters.switches import with_switches
-from gap.fits.loads import planned
-from gap.insertion.effect import Effect
+from stickslip.blocks.role import Role
+from stickslip.diagram.progress import Progress, reporting
+from stickslip.gap.effects.controller_limits import ControllerLimits
+from stickslip.gap.effects.quantisation import Quantisation
+from stickslip.gap.effects.scan_time import ScanTime
+from stickslip.gap.effects.sensor_saturation import SensorSaturation
+from stickslip.gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.fitting import NODES, Found, best_of, grid, refined, tried
+from stickslip.gap.filters.limiting import limited
+from stickslip.gap.filters.reading import Filtering
+from stickslip.gap.filters.switches import with_switches
+from stickslip.gap.fits.loads import planned
+from stickslip.gap.insertion.effect import Effect
 
 STEPPED = (ScanTime, ControllerLimits)
 PART = 400  # rows in which slower scans are looked for, at least

@@ -7,28 +7,27 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from diagram.diagram import Diagram
-from gap.effects.deadband import Deadband
-from gap.effects.disturbance import Disturbance
-from gap.effects.quantisation import Quantisation
-from gap.effects.sensor_noise import SensorNoise
-from gap.effects.step_disturbance import StepDisturbance
-from gap.effects.stiction import Stiction
-from gap.effects.valve_characteristic import ValveCharacteristic
-from gap.effects.valve_rate_limit import ValveRateLimit
-from gap.effects.valve_saturation import ValveSaturation
-from gap.filters import kalman, laws
-from gap.filters.affine import NotAffine
-from gap.filters.lifted import NOWHERE, lifted
-from gap.filters.operating import operating
-from gap.filters.reading import Filtering
-from gap.filters.scanned import Scanned, scanned
-from gap.insertion.effect import Effect
-from gap.insertion.inserted import percent_out
-from gap.insertion.paths import given, noise_of
-from gap.records.model import Nuisance
+from stickslip.blocks.block import Block
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects.deadband import Deadband
+from stickslip.gap.effects.disturbance import Disturbance
+from stickslip.gap.effects.quantisation import Quantisation
+from stickslip.gap.effects.sensor_noise import SensorNoise
+from stickslip.gap.effects.step_disturbance import StepDisturbance
+from stickslip.gap.effects.stiction import Stiction
+from stickslip.gap.effects.valve_characteristic import ValveCharacteristic
+from stickslip.gap.effects.valve_rate_limit import ValveRateLimit
+from stickslip.gap.effects.valve_saturation import ValveSaturation
+from stickslip.gap.filters import kalman, laws
+from stickslip.gap.filters.affine import NotAffine
+from stickslip.gap.filters.lifted import NOWHERE, lifted
+from stickslip.gap.filters.operating import operating
+from stickslip.gap.filters.reading import Filtering
+from stickslip.gap.filters.scanned import Scanned, scanned
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.inserted import percent_out
+from stickslip.gap.insertion.paths import given, noise_of
+from stickslip.gap.records.model import Nuisance
 
 Floats = NDArray[np.float64]
 FINER = 8  # points of a scan at which a planned load is averaged

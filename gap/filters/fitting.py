@@ -15,9 +15,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.filters.affine import NotAffine
-from gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.affine import NotAffine
+from stickslip.gap.filters.filtering import Explanation, Filtered
 
 Floats = NDArray[np.float64]
 ROUNDS = 10

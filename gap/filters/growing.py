@@ -8,11 +8,10 @@ before the noise, as the filter foretells it.  Such noise has one size as well, 
 """
 
 import numpy as np
-
-from gap.effects.sensor_noise import SensorNoise
-from gap.filters.checks import CALM
-from gap.filters.filtering import Explanation, Filtered
-from gap.filters.fitting import tried
+from stickslip.gap.effects.sensor_noise import SensorNoise
+from stickslip.gap.filters.checks import CALM
+from stickslip.gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.fitting import tried
 
 
 def growing(now: Filtered) -> dict[str, float]:

@@ -10,14 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.effects.deadband import Deadband
-from gap.effects.stiction import Stiction
-from gap.filters import kalman, stems
-from gap.filters.filtering import Explanation, Filtered
-from gap.filters.fitting import Found
-from gap.insertion.effect import Effect
-from gap.insertion.inserted import percent_in
+from stickslip.gap.effects.deadband import Deadband
+from stickslip.gap.effects.stiction import Stiction
+from stickslip.gap.filters import kalman, stems
+from stickslip.gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.fitting import Found
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.inserted import percent_in
 
 Floats = NDArray[np.float64]
 FEW, MANY = 20, 48  # stems of the grid and of the fit

@@ -7,11 +7,10 @@ growing J are tried that have this width in the middle, and the likeliest is fol
 from collections.abc import Sequence
 
 import numpy as np
-
-from gap.filters.drawn import Draws, drawn
-from gap.filters.filtering import Explanation, Filtered
-from gap.filters.hysteresis import JUMPS, moved_stem
-from gap.insertion.effect import Effect
+from stickslip.gap.filters.drawn import Draws, drawn
+from stickslip.gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.hysteresis import JUMPS, moved_stem
+from stickslip.gap.insertion.effect import Effect
 
 STEMS = 200
 SHARES = (0.15, 0.3, 0.5, 0.75)  # of J in S

@@ -16,10 +16,9 @@ which a signal is missing.
 import math
 
 import numpy as np
-
-from gap.filters.laws import STOPS, blurred, through, within
-from gap.filters.passing import CLOSE, along, clear, forecast, taken_in
-from logs.compiled import njit
+from stickslip.gap.filters.laws import STOPS, blurred, through, within
+from stickslip.gap.filters.passing import CLOSE, along, clear, forecast, taken_in
+from stickslip.logs.compiled import njit
 
 SMALLEST = 1e-16  # variance
 CERTAIN = 12.0 / (2.0 * math.pi)  # of r: variance of a normal law that is as dense as one over the rounding step

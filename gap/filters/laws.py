@@ -7,8 +7,7 @@ What the valve makes of the opening x that it is told (``law`` and its numbers a
 import math
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 NONE, STOPS, CURVED, SLOW = 0, 1, 2, 3
 NODES, WEIGHTS = np.polynomial.hermite_e.hermegauss(7)

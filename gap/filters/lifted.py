@@ -10,9 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.filters import laws
-from gap.filters.scanned import Scanned
+from stickslip.gap.filters import laws
+from stickslip.gap.filters.scanned import Scanned
 
 Floats = NDArray[np.float64]
 

@@ -9,10 +9,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-
-from gap.filters.filtering import Explanation, Filtered
-from gap.filters.fitting import Found, best_of, tried
-from gap.filters.switches import with_switches
+from stickslip.gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.fitting import Found, best_of, tried
+from stickslip.gap.filters.switches import with_switches
 
 LEAST = 5.0  # nats that a second limit must gain
 HIGHEST = 0.1  # share of the rows of OP that a limit cuts, unless it stops the valve while OP goes on

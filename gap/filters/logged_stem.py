@@ -10,14 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.filters.affine import NotAffine, affine
-from gap.insertion.effect import Effect
-from gap.insertion.inserted import Inserted
-from gap.insertion.paths import given
-from gap.records.record import Record, rounding
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.filters.affine import NotAffine, affine
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.inserted import Inserted
+from stickslip.gap.insertion.paths import given
+from stickslip.gap.records.record import Record, rounding
 
 SLACK = 1.2  # of the digits, beyond which a stem is elsewhere
 FEW = 0.002  # share of rows at which it may be, and at least
@@ -44,7 +43,7 @@ class LoggedStem:
 def on_stem(effect: Effect) -> bool:
     """Return whether an effect acts on the position of a valve's stem, not on the flow behind it.
 
-    >>> from gap.effects import effect
+    >>> from stickslip.gap.effects import effect
     >>> on_stem(effect("positioner_lag")), on_stem(effect("valve_gain")), on_stem(effect("second_lag"))
     (True, False, False)
     """

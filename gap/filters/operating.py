@@ -5,11 +5,10 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.filters.affine import Affine, Alike, affine
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.filters.affine import Affine, Alike, affine
 
 Floats = NDArray[np.float64]
 ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)

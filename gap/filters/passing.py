@@ -3,8 +3,7 @@
 import math
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 CLOSE = 4.0  # standard deviations from a limit within which it may be reached
 

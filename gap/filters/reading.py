@@ -5,16 +5,15 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.filters.affine import NotAffine
-from gap.filters.scanned import base_period
-from gap.insertion.effect import Effect
-from gap.insertion.paths import made_of
-from gap.records.model import Nuisance, known_within, nuisances
-from gap.records.record import RARE, Record, rounding, switch_rows
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.filters.affine import NotAffine
+from stickslip.gap.filters.scanned import base_period
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.paths import made_of
+from stickslip.gap.records.model import Nuisance, known_within, nuisances
+from stickslip.gap.records.record import RARE, Record, rounding, switch_rows
 
 Floats = NDArray[np.float64]
 UNSEEN = 1e9  # variance of a signal that is not there

@@ -14,19 +14,18 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.effects.quantisation import Quantisation
-from gap.effects.scan_time import ScanTime
-from gap.effects.sensor_noise import SensorNoise
-from gap.effects.sensor_saturation import SensorSaturation
-from gap.effects.sine_disturbance import SineDisturbance
-from gap.filters.checks import CALM
-from gap.filters.constant import FRESH
-from gap.filters.explaining import free_names
-from gap.filters.filtering import Explanation, Filtered
-from gap.filters.fitting import directions, refined, tried
-from gap.filters.growing import growing
-from gap.records.model import Nuisance
+from stickslip.gap.effects.quantisation import Quantisation
+from stickslip.gap.effects.scan_time import ScanTime
+from stickslip.gap.effects.sensor_noise import SensorNoise
+from stickslip.gap.effects.sensor_saturation import SensorSaturation
+from stickslip.gap.effects.sine_disturbance import SineDisturbance
+from stickslip.gap.filters.checks import CALM
+from stickslip.gap.filters.constant import FRESH
+from stickslip.gap.filters.explaining import free_names
+from stickslip.gap.filters.filtering import Explanation, Filtered
+from stickslip.gap.filters.fitting import directions, refined, tried
+from stickslip.gap.filters.growing import growing
+from stickslip.gap.records.model import Nuisance
 
 Floats = NDArray[np.float64]
 BANDS = (0.0, 1.0 / 600.0, 1.0 / 40.0, 1.0 / 6.0)  # correlation times, in records; 0 is white

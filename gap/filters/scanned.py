@@ -17,13 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
-
-from blocks.block import Block
-from diagram.diagram import Diagram
-from gap.filters import kalman
-from gap.filters.affine import Affine, NotAffine, affine
-from gap.filters.operating import ONLOOKERS, beyond_limit, inside
-from gap.records.model import Nuisance
+from stickslip.blocks.block import Block
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.filters import kalman
+from stickslip.gap.filters.affine import Affine, NotAffine, affine
+from stickslip.gap.filters.operating import ONLOOKERS, beyond_limit, inside
+from stickslip.gap.records.model import Nuisance
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]

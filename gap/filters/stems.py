@@ -13,7 +13,7 @@ the same random numbers for all sizes the likelihood is smooth in them.
 
 Each stem of the bank breaks away a little early or late, as no friction repeats to the last digit: so one slip is not
 had wrong by all.  Where even the best stem misses a row by far, half of them are put anywhere within the band in which
-a stem can stick, which costs as much as a mode that a replay sets right (``gap.floors.modes``).
+a stem can stick, which costs as much as a mode that a replay sets right (``stickslip.gap.floors.modes``).
 
 A mixture's innovation is the normal deviate of its distribution function, sum w_i Phi(e_i): of unit variance if it is
 right, like those of a single filter.
@@ -23,11 +23,10 @@ import math
 from typing import Any
 
 import numpy as np
-
-from gap.filters.kalman import looked, spread
-from gap.filters.passing import along
-from gap.floors.modes import CHARGE
-from logs.compiled import njit
+from stickslip.gap.filters.kalman import looked, spread
+from stickslip.gap.filters.passing import along
+from stickslip.gap.floors.modes import CHARGE
+from stickslip.logs.compiled import njit
 
 EVEN = 0.5  # share of the stems that must count
 LOST = 5.0  # standard deviations by which even the best stem misses a row where none has the right mode

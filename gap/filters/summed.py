@@ -8,12 +8,11 @@ OP is rounded as X is: by step(X) / |w|.
 from dataclasses import replace
 
 import numpy as np
-
-from blocks.block import Block
-from diagram.diagram import Diagram
-from gap.filters.affine import NotAffine, affine
-from gap.records.record import Record, rounding
-from logs import Log
+from stickslip.blocks.block import Block
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.filters.affine import NotAffine, affine
+from stickslip.gap.records.record import Record, rounding
+from stickslip.logs import Log
 
 
 def with_outputs(diagram: Diagram, record: Record, outputs: tuple[str, ...]) -> Record:

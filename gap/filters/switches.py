@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.filters.filtering import Filtered
-from gap.records.record import switch_rows, switches
+from stickslip.gap.filters.filtering import Filtered
+from stickslip.gap.records.record import switch_rows, switches
 
 BEHIND = 5  # rows in which a switch shows
 MOST = 12  # scans within an interval that are tried

@@ -5,21 +5,20 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
-from gap.answers.sureness import OUTSIDE, Sureness
-from gap.effects.controller_limits import ControllerLimits
-from gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
-from gap.filters.explaining import STEPPED, free_names, total
-from gap.filters.filtering import Filtered
-from gap.filters.fitting import Found, refined
-from gap.filters.hysteresis import followed_on, left
-from gap.filters.limiting import reach
-from gap.filters.reading import Filtering
-from gap.telling.creep import about_creep
-from gap.telling.sizes import SEEN, SURE, shrinkage_of_losses
-from gap.telling.structure import by_wiring
-from gap.telling.words import LISTED, NO_PLACE
+from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
+from stickslip.gap.answers.sureness import OUTSIDE, Sureness
+from stickslip.gap.effects.controller_limits import ControllerLimits
+from stickslip.gap.filters.diagnosing import CLEAR, Outcome, explained, rival, worst
+from stickslip.gap.filters.explaining import STEPPED, free_names, total
+from stickslip.gap.filters.filtering import Filtered
+from stickslip.gap.filters.fitting import Found, refined
+from stickslip.gap.filters.hysteresis import followed_on, left
+from stickslip.gap.filters.limiting import reach
+from stickslip.gap.filters.reading import Filtering
+from stickslip.gap.telling.creep import about_creep
+from stickslip.gap.telling.sizes import SEEN, SURE, shrinkage_of_losses
+from stickslip.gap.telling.structure import by_wiring
+from stickslip.gap.telling.words import LISTED, NO_PLACE
 
 Floats = NDArray[np.float64]
 FELT = 3.6  # standard deviations of a size that a gap of 6.5 nats needs

@@ -9,13 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.fits.inserting import inserted
-from gap.fits.noise import is_noise
-from gap.fits.search import Fit
-from gap.floors.floor import scored, without_gap
-from gap.floors.modes import CHARGE
-from gap.floors.problem import SIGMAS, Problem
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.noise import is_noise
+from stickslip.gap.fits.search import Fit
+from stickslip.gap.floors.floor import scored, without_gap
+from stickslip.gap.floors.modes import CHARGE
+from stickslip.gap.floors.problem import SIGMAS, Problem
 
 GAINED = 12.0  # nats that an effect must gain, at least
 INEXACT = 0.005  # nats a row that another integrator may cost, where the floor is as sharp as rounding

@@ -16,9 +16,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.fits.search import Candidate
-from gap.insertion.paths import given
+from stickslip.gap.fits.search import Candidate
+from stickslip.gap.insertion.paths import given
 
 Floats = NDArray[np.float64]
 USUAL = 0.99  # quantile of how far a stem lies off: beyond are jumps of the set point
@@ -54,8 +53,8 @@ def bands(wanted: Floats, seen: Floats, shares: Sequence[float]) -> tuple[float,
 
     ``shares``: f_c / f_s, in order; 1 alone for a deadband.  None for a stem that is where it is wanted.
 
-    >>> from blocks import QuasiStaticStem
-    >>> from diagram import drive
+    >>> from stickslip.blocks import QuasiStaticStem
+    >>> from stickslip.diagram import drive
     >>> t = np.arange(600.0)
     >>> OP = 0.5 + 0.1 * np.sin(t / 40.0) + 0.003 * np.random.default_rng(1).standard_normal(600)
     >>> MV = drive(QuasiStaticStem(S=0.07, J=0.03), 599.0, every=1.0, OP=(t, OP)).log["MV"]

@@ -19,14 +19,13 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from gap.fits.figure import read_off
-from gap.fits.robust import step
-from gap.fits.search import Candidate, Fit, best_of, refined
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
-from gap.insertion.paths import given
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.fits.figure import read_off
+from stickslip.gap.fits.robust import step
+from stickslip.gap.fits.search import Candidate, Fit, best_of, refined
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.paths import given
 
 Floats = NDArray[np.float64]
 FIRST = 14  # sizes of the first parameter

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
-from diagram.diagram import Diagram
-from gap.fits.search import Fit
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.fits.search import Fit
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 
 def inserted(base: Diagram, fit: Fit) -> Diagram:

@@ -13,14 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.recorded import Recorded
-from blocks.role import Role
-from diagram.diagram import Diagram
-from diagram.inputs import close, source_name
-from gap.floors.floor import losses
-from gap.floors.problem import Problem
-from gap.records.record import switch_rows, switches
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.inputs import close, source_name
+from stickslip.gap.floors.floor import losses
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.records.record import switch_rows, switches
 
 Floats = NDArray[np.float64]
 BEHIND = 3  # rows in which a switch shows

@@ -9,11 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.role import Role
-from gap.fits.adequacy import needed, stands
-from gap.fits.ranges import between
-from gap.fits.search import Candidate, Fit, best_of
+from stickslip.blocks.role import Role
+from stickslip.gap.fits.adequacy import needed, stands
+from stickslip.gap.fits.ranges import between
+from stickslip.gap.fits.search import Candidate, Fit, best_of
 
 Floats = NDArray[np.float64]
 QUANTILES = (1.0, 0.995, 0.98, 0.94, 0.85, 0.7, 0.5)  # of the signal, at which an upper limit is tried

@@ -11,16 +11,15 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.arithmetic import Sum
-from blocks.recorded import Recorded
-from diagram import wire
-from diagram.diagram import Diagram
-from gap.fits.adequacy import needed
-from gap.fits.search import Candidate, Fit, best_of, refined
-from gap.floors.floor import NU
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.recorded import Recorded
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.fits.adequacy import needed
+from stickslip.gap.fits.search import Candidate, Fit, best_of, refined
+from stickslip.gap.floors.floor import NU
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
 PULSE = 1e-3  # size of the load that shows the response, in spans of its signal

@@ -22,8 +22,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.fits.search import Candidate, Fit, best_of, narrowed
+from stickslip.gap.fits.search import Candidate, Fit, best_of, narrowed
 
 Floats = NDArray[np.float64]
 UNLIKELY, MOVING = 3.0, 3.5  # standard deviations of a correlation, and of that with the rate

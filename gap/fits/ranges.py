@@ -10,9 +10,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-
-from gap.fits.search import SETTLED, Candidate, Fit, best_of, refined
-from gap.floors.floor import losses
+from stickslip.gap.fits.search import SETTLED, Candidate, Fit, best_of, refined
+from stickslip.gap.floors.floor import losses
 
 NODES = 6  # sizes of a parameter that are replayed first
 MORE = 2  # and more on the first part of the record, which costs little

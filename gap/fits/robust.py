@@ -8,8 +8,7 @@ loss is flat almost everywhere and has a narrow trough, which a wide scale finds
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.floors.floor import NU, UNIT, losses
+from stickslip.gap.floors.floor import NU, UNIT, losses
 
 Floats = NDArray[np.float64]
 SHRINK = 0.4  # of the scale from round to round

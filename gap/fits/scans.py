@@ -10,8 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.fits.search import Candidate, Fit, best_of
+from stickslip.gap.fits.search import Candidate, Fit, best_of
 
 Floats = NDArray[np.float64]
 STILL = 0.05  # share of rows at which OP stands still, from which on its scans can be read off

@@ -10,15 +10,14 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from gap.effects.sensor_noise import SensorNoise
-from gap.fits.robust import step
-from gap.floors.floor import scored
-from gap.floors.modes import CHARGE
-from gap.floors.problem import Problem, Settled
-from gap.insertion.effect import Effect
-from gap.records.offsets import READY
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects.sensor_noise import SensorNoise
+from stickslip.gap.fits.robust import step
+from stickslip.gap.floors.floor import scored
+from stickslip.gap.floors.modes import CHARGE
+from stickslip.gap.floors.problem import Problem, Settled
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.records.offsets import READY
 
 Floats = NDArray[np.float64]
 ROUNDS = 6  # steps along the slopes

@@ -14,14 +14,13 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from gap.answers.seen import Seen
-from gap.fits.robust import step
-from gap.fits.search import Candidate, slopes
-from gap.floors.floor import losses
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.answers.seen import Seen
+from stickslip.gap.fits.robust import step
+from stickslip.gap.fits.search import Candidate, slopes
+from stickslip.gap.floors.floor import losses
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
 
 Floats = NDArray[np.float64]
 STEPS, NEAR = 12, 0.02  # secants until the nats are met within this share

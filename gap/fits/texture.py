@@ -9,14 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.fits.search import Candidate, Fit
-from gap.floors.cache import keep, kept
-from gap.floors.floor import measured, residuals, without_gap
-from gap.floors.problem import Problem
-from gap.insertion.effect import Effect
-from gap.insertion.straightness import deviation_of, sloping
-from gap.records.offsets import offsets
+from stickslip.gap.fits.search import Candidate, Fit
+from stickslip.gap.floors.cache import keep, kept
+from stickslip.gap.floors.floor import measured, residuals, without_gap
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.straightness import deviation_of, sloping
+from stickslip.gap.records.offsets import offsets
 
 Floats = NDArray[np.float64]
 APART = 3.0  # times the rounding of another signal, from which on a lattice may be a sensor's

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from diagram.diagram import Diagram
-from gap.fits.search import Candidate, Fit
-from gap.insertion.effect import Effect
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.fits.search import Candidate, Fit
+from stickslip.gap.insertion.effect import Effect
 
 
 class Together(Effect):

@@ -13,11 +13,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-
-from diagram.diagram import Diagram
-from gap.floors.floor import Floor, foretold, settling_rows, sharpest, skipped_rows
-from gap.records.record import Record, switches
-from logs.files.write import replacing
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.floors.floor import Floor, foretold, settling_rows, sharpest, skipped_rows
+from stickslip.gap.records.record import Record, switches
+from stickslip.logs.files.write import replacing
 
 VERSION = 7  # of what a floor is
 

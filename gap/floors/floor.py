@@ -17,17 +17,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from diagram.ensembles.running import ensemble
-from engine.run import Settings
-from gap.insertion.paths import made_of
-from gap.insertion.scales import time_scale
-from gap.records.offsets import offsets
-from gap.records.record import Record
-from logs import Log
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.running import ensemble
+from stickslip.engine.run import Settings
+from stickslip.gap.insertion.paths import made_of
+from stickslip.gap.insertion.scales import time_scale
+from stickslip.gap.records.offsets import offsets
+from stickslip.gap.records.record import Record
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 NU = 4.0

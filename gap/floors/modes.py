@@ -1,7 +1,7 @@
 """Modes that no log shows: whether a stem sticks or slides.  A replay that has it wrong is wrong until the next slip.
 
-The next row tells, so the interval before it is run again in each mode (``diagram.branches``), and one that brings the
-row down to half is kept.  Each costs ``CHARGE`` nats, what a mode of three at one row of a record is worth.
+The next row tells, so the interval before it is run again in each mode (``stickslip.diagram.branches``), and one that
+brings the row down to half is kept.  Each costs ``CHARGE`` nats, what a mode of three at one row of a record is worth.
 
 What tells is the controller's output, which is as sharp as it is rounded.  Where it is rounded so coarsely that no
 wrong mode shows in it, the noisy measurement has to tell, some rows late: there the last ``SEVERAL`` intervals are run
@@ -13,12 +13,11 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from blocks.block import Block
-from diagram.branches import Branches
-from diagram.diagram import Diagram
-from gap.floors.floor import Floor
-from gap.records.record import Record
+from stickslip.blocks.block import Block
+from stickslip.diagram.branches import Branches
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.floors.floor import Floor
+from stickslip.gap.records.record import Record
 
 BEYOND = 20.0  # of its floor, from which on an innovation tells a wrong mode
 SHARE = 0.5  # of what it was, to which another mode must bring a row
@@ -32,7 +31,7 @@ CHARGE = 6.0  # nats of a mode that is set right
 def sticking(block: Block) -> bool:
     """Return whether a block may stick or slide.
 
-    >>> from blocks import Deadband, FirstOrder
+    >>> from stickslip.blocks import Deadband, FirstOrder
     >>> sticking(Deadband(0.1)), sticking(FirstOrder(1.0, 1.0))
     (True, False)
     """

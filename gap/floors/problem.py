@@ -6,15 +6,14 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from diagram.diagram import Diagram
-from gap.answers.sureness import Sureness
-from gap.floors.floor import Floor, losses, scored
-from gap.floors.modes import branches_of
-from gap.records.model import known_within
-from gap.records.offsets import READY, branched, known_starts, offsets
-from gap.records.record import FEWEST, Record
-from logs import Log
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.answers.sureness import Sureness
+from stickslip.gap.floors.floor import Floor, losses, scored
+from stickslip.gap.floors.modes import branches_of
+from stickslip.gap.records.model import known_within
+from stickslip.gap.records.offsets import READY, branched, known_starts, offsets
+from stickslip.gap.records.record import FEWEST, Record
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 AFTER_LIMIT = 6  # rows behind a limit that are not scored where residuals are predicted

@@ -20,13 +20,12 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.block import Block
-from blocks.ports import nearest
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.scales import scale
-from logs import Log
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import nearest
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.scales import scale
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 NOMINAL = math.nan  # neutral value of a parameter whose neutral value is what the model has
@@ -42,9 +41,10 @@ class Parameter:
 
     ``neutral`` is NaN where it is what the model has.  ``per`` says of what the bounds are multiples: "" of the unit
     itself, "span" of the span of the measurement at the place, "time" of the time scale of its loop, "size" of what a
-    source gives (``gap.insertion.scales``).  ``spacing``: how a search should go through the range, "linear" or "log"
-    (factors, times).  A ``nuisance`` has to be found for a replay, but is no part of the size of the effect: the phase
-    of a wave, the time of the first scan.  Not ``smooth``: innovations have no slope in it, the log's digits give it.
+    source gives (``stickslip.gap.insertion.scales``).  ``spacing``: how a search should go through the range, "linear"
+    or "log" (factors, times).  A ``nuisance`` has to be found for a replay, but is no part of the size of the effect:
+    the phase of a wave, the time of the first scan.  Not ``smooth``: innovations have no slope in it, the log's digits
+    give it.
     """
 
     name: str

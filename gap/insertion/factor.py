@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from blocks.block import Block
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, Parameter, above
+from stickslip.blocks.block import Block
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, Parameter, above
 
 
 class Factor(Effect):

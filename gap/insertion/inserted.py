@@ -8,12 +8,12 @@ before   what enters the place goes through the block, and nobody else sees it
 from collections.abc import Mapping
 from typing import ClassVar, Literal
 
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Effect, known_first
-from gap.insertion.paths import given, measured, users
-from gap.insertion.scales import ends, span
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Effect, known_first
+from stickslip.gap.insertion.paths import given, measured, users
+from stickslip.gap.insertion.scales import ends, span
 
 
 class Inserted(Effect):

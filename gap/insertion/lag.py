@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from typing import Any
 
-from blocks.block import Block
-from blocks.first_order import FirstOrder
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.insertion.effect import Parameter, not_below
-from gap.insertion.inserted import Inserted
-from gap.insertion.paths import measured
+from stickslip.blocks.block import Block
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.effect import Parameter, not_below
+from stickslip.gap.insertion.inserted import Inserted
+from stickslip.gap.insertion.paths import measured
 
 
 class Lag(Inserted):

@@ -4,9 +4,9 @@ Behind a block may stand blocks that other effects have put in (``valve:stiction
 is what comes out behind the last of them.
 """
 
-from blocks.block import Block
-from blocks.role import Role
-from diagram.diagram import Diagram
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
 
 PASSING = (Role.ARITHMETIC, Role.FILTER)  # what a signal goes through on its way from a source to a process
 ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
@@ -15,8 +15,8 @@ ONLOOKERS = (Role.HISTORIAN, Role.DETECTOR)
 def given(diagram: Diagram, place: str) -> str:
     """Return the signal that a place gives, behind all effects that are there.
 
-    >>> from blocks import QuasiStaticStem
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.blocks import QuasiStaticStem
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> loop = self_regulating_loop()
     >>> given(loop, "valve"), given(loop.insert("MV", QuasiStaticStem(name="valve:stiction")), "valve")
     ('MV', 'MV')
@@ -57,7 +57,7 @@ def noise_of(diagram: Diagram, sensor: Block) -> str | None:
 def made_of(diagram: Diagram, signal: str) -> list[str]:
     """Return a signal and those that it is made of, nearest first, back to a controller; sources are left out.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> made_of(self_regulating_loop(), "MV")
     ['MV', 'OP']
     """

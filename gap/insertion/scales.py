@@ -11,11 +11,11 @@ They set the bounds between which the size of an effect is searched; no result d
 import math
 from functools import lru_cache
 
-from blocks.block import Block
-from blocks.role import Role
-from blocks.sources import Constant
-from diagram import wire
-from diagram.diagram import Diagram
+from stickslip.blocks.block import Block
+from stickslip.blocks.role import Role
+from stickslip.blocks.sources import Constant
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
 
 USUAL = 10.0  # [s], where a diagram says nothing
 TIMES = ("tau", "tau_1", "T")  # time constants of processes
@@ -33,7 +33,7 @@ def scale(diagram: Diagram, place: str, per: str) -> float:
 def size(source: Block) -> float:
     """Return how large the signal of a source is [its unit]: its value or mean, 1 if that is 0 or there is none.
 
-    >>> from blocks import Constant
+    >>> from stickslip.blocks import Constant
     >>> size(Constant("F_in", 8000.0)), size(Constant("load", 0.0))
     (8000.0, 1.0)
     """
@@ -44,7 +44,7 @@ def size(source: Block) -> float:
 def span(diagram: Diagram, signal: str) -> float:
     """Return the length of the span of a signal [its unit], 1 if no block states one.
 
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> span(self_regulating_loop(), "OP")
     1.0
     """
@@ -55,7 +55,7 @@ def span(diagram: Diagram, signal: str) -> float:
 def ends(diagram: Diagram, signal: str) -> tuple[float, float] | None:
     """Return low and high end of the span of a signal [its unit], None if no block states one.
 
-    >>> from blocks import LeadLag, SampledPI
+    >>> from stickslip.blocks import LeadLag, SampledPI
     >>> loop = wire([SampledPI(1.0, 9.0, dt=1.0, low=0.0, high=100.0), LeadLag("p", "OP", 0.0, 2.0)], ["SP", "PV"])
     >>> ends(loop, "p")
     (0.0, 100.0)
@@ -96,7 +96,7 @@ def _passes(block: Block) -> bool:
 @lru_cache(maxsize=256)
 def _at_rest(block: Block, value: float) -> float:
     """Return what a block gives at rest if a value enters it, NaN if it does not come to rest."""
-    from diagram.linear import NoOperatingPoint, operating_point
+    from stickslip.diagram.linear import NoOperatingPoint, operating_point
 
     entered = str(block.input_labels[0])
     try:
@@ -109,7 +109,7 @@ def _at_rest(block: Block, value: float) -> float:
 def time_scale(diagram: Diagram, place: str) -> float:
     """Return the time scale [s] of the loop in which a block is.
 
-    >>> from plant.loops import integrating_loop
+    >>> from stickslip.plant.loops import integrating_loop
     >>> time_scale(integrating_loop(), "valve")
     400.0
     """

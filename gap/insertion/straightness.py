@@ -2,9 +2,8 @@
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.insertion.effect import Effect
-from logs import Log
+from stickslip.gap.insertion.effect import Effect
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 SIZES = 13  # deviations that are tried

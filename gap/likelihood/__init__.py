@@ -5,5 +5,5 @@ frame        what all hypotheses of a record share            hypothesis   an ef
 fit          sizes by Fisher's scoring                        switches     when an input switched between two rows
 search       every effect by its score, the likeliest fitted  judge        whether what is left is usual
 relevance    whether an effect moves anything                 held_out     how far a gap shrinks on unseen rows
-diagnosing   the question as a whole, for ``gap.diagnose``    telling      its words
+diagnosing   the question as a whole, for ``stickslip.gap.diagnose``    telling      its words
 """

@@ -5,17 +5,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from diagram.diagram import Diagram
-from diagram.progress import Progress
-from gap.insertion.effect import Effect
-from gap.likelihood.fit import Fit
-from gap.likelihood.frame import Frame
-from gap.likelihood.hypothesis import Hypothesis
-from gap.likelihood.judge import Verdict, enough, judged
-from gap.likelihood.prepared import NoFilter
-from gap.likelihood.relevance import RELEVANT, moved
-from gap.likelihood.search import (
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.progress import Progress
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.judge import Verdict, enough, judged
+from stickslip.gap.likelihood.prepared import NoFilter
+from stickslip.gap.likelihood.relevance import RELEVANT, moved
+from stickslip.gap.likelihood.search import (
     SETTLING,
     Candidate,
     candidates,
@@ -28,10 +27,10 @@ from gap.likelihood.search import (
     schwarz,
     settled,
 )
-from gap.likelihood.switches import with_ramps, with_switches
-from gap.records.model import nuisances, silenced
-from gap.records.record import Record
-from gap.records.start import start_values
+from stickslip.gap.likelihood.switches import with_ramps, with_switches
+from stickslip.gap.records.model import nuisances, silenced
+from stickslip.gap.records.record import Record
+from stickslip.gap.records.start import start_values
 
 ODDS = 10.0  # to one, for an effect against none
 ROUGHLY = 4.0  # nats by which a fit may gain more than its score promises

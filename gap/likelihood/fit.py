@@ -15,8 +15,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.likelihood.hypothesis import Hypothesis, Innovations
+from stickslip.gap.likelihood.hypothesis import Hypothesis, Innovations
 
 Floats = NDArray[np.float64]
 ROUNDS = 6

@@ -6,11 +6,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.records.model import Nuisance, known_within, nuisances, silenced
-from gap.records.record import Record, rounding, switch_rows, switches
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.records.model import Nuisance, known_within, nuisances, silenced
+from stickslip.gap.records.record import Record, rounding, switch_rows, switches
 
 Floats = NDArray[np.float64]
 SKIPPED = 60  # rows at the beginning in which a start is forgotten, a quarter of the record at most

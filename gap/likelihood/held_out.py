@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from gap.answers.report import Shrinkage
-from gap.likelihood.fit import Fit, refined, tried
-from gap.likelihood.hypothesis import Innovations
-from gap.likelihood.search import FIRST, free_names
-from gap.telling.sizes import SEEN, shrinkage_of_losses
+from stickslip.gap.answers.report import Shrinkage
+from stickslip.gap.likelihood.fit import Fit, refined, tried
+from stickslip.gap.likelihood.hypothesis import Innovations
+from stickslip.gap.likelihood.search import FIRST, free_names
+from stickslip.gap.telling.sizes import SEEN, shrinkage_of_losses
 
 
 def held_out(null: Fit, best: Fit) -> Shrinkage | None:

@@ -7,13 +7,12 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from engine.filtering import extended, followed, otherwise
-from engine.restarts import kept_sizes, standing
-from gap.insertion.effect import Effect
-from gap.likelihood.frame import Frame
-from gap.likelihood.prepared import Prepared, prepared
+from stickslip.diagram.diagram import Diagram
+from stickslip.engine.filtering import extended, followed, otherwise
+from stickslip.engine.restarts import kept_sizes, standing
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.prepared import Prepared, prepared
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]

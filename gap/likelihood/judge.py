@@ -14,11 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.filters.checks import checks
-from gap.floors.floor import without_gap
-from gap.likelihood.fit import Fit, tried
-from gap.likelihood.search import Candidate, basis, trusted
+from stickslip.gap.filters.checks import checks
+from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.likelihood.fit import Fit, tried
+from stickslip.gap.likelihood.search import Candidate, basis, trusted
 
 Floats = NDArray[np.float64]
 RUNS = 24  # of a hypothesis, which say what is usual

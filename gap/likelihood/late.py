@@ -8,9 +8,9 @@ Between scans y is held; a held input is delayed exactly by multiples of dt.
 import math
 from typing import Any
 
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from blocks.role import Role
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.role import Role
 
 
 def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
@@ -27,7 +27,7 @@ def _step(t: float, x: Any, d: Any, u: Any, p: Any, y: Any) -> None:
 class Late(Block):
     """What enters arrives later by ``theta`` [s], in scans of ``dt`` [s], at most ``longest`` [s].
 
-    >>> from diagram import drive
+    >>> from stickslip.diagram import drive
     >>> drive(Late(2.0, dt=1.0, longest=4.0), 3.0, every=1.0, **{"in": 1.0}).log["out"].tolist()
     [0.0, 0.0, 1.0, 1.0]
     """

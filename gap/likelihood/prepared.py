@@ -7,19 +7,18 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.arithmetic import Sum
-from blocks.sources import Constant
-from diagram import wire
-from diagram.diagram import Diagram
-from diagram.inputs import close
-from engine.restarts import never_paused
-from engine.run import Settings, prepare
-from engine.snapshot import Snapshot
-from engine.table import Component
-from gap.likelihood.late import Late
-from gap.records.model import Nuisance, nuisances, silenced, smooth_memories
-from gap.records.record import Record
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.sources import Constant
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.inputs import close
+from stickslip.engine.restarts import never_paused
+from stickslip.engine.run import Settings, prepare
+from stickslip.engine.snapshot import Snapshot
+from stickslip.engine.table import Component
+from stickslip.gap.likelihood.late import Late
+from stickslip.gap.records.model import Nuisance, nuisances, silenced, smooth_memories
+from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
 Whole = NDArray[np.int64]

@@ -4,9 +4,8 @@ share = rms(run with the effect - run without) / standard deviation of the run w
 """
 
 import numpy as np
-
-from gap.floors.floor import unrounded
-from gap.likelihood.fit import Fit
+from stickslip.gap.floors.floor import unrounded
+from stickslip.gap.likelihood.fit import Fit
 
 RUNS = 3
 RELEVANT = 0.01  # of a signal's movement: no plant computes like its model, and what is less is no gap

@@ -13,15 +13,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.role import Role
-from diagram.progress import Progress, reporting
-from gap.insertion.effect import Effect
-from gap.likelihood.fit import Fit, coordinate, refined, tried, value, width
-from gap.likelihood.frame import Frame
-from gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
-from gap.likelihood.sizes import sizes
-from gap.likelihood.switches import with_switches
+from stickslip.blocks.role import Role
+from stickslip.diagram.progress import Progress, reporting
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.likelihood.fit import Fit, coordinate, refined, tried, value, width
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.hypothesis import FAR, Hypothesis, Innovations
+from stickslip.gap.likelihood.sizes import sizes
+from stickslip.gap.likelihood.switches import with_switches
 
 Floats = NDArray[np.float64]
 NOISE = "sensor_noise"

@@ -6,14 +6,13 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.arithmetic import Sum
-from blocks.recorded import Recorded
-from diagram import wire
-from diagram.diagram import Diagram
-from gap.fits.loads import is_load, planned
-from gap.likelihood.fit import Fit, tried
-from gap.likelihood.hypothesis import Hypothesis
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.recorded import Recorded
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.fits.loads import is_load, planned
+from stickslip.gap.likelihood.fit import Fit, tried
+from stickslip.gap.likelihood.hypothesis import Hypothesis
 
 Floats = NDArray[np.float64]
 FACTORS = (0.75, 0.92, 1.08, 1.33)  # sizes of a factor that are tried

@@ -9,11 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.likelihood.fit import tried
-from gap.likelihood.frame import Frame
-from gap.likelihood.hypothesis import Innovations
-from gap.records.record import switch_rows, switches
+from stickslip.gap.likelihood.fit import tried
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.hypothesis import Innovations
+from stickslip.gap.records.record import switch_rows, switches
 
 Floats = NDArray[np.float64]
 Leads = Mapping[str, Mapping[int, float]]

@@ -3,17 +3,16 @@
 from collections.abc import Sequence
 
 import numpy as np
-
-from blocks.role import Role
-from gap.answers.evidence import Evidence
-from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
-from gap.likelihood.diagnosing import Outcome
-from gap.likelihood.fit import Fit
-from gap.likelihood.held_out import held_out
-from gap.likelihood.relevance import RELEVANT
-from gap.likelihood.search import price
-from gap.telling.creep import about_creep
-from gap.telling.structure import by_wiring
+from stickslip.blocks.role import Role
+from stickslip.gap.answers.evidence import Evidence
+from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
+from stickslip.gap.likelihood.diagnosing import Outcome
+from stickslip.gap.likelihood.fit import Fit
+from stickslip.gap.likelihood.held_out import held_out
+from stickslip.gap.likelihood.relevance import RELEVANT
+from stickslip.gap.likelihood.search import price
+from stickslip.gap.telling.creep import about_creep
+from stickslip.gap.telling.structure import by_wiring
 
 SURE = 1.645  # standard deviations of an interval of 90 %
 OUTSIDE = 0.25  # share of the gaps whose cause is in no catalogue

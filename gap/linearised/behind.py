@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from diagram.ensembles.running import ensemble
-from gap.floors.floor import EXACT
-from gap.linearised.between import BEFORE, line, moves
-from gap.records.record import Record, switch_rows, switches
-from logs import Log
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.running import ensemble
+from stickslip.gap.floors.floor import EXACT
+from stickslip.gap.linearised.between import BEFORE, line, moves
+from stickslip.gap.records.record import Record, switch_rows, switches
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 SAME = 1e-9  # [s] between times that are one

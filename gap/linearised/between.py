@@ -9,12 +9,11 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.linearised.parts import ancestors
-from gap.records.record import Record, switches
-from logs import Log
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.linearised.parts import ancestors
+from stickslip.gap.records.record import Record, switches
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 BEFORE = 1e-6  # of an interval: how long before a row the value is taken that holds until it

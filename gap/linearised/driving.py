@@ -5,16 +5,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.changes import part
-from diagram.diagram import Diagram
-from diagram.ensembles.running import ensemble
-from diagram.playback import held
-from gap.linearised.behind import Behind
-from gap.linearised.between import BEFORE, line, moves
-from gap.linearised.parts import Parts
-from gap.records.record import Record
-from logs import Log
+from stickslip.diagram.changes import part
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.running import ensemble
+from stickslip.diagram.playback import held
+from stickslip.gap.linearised.behind import Behind
+from stickslip.gap.linearised.between import BEFORE, line, moves
+from stickslip.gap.linearised.parts import Parts
+from stickslip.gap.records.record import Record
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 SAME = 1e-7  # of an interval: times so near to one another are one

@@ -17,23 +17,22 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.role import Role
-from diagram.changes import part
-from diagram.diagram import Diagram
-from diagram.linear.slopes import Slopes
-from diagram.pins import replays
-from gap.floors.floor import without_gap
-from gap.linearised.behind import NOTHING, Behind, behind
-from gap.linearised.between import jumps
-from gap.linearised.driving import as_inputs, driven
-from gap.linearised.gains import Gains, Linear, gains
-from gap.linearised.local import back, linear, near
-from gap.linearised.observer import Observer, observer
-from gap.linearised.parts import Parts, ancestors, parts
-from gap.records.model import nuisances
-from gap.records.record import Record
-from logs import Log
+from stickslip.blocks.role import Role
+from stickslip.diagram.changes import part
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.linear.slopes import Slopes
+from stickslip.diagram.pins import replays
+from stickslip.gap.floors.floor import without_gap
+from stickslip.gap.linearised.behind import NOTHING, Behind, behind
+from stickslip.gap.linearised.between import jumps
+from stickslip.gap.linearised.driving import as_inputs, driven
+from stickslip.gap.linearised.gains import Gains, Linear, gains
+from stickslip.gap.linearised.local import back, linear, near
+from stickslip.gap.linearised.observer import Observer, observer
+from stickslip.gap.linearised.parts import Parts, ancestors, parts
+from stickslip.gap.records.model import nuisances
+from stickslip.gap.records.record import Record
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 FINEST = 1e-6  # of a signal's size: what a signal that is not rounded is known to
@@ -68,7 +67,7 @@ class Filter:
     def residuals(
         self, diagram: Diagram, record: Record, params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None
     ) -> Floats:
-        """Return (runs, rows, pinned signals) of a silent diagram: see ``gap.records.offsets.offsets``."""
+        """Return (runs, rows, pinned signals) of a silent diagram: see ``stickslip.gap.records.offsets.offsets``."""
         given = {key: np.atleast_1d(np.asarray(v, dtype=float)) for key, v in (params or {}).items()}
         each = [record.log] if logs is None else list(logs)
         many = max([len(each), *map(len, given.values())])

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
-
-from gap.linearised.kalman import gain, predicted
-from gap.linearised.observer import phis
+from stickslip.gap.linearised.kalman import gain, predicted
+from stickslip.gap.linearised.observer import phis
 
 Floats = NDArray[np.float64]
 FORGOTTEN = 15  # rows after which the gain is the steady one again

@@ -13,11 +13,10 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from gap.floors.floor import losses, undisturbed
-from gap.linearised.filtered import Filter, known_to
-from gap.records.record import Record, switch_rows, switches
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.floors.floor import losses, undisturbed
+from stickslip.gap.linearised.filtered import Filter, known_to
+from stickslip.gap.records.record import Record, switch_rows, switches
 
 Floats = NDArray[np.float64]
 Switch = tuple[str, int]  # the set point, and the row that shows its switch

@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from diagram.inputs import close
-from diagram.linear.slopes import Slopes, slopes
-from gap.linearised.gains import Linear
-from gap.linearised.kalman import noise
-from gap.linearised.observer import LEAST, load_state
-from gap.linearised.parts import Parts
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.inputs import close
+from stickslip.diagram.linear.slopes import Slopes, slopes
+from stickslip.gap.linearised.gains import Linear
+from stickslip.gap.linearised.kalman import noise
+from stickslip.gap.linearised.observer import LEAST, load_state
+from stickslip.gap.linearised.parts import Parts
 
 Floats = NDArray[np.float64]
 MISSED = 1e-5  # of a state's size: what a model misses in one second

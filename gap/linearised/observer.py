@@ -9,16 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.arithmetic import Sum
-from blocks.sources import Ramp
-from diagram import wire
-from diagram.diagram import Diagram
-from diagram.ensembles.variants import variants_of
-from engine.observing import observed, slopes_at
-from engine.run import Settings, prepare
-from engine.snapshot import Snapshot
-from engine.table import Component
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import wire
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.variants import variants_of
+from stickslip.engine.observing import observed, slopes_at
+from stickslip.engine.run import Settings, prepare
+from stickslip.engine.snapshot import Snapshot
+from stickslip.engine.table import Component
 
 Floats = NDArray[np.float64]
 LEAST = 1e-3  # size of a state that starts at less

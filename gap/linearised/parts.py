@@ -11,10 +11,10 @@ logged, so the others do without it, and it is not judged.
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
-from blocks.noise import Seeded
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.records.record import Record
+from stickslip.blocks.noise import Seeded
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.records.record import Record
 
 PASSING = (Role.CONTROLLER, Role.SOURCE, Role.ARITHMETIC, Role.FILTER)  # blocks that may be on the way to an OP
 
@@ -42,8 +42,8 @@ def parts(diagram: Diagram, record: Record, loads: Collection[str] = ()) -> Part
     ``loads`` signals that nobody measures: a silent diagram gives their mean, but they belong to the process.
 
     >>> import numpy as np
-    >>> from logs import Log
-    >>> from plant.loops import self_regulating_loop
+    >>> from stickslip.logs import Log
+    >>> from stickslip.plant.loops import self_regulating_loop
     >>> loop = self_regulating_loop()
     >>> t = np.arange(30.0)
     >>> found = parts(loop, Record(Log(t, {"OP": t, "PV": t}), (), ("OP", "PV")))

@@ -10,14 +10,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from gap.floors.cache import keep, kept
-from gap.floors.floor import Floor, floor_of, losses, residuals, scored, settling_rows, undisturbed, without_gap
-from gap.linearised.filtered import Filter
-from gap.linearised.instants import with_switches
-from gap.linearised.parts import ancestors
-from gap.records.record import Record
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.floors.cache import keep, kept
+from stickslip.gap.floors.floor import (
+    Floor,
+    floor_of,
+    losses,
+    residuals,
+    scored,
+    settling_rows,
+    undisturbed,
+    without_gap,
+)
+from stickslip.gap.linearised.filtered import Filter
+from stickslip.gap.linearised.instants import with_switches
+from stickslip.gap.linearised.parts import ancestors
+from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
 FOLDS = 4  # parts of the runs, each of which tells the score of a floor made of the others

@@ -8,16 +8,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-
-from blocks.block import Block
-from blocks.noise import Noise, Seeded, seeded
-from blocks.role import Role
-from blocks.sources import Constant
-from diagram.diagram import Diagram
-from gap.insertion.paths import noise_of
-from gap.records.record import FEWEST, GapError, Record
-from gap.records.regular import with_inputs_held, with_rows_filled
-from logs import Log
+from stickslip.blocks.block import Block
+from stickslip.blocks.noise import Noise, Seeded, seeded
+from stickslip.blocks.role import Role
+from stickslip.blocks.sources import Constant
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.insertion.paths import noise_of
+from stickslip.gap.records.record import FEWEST, GapError, Record
+from stickslip.gap.records.regular import with_inputs_held, with_rows_filled
+from stickslip.logs import Log
 
 LONGEST = 1000.0  # times of rows x interval; a model is replayed through every gap of a log
 RANDOM = frozenset(seeded(0))  # memories of random numbers
@@ -40,7 +39,7 @@ class Nuisance:
 def smooth_memories(block: Block) -> tuple[str, ...]:
     """Return the memories of a block that may have any value near theirs: no mode, no count, no random number.
 
-    >>> from blocks import Lookup1D, SampledFilter
+    >>> from stickslip.blocks import Lookup1D, SampledFilter
     >>> smooth_memories(SampledFilter("y", "u", 2.0, dt=1.0))
     ('y',)
     >>> smooth_memories(Lookup1D("y", "u", [0.0, 1.0], [0.0, 2.0]))
@@ -52,8 +51,8 @@ def smooth_memories(block: Block) -> tuple[str, ...]:
 def nuisances(diagram: Diagram) -> tuple[Nuisance, ...]:
     """Return the sources of random numbers in a diagram.
 
-    >>> from blocks import Noise
-    >>> from diagram import wire
+    >>> from stickslip.blocks import Noise
+    >>> from stickslip.diagram import wire
     >>> print(*nuisances(wire([Noise("D", sd=0.1, dt=1.0, correlation_time=60.0)], outputs=["D"])))
     D (standard deviation 0.1, correlation time 60 s)
     """
@@ -87,7 +86,7 @@ def silenced(diagram: Diagram) -> Diagram:
 def known_within(diagram: Diagram) -> dict[str, tuple[float, float]]:
     """Return the parameters of a diagram that are known within a tolerance only: block.parameter -> (low, high).
 
-    >>> from cases.models import ideal_flow
+    >>> from stickslip.cases.models import ideal_flow
     >>> known_within(ideal_flow().with_tolerances({"process.K": 0.5}))
     {'process.K': (1.5, 4.5)}
     """
@@ -132,8 +131,8 @@ def _refuse_other_unit(diagram: Diagram, log: Log, signal: str) -> None:
 def read(diagram: Diagram, log: Log) -> tuple[Diagram, Record]:
     """Return the diagram with its logged sources open, and the record of the signals that both have.
 
-    Missing values of open inputs are taken as held, missing rows as rows of nothing (``gap.records.regular``).  The
-    noise of a sensor, if a simulation logged it, is not used.
+    Missing values of open inputs are taken as held, missing rows as rows of nothing
+    (``stickslip.gap.records.regular``).  The noise of a sensor, if a simulation logged it, is not used.
 
     Raises ``GapError`` if log and diagram share no driven signal, an open input is not logged, or rows are too few.
     """

@@ -1,17 +1,16 @@
-"""Pinned replays side by side: what each pin had to add at each row (``diagram.pins``)."""
+"""Pinned replays side by side: what each pin had to add at each row (``stickslip.diagram.pins``)."""
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from diagram.branches import Branches
-from diagram.diagram import Diagram
-from diagram.ensembles.running import ensemble
-from diagram.pins import replays
-from gap.records.record import Record
-from logs import Log
+from stickslip.diagram.branches import Branches
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.ensembles.running import ensemble
+from stickslip.diagram.pins import replays
+from stickslip.gap.records.record import Record
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 READY = 128  # diagrams that stay pinned to a record: those of a whole catalogue, on its first part too

@@ -7,10 +7,9 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from blocks.recorded import Recorded
-from diagram.diagram import Diagram
-from logs import Log
+from stickslip.blocks.recorded import Recorded
+from stickslip.diagram.diagram import Diagram
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 LATTICE = 1e-3  # how far, in steps, values may lie off a lattice that they are said to be on
@@ -99,7 +98,9 @@ def switch_rows(log: Log, signal: str) -> NDArray[np.intp]:
 
 
 class Residuals(Protocol):
-    """What makes residuals of a diagram and a log in place of a pinned replay (``gap.linearised.filtered``)."""
+    """What makes residuals of a diagram and a log in place of a pinned replay
+    (``stickslip.gap.linearised.filtered``).
+    """
 
     def residuals(
         self, diagram: Diagram, record: "Record", params: Mapping[str, ArrayLike] | None, logs: Sequence[Log] | None

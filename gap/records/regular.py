@@ -10,8 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from logs import Log
+from stickslip.logs import Log
 
 OFF = 1e-3  # of the interval, by which rows may lie off even times
 MOST = 6.0  # times as many rows as logged: with more, nearly nothing is known

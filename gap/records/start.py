@@ -9,11 +9,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from gap.records.model import smooth_memories
-from gap.records.offsets import offsets
-from gap.records.record import Record
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.records.model import smooth_memories
+from stickslip.gap.records.offsets import offsets
+from stickslip.gap.records.record import Record
 
 Floats = NDArray[np.float64]
 ROWS = 60  # of the record's beginning

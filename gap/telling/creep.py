@@ -14,13 +14,13 @@ to 15 % of the noise, and an OP that differs by more than 0.001 % from row to ro
 from collections.abc import Mapping
 from dataclasses import replace
 
-from blocks.role import Role
-from diagram.diagram import Diagram
-from gap.answers.report import Size
-from gap.effects.deadband import Deadband
-from gap.effects.stiction import Stiction
-from gap.insertion.effect import Effect
-from gap.records.record import Record
+from stickslip.blocks.role import Role
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.answers.report import Size
+from stickslip.gap.effects.deadband import Deadband
+from stickslip.gap.effects.stiction import Stiction
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.records.record import Record
 
 SLIGHT = 0.1  # of S: a jump that a fit of another law of friction finds where there is none
 COARSE = 1e-4  # of the span of a controller's output: rounded to more, a log does not show how it moves between steps

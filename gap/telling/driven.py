@@ -5,15 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.recorded import Recorded
-from diagram.diagram import Diagram
-from diagram.simulation import simulate
-from gap.records.record import GapError, Record
-from logs import Log
+from stickslip.blocks.recorded import Recorded
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.simulation import simulate
+from stickslip.gap.records.record import GapError, Record
+from stickslip.logs import Log
 
 if TYPE_CHECKING:
-    from diagram.segments import Segment
+    from stickslip.diagram.segments import Segment
 
 __all__ = ["driven_to", "filled", "most_amiss", "segment_at"]
 

@@ -4,18 +4,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from logs.style import AXIS, GREEN, INK, ORANGE, RED, SOFT, WIRE, tidy
-from logs.thinned import thinned
-from logs.time_axis import time_unit
-from logs.trend import finish_panel
+from stickslip.logs.style import AXIS, GREEN, INK, ORANGE, RED, SOFT, WIRE, tidy
+from stickslip.logs.thinned import thinned
+from stickslip.logs.time_axis import time_unit
+from stickslip.logs.trend import finish_panel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from gap.telling.latent import LatentInput
-    from gap.telling.replayed import Replayed
+    from stickslip.gap.telling.latent import LatentInput
+    from stickslip.gap.telling.replayed import Replayed
 
 Floats = NDArray[np.float64]
 GROUPS = 30  # of a panel
@@ -28,7 +26,7 @@ def plot_replayed(found: "Replayed") -> "Figure":
 
     Where no cause can be put in there is one panel; without a number for the shrinkage there is no bar.
     """
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     made = [("the model as it is", found.as_it_is, RED)]
     if found.with_cause is not None:
@@ -81,7 +79,7 @@ def _percent(share: float) -> str:
 
 def plot_latent(found: "LatentInput") -> "Figure":
     """Return one panel for each thing that the latent input may go with; rising and falling rows apart over a level."""
-    from logs.picture import Picture
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(9.0, 5.6), layout="constrained")
     panels = figure.subplots(2, 2, sharey=True)

@@ -15,16 +15,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from diagram.segments import Segment
-from gap.answers.report import GapReport
-from gap.records.model import read, silenced
-from gap.records.record import GapError, Record
-from gap.records.start import start_values
-from gap.telling.driven import driven_to, filled, most_amiss, segment_at
-from logs import Log
-from logs.shown import Shown
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.segments import Segment
+from stickslip.gap.answers.report import GapReport
+from stickslip.gap.records.model import read, silenced
+from stickslip.gap.records.record import GapError, Record
+from stickslip.gap.records.start import start_values
+from stickslip.gap.telling.driven import driven_to, filled, most_amiss, segment_at
+from stickslip.logs import Log
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -74,7 +73,7 @@ class LatentInput(Shown):
 
     def plot(self) -> "Figure":
         """Draw the latent input against each of these: rows, and their means by groups."""
-        from gap.telling.figures import plot_latent
+        from stickslip.gap.telling.figures import plot_latent
 
         return plot_latent(self)
 
@@ -84,11 +83,11 @@ def latent_input(report: GapReport, log: Log) -> LatentInput:
 
     Raises ``GapError`` where the report has no gap, or where no logged signal drives that segment.
 
-    >>> from blocks import Staircase
-    >>> from cases.models import ideal_flow
-    >>> from diagram import simulate
-    >>> from gap import diagnose
-    >>> from gap.effects import effect
+    >>> from stickslip.blocks import Staircase
+    >>> from stickslip.cases.models import ideal_flow
+    >>> from stickslip.diagram import simulate
+    >>> from stickslip.gap import diagnose
+    >>> from stickslip.gap.effects import effect
     >>> real = effect("deadband").insert(ideal_flow(), "valve", width=4.0)
     >>> set_point = Staircase("SP", [1.2, 1.6, 1.4] * 20, dwell=40.0)
     >>> signals = ["SP", "PV", "OP"]

@@ -10,21 +10,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.answers.report import UNKNOWN, Cause, GapReport, Shrinkage
-from gap.effects import effect
-from gap.insertion.effect import EffectError
-from gap.records.model import read, silenced
-from gap.records.record import GapError, Record
-from gap.records.start import start_values
-from gap.telling.driven import driven_to, filled, most_amiss, segment_at
-from logs import Log
-from logs.shown import Shown
+from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Shrinkage
+from stickslip.gap.effects import effect
+from stickslip.gap.insertion.effect import EffectError
+from stickslip.gap.records.model import read, silenced
+from stickslip.gap.records.record import GapError, Record
+from stickslip.gap.records.start import start_values
+from stickslip.gap.telling.driven import driven_to, filled, most_amiss, segment_at
+from stickslip.logs import Log
+from stickslip.logs.shown import Shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from diagram.diagram import Diagram
+    from stickslip.diagram.diagram import Diagram
 
 __all__ = ["Replayed", "replayed"]
 
@@ -65,7 +63,7 @@ class Replayed(Shown):
 
     def plot(self) -> "Figure":
         """Draw the log against the model, as it is and with the cause, and how far the gap shrinks."""
-        from gap.telling.figures import plot_replayed
+        from stickslip.gap.telling.figures import plot_replayed
 
         return plot_replayed(self)
 
@@ -75,10 +73,10 @@ def replayed(report: GapReport, log: Log) -> Replayed:
 
     Raises ``GapError`` where the report has no gap, or where no logged signal drives the place.
 
-    >>> from blocks import Staircase
-    >>> from cases.models import ideal_flow
-    >>> from diagram import simulate
-    >>> from gap import diagnose
+    >>> from stickslip.blocks import Staircase
+    >>> from stickslip.cases.models import ideal_flow
+    >>> from stickslip.diagram import simulate
+    >>> from stickslip.gap import diagnose
     >>> real = effect("deadband").insert(ideal_flow(), "valve", width=4.0)
     >>> set_point = Staircase("SP", [1.2, 1.6, 1.4] * 20, dwell=40.0)
     >>> signals = ["SP", "PV", "OP"]

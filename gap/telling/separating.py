@@ -9,14 +9,13 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-
-from diagram.diagram import Diagram
-from diagram.simulation import simulate
-from gap.fits.inserting import inserted
-from gap.fits.search import Fit
-from gap.floors.problem import Problem
-from gap.insertion.scales import ends
-from logs import Log
+from stickslip.diagram.diagram import Diagram
+from stickslip.diagram.simulation import simulate
+from stickslip.gap.fits.inserting import inserted
+from stickslip.gap.fits.search import Fit
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.insertion.scales import ends
+from stickslip.logs import Log
 
 Floats = NDArray[np.float64]
 PART = 1e-3  # of the span of a signal, or of its range where no block states one: a difference that shows

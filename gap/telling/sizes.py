@@ -4,10 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-
-from gap.answers.report import Shrinkage, Size
-from gap.fits.search import Fit, slopes
-from gap.floors.floor import NU, losses
+from stickslip.gap.answers.report import Shrinkage, Size
+from stickslip.gap.fits.search import Fit, slopes
+from stickslip.gap.floors.floor import NU, losses
 
 Floats = NDArray[np.float64]
 SURE = 1.645  # standard deviations of an interval of 90 %

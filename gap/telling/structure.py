@@ -2,19 +2,19 @@
 
 A logged signal cuts the diagram: what follows from it is computed from the log.  So an effect shows in the residuals of
 those logged signals that its place reaches without passing another logged one, and in no others.  Effects that show in
-the same signals are told apart by the shape of what they do alone (``gap.explanations.isolability``), or by a tag in
-between.
+the same signals are told apart by the shape of what they do alone (``stickslip.gap.explanations.isolability``), or by a
+tag in between.
 (Between two rows nothing is logged: a block behind a logged signal feels a little of what drives that in between.)
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from diagram.diagram import Diagram
-from gap.effects import CATALOGUE
-from gap.insertion.effect import Effect
-from gap.insertion.inserted import Inserted
-from gap.insertion.paths import ONLOOKERS, given, users
+from stickslip.diagram.diagram import Diagram
+from stickslip.gap.effects import CATALOGUE
+from stickslip.gap.insertion.effect import Effect
+from stickslip.gap.insertion.inserted import Inserted
+from stickslip.gap.insertion.paths import ONLOOKERS, given, users
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Together:
 def structure(diagram: Diagram, logged: Iterable[str], catalogue: Sequence[Effect] = CATALOGUE) -> tuple[Together, ...]:
     """Return the effects of a catalogue in groups that show in the residuals of the same logged signals.
 
-    >>> from cases.models import ideal_flow
+    >>> from stickslip.cases.models import ideal_flow
     >>> for group in structure(ideal_flow(), ["SP", "PV", "OP"]):
     ...     print(group)
     valve, process, sensor, feed show in PV only (a log of MV or F or y would part them)

@@ -10,9 +10,8 @@ outputs are those of the log.
 from dataclasses import dataclass
 
 import numpy as np
-
-from diagram.ensembles.running import ensemble
-from gap.floors.problem import Problem
+from stickslip.diagram.ensembles.running import ensemble
+from stickslip.gap.floors.problem import Problem
 
 
 @dataclass(frozen=True)

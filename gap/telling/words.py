@@ -5,25 +5,24 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-
-from blocks.role import Role
-from gap.answers.evidence import Evidence
-from gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
-from gap.explanations.isolability import classes
-from gap.explanations.pair import Pair
-from gap.explanations.unmeasured import UnmeasuredLoad
-from gap.fits.adequacy import EXPLAINED, EXPLAINED_HIDDEN, needed, proven, scored_alone, share
-from gap.fits.noise import correlation, is_noise
-from gap.fits.search import Candidate, Fit, best_of, refined
-from gap.fits.sensitivity import seen
-from gap.floors.floor import losses
-from gap.floors.problem import Problem
-from gap.records.model import nuisances
-from gap.telling.creep import about_creep, coarse, creeps, least_sizes
-from gap.telling.separating import staircase_separates, tags
-from gap.telling.sizes import SEEN, shares, shrinkage, sizes
-from gap.telling.structure import by_wiring
-from gap.telling.swapping import swapped
+from stickslip.blocks.role import Role
+from stickslip.gap.answers.evidence import Evidence
+from stickslip.gap.answers.report import UNKNOWN, Cause, GapReport, Rank, Shrinkage, Size, Where, listed
+from stickslip.gap.explanations.isolability import classes
+from stickslip.gap.explanations.pair import Pair
+from stickslip.gap.explanations.unmeasured import UnmeasuredLoad
+from stickslip.gap.fits.adequacy import EXPLAINED, EXPLAINED_HIDDEN, needed, proven, scored_alone, share
+from stickslip.gap.fits.noise import correlation, is_noise
+from stickslip.gap.fits.search import Candidate, Fit, best_of, refined
+from stickslip.gap.fits.sensitivity import seen
+from stickslip.gap.floors.floor import losses
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.records.model import nuisances
+from stickslip.gap.telling.creep import about_creep, coarse, creeps, least_sizes
+from stickslip.gap.telling.separating import staircase_separates, tags
+from stickslip.gap.telling.sizes import SEEN, shares, shrinkage, sizes
+from stickslip.gap.telling.structure import by_wiring
+from stickslip.gap.telling.swapping import swapped
 
 Floats = NDArray[np.float64]
 TIE = 6.0  # nats between explanations that the record does not separate

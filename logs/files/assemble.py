@@ -10,24 +10,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.errors import ReadError
-from logs.files.carried import carried_over
-from logs.files.clean import decimal_mark, modes, numbers
-from logs.files.clock_change import repaired_clock_change, repaired_in_tags
-from logs.files.form import Form
-from logs.files.grouping import Columns
-from logs.files.heading import Heading
-from logs.files.longform import LongColumns, LongRows, find_long_form, pivot
-from logs.files.names import role_of
-from logs.files.order import about_sampling, ordered_times
-from logs.files.quality import bad_values, qualities, quality_columns
-from logs.files.stamps import Times
-from logs.files.states import is_blank, is_state
-from logs.files.table import Table
-from logs.files.time_column import find_times, oldest_first
-from logs.log import Log
-from logs.loop_signals import LoopSignals, renamed, within
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.carried import carried_over
+from stickslip.logs.files.clean import decimal_mark, modes, numbers
+from stickslip.logs.files.clock_change import repaired_clock_change, repaired_in_tags
+from stickslip.logs.files.form import Form
+from stickslip.logs.files.grouping import Columns
+from stickslip.logs.files.heading import Heading
+from stickslip.logs.files.longform import LongColumns, LongRows, find_long_form, pivot
+from stickslip.logs.files.names import role_of
+from stickslip.logs.files.order import about_sampling, ordered_times
+from stickslip.logs.files.quality import bad_values, qualities, quality_columns
+from stickslip.logs.files.stamps import Times
+from stickslip.logs.files.states import is_blank, is_state
+from stickslip.logs.files.table import Table
+from stickslip.logs.files.time_column import find_times, oldest_first
+from stickslip.logs.log import Log
+from stickslip.logs.loop_signals import LoopSignals, renamed, within
 
 if TYPE_CHECKING:
     import polars as pl

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.files.names import role_of
+from stickslip.logs.files.names import role_of
 
 __all__ = ["carried", "carried_over", "is_held"]
 

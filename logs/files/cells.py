@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from logs.files.longform import find_long_form
-from logs.files.table import PLAIN_UNIT, Table
+from stickslip.logs.files.longform import find_long_form
+from stickslip.logs.files.table import PLAIN_UNIT, Table
 
 if TYPE_CHECKING:
     import polars as pl

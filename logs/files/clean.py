@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.errors import ReadError
-from logs.files.placeholders import placeholders
-from logs.files.states import is_blank, is_state
-from logs.modes import MANUAL, mode_number, says_manual
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.placeholders import placeholders
+from stickslip.logs.files.states import is_blank, is_state
+from stickslip.logs.modes import MANUAL, mode_number, says_manual
 
 if TYPE_CHECKING:
     import polars as pl
@@ -172,7 +171,7 @@ def _says(count: int) -> str:
 
 
 def modes(column: pl.Series, name: str) -> Numbers:
-    """Controller modes as numbers (see ``logs.modes``); a blank holds the mode before it.
+    """Controller modes as numbers (see ``stickslip.logs.modes``); a blank holds the mode before it.
 
     Numbers are taken as they are if they are 0, 1 or 2; other numbers differ from system to system and
     give NaN, unknown, throughout.

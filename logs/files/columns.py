@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from logs.errors import ReadError
-from logs.files.grouping import Columns
-from logs.files.names import plain, role_of
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.grouping import Columns
+from stickslip.logs.files.names import plain, role_of
 
 __all__ = ["Roles", "choose_columns", "named_columns", "why_unused"]
 

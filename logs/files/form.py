@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypedDict
 
-from logs.hint import nearest
+from stickslip.logs.hint import nearest
 
 __all__ = ["Form", "checked"]
 

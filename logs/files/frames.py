@@ -11,8 +11,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from logs.errors import ReadError
+from stickslip.logs.errors import ReadError
 
 if TYPE_CHECKING:
     import polars as pl

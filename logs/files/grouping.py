@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from logs.files.names import ROLES, numbers_in, plain, role_of, same_numbers
+from stickslip.logs.files.names import ROLES, numbers_in, plain, role_of, same_numbers
 
 __all__ = ["Columns", "Group", "columns_of_loops", "loop_names"]
 

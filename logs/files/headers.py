@@ -7,10 +7,10 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from logs.errors import ReadError
-from logs.files.lines import cells_of
-from logs.files.names import role_of
-from logs.files.time_names import is_date_name, is_time_name
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.lines import cells_of
+from stickslip.logs.files.names import role_of
+from stickslip.logs.files.time_names import is_date_name, is_time_name
 
 if TYPE_CHECKING:
     import polars as pl

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
 
-from logs.errors import LogError
-from logs.loop_signals import LoopSignals
-from logs.signals import Signals
+from stickslip.logs.errors import LogError
+from stickslip.logs.loop_signals import LoopSignals
+from stickslip.logs.signals import Signals
 
 __all__ = ["FIRST_LINE", "Heading", "heading_of", "parse_heading"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from logs.files.longform import TAGS
-from logs.files.names import role_of
-from logs.files.table import Table
+from stickslip.logs.files.longform import TAGS
+from stickslip.logs.files.names import role_of
+from stickslip.logs.files.table import Table
 
 __all__ = ["with_fields_named"]
 

@@ -6,7 +6,7 @@ import csv
 import re
 from collections import Counter
 
-from logs.errors import ReadError
+from stickslip.logs.errors import ReadError
 
 __all__ = ["LINE_END", "LOOK", "cells_of", "numbered_lines", "width_of", "without_frame"]
 

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.files.carried import carried, is_held
-from logs.files.clean import modes, numbers
-from logs.files.names import role_of
-from logs.files.order import ordered_times
-from logs.files.quality import bad_values, qualities
-from logs.files.size import check_cells
+from stickslip.logs.files.carried import carried, is_held
+from stickslip.logs.files.clean import modes, numbers
+from stickslip.logs.files.names import role_of
+from stickslip.logs.files.order import ordered_times
+from stickslip.logs.files.quality import bad_values, qualities
+from stickslip.logs.files.size import check_cells
 
 if TYPE_CHECKING:
     import polars as pl

@@ -11,17 +11,16 @@ from heapq import merge
 from itertools import islice
 
 import numpy as np
-
-from logs.errors import ReadError
-from logs.files.assemble import Layout, assemble
-from logs.files.columns import Roles, choose_columns, named_columns, why_unused
-from logs.files.names import plain, role_of
-from logs.hint import nearest
-from logs.log import Log
-from logs.loop import LoopRecord
-from logs.loop_signals import LoopSignals, within
-from logs.spans import guess_op_span
-from logs.tags import Process, measurement_of, process_of, tag_in
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.assemble import Layout, assemble
+from stickslip.logs.files.columns import Roles, choose_columns, named_columns, why_unused
+from stickslip.logs.files.names import plain, role_of
+from stickslip.logs.hint import nearest
+from stickslip.logs.log import Log
+from stickslip.logs.loop import LoopRecord
+from stickslip.logs.loop_signals import LoopSignals, within
+from stickslip.logs.spans import guess_op_span
+from stickslip.logs.tags import Process, measurement_of, process_of, tag_in
 
 __all__ = ["Origin", "check_span", "loop_of", "loops_of", "with_loops"]
 

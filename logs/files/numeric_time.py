@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.errors import ReadError
-from logs.files.time_names import TIME_UNITS, unit_named
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.time_names import TIME_UNITS, unit_named
 
 if TYPE_CHECKING:
     import polars as pl

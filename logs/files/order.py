@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.errors import ReadError
+from stickslip.logs.errors import ReadError
 
 __all__ = ["about_sampling", "ordered_times"]
 

@@ -7,8 +7,8 @@ import io
 import zipfile
 import zlib
 
-from logs.errors import ReadError
-from logs.files.size import TEXT_MAX
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.size import TEXT_MAX
 
 __all__ = ["UNPACKED_MAX", "is_workbook", "unpacked"]
 

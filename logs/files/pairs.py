@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from logs.files.time_names import is_time_name
+from stickslip.logs.files.time_names import is_time_name
 
 if TYPE_CHECKING:
     import polars as pl

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-
-from logs.files.names import plain, role_of
-from logs.files.states import is_blank, quality_is_good
+from stickslip.logs.files.names import plain, role_of
+from stickslip.logs.files.states import is_blank, quality_is_good
 
 if TYPE_CHECKING:
     import polars as pl

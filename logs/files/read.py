@@ -10,22 +10,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, Unpack
 
-from logs.errors import LogError, ReadError
-from logs.files.assemble import assemble, layout_of
-from logs.files.cells import with_plain_cells
-from logs.files.form import Form, checked
-from logs.files.frames import frame_kind, polars_frame
-from logs.files.heading import Heading, parse_heading
-from logs.files.influx import with_fields_named
-from logs.files.loops import Origin, check_span, loop_of, loops_of, with_loops
-from logs.files.packed import is_workbook, unpacked
-from logs.files.size import check_cells
-from logs.files.source import decoded, file_bytes, is_parquet
-from logs.files.table import Table, names_and_units, parse_table
-from logs.files.workbook import workbook_text
-from logs.log import Log
-from logs.loop import LoopRecord
-from logs.tags import Process
+from stickslip.logs.errors import LogError, ReadError
+from stickslip.logs.files.assemble import assemble, layout_of
+from stickslip.logs.files.cells import with_plain_cells
+from stickslip.logs.files.form import Form, checked
+from stickslip.logs.files.frames import frame_kind, polars_frame
+from stickslip.logs.files.heading import Heading, parse_heading
+from stickslip.logs.files.influx import with_fields_named
+from stickslip.logs.files.loops import Origin, check_span, loop_of, loops_of, with_loops
+from stickslip.logs.files.packed import is_workbook, unpacked
+from stickslip.logs.files.size import check_cells
+from stickslip.logs.files.source import decoded, file_bytes, is_parquet
+from stickslip.logs.files.table import Table, names_and_units, parse_table
+from stickslip.logs.files.workbook import workbook_text
+from stickslip.logs.log import Log
+from stickslip.logs.loop import LoopRecord
+from stickslip.logs.tags import Process
 
 if TYPE_CHECKING:
     import polars as pl

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from logs.files.write import replacing
+from stickslip.logs.files.write import replacing
 
 if TYPE_CHECKING:
     import polars as pl

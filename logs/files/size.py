@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from logs.errors import ReadError
+from stickslip.logs.errors import ReadError
 
 __all__ = ["CELLS_MAX", "COLUMNS_MAX", "TEXT_MAX", "check_cells", "check_columns", "check_text"]
 
@@ -26,7 +26,8 @@ def check_cells(rows: int, columns: int, what: str = "columns") -> None:
     >>> check_cells(10**9, 3)
     Traceback (most recent call last):
     ...
-    logs.errors.ReadError: the table has 1000000000 rows of 3 columns, ... read it in parts, or fewer columns at once
+    stickslip.logs.errors.ReadError: the table has 1000000000 rows of 3 columns, ... read it in parts, or fewer columns
+    at once
     """
     if rows * columns > CELLS_MAX:
         raise ReadError(

@@ -6,9 +6,9 @@ import codecs
 import os
 from pathlib import Path
 
-from logs.errors import ReadError
-from logs.files.encodings import encoding_of
-from logs.files.size import check_text
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.encodings import encoding_of
+from stickslip.logs.files.size import check_text
 
 __all__ = ["decoded", "file_bytes", "is_parquet"]
 

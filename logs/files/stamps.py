@@ -6,10 +6,9 @@ from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.errors import ReadError
-from logs.files.calendar_numbers import calendar_text, with_marks
-from logs.files.numeric_time import Times, times_from_numbers, told_unit
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.calendar_numbers import calendar_text, with_marks
+from stickslip.logs.files.numeric_time import Times, times_from_numbers, told_unit
 
 if TYPE_CHECKING:
     import polars as pl
@@ -53,9 +52,9 @@ def parse_times(
 
     Parameters: ``column`` (polars.Series) Text, numbers or date-times, one a row; ``lines`` (list of int) Line of the
     file of each row, for messages; ``unit`` (str) Unit that the file states for a column of numbers, "" for none (see
-    ``logs.files.numeric_time``); ``decimal`` (str) Decimal mark of numbers; ``time_format`` (str, optional) strptime
-    format of the stamps, for what is not recognised by itself; ``time_unit`` (str, optional) Unit of a column of
-    numbers, said by the caller.
+    ``stickslip.logs.files.numeric_time``); ``decimal`` (str) Decimal mark of numbers; ``time_format`` (str, optional)
+    strptime format of the stamps, for what is not recognised by itself; ``time_unit`` (str, optional) Unit of a column
+    of numbers, said by the caller.
 
     Raises ReadError if a row has no time, or one that cannot be read.
 

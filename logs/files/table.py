@@ -8,13 +8,13 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from logs.errors import ReadError
-from logs.files.headers import told_apart, with_tag_row, without_twins
-from logs.files.lines import LOOK, cells_of, numbered_lines, width_of, without_frame
-from logs.files.pairs import is_paired, long_from_pairs, numbered_pairs, with_times_named
-from logs.files.size import check_columns
-from logs.files.states import is_blank, is_state
-from logs.files.time_names import is_date_name, is_time_name
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.headers import told_apart, with_tag_row, without_twins
+from stickslip.logs.files.lines import LOOK, cells_of, numbered_lines, width_of, without_frame
+from stickslip.logs.files.pairs import is_paired, long_from_pairs, numbered_pairs, with_times_named
+from stickslip.logs.files.size import check_columns
+from stickslip.logs.files.states import is_blank, is_state
+from stickslip.logs.files.time_names import is_date_name, is_time_name
 
 if TYPE_CHECKING:
     import polars as pl

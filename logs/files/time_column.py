@@ -8,13 +8,12 @@ from datetime import timedelta
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from logs.errors import ReadError
-from logs.files.clock_change import repaired_clock_change
-from logs.files.form import Form
-from logs.files.stamps import Times, parse_times
-from logs.files.table import Table
-from logs.files.time_names import is_clock_name, is_date_name, is_time_name, unit_in_name
+from stickslip.logs.errors import ReadError
+from stickslip.logs.files.clock_change import repaired_clock_change
+from stickslip.logs.files.form import Form
+from stickslip.logs.files.stamps import Times, parse_times
+from stickslip.logs.files.table import Table
+from stickslip.logs.files.time_names import is_clock_name, is_date_name, is_time_name, unit_in_name
 
 if TYPE_CHECKING:
     import polars as pl

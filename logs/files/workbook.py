@@ -10,7 +10,7 @@ import zlib
 from datetime import date, datetime, time, timedelta
 from typing import IO, Any
 
-from logs.errors import ReadError
+from stickslip.logs.errors import ReadError
 
 __all__ = ["workbook_text"]
 

@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from logs.files.heading import Heading, heading_of
-from logs.signals import Signals
+from stickslip.logs.files.heading import Heading, heading_of
+from stickslip.logs.signals import Signals
 
 if TYPE_CHECKING:
     import polars as pl

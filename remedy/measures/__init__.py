@@ -6,7 +6,7 @@ half_gain  slower_integral  detuned    by its tuning
 positioner  repair                     at the valve, at a shutdown
 """
 
-from remedy.measures import (
+from stickslip.remedy.measures import (
     detuned,
     error_gap,
     half_gain,

@@ -7,7 +7,7 @@ Not for: a process whose gain the record does not tell.  Source: D. E. Rivera, M
 Process Des. Dev. 25 (1986) 252-265.
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "lambda tuning"
 AT_SHUTDOWN = False

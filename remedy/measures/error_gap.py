@@ -1,9 +1,9 @@
 """Gap on the error: the controller does nothing while PV is near SP.  gap = K J/2, and twice the noise.
 
-Source and limits: ``blocks.gap_pi`` (Shinskey 1996).
+Source and limits: ``stickslip.blocks.gap_pi`` (Shinskey 1996).
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "error gap"
 AT_SHUTDOWN = False

@@ -5,7 +5,7 @@
 Not for: a stick that makes the loop cycle, whose waves grow where the loop is slower than the stem's jump asks.
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "half the gain"
 AT_SHUTDOWN = False

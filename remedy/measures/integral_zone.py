@@ -1,9 +1,9 @@
 """Dead zone of the integral: it stands while PV is near SP.  zone = K J/2 or K J, and twice the noise.
 
-Source and limits: ``blocks.gap_pi`` (Shinskey 1996).
+Source and limits: ``stickslip.blocks.gap_pi`` (Shinskey 1996).
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "integral dead zone"
 AT_SHUTDOWN = False

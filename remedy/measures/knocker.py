@@ -1,9 +1,9 @@
 """Knocker: pulses on top of OP.  a = 0.35 S or 0.55 S, two scans long, every five scans.
 
-Source and limits: ``blocks.knocker`` (Hagglund 2002).
+Source and limits: ``stickslip.blocks.knocker`` (Hagglund 2002).
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "knocker"
 AT_SHUTDOWN = False

@@ -6,7 +6,7 @@ It takes the valve in hand, so it belongs to a shutdown or to a bypass.  Not for
 positioner's band, about which the positioner hunts itself.
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "tuned positioner"
 AT_SHUTDOWN = True

@@ -1,9 +1,9 @@
 """Constant reinforcement: a constant on top of OP in the way that it goes.  a = (S - J)/2 or S/2.
 
-Source and limits: ``blocks.constant_reinforcement`` (Ivan and Lakshminarayanan 2009).
+Source and limits: ``stickslip.blocks.constant_reinforcement`` (Ivan and Lakshminarayanan 2009).
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "constant reinforcement"
 AT_SHUTDOWN = False

@@ -5,7 +5,7 @@
 What a new packing or a new valve can give at best; some friction stays in any valve.
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "valve repaired"
 AT_SHUTDOWN = True

@@ -6,7 +6,7 @@ A stick-slip wave gets slower with T_i and dies where P action alone holds the s
 has to follow.  Source: textbook; the rule to lengthen T_i is common, and here tried before it is given.
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "longer T_i"
 AT_SHUTDOWN = False

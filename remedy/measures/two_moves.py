@@ -1,9 +1,9 @@
 """Two moves to where the stem should rest, then rest.  band = 4 noise or 1.5 K J, pause = 3 (lag + theta).
 
-Source and limits: ``blocks.two_move`` (Srinivasan and Rengaswamy 2008; Cuadros et al. 2012).
+Source and limits: ``stickslip.blocks.two_move`` (Srinivasan and Rengaswamy 2008; Cuadros et al. 2012).
 """
 
-from remedy.measures.setting import Setting, Situation
+from stickslip.remedy.measures.setting import Setting, Situation
 
 TITLE = "two moves"
 AT_SHUTDOWN = False

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
-from stickslip.kept import kept
+from stickslip.commands.console import Speaker, json_option, user_errors
+from stickslip.commands.kept import kept
 
 if TYPE_CHECKING:
-    from blocks.block import Block
+    from stickslip.blocks.block import Block
 
 TEXTBOOK = "textbook"
 STEM = "thesis eqs. 4.4 and 4.5"
@@ -168,7 +168,7 @@ def find(name: str) -> Entry:
     for entry in entries():
         if wanted in (entry.name.lower(), entry.file.removeprefix("blocks/").removesuffix(".py")):
             return entry
-    from blocks.ports import BlockError, nearest
+    from stickslip.blocks.ports import BlockError, nearest
 
     raise BlockError(f"there is no block '{name}'; {nearest(name, [entry.name for entry in entries()])}")
 
@@ -260,7 +260,7 @@ def _built() -> Iterator[Entry]:
 
 
 def _entry(group: str, name: str, short: str) -> Entry:
-    import blocks
+    from stickslip import blocks
 
     made: type[Block] = getattr(blocks, name)
     signature = inspect.signature(made)

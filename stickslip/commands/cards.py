@@ -3,18 +3,18 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip.console import Speaker
-from stickslip.targets import write_whole
+from stickslip.commands.console import Speaker
+from stickslip.commands.targets import write_whole
 
 if TYPE_CHECKING:
-    from detect import Method
+    from stickslip.detect import Method
 
 SCHEMA = "stickslip.cards/1"
 
 
 def show_cards(say: Speaker, methods: "list[Method]", csv_file: Path | None, html: Path | None) -> None:
     """Print the tables, and write them as asked: CSV has one row a method with all columns."""
-    from detect.cards import (
+    from stickslip.detect.cards import (
         CARD_COLUMNS,
         OUTLINE_COLUMNS,
         PUBLISHED_COLUMNS,
@@ -24,8 +24,8 @@ def show_cards(say: Speaker, methods: "list[Method]", csv_file: Path | None, htm
         published_rows,
         rate_rows,
     )  # fmt: skip
-    from detect.comparison import csv_text
-    from detect.rates import described
+    from stickslip.detect.comparison import csv_text
+    from stickslip.detect.rates import described
 
     rows = card_rows(methods)
     measured = rate_rows(methods)
@@ -48,7 +48,7 @@ def show_cards(say: Speaker, methods: "list[Method]", csv_file: Path | None, htm
         write_whole(csv_file, csv_text(columns, whole).encode())
         say(f"table: {csv_file}")
     if html is not None:
-        from stickslip.report.page import Section, page, table_to_html
+        from stickslip.commands.report.page import Section, page, table_to_html
 
         sections = [
             Section("Outline of methods", "thesis table 2.1", "open", "",

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
-from stickslip.reading import form_options
-from stickslip.standard_input import with_standard_input
-from stickslip.targets import check_targets, write_whole
+from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
+from stickslip.commands.reading import form_options
+from stickslip.commands.standard_input import with_standard_input
+from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from calibration import AtRecord
-    from detect import Diagnosis, Method
+    from stickslip.calibration import AtRecord
+    from stickslip.detect import Diagnosis, Method
 
 MEASUREMENTS = ("flow", "level", "pressure", "temperature", "analyser", "other")
 
@@ -48,7 +48,7 @@ def command(files: tuple[Path, ...], **told: Any) -> None:
 
     FILE is CSV or Parquet with a time column, PV and OP; an hour or ten periods of raw data is a good start. '-' is
     what is piped in. With --method FILE.py:FUNCTION that file IS EXECUTED; the function takes a record and returns a
-    detect.Verdict, which is shown beside the others and has no vote.
+    stickslip.detect.Verdict, which is shown beside the others and has no vote.
 
     \b
     Examples:
@@ -89,8 +89,8 @@ def _check(
             if given:
                 raise ValueError(f"--{option} is of one loop; name it with --loop")
         raise SystemExit(check_many(many, html, json_file, measurement))
-    from detect.diagnosis import ask
-    from detect.prepare.prepared import prepared
+    from stickslip.detect.diagnosis import ask
+    from stickslip.detect.prepare.prepared import prepared
 
     (record,) = many[0].records
     loop = prepared(with_told(record, measurement, span, told["process"] is None))
@@ -114,7 +114,7 @@ def _methods(own: tuple[str, ...]) -> "list[Method]":
     """Return the detectors of the user's own; the others are shown anyway."""
     if not own:
         return []
-    from stickslip.own import is_own, method_named
+    from stickslip.commands.own import is_own, method_named
 
     for given in own:
         if not is_own(given):
@@ -124,8 +124,8 @@ def _methods(own: tuple[str, ...]) -> "list[Method]":
 
 def _simulated(diagnosis: "Diagnosis") -> "AtRecord | str":
     """Return what loops simulated under the record's conditions say, or why there are none."""
-    from calibration import at_record
-    from calibration.by_simulation import LOOPS
+    from stickslip.calibration import at_record
+    from stickslip.calibration.by_simulation import LOOPS
 
     if diagnosis.probability is None:
         return "not run, because the calibrated model was not run either"
@@ -142,8 +142,8 @@ def _beside(say: Speaker, diagnosis: "Diagnosis", found: "AtRecord | str") -> di
 
     It stands beside the verdict and changes nothing of it, so that every entry point gives one answer.
     """
-    from calibration.by_simulation import together
-    from detect.chances import chance
+    from stickslip.calibration.by_simulation import together
+    from stickslip.detect.chances import chance
 
     if isinstance(found, str) or diagnosis.probability is None:
         say.paragraph(f"Simulation: {found}.")
@@ -161,10 +161,10 @@ def _beside(say: Speaker, diagnosis: "Diagnosis", found: "AtRecord | str") -> di
 
 def _tell(say: Speaker, diagnosis: "Diagnosis") -> None:
     """Print verdict, reason, assumptions and the methods' numbers, in this order."""
-    from detect.chances import chance
-    from detect.judge.actions import CAUSES
-    from detect.words import WORDS
     from stickslip.commands.one_loop import UNLIKELY
+    from stickslip.detect.chances import chance
+    from stickslip.detect.judge.actions import CAUSES
+    from stickslip.detect.words import WORDS
 
     word = WORDS[diagnosis.verdict]
     say(f"{diagnosis.loop}: {word.spoken.upper()}", fg=COLOUR_OF[word.kind], bold=True)

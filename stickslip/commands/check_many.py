@@ -5,15 +5,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from stickslip.commands.console import Speaker, complain
 from stickslip.commands.tag_page import DAYS, tag_section
-from stickslip.console import Speaker, complain
-from stickslip.targets import check_targets, write_whole
+from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from detect import Diagnosis, Survey
-    from detect.prepare.prepared import Prepared
-    from detect.tag import Tag
-    from logs import Log, LoopRecord
+    from stickslip.detect import Diagnosis, Survey
+    from stickslip.detect.prepare.prepared import Prepared
+    from stickslip.detect.tag import Tag
+    from stickslip.logs import Log, LoopRecord
 
 SCHEMA = "stickslip.check-many/1"
 COLUMNS = ("loop", "verdict", "seen in", "probability", "period [s]", "OP travel [%]", "what the other tags show")
@@ -39,7 +39,7 @@ def several(files: Sequence[Path], told: Mapping[str, Any]) -> "list[Read]":
     if one and len(files) > 1:
         option = one[0].replace("_", "-")
         raise ValueError(f"--{option} names what belongs to one loop, but {len(files)} files are given; give one file")
-    from logs import ReadError, read_log, read_loop, read_loops
+    from stickslip.logs import ReadError, read_log, read_loop, read_loops
 
     options = {name: value for name, value in told.items() if value is not None}
     if one:
@@ -64,8 +64,8 @@ def check_many(
 
     That is 2 where a file cannot be read (the others are judged all the same), 1 where a loop is called sticky, else 0.
     """
-    from detect.prepare.prepared import prepared
     from stickslip.commands.one_loop import diagnosed, with_told
+    from stickslip.detect.prepare.prepared import prepared
 
     check_targets({"--html": html, "--json": json_file})
     say = Speaker(json_file)
@@ -128,8 +128,8 @@ def _called(file: Path, loop: str) -> str:
 
 def _tags(judged: "Sequence[tuple[Path, list[Diagnosis]]]", loops: "Sequence[Sequence[Prepared]]") -> "list[Tag]":
     """Return the verdict on every valve of which several files hold a record; those of one valve share its tag."""
-    from detect.tag import judge_tag
-    from logs.tags import valve_in
+    from stickslip.detect.tag import judge_tag
+    from stickslip.logs.tags import valve_in
 
     parts: dict[str, list[tuple[Prepared, Diagnosis, str]]] = {}
     for (file, answers), each in zip(judged, loops, strict=True):
@@ -144,7 +144,7 @@ def _tags(judged: "Sequence[tuple[Path, list[Diagnosis]]]", loops: "Sequence[Seq
 
 def _surveyed(read: "Read", answers: "Sequence[Diagnosis]") -> "Survey | None":
     """Return the survey of a file with several loops, None of another."""
-    from detect import survey
+    from stickslip.detect import survey
 
     if read.log is None or not read.log.loops:
         return None
@@ -158,8 +158,8 @@ def _rows(
 
     The verdict is the loop's own, as everywhere; what the other tags show stands beside it and puts the loop forward.
     """
-    from detect.chances import chance
-    from detect.words import WORDS
+    from stickslip.detect.chances import chance
+    from stickslip.detect.words import WORDS
 
     order: list[tuple[tuple[int, float, float], int, list[str]]] = []
     for (file, answers), one in zip(judged, surveys, strict=True):
@@ -198,9 +198,9 @@ def _page(
     rows: list[tuple[int, list[str]]],
     tags: "Sequence[Tag]",
 ) -> str:
-    from detect.words import WORDS
     from stickslip.commands.one_loop import section_of
-    from stickslip.report.page import Section, figure_to_svg, page, table_to_html
+    from stickslip.commands.report.page import Section, figure_to_svg, page, table_to_html
+    from stickslip.detect.words import WORDS
 
     shared = []
     for (file, _), one in zip(judged, surveys, strict=True):

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
-from stickslip.targets import check_folder, check_targets, write_whole
+from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
+from stickslip.commands.targets import check_folder, check_targets, write_whole
 
 if TYPE_CHECKING:
-    from detect import Diagnosis
-    from detect.words import Wording
+    from stickslip.detect import Diagnosis
+    from stickslip.detect.words import Wording
 
 REAL = (
     ("PAP2", "isdb/PAP2.csv", "stiction", "A flow loop of a paper mill (International Stiction Data Base, FC525)."),
@@ -60,7 +60,7 @@ class Judged:
     @property
     def wording(self) -> "Wording":
         """How the verdict is said and shown."""
-        from detect.words import WORDS
+        from stickslip.detect.words import WORDS
 
         return WORDS[self.diagnosis.verdict]
 
@@ -109,7 +109,7 @@ def command(out: Path, json_file: str | None) -> None:
 
 
 def _stories(say: Speaker) -> list[Judged]:
-    from cases.stories import STORIES
+    from stickslip.cases.stories import STORIES
 
     return [_tell(say, s.path, f"{s.name}: {s.title}", s.truth, "in truth", s.story, s.lesson) for s in STORIES]
 
@@ -132,8 +132,8 @@ def _real(say: Speaker) -> list[Judged]:
 
 
 def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: str, lesson: str) -> Judged:
-    from logs import read_loop
     from stickslip.commands.one_loop import diagnosed
+    from stickslip.logs import read_loop
 
     judged = Judged(title, truth, known, story, lesson, diagnosed(read_loop(path)))
     say(f"{title}: ", nl=False)
@@ -143,7 +143,7 @@ def _tell(say: Speaker, path: Path, title: str, truth: str, known: str, story: s
 
 def _page(judged: list[Judged]) -> str:
     from stickslip.commands.one_loop import READ, pictures_of
-    from stickslip.report.page import Section, page
+    from stickslip.commands.report.page import Section, page
 
     sections = []
     table = [["loop", "truth or label", "verdict", "score"]]

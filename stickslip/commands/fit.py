@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
-from stickslip.reading import form_options
-from stickslip.targets import check_targets, write_whole
+from stickslip.commands.console import Speaker, json_option, user_errors
+from stickslip.commands.reading import form_options
+from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from logs import LoopRecord
-    from remedy import LoopFit
-    from stickslip.report.page import Section
+    from stickslip.commands.report.page import Section
+    from stickslip.logs import LoopRecord
+    from stickslip.remedy import LoopFit
 
 SCHEMA = "stickslip.fit/1"
 KINDS = ["self_regulating", "integrating"]
@@ -68,12 +68,12 @@ def command(
     found = fitted(files, told)
     tell(say, found)
     if python is not None:
-        from remedy import python_of
+        from stickslip.remedy import python_of
 
         write_whole(python, python_of(found).encode())
         say(f"loop: {python}")
     if html is not None:
-        from stickslip.report.page import page
+        from stickslip.commands.report.page import page
 
         write_whole(html, page(f"{found.name or 'loop'}: fitted", "", [fit_section(found)]).encode())
         say(f"report: {html}")
@@ -83,7 +83,7 @@ def command(
 
 def records_of(files: "Sequence[Path]", told: "dict[str, Any]") -> "list[LoopRecord]":
     """Return the loop's record in each file; raises ``ValueError`` where a file holds several loops."""
-    from logs import read_loop
+    from stickslip.logs import read_loop
 
     options = {name: value for name, value in told.items() if value is not None}
     return [read_loop(file, **options) for file in files]
@@ -91,8 +91,8 @@ def records_of(files: "Sequence[Path]", told: "dict[str, Any]") -> "list[LoopRec
 
 def fitted(files: "Sequence[Path]", told: "dict[str, Any]") -> "LoopFit":
     """Return the fit of the loop in these files; what is done is said on a terminal."""
-    from engine.notice import noticed
-    from remedy import fit
+    from stickslip.engine.notice import noticed
+    from stickslip.remedy import fit
 
     with noticed("the fit of a loop"):
         return fit(records_of(files, told), progress=working)
@@ -128,7 +128,7 @@ def sentences(found: "LoopFit") -> list[str]:
 
 def fit_section(found: "LoopFit") -> "Section":
     """Return the article on a fit."""
-    from stickslip.report.page import Section, captioned, figure_to_svg, table_to_html
+    from stickslip.commands.report.page import Section, captioned, figure_to_svg, table_to_html
 
     badge = ("THE VALVE STICKS", "bad") if found.sticks else ("NO STICK IS SEEN", "good")
     section = Section("The fitted loop", *badge, " ".join(sentences(found)))

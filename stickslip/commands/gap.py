@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
-from stickslip.reading import as_named, form_options
-from stickslip.targets import check_targets, write_whole
+from stickslip.commands.console import Speaker, json_option, user_errors
+from stickslip.commands.reading import as_named, form_options
+from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from gap import GapReport, LatentInput
-    from logs import Log
+    from stickslip.gap import GapReport, LatentInput
+    from stickslip.logs import Log
 
 SCHEMA = "stickslip.gap/1"
 SHOWN = 6  # effects that are listed
@@ -75,9 +75,9 @@ def command(
       2  RUN or MODEL cannot be read, or they have no signal in common
     """
     check_targets({"--html": html, "--json": json_file}, source=run)
-    from gap import calibrated, diagnose
-    from logs import read_log
-    from stickslip.own import diagram_named
+    from stickslip.commands.own import diagram_named
+    from stickslip.gap import calibrated, diagnose
+    from stickslip.logs import read_log
 
     log = as_named(read_log(run, **form), signals)  # first: a model is executed only where there is a record
     diagram = diagram_named(model, "--model")
@@ -110,7 +110,7 @@ def command(
 
 def _shape(report: "GapReport", log: "Log") -> "LatentInput | str":
     """Return the latent input of a gap, or why there is none to show."""
-    from gap import GapError, latent_input
+    from stickslip.gap import GapError, latent_input
 
     try:
         return latent_input(report, log)
@@ -119,7 +119,7 @@ def _shape(report: "GapReport", log: "Log") -> "LatentInput | str":
 
 
 def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str) -> str:
-    from stickslip.report.page import Section, bullets, captioned, figure_to_svg, page, table_to_html
+    from stickslip.commands.report.page import Section, bullets, captioned, figure_to_svg, page, table_to_html
 
     badge, kind = ("GAP", "bad") if report.gap else ("NO GAP", "good")
     first, *more = report.words
@@ -147,8 +147,8 @@ def _page(report: "GapReport", log: "Log", shape: "LatentInput | str", name: str
 
 def _first_pictures(report: "GapReport", log: "Log") -> list[str]:
     """Return the log against the model before and after, with how far the gap shrinks, and the place in the diagram."""
-    from gap import GapError, replayed
-    from stickslip.report.page import captioned, figure_to_svg
+    from stickslip.commands.report.page import captioned, figure_to_svg
+    from stickslip.gap import GapError, replayed
 
     pictures = []
     try:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip.commands.console import Speaker, json_option, user_errors
 from stickslip.commands.simulate import PICTURES, parameters
-from stickslip.console import Speaker, json_option, user_errors
-from stickslip.targets import check_targets, write_figure
+from stickslip.commands.targets import check_targets, write_figure
 
 if TYPE_CHECKING:
-    from diagram.linear import Linear, Loop, Rga
+    from stickslip.diagram.linear import Linear, Loop, Rga
 
 
 @click.command("linearise")
@@ -48,12 +48,12 @@ def command(
     \b
     Exit codes: 0 done, 2 the request makes no sense or the case has no steady state.
     """
-    from stickslip.own import case_named
+    from stickslip.commands.own import case_named
 
     chosen = case_named(case)
     check_targets({"--plot": bode, "--poles": poles, "--json": json_file}, {"--plot": PICTURES, "--poles": PICTURES})
-    from diagram.linear import linearise, operating_point
-    from diagram.linear.poles import table
+    from stickslip.diagram.linear import linearise, operating_point
+    from stickslip.diagram.linear.poles import table
 
     diagram = chosen.build()
     params = parameters(settings)

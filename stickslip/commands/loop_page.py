@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from stickslip.commands.one_loop import READ, UNLIKELY, drawn_method, shown_method
 
 if TYPE_CHECKING:
-    from detect import Diagnosis
-    from detect.evidence import Correlation, OverTime, Spectrum, StemTrend
-    from detect.judge.answer import Amount
-    from detect.prepare.harris import Harris
-    from detect.prepare.prepared import Prepared
-    from stickslip.report.page import Section
+    from stickslip.commands.report.page import Section
+    from stickslip.detect import Diagnosis
+    from stickslip.detect.evidence import Correlation, OverTime, Spectrum, StemTrend
+    from stickslip.detect.judge.answer import Amount
+    from stickslip.detect.prepare.harris import Harris
+    from stickslip.detect.prepare.prepared import Prepared
 
 SEVERAL = 3  # of the causes that are named
 HOUR = 3600.0  # s
@@ -20,10 +20,10 @@ HOUR = 3600.0  # s
 
 def loop_page(diagnosis: "Diagnosis") -> str:
     """Return the whole page on one loop."""
-    from detect.evidence import over_time, stem_trend
-    from detect.prepare.prepared import Prepared
-    from detect.words import WORDS
-    from stickslip.report.page import page
+    from stickslip.commands.report.page import page
+    from stickslip.detect.evidence import over_time, stem_trend
+    from stickslip.detect.prepare.prepared import Prepared
+    from stickslip.detect.words import WORDS
 
     loop = Prepared(diagnosis.record)
     stem = stem_trend(diagnosis.methods, diagnosis.record)
@@ -56,10 +56,10 @@ def _lead(diagnosis: "Diagnosis") -> str:
 
 
 def _answer(diagnosis: "Diagnosis", loop: "Prepared") -> "Section":
-    from detect.chances import chance
-    from detect.judge.actions import CAUSES
-    from detect.words import WORDS
-    from stickslip.report.page import Section, pairs
+    from stickslip.commands.report.page import Section, pairs
+    from stickslip.detect.chances import chance
+    from stickslip.detect.judge.actions import CAUSES
+    from stickslip.detect.words import WORDS
 
     word = WORDS[diagnosis.verdict]
     section = Section("The answer", word.spoken.upper(), word.kind, diagnosis.reason)
@@ -101,8 +101,8 @@ _SIZES = {"S": "Stickband plus deadband", "J": "Slip jump"}
 
 
 def _owner(diagnosis: "Diagnosis") -> str:
-    from detect.judge.actions import CAUSES
-    from detect.judge.answer import NOTHING_YET
+    from stickslip.detect.judge.actions import CAUSES
+    from stickslip.detect.judge.answer import NOTHING_YET
 
     if diagnosis.action.startswith(NOTHING_YET):
         return ""
@@ -124,8 +124,8 @@ def _oscillation(diagnosis: "Diagnosis", loop: "Prepared") -> str:
 
 
 def _test(diagnosis: "Diagnosis") -> "Section | None":
-    from detect.judge.confirming import COLUMNS, confirming_rows
-    from stickslip.report.page import Section, table_to_html
+    from stickslip.commands.report.page import Section, table_to_html
+    from stickslip.detect.judge.confirming import COLUMNS, confirming_rows
 
     S = (diagnosis.amount or {}).get("S")
     if S is None:
@@ -140,10 +140,10 @@ def _test(diagnosis: "Diagnosis") -> "Section | None":
 
 
 def _over_time(found: "OverTime") -> "Section":
-    from detect.chances import chance
-    from detect.figures.evidence import plot_over_time
-    from detect.words import WORDS
-    from stickslip.report.page import Section, figure_to_svg, table_to_html
+    from stickslip.commands.report.page import Section, figure_to_svg, table_to_html
+    from stickslip.detect.chances import chance
+    from stickslip.detect.figures.evidence import plot_over_time
+    from stickslip.detect.words import WORDS
 
     section = Section("Over time", "", "open", found.words, before=found.divided)
     if not found.windows:
@@ -172,16 +172,16 @@ def _when(found: "OverTime", t: float) -> str:
     start = found.record.log.start
     if start is not None:
         return f"{start + timedelta(seconds=t):%Y-%m-%d %H:%M}"
-    from logs.time_axis import time_unit
+    from stickslip.logs.time_axis import time_unit
 
     scale, unit = time_unit(found.record.log.duration)
     return f"{t / scale:.4g} {unit}"
 
 
 def _trend(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") -> "Section":
-    from detect.evidence import set_point_words
-    from detect.figures.loop_trend import plot_cycles, plot_trend
-    from stickslip.report.page import Section, captioned, figure_to_svg
+    from stickslip.commands.report.page import Section, captioned, figure_to_svg
+    from stickslip.detect.evidence import set_point_words
+    from stickslip.detect.figures.loop_trend import plot_cycles, plot_trend
 
     seen = None if isinstance(stem, str) else stem
     record, period = diagnosis.record, loop.period
@@ -212,9 +212,9 @@ def _reconstructed(stem: "StemTrend") -> str:
 
 
 def _evidence(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str") -> "Section | None":
-    from detect.evidence import correlation, spectrum
-    from detect.figures.evidence import plot_correlation, plot_pv_op, plot_spectrum, plot_stem_op
-    from stickslip.report.page import Section, captioned, figure_to_svg, side_by_side
+    from stickslip.commands.report.page import Section, captioned, figure_to_svg, side_by_side
+    from stickslip.detect.evidence import correlation, spectrum
+    from stickslip.detect.figures.evidence import plot_correlation, plot_pv_op, plot_spectrum, plot_stem_op
 
     if not diagnosis.record.good.any():
         return None
@@ -254,7 +254,7 @@ def _evidence(diagnosis: "Diagnosis", loop: "Prepared", stem: "StemTrend | str")
 
 def _at_rest(diagnosis: "Diagnosis") -> str:
     """Rest in words; "" where something moves."""
-    from logs.trend import rests
+    from stickslip.logs.trend import rests
 
     record = diagnosis.record
     pv, op = record.pv[record.good], record.op[record.good]
@@ -282,8 +282,8 @@ def _spoken(method: str) -> str:
 
 
 def _methods(diagnosis: "Diagnosis") -> "Section | None":
-    from detect.words import WORDS
-    from stickslip.report.page import Section, table_to_html
+    from stickslip.commands.report.page import Section, table_to_html
+    from stickslip.detect.words import WORDS
 
     if not diagnosis.methods:
         return None
@@ -310,7 +310,7 @@ def _number(value: float | None) -> str:
 
 
 def _data(diagnosis: "Diagnosis") -> "Section":
-    from stickslip.report.page import Section, table_to_html
+    from stickslip.commands.report.page import Section, table_to_html
 
     beyond = [fact for fact in diagnosis.conditions if fact.present]
     reason = (

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from detect import Diagnosis
-    from detect.prepare.prepared import Prepared
-    from detect.verdict import Verdict
-    from logs import LoopRecord
-    from stickslip.report.page import Section
+    from stickslip.commands.report.page import Section
+    from stickslip.detect import Diagnosis
+    from stickslip.detect.prepare.prepared import Prepared
+    from stickslip.detect.verdict import Verdict
+    from stickslip.logs import LoopRecord
 
 
 READ = "What was read and assumed"
@@ -24,7 +24,7 @@ def with_told(
     """
     from dataclasses import replace
 
-    from logs.tags import process_of
+    from stickslip.logs.tags import process_of
 
     if measurement is not None:
         known = "" if measurement == "other" else measurement
@@ -40,8 +40,8 @@ def with_told(
 
 def diagnosed(record: "LoopRecord | Prepared") -> "Diagnosis":
     """Return the diagnosis; while the methods are being compiled, which happens once, that is said."""
-    from detect import diagnose
-    from engine.notice import noticed
+    from stickslip.detect import diagnose
+    from stickslip.engine.notice import noticed
 
     with noticed("detection methods"):
         return diagnose(record)
@@ -49,10 +49,10 @@ def diagnosed(record: "LoopRecord | Prepared") -> "Diagnosis":
 
 def section_of(diagnosis: "Diagnosis") -> "Section":
     """Return the article on one loop of a page."""
-    from detect.chances import chance
-    from detect.judge.actions import CAUSES
-    from detect.words import WORDS
-    from stickslip.report.page import Section
+    from stickslip.commands.report.page import Section
+    from stickslip.detect.chances import chance
+    from stickslip.detect.judge.actions import CAUSES
+    from stickslip.detect.words import WORDS
 
     word = WORDS[diagnosis.verdict]
     section = Section(
@@ -73,10 +73,10 @@ def pictures_of(diagnosis: "Diagnosis") -> list[str]:
     """Return what shows a verdict on a page of several: the trend with PV against OP, and one method's evidence."""
     from math import nan
 
-    from detect.evidence import set_point_words
-    from detect.figures.evidence import plot_pv_op
-    from detect.figures.loop_trend import plot_trend
-    from stickslip.report.page import beside, captioned, figure_to_svg
+    from stickslip.commands.report.page import beside, captioned, figure_to_svg
+    from stickslip.detect.evidence import set_point_words
+    from stickslip.detect.figures.evidence import plot_pv_op
+    from stickslip.detect.figures.loop_trend import plot_trend
 
     record, period = diagnosis.record, diagnosis.period or nan
     trend = figure_to_svg(plot_trend(record))
@@ -97,8 +97,8 @@ def shown_method(diagnosis: "Diagnosis") -> "Verdict | None":
 
 def drawn_method(verdict: "Verdict") -> "Figure":
     """Return the evidence of a method as a picture as wide as a page."""
-    from detect.figures.verdict import draw_evidence
-    from logs.picture import Picture
+    from stickslip.detect.figures.verdict import draw_evidence
+    from stickslip.logs.picture import Picture
 
     figure = Picture(figsize=(9.6, 3.7), layout="constrained")
     draw_evidence(verdict, figure)

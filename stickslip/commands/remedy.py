@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip.commands.console import Speaker, json_option, user_errors
 from stickslip.commands.fit import fit_section, fitted, loop_options, sentences, working
-from stickslip.console import Speaker, json_option, user_errors
-from stickslip.targets import check_targets, write_whole
+from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from remedy import Advice
+    from stickslip.remedy import Advice
 
 SCHEMA = "stickslip.remedy/1"
 TRIAL = "This advice is new and was tested on few plants: watch the loop for some hours before you keep a setting."
@@ -46,14 +46,14 @@ def command(files: tuple[Path, ...], html: Path | None, plot: Path | None, json_
     check_targets(
         {"--html": html, "--plot": plot, "--json": json_file}, {"--plot": (".png", ".svg", ".pdf")}, source=files[0]
     )
-    from remedy import remedies
+    from stickslip.remedy import remedies
 
     say = Speaker(json_file)
     found = fitted(files, told)
     advice = remedies(found, progress=working)
     tell(say, advice)
     if plot is not None:
-        from stickslip.targets import write_figure
+        from stickslip.commands.targets import write_figure
 
         write_figure(advice.plot(), plot)
         say(f"picture: {plot}")
@@ -90,7 +90,7 @@ def headline(advice: "Advice") -> str:
 
 
 def _page(advice: "Advice") -> str:
-    from stickslip.report.page import Section, captioned, figure_to_svg, page, table_to_html
+    from stickslip.commands.report.page import Section, captioned, figure_to_svg, page, table_to_html
 
     kind = "bad" if advice.fit.sticks else "good"
     first = Section("What to do", headline(advice), kind, " ".join(advice.words()))

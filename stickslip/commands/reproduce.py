@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 import click
 
 from stickslip.commands.captions import BANDS, CAPTIONS, FIGURES, GUIDE, LEAD, TITLES
-from stickslip.console import Speaker, json_option, user_errors
-from stickslip.targets import check_folder, check_targets, write_whole
+from stickslip.commands.console import Speaker, json_option, user_errors
+from stickslip.commands.targets import check_folder, check_targets, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from cases.choice import Point
-    from cases.starts import Fresh
-    from cases.tables import Row
-    from stickslip.report.page import Section
+    from stickslip.cases.choice import Point
+    from stickslip.cases.starts import Fresh
+    from stickslip.cases.tables import Row
+    from stickslip.commands.report.page import Section
 
 QUICK = 24  # starts
 Tell = Callable[[str], None]
@@ -58,7 +58,7 @@ def command(out: Path, quick: bool, scan: bool, json_file: str | None) -> None:
         found, own_starts = _rows(quick, tell)
         points = _scan(tell) if scan else []
         if points:
-            from cases import choice
+            from stickslip.cases import choice
 
             found += choice.rows(points)
         headline = _headline(found, own_starts)
@@ -101,10 +101,10 @@ def _progress() -> Iterator[Tell]:
 
 def _rows(quick: bool, tell: Tell) -> tuple[list["Row"], "Fresh"]:
     """Return all rows, for comparison also those judged with the sets A, B and C; and set E by sets of starts."""
-    from cases.kicks import FRESH, KICKS, Studies
-    from cases.production import SET
-    from cases.starts import fresh, plant_rows
-    from cases.tables import table_ideal
+    from stickslip.cases.kicks import FRESH, KICKS, Studies
+    from stickslip.cases.production import SET
+    from stickslip.cases.starts import fresh, plant_rows
+    from stickslip.cases.tables import table_ideal
 
     seeds = FRESH[:1] if quick else FRESH
 
@@ -126,8 +126,8 @@ def _rows(quick: bool, tell: Tell) -> tuple[list["Row"], "Fresh"]:
 
 def _headline(found: Sequence["Row"], main: "Fresh") -> list[str]:
     """Return what holds on starts that no search has seen, and among the rows that tell parameters apart."""
-    from cases.production import SET
-    from cases.starts import telling
+    from stickslip.cases.production import SET
+    from stickslip.cases.starts import telling
 
     middle, low, high = main.met()
     over = f"on one set of {main.starts}; ten sets of 100 take a run without --quick"
@@ -152,14 +152,14 @@ def _headline(found: Sequence["Row"], main: "Fresh") -> list[str]:
 
 
 def _scan(tell: Tell) -> list["Point"]:
-    from cases.choice import scan
+    from stickslip.cases.choice import scan
 
     return scan(progress=lambda done, total: tell(f"scan: {done} of {total} settings"))
 
 
 def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
     """Return what draws each picture, by its number in the thesis."""
-    from cases import choice, curves, ideas, valve_pictures
+    from stickslip.cases import choice, curves, ideas, valve_pictures
 
     return {
         "5.1": lambda: curves.key_variables(1), "5.2": lambda: curves.mv_op(1), "5.3": lambda: curves.pv_op(1),
@@ -173,7 +173,7 @@ def _figures(points: Sequence["Point"]) -> dict[str, Callable[[], "Figure"]]:
 
 
 def _page(found: Sequence["Row"], points: Sequence["Point"], headline: Sequence[str], tell: Tell) -> str:
-    from stickslip.report.page import Section, captioned, figure_to_svg, page, table_to_html
+    from stickslip.commands.report.page import Section, captioned, figure_to_svg, page, table_to_html
 
     drawing = _figures(points)
     own = _own(found)
@@ -218,7 +218,7 @@ def _met(rows: Sequence["Row"]) -> int:
 
 def _missed(own: Sequence["Row"]) -> "Section":
     """Return what set E and the ideal loops do not meet, with the reasons: what a reader asks first."""
-    from stickslip.report.page import Section, table_to_html
+    from stickslip.commands.report.page import Section, table_to_html
 
     missed = [row for row in own if row.within is False]
     judged = sum(row.within is not None for row in own)
@@ -238,7 +238,7 @@ def _own(found: Sequence["Row"]) -> list["Row"]:
 
 def _by_set(found: Sequence["Row"]) -> dict[str, dict[tuple[str, str], "Row"]]:
     """Return what is judged of the plant by set of parameters, then by table and row."""
-    from cases.production import SET
+    from stickslip.cases.production import SET
 
     sets: dict[str, dict[tuple[str, str], Row]] = {SET: {}}
     for row in found:
@@ -250,7 +250,7 @@ def _by_set(found: Sequence["Row"]) -> dict[str, dict[tuple[str, str], "Row"]]:
 
 def _sets(found: Sequence["Row"]) -> "Section":
     """Return the plant's rows, one column a set of parameters."""
-    from stickslip.report.page import Section, table_to_html
+    from stickslip.commands.report.page import Section, table_to_html
 
     sets = _by_set(found)
     first = next(iter(sets))

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, complain, json_option, user_errors
-from stickslip.targets import check_folder, check_targets, write_whole
+from stickslip.commands.console import Speaker, complain, json_option, user_errors
+from stickslip.commands.targets import check_folder, check_targets, write_whole
 
 if TYPE_CHECKING:
-    from scan import ScanResult
-    from scan.changes import Change
+    from stickslip.scan import ScanResult
+    from stickslip.scan.changes import Change
 
 SHOWN = 20  # rows on the terminal
 
@@ -68,8 +68,8 @@ def command(
     check_folder(out)
     if reports is not None and html is None:
         raise ValueError("--reports writes beside --html, which is missing; add --html FILE")
-    from diagram.progress import reporting
-    from scan import scan
+    from stickslip.diagram.progress import reporting
+    from stickslip.scan import scan
 
     say = Speaker(json_file)
     try:
@@ -127,8 +127,8 @@ def _headline(result: "ScanResult") -> str:
 
 
 def _rows(result: "ScanResult", most: int) -> tuple[list[str], list[list[str]]]:
-    from detect.chances import chance
     from stickslip.commands.scan_page import cause, number, size, spoken
+    from stickslip.detect.chances import chance
 
     head = ["rank", "loop", "verdict", "probability", "likely cause", "S [% of OP]", "period [s]"]
     rows = [
@@ -145,12 +145,12 @@ def _reports(
     result: "ScanResult", source: str, out: Path, html: Path, most: int, loop_map: Path | None
 ) -> dict[int, str]:
     """Write a page for each of the first loops into a folder beside the page of the scan; return where each is."""
-    from detect import diagnose
-    from diagram.progress import reporting
-    from scan.again import read_again
     from stickslip.commands.loop_page import loop_page
     from stickslip.commands.scan_page import file_names
     from stickslip.commands.tag_page import tag_page
+    from stickslip.detect import diagnose
+    from stickslip.diagram.progress import reporting
+    from stickslip.scan.again import read_again
 
     rows = [row for row in result.table.head(most).iter_rows(named=True) if row["verdict"]]
     names = file_names(rows)

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from scan import ScanResult
-    from stickslip.report.page import Section
+    from stickslip.commands.report.page import Section
+    from stickslip.scan import ScanResult
 
 ROWS = 500  # on the page
 DETAILS = 20  # loops told in full below the list, where they have no page of their own
@@ -23,7 +23,7 @@ def scan_page(
 
     ``simulations``: what ``scan_simulate.simulated`` found of the first loops.
     """
-    from stickslip.report.page import page
+    from stickslip.commands.report.page import page
 
     pages = pages or {}
     rows = list(result.table.head(ROWS).iter_rows(named=True))
@@ -49,7 +49,7 @@ def file_names(rows: Sequence[Row]) -> dict[int, str]:
 
 
 def _found(result: "ScanResult", headline: str) -> "Section":
-    from stickslip.report.page import Section, figure_to_svg
+    from stickslip.commands.report.page import Section, figure_to_svg
 
     sticky = result.counts.get("stiction", 0)
     badge = f"{sticky} sticky" if sticky else "none sticky"
@@ -60,7 +60,7 @@ def _found(result: "ScanResult", headline: str) -> "Section":
 
 
 def _changed(result: "ScanResult") -> "list[Section]":
-    from stickslip.report.page import Section, table_to_html
+    from stickslip.commands.report.page import Section, table_to_html
 
     if not result.changes:
         return []
@@ -72,8 +72,8 @@ def _changed(result: "ScanResult") -> "list[Section]":
 
 
 def _groups(result: "ScanResult") -> "list[Section]":
-    from detect.chances import chance
-    from stickslip.report.page import Section, table_to_html
+    from stickslip.commands.report.page import Section, table_to_html
+    from stickslip.detect.chances import chance
 
     found: dict[str, list[Row]] = {}
     for row in result.table.iter_rows(named=True):
@@ -98,8 +98,8 @@ def _groups(result: "ScanResult") -> "list[Section]":
 
 
 def _simulated(simulations: Sequence[Row]) -> "list[Section]":
-    from detect.chances import chance
-    from stickslip.report.page import Section, table_to_html
+    from stickslip.commands.report.page import Section, table_to_html
+    from stickslip.detect.chances import chance
 
     if not simulations:
         return []
@@ -124,8 +124,8 @@ def _simulated(simulations: Sequence[Row]) -> "list[Section]":
 
 
 def _list(result: "ScanResult", rows: Sequence[Row], links: Mapping[int, str]) -> "Section":
-    from detect.chances import chance
-    from stickslip.report.page import Section, ordered_table
+    from stickslip.commands.report.page import Section, ordered_table
+    from stickslip.detect.chances import chance
 
     shown = f"the first {len(rows)} of {len(result.table)}" if len(rows) < len(result.table) else f"{len(rows)} loops"
     section = Section("All loops", shown, "open", "")
@@ -156,7 +156,7 @@ def _list(result: "ScanResult", rows: Sequence[Row], links: Mapping[int, str]) -
 
 
 def _detail(row: Row) -> "Section":
-    from stickslip.report.page import Section, pairs
+    from stickslip.commands.report.page import Section, pairs
 
     verdict = row["verdict"] or "error"
     section = Section(
@@ -189,14 +189,14 @@ def _first_sentence(text: str | None) -> str:
 
 
 def _kind(verdict: str | None) -> str:
-    from detect.words import WORDS
+    from stickslip.detect.words import WORDS
 
     return WORDS[verdict].kind if verdict else ""  # type: ignore[index]  # words of the table are words of a verdict
 
 
 def spoken(word: str) -> str:
     """Return a verdict of the table as people read it, also where there is none."""
-    from detect.words import WORDS
+    from stickslip.detect.words import WORDS
 
     if word == "error":
         return "could not be judged"
@@ -205,7 +205,7 @@ def spoken(word: str) -> str:
 
 def cause(row: Row) -> str:
     """Return the likeliest cause in words."""
-    from detect.judge.actions import CAUSES
+    from stickslip.detect.judge.actions import CAUSES
 
     return CAUSES[row["cause"]].spoken if row["cause"] else ""
 

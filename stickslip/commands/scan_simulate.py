@@ -5,10 +5,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stickslip.targets import write_whole
+from stickslip.commands.targets import write_whole
 
 if TYPE_CHECKING:
-    from scan import ScanResult
+    from stickslip.scan import ScanResult
 
 KEPT = "simulated.json"
 SCHEMA = "stickslip.scan-simulated/1"
@@ -22,9 +22,9 @@ def simulated(
     Each is {"rank", "loop", "simulation", "sentences"}; a loop of which simulation can say nothing has None for the
     simulation, and the reason.  What is done stands in the scan's folder, and is not done again for the same result.
     """
-    from calibration import at_record
-    from diagram.progress import reporting
-    from scan.again import read_again
+    from stickslip.calibration import at_record
+    from stickslip.diagram.progress import reporting
+    from stickslip.scan.again import read_again
 
     rows = [row for row in result.table.iter_rows(named=True) if row["probability"] is not None][:most]
     digest = hashlib.sha256((out / "scan.parquet").read_bytes()).hexdigest()[:16]

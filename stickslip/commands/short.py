@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from detect.verdict import Verdict
+    from stickslip.detect.verdict import Verdict
 
 
 def too_short(loops: "Sequence[tuple[str, int, Sequence[Verdict]]]") -> str:
@@ -12,7 +12,7 @@ def too_short(loops: "Sequence[tuple[str, int, Sequence[Verdict]]]") -> str:
 
     ``loops``: name, rows and the methods' verdicts of each.
     """
-    from detect.judge.answer import SAMPLES
+    from stickslip.detect.judge.answer import SAMPLES
 
     most = max((rows for _, rows, _ in loops), default=SAMPLES)
     if most >= SAMPLES or any(verdict.applicable for *_, verdicts in loops for verdict in verdicts):

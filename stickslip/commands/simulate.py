@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, complain, json_option, user_errors
-from stickslip.kept import kept
-from stickslip.targets import check_targets, write_figure
+from stickslip.commands.console import Speaker, complain, json_option, user_errors
+from stickslip.commands.kept import kept
+from stickslip.commands.targets import check_targets, write_figure
 
 if TYPE_CHECKING:
-    from cases import Case
-    from logs import Log
+    from stickslip.cases import Case
+    from stickslip.logs import Log
 
-METHODS = ("auto", "explicit", "stiff")  # of diagram.simulate, named here so that help stays quick
+METHODS = ("auto", "explicit", "stiff")  # of stickslip.diagram.simulate, named here so that help stays quick
 LOGS, PICTURES = (".csv", ".parquet"), (".png", ".svg", ".pdf")
 MOST_ROWS = 10_000_000  # some 500 MB of log
 
@@ -44,7 +44,7 @@ def command(
     """Run a named CASE; 'stickslip simulate --list' shows them all.
 
     A case of your own is FILE.py:FUNCTION: that file IS EXECUTED, and the function, called without arguments, returns
-    a wired diagram or a cases.Case.
+    a wired diagram or a stickslip.cases.Case.
 
     \b
     Examples:
@@ -57,7 +57,7 @@ def command(
     \b
     Exit codes: 0 done, 2 the request makes no sense or the run stopped early, 130 stopped by the keyboard.
     """
-    from stickslip.own import case_named
+    from stickslip.commands.own import case_named
 
     say = Speaker(json_file)
     if listed:
@@ -72,7 +72,7 @@ def command(
     )
     params = parameters(settings)
     span, step = _times(chosen, duration, every)
-    from diagram import simulate
+    from stickslip.diagram import simulate
 
     built = chosen.build()
     run = simulate(
@@ -129,7 +129,7 @@ def _list(say: Speaker) -> None:
 
 
 def _cases() -> list[dict[str, str]]:
-    from cases import find, names
+    from stickslip.cases import find, names
 
     return [{"name": case.name, "title": case.title, "about": case.about} for case in map(find, names())]
 

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip.commands.console import Speaker, complain, json_option, user_errors
 from stickslip.commands.simulate import METHODS
-from stickslip.console import Speaker, complain, json_option, user_errors
-from stickslip.targets import check_folder, check_targets, write_figure, write_whole
+from stickslip.commands.targets import check_folder, check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from cases import Case
-    from study import StudyResult, Subject
+    from stickslip.cases import Case
+    from stickslip.study import StudyResult, Subject
 
 PLANT_EVERY = 0.5  # s: ten to a hundred rows a cycle
 SHOWN_REASONS = 5
@@ -119,7 +119,7 @@ def command(
     \b
     Exit codes: 0 done, 2 the request makes no sense, 130 stopped by the keyboard (what is finished is kept).
     """
-    from stickslip.own import case_named
+    from stickslip.commands.own import case_named
 
     chosen = case_named(case)
     check_targets({"--json": json_file})
@@ -128,7 +128,7 @@ def command(
         raise ValueError(f"--longest {longest:g}: give a positive number of hours")
     subject = subject_of(chosen)
     method = method or subject.settings.method
-    from study import study
+    from stickslip.study import study
 
     say = Speaker(json_file)
     result = study(
@@ -180,14 +180,14 @@ def command(
 def subject_of(case: "Case") -> "Subject":
     """Return a case as the subject of a study; the plant's cases can be rebuilt at another rest.
 
-    >>> from cases import find
+    >>> from stickslip.cases import find
     >>> subject_of(find("plant_1_high")).quantities["D"], subject_of(find("ideal_high")).signals
     (410000.0, ('OP', 'MV', 'PV'))
     """
-    from cases import production
-    from study import production_subject
-    from study.production import like_the_plant
-    from study.subject import as_subject
+    from stickslip.cases import production
+    from stickslip.study import production_subject
+    from stickslip.study.production import like_the_plant
+    from stickslip.study.subject import as_subject
 
     if case.name not in production.CASES_BY_NAME:
         diagram = case.build()
@@ -200,7 +200,7 @@ def subject_of(case: "Case") -> "Subject":
 
 
 def _axes(option: str, given: Sequence[str]) -> dict[str, object]:
-    from study import StudyError, parse
+    from stickslip.study import StudyError, parse
 
     found: dict[str, object] = {}
     for text in given:
@@ -219,8 +219,8 @@ def _interval(case: "Case", every: float | None) -> float:
 
 def _summary(result: "StudyResult") -> tuple[list[str], list[list[str]]]:
     """Return the median amplitudes of some signals, one row a value of the first varied axis."""
-    from study.groups import Group, groups
-    from study.growth import chosen
+    from stickslip.study.groups import Group, groups
+    from stickslip.study.growth import chosen
 
     varied = result.varied()
     signals = chosen(result.signals)
@@ -258,8 +258,8 @@ def _reasons(result: "StudyResult") -> list[tuple[str, int]]:
 
 
 def _page(result: "StudyResult", figures: "dict[str, Figure]") -> str:
-    from stickslip.report.page import Section, figure_to_svg, page, table_to_html
-    from study.told import told
+    from stickslip.commands.report.page import Section, figure_to_svg, page, table_to_html
+    from stickslip.study.told import told
 
     request = result.request
     sections = []

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stickslip.commands.console import COLOUR_OF, Speaker, json_option, user_errors
 from stickslip.commands.short import too_short
-from stickslip.console import COLOUR_OF, Speaker, json_option, user_errors
-from stickslip.targets import check_targets, write_figure, write_whole
+from stickslip.commands.targets import check_targets, write_figure, write_whole
 
 if TYPE_CHECKING:
-    from detect import Comparison, Method
-    from detect.scoring import Label
-    from logs.tags import Process
+    from stickslip.detect import Comparison, Method
+    from stickslip.detect.scoring import Label
+    from stickslip.logs.tags import Process
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -86,12 +86,12 @@ def command(
         raise ValueError("--simulated draws its own loops; leave out SOURCE, --loop, --process and --labels")
     if not sources and simulated is None:
         raise ValueError("name a file, a folder or a case; 'stickslip table --cards' shows the methods alone")
-    from detect import compare
-    from detect.scoring import read_labels
+    from stickslip.detect import compare
+    from stickslip.detect.scoring import read_labels
 
     known = read_labels(labels) if labels is not None else None
     if simulated is not None:
-        from calibration import draw, simulate
+        from stickslip.calibration import draw, simulate
 
         made = simulate(draw(simulated, seed))
         found = compare(
@@ -118,7 +118,7 @@ def command(
 
 def _scored(say: Speaker, found: "Comparison", labels: "Mapping[str, Label]") -> "list[dict[str, Any]]":
     """Print what each method is worth on the labelled records, and return it as plain values."""
-    from detect.scoring import SCORE_COLUMNS, score_rows, scores
+    from stickslip.detect.scoring import SCORE_COLUMNS, score_rows, scores
 
     counted = scores(found, labels)
     say("By tag, the majority of its decided records; labels are opinions, and a dozen tags an anecdote", bold=True)
@@ -132,8 +132,8 @@ def _scored(say: Speaker, found: "Comparison", labels: "Mapping[str, Label]") ->
 
 def _methods(chosen: tuple[str, ...]) -> "list[Method]":
     """Return the methods that are named, or all."""
-    from detect import METHODS
-    from stickslip.own import method_named
+    from stickslip.commands.own import method_named
+    from stickslip.detect import METHODS
 
     return [method_named(name) for name in dict.fromkeys(chosen)] if chosen else list(METHODS)
 
@@ -142,8 +142,8 @@ def _opened(source: str):  # type: ignore[no-untyped-def]
     """Return the path of a file or folder, or the case of that name."""
     if Path(source).exists():
         return Path(source)
-    from cases import names
-    from stickslip.own import case_named, is_own
+    from stickslip.cases import names
+    from stickslip.commands.own import case_named, is_own
 
     if source not in names() and not is_own(source):
         raise ValueError(f"'{source}' is no file, no folder and no case; the cases are {', '.join(names())}")
@@ -152,7 +152,7 @@ def _opened(source: str):  # type: ignore[no-untyped-def]
 
 def _tell(say: Speaker, found: "Comparison") -> None:
     """Print one table a loop, then each reason, then the files without a loop."""
-    from detect.words import WORDS
+    from stickslip.detect.words import WORDS
 
     for judged in found.loops:
         word = WORDS[judged.combined]
@@ -171,9 +171,9 @@ def _tell(say: Speaker, found: "Comparison") -> None:
 
 
 def _page(source: str, found: "Comparison") -> str:
-    from detect.comparison import COLUMNS
-    from detect.words import WORDS
-    from stickslip.report.page import Section, figure_to_svg, page, table_to_html
+    from stickslip.commands.report.page import Section, figure_to_svg, page, table_to_html
+    from stickslip.detect.comparison import COLUMNS
+    from stickslip.detect.words import WORDS
 
     counts = [f"{n} {WORDS[word].spoken}" for word in WORDS if (n := sum(one.combined == word for one in found.loops))]
     loops = f"{len(found.loops)} loop{'s' * (len(found.loops) != 1)}"

@@ -5,17 +5,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from detect.tag import Tag
-    from logs import LoopRecord
-    from stickslip.report.page import Section
+    from stickslip.commands.report.page import Section
+    from stickslip.detect.tag import Tag
+    from stickslip.logs import LoopRecord
 
 DAYS = ("record", "by itself", "S", "gain [nats]", "adds [nats]", "reversals")
 
 
 def tag_section(tag: "Tag") -> "Section":
     """Return the verdict on a valve, S and gain of every record as picture and table, and what to do."""
-    from detect.words import WORDS
-    from stickslip.report.page import Section, figure_to_svg, table_to_html
+    from stickslip.commands.report.page import Section, figure_to_svg, table_to_html
+    from stickslip.detect.words import WORDS
 
     told = WORDS[tag.verdict]
     name, answer = f"{tag.tag}: {len(tag.records)} records", tag.answer
@@ -26,10 +26,10 @@ def tag_section(tag: "Tag") -> "Section":
 
 def tag_page(name: str, records: "Sequence[LoopRecord]") -> str:
     """Return the page on one valve: all records together, then each."""
-    from detect import diagnose
-    from detect.tag import judge_tag
     from stickslip.commands.one_loop import section_of
-    from stickslip.report.page import page
+    from stickslip.commands.report.page import page
+    from stickslip.detect import diagnose
+    from stickslip.detect.tag import judge_tag
 
     answers = [diagnose(record) for record in records]
     starts = [record.log.start for record in records]

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stickslip.console import Speaker, json_option, user_errors
-from stickslip.reading import form_options
-from stickslip.targets import check_targets, write_whole
+from stickslip.commands.console import Speaker, json_option, user_errors
+from stickslip.commands.reading import form_options
+from stickslip.commands.targets import check_targets, write_whole
 
 if TYPE_CHECKING:
-    from detect.valve_test import ValveTest
+    from stickslip.detect.valve_test import ValveTest
 
 
 @click.command("valve")
@@ -41,8 +41,8 @@ def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -
       2  FILE cannot be read, or holds no test
     """
     check_targets({"--html": html, "--json": json_file}, source=file)
-    from detect.valve_test import analyse
-    from logs import read_loop
+    from stickslip.detect.valve_test import analyse
+    from stickslip.logs import read_loop
 
     test = analyse(read_loop(file, **{name: value for name, value in told.items() if value is not None}))
     say = Speaker(json_file)
@@ -58,7 +58,15 @@ def command(file: Path, html: Path | None, json_file: str | None, **told: Any) -
 
 
 def _report(test: "ValveTest") -> str:
-    from stickslip.report.page import Section, captioned, figure_to_svg, page, pairs, side_by_side, table_to_html
+    from stickslip.commands.report.page import (
+        Section,
+        captioned,
+        figure_to_svg,
+        page,
+        pairs,
+        side_by_side,
+        table_to_html,
+    )
 
     found = Section("What the valve does", f"{len(test.steps)} steps" if test.steps else test.source, "open", "")
     found.reason = " ".join(test.words)

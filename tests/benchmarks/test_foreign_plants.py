@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stickslip.gap.effects import CATALOGUE
 
 from benchmarks.foreign import instruments
 from benchmarks.foreign import record as records
 from benchmarks.foreign.historian import late, swinging_door
 from benchmarks.foreign.instruments import PI, Feed, Sensor, Valve
 from benchmarks.foreign.record import NAMES, plant, record
-from gap.effects import CATALOGUE
 
 FOLDER = Path(records.__file__).parent
 TOLD_BY_THE_HOUSE = ("answer", "command", "scoring", "trial")  # they ask and score; no plant knows of them

@@ -4,13 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from stickslip.logs import Log
 
 from benchmarks.gap.baselines import shrinkages, without_what_is_predicted
 from benchmarks.gap.generator import record
 from benchmarks.gap.leaving_out import leaving_out, table
 from benchmarks.gap.models import model
 from benchmarks.gap.runs import Run
-from logs import Log
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -10,15 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stickslip.blocks import Recorded
+from stickslip.cases.models import ideal_flow, level_cascade, level_loop, second_order_flow, site_flow
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.pins import replay, residuals
+from stickslip.gap.effects import CATALOGUE, effect
+from stickslip.logs import Log
 
 from benchmarks.gap import friction, generator, severities
 from benchmarks.gap.generator import FAMILIES, record
-from blocks import Recorded
-from cases.models import ideal_flow, level_cascade, level_loop, second_order_flow, site_flow
-from diagram import simulate, wire
-from diagram.pins import replay, residuals
-from gap.effects import CATALOGUE, effect
-from logs import Log
 
 ROOM = Path(generator.__file__).parent
 HOURS = 0.2

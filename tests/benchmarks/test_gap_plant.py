@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from stickslip.gap.effects import effect
 
 from benchmarks.gap import plant
 from benchmarks.gap.plant import PlantRun, runs
-from gap.effects import effect
 
 
 def test_every_effect_is_at_a_place_where_it_can_be():

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import FirstOrder, Sensor
+from stickslip.diagram import wire
+from stickslip.gap.effects import effect
+from stickslip.gap.free_run import FreeModel
+from stickslip.gap.static_map import static_map
+from stickslip.logs import Log
 
 from benchmarks.gap import real
 from benchmarks.gap.thesis import indices, loop, scored
-from blocks import FirstOrder, Sensor
-from diagram import wire
-from gap.effects import effect
-from gap.free_run import FreeModel
-from gap.static_map import static_map
-from logs import Log
 
 
 def needs(name):

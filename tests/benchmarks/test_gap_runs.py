@@ -3,13 +3,13 @@
 from collections import Counter
 
 import pytest
+from stickslip.cases.models import ideal_flow
+from stickslip.gap.effects import effect
 
 from benchmarks.gap.plant import runs as plant_runs
 from benchmarks.gap.runs import CLASSES, PLACES, alike, benchmark
 from benchmarks.gap.severities import IDEAL
 from benchmarks.resumed import in_turn
-from cases.models import ideal_flow
-from gap.effects import effect
 
 
 def test_places_are_those_of_the_catalogue():

@@ -4,12 +4,12 @@ import warnings
 
 import numpy as np
 import pytest
+from stickslip.diagram import simulate
+from stickslip.plant import SETS, kicked, production_plant, steady_state
 
 from benchmarks.peers import production_control, production_equations, production_lsoda
 from benchmarks.plant import largest, ratio
 from benchmarks.report import in_turn
-from diagram import simulate
-from plant import SETS, kicked, production_plant, steady_state
 
 F_S = 2250.0
 

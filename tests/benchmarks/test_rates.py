@@ -3,12 +3,12 @@
 import json
 
 import pytest
+from stickslip.calibration import draw, simulate
+from stickslip.detect import METHODS, diagnose
+from stickslip.detect.rates import COMBINED, STICKY, of_counts
 
 from benchmarks import rates, resumed
 from benchmarks.rates import CHECKS, SETTING, WORDS, Counted, again, figures, measure
-from calibration import draw, simulate
-from detect import METHODS, diagnose
-from detect.rates import COMBINED, STICKY, of_counts
 
 
 def test_every_loop_is_counted_once_a_method():

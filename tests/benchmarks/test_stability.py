@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from stickslip.logs import LoopRecord
 
 from benchmarks.stability import CROPS, VARIANTS, figures, variants
-from logs import LoopRecord
 
 N = 1000
 

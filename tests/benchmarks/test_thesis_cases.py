@@ -1,10 +1,10 @@
 """The thesis's plant cases: logs without stems, counts that add up."""
 
 import pytest
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.prepare.prepared import Prepared
 
 from benchmarks.thesis_cases import STICKY, Cell, First, figures, logs_of, notes, plant_of, without_stems
-from detect.judge.answer import answer
-from detect.prepare.prepared import Prepared
 
 
 def test_starts_differ_and_stems_are_left_out():

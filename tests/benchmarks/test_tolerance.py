@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from stickslip.calibration import simulate
+from stickslip.detect.methods import cross_correlation, relay_fit
 
 from benchmarks import tolerance
 from benchmarks.tolerance import (
@@ -17,8 +19,6 @@ from benchmarks.tolerance import (
     read_csv,
     to_csv,
 )
-from calibration import simulate
-from detect.methods import cross_correlation, relay_fit
 
 
 def test_the_clean_state_has_no_defect_but_one_percent_of_noise():

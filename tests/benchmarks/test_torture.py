@@ -7,11 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-
-from benchmarks.torture import judge as judging
-from benchmarks.torture.c_program import NoCompiler, covers, program, solve
-from benchmarks.torture.draw import Drawn, _swing, draw
-from blocks import (
+from stickslip.blocks import (
     Biquad,
     Constant,
     DeadTime,
@@ -37,8 +33,12 @@ from blocks import (
     VariableDelay,
     ZeroOrderHold,
 )  # fmt: skip
-from blocks.sources import Ramp
-from diagram import simulate, wire
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import simulate, wire
+
+from benchmarks.torture import judge as judging
+from benchmarks.torture.c_program import NoCompiler, covers, program, solve
+from benchmarks.torture.draw import Drawn, _swing, draw
 
 CLEAN = 22  # a seed whose diagram has no sampled block: everybody agrees on it
 
@@ -191,7 +191,7 @@ def test_a_diagram_on_which_an_oracle_differs_from_itself_is_undecided(monkeypat
 
 
 def test_every_block_of_the_search_has_an_oracle():
-    # what the C program does not know goes to diagram.reference
+    # what the C program does not know goes to stickslip.diagram.reference
     asked = {covers(draw(seed).diagram) for seed in [*range(20), *range(24, 240, 8)]}
     assert asked == {"", "PI with conditional integration"}
 

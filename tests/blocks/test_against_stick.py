@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks import (
+from stickslip.blocks import (
     BlockError,
     ChenValve,
     ConstantReinforcement,
@@ -19,7 +18,7 @@ from blocks import (
     Step,
     TwoMove,
 )  # fmt: skip
-from diagram import drive, simulate, wire
+from stickslip.diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 F_S, F_D, K, TAU, SP = 0.0429, 0.0238, 3.0, 10.0, 0.5

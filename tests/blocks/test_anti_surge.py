@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from blocks.anti_surge import AntiSurge
-from blocks.ports import BlockError
-from blocks.sources import Ramp, Step
-from diagram import drive
+from stickslip.blocks.anti_surge import AntiSurge
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Ramp, Step
+from stickslip.diagram import drive
 
 
 def test_gain_grows_towards_surge():

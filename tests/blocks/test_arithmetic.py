@@ -3,11 +3,10 @@
 import math
 
 import pytest
-
-from blocks.arithmetic import Gain, Sum
-from blocks.ports import BlockError
-from blocks.sources import Constant
-from diagram import ensemble, simulate, wire
+from stickslip.blocks.arithmetic import Gain, Sum
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Constant
+from stickslip.diagram import ensemble, simulate, wire
 
 
 def test_sum_weighs_its_inputs():

@@ -7,11 +7,10 @@ import pytest
 import scipy.signal
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.biquad import Biquad
-from blocks.ports import BlockError
-from blocks.recorded import Staircase
-from diagram import drive
+from stickslip.blocks.biquad import Biquad
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Staircase
+from stickslip.diagram import drive
 
 
 def test_it_agrees_with_scipy():

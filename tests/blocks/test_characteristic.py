@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.characteristic import Characteristic
-from blocks.ports import BlockError
-from blocks.sources import Ramp
-from diagram import drive
+from stickslip.blocks.characteristic import Characteristic
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import drive
 
 
 def flow(block, x):

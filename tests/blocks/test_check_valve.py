@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.check_valve import CheckValve
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from diagram import drive
+from stickslip.blocks.check_valve import CheckValve
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import drive
 
 
 @given(st.floats(0.0, 1e8), st.floats(0.0, 1e8), st.floats(0.0, 1e5))

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks.chen_valve import ChenValve
+from stickslip.blocks.he_valve import HeValve
+from stickslip.blocks.ports import BlockError
 
-from blocks.chen_valve import ChenValve
-from blocks.he_valve import HeValve
-from blocks.ports import BlockError
 from tests.blocks.test_valves_agree import sampled
 
 PERCENT = {"low": 0.0, "high": 100.0, "start": 50.0}

@@ -7,12 +7,11 @@ import pytest
 import scipy.signal
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.chirp import Chirp
-from blocks.first_order import FirstOrder
-from blocks.ports import BlockError
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.chirp import Chirp
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 LAWS = {"linear": "linear", "exponential": "logarithmic"}
 

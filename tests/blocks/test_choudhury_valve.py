@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks.choudhury_valve import ChoudhuryValve
+from stickslip.blocks.kano_valve import KanoValve
+from stickslip.blocks.ports import BlockError
 
-from blocks.choudhury_valve import ChoudhuryValve
-from blocks.kano_valve import KanoValve
-from blocks.ports import BlockError
 from tests.blocks.test_valves_agree import sampled
 
 

@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-
-from blocks.compressor import Compressor
-from blocks.compressor_map import CubicMap
-from blocks.flow_resistance import FlowResistance
-from blocks.plenum import Plenum
-from blocks.ports import BlockError
-from blocks.sources import Constant
-from blocks.tabulated_map import TabulatedMap
-from diagram import drive, simulate, wire
+from stickslip.blocks.compressor import Compressor
+from stickslip.blocks.compressor_map import CubicMap
+from stickslip.blocks.flow_resistance import FlowResistance
+from stickslip.blocks.plenum import Plenum
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Constant
+from stickslip.blocks.tabulated_map import TabulatedMap
+from stickslip.diagram import drive, simulate, wire
 
 W_D = 994.838
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from blocks.compressor_map import CubicMap, cubic, head_for, pressure_ratio
+from stickslip.blocks.compressor_map import CubicMap, cubic, head_for, pressure_ratio
 
 
 def test_cubic_at_its_marks():

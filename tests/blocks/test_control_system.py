@@ -3,10 +3,9 @@
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import PI, BlockError, Constant, FirstOrder, StateSpace, Step, TransferFunction, as_block
-from blocks.nonlinear_system import NonlinearSystem
-from diagram import WiringError, drive, ensemble, simulate, wire
+from stickslip.blocks import PI, BlockError, Constant, FirstOrder, StateSpace, Step, TransferFunction, as_block
+from stickslip.blocks.nonlinear_system import NonlinearSystem
+from stickslip.diagram import WiringError, drive, ensemble, simulate, wire
 
 T = np.linspace(0.0, 20.0, 201)
 TIGHT = {"rtol": 1e-10, "atol": 1e-12, "max_step": 0.1}
@@ -227,7 +226,7 @@ def test_one_block_of_a_system():
 
 
 def test_the_independent_simulator_agrees_on_a_loop_of_all_kinds():
-    from diagram.reference import simulate_reference
+    from stickslip.diagram.reference import simulate_reference
 
     loop = wire([
         Step("r", 1.0, at=1.0),

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.control_valve_flow import ControlValveFlow, drop_for, root
-from blocks.ports import BlockError
-from blocks.sources import Ramp
-from diagram import drive
+from stickslip.blocks.control_valve_flow import ControlValveFlow, drop_for, root
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import drive
 
 
 @given(st.floats(1e3, 1e8))

@@ -5,11 +5,10 @@ import math
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.dead_time import ORDER, DeadTime, pade
-from blocks.periodic import Sine, Square
-from blocks.ports import BlockError
-from diagram import drive
+from stickslip.blocks.dead_time import ORDER, DeadTime, pade
+from stickslip.blocks.periodic import Sine, Square
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import drive
 
 LABELS = {"inputs": "u", "outputs": "y"}
 

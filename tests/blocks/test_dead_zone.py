@@ -5,16 +5,15 @@ import math
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.arithmetic import Sum
-from blocks.dead_zone import DeadZone
-from blocks.integrator import Integrator
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.recorded import Staircase
-from blocks.sources import Step
-from diagram import drive, simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.dead_zone import DeadZone
+from stickslip.blocks.integrator import Integrator
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Staircase
+from stickslip.blocks.sources import Step
+from stickslip.diagram import drive, simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 
 def test_it_passes_what_lies_beyond_and_tells_when():

@@ -8,16 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
-
-from blocks.deadband import Deadband
-from blocks.integrator import Integrator
-from blocks.periodic import Sine
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.quasi_static_stem import QuasiStaticStem
-from blocks.recorded import Recorded
-from blocks.sources import Step
-from diagram import drive, simulate, wire
+from stickslip.blocks.deadband import Deadband
+from stickslip.blocks.integrator import Integrator
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.sources import Step
+from stickslip.diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 

@@ -12,14 +12,14 @@ import textwrap
 from dataclasses import replace
 
 import pytest
+from stickslip.blocks import BlockError, Equations, Step
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.dry_run import dry_run
+from stickslip.blocks.ports import Port
+from stickslip.diagram import simulate, wire
+from stickslip.engine.status import Status
 
-import blocks
-from blocks import BlockError, Equations, Step
-from blocks.block import Block, Kernels
-from blocks.dry_run import dry_run
-from blocks.ports import Port
-from diagram import simulate, wire
-from engine.status import Status
+from stickslip import blocks
 from stickslip.commands.blocks import NEEDED, _missing, entries
 
 RIGHT = {
@@ -162,7 +162,7 @@ def test_a_wrong_feeds_does_not_hide_an_algebraic_loop(tmp_path):
 
 
 def test_a_thousand_loops_cost_one_trial(monkeypatch, tmp_path):
-    import blocks.dry_run as trial
+    import stickslip.blocks.dry_run as trial
 
     calls = []
     plain = trial._Trial.run

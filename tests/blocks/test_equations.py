@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks import BlockError, Equations
-from diagram import drive, simulate, wire
-from engine.call import address
+from stickslip.blocks import BlockError, Equations
+from stickslip.diagram import drive, simulate, wire
+from stickslip.engine.call import address
 
 GRAVITY = 9.81
 

@@ -5,13 +5,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks.first_order import FirstOrder
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.recorded import Recorded
-from blocks.sources import Step
-from diagram import drive, simulate, wire
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.sources import Step
+from stickslip.diagram import drive, simulate, wire
 
 TIGHT = {"rtol": 1e-9, "atol": 1e-12}
 

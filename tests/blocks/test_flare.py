@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from blocks.flare import Flare
-from blocks.sources import Step
-from diagram import drive
+from stickslip.blocks.flare import Flare
+from stickslip.blocks.sources import Step
+from stickslip.diagram import drive
 
 
 def test_pi_above_the_limit():

@@ -1,10 +1,9 @@
 """Flow resistance: the same root as a valve, both ways."""
 
 import pytest
-
-from blocks.control_valve_flow import root
-from blocks.flow_resistance import FlowResistance
-from blocks.ports import BlockError
+from stickslip.blocks.control_valve_flow import root
+from stickslip.blocks.flow_resistance import FlowResistance
+from stickslip.blocks.ports import BlockError
 
 
 def test_flow_is_signed():

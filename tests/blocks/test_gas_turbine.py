@@ -3,13 +3,12 @@
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.gas_turbine import GasTurbine
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.shaft import Shaft
-from blocks.sources import Constant, Ramp, Step
-from diagram import drive, simulate, wire
+from stickslip.blocks.gas_turbine import GasTurbine
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.shaft import Shaft
+from stickslip.blocks.sources import Constant, Ramp, Step
+from stickslip.diagram import drive, simulate, wire
 
 W = 994.838
 

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks.control_valve_flow import ControlValveFlow
-from blocks.gas_valve_flow import GasValveFlow
-from blocks.ports import BlockError
-from blocks.sizing import size_gas_valve
-from blocks.sources import Ramp, Step
-from diagram import drive, simulate
-from plant import production_plant, steady_state
-from plant.parameters import SET_B
+from stickslip.blocks.control_valve_flow import ControlValveFlow
+from stickslip.blocks.gas_valve_flow import GasValveFlow
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sizing import size_gas_valve
+from stickslip.blocks.sources import Ramp, Step
+from stickslip.diagram import drive, simulate
+from stickslip.plant import production_plant, steady_state
+from stickslip.plant.parameters import SET_B
 
 MOST = 1.3067 / 1.4 * 0.7  # drop ratio at choking of the default gas
 

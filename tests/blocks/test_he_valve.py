@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stickslip.blocks.he_valve import HeValve
+from stickslip.blocks.ports import BlockError
 
-from blocks.he_valve import HeValve
-from blocks.ports import BlockError
 from tests.blocks.test_valves_agree import sampled
 
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from blocks import BlockError, Historian
-from blocks.dry_run import dry_run
-from diagram import simulate, wire
-from plant.loops import self_regulating_loop
+from stickslip.blocks import BlockError, Historian
+from stickslip.blocks.dry_run import dry_run
+from stickslip.diagram import simulate, wire
+from stickslip.plant.loops import self_regulating_loop
 
 
 def test_it_reads_and_gives_nothing():

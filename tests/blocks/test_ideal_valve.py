@@ -1,11 +1,10 @@
 """The valve without friction."""
 
 import numpy as np
-
-from blocks.ideal_valve import IdealValve
-from blocks.periodic import Sine
-from blocks.stick_slip import StickSlip
-from diagram import drive
+from stickslip.blocks.ideal_valve import IdealValve
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.diagram import drive
 
 
 def test_passes_op_and_takes_a_place():

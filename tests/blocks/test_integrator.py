@@ -3,12 +3,11 @@
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.integrator import Integrator
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.sources import Step
-from diagram import drive, simulate, wire
+from stickslip.blocks.integrator import Integrator
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Step
+from stickslip.diagram import drive, simulate, wire
 
 
 @pytest.mark.parametrize("theta", [0.0, 2.5])

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks.kano_valve import KanoValve
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import drive
 
-from blocks.kano_valve import KanoValve
-from blocks.ports import BlockError
-from diagram import drive
 from tests.blocks.test_valves_agree import sampled
 
 

@@ -5,11 +5,10 @@ import math
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.lead_lag import LeadLag
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from diagram import drive
+from stickslip.blocks.lead_lag import LeadLag
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import drive
 
 SHARP = {"rtol": 1e-9, "atol": 1e-11}
 

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.first_order import FirstOrder
-from blocks.lookup_1d import Lookup1D
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.recorded import Staircase
-from blocks.sources import Ramp
-from diagram import drive, simulate, wire
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.lookup_1d import Lookup1D
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Staircase
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import drive, simulate, wire
 
 
 @st.composite

@@ -7,12 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import RegularGridInterpolator
-
-from blocks.lookup_2d import Lookup2D
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.recorded import Staircase
-from diagram import simulate, wire
+from stickslip.blocks.lookup_2d import Lookup2D
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Staircase
+from stickslip.diagram import simulate, wire
 
 X, Y = np.array([-1.0, 0.0, 0.3, 2.0]), np.array([10.0, 20.0, 50.0])
 Z = np.random.default_rng(4).normal(size=(4, 3))

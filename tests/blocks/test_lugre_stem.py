@@ -8,17 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
-
-from blocks.integrator import Integrator
-from blocks.lugre_stem import LuGreStem
-from blocks.periodic import Sine
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.recorded import Recorded
-from blocks.sources import Ramp, Step
-from blocks.stick_slip import StickSlip
-from diagram import drive, simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.integrator import Integrator
+from stickslip.blocks.lugre_stem import LuGreStem
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.sources import Ramp, Step
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.diagram import drive, simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 K, M, F_V, F_C, F_S = 52500.0, 1.36, 612.0, 1250.0, 2250.0
 SIGMA = 1e7

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks import BlockError, Constant, FirstOrder, LeadLag, StickSlip
-from blocks.block import Block, Kernels
-from blocks.dry_run import dry_run
-from blocks.ports import Port
-from blocks.stick_slip import NOISE, TIE, slack
-from diagram import drive
+from stickslip.blocks import BlockError, Constant, FirstOrder, LeadLag, StickSlip
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.dry_run import dry_run
+from stickslip.blocks.ports import Port
+from stickslip.blocks.stick_slip import NOISE, TIE, slack
+from stickslip.diagram import drive
 
 UP, DOWN, STUCK, IDEAL = 1.0, -1.0, 0.0, 2.0
 

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 from scipy import stats
-
-from blocks.noise import Noise, seeded, uniform
-from blocks.ports import BlockError
-from blocks.sensor import SampledSensor
-from blocks.sources import Constant
-from diagram import simulate, wire
+from stickslip.blocks.noise import Noise, seeded, uniform
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sensor import SampledSensor
+from stickslip.blocks.sources import Constant
+from stickslip.diagram import simulate, wire
 
 N = 20_000
 

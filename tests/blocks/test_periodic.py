@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.periodic import Sine, Slug, Square, Triangle, whole
-from blocks.ports import BlockError
-from diagram import simulate, wire
+from stickslip.blocks.periodic import Sine, Slug, Square, Triangle, whole
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import simulate, wire
 
 
 def at(block, t):

@@ -7,16 +7,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks.arithmetic import Sum
-from blocks.first_order import FirstOrder
-from blocks.periodic import Sine, Square, Triangle
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.recorded import Recorded, Staircase
-from blocks.sensor import SampledSensor, Sensor
-from blocks.sources import Constant, Ramp, Step
-from diagram import drive, simulate, wire
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.periodic import Sine, Square, Triangle
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Recorded, Staircase
+from stickslip.blocks.sensor import SampledSensor, Sensor
+from stickslip.blocks.sources import Constant, Ramp, Step
+from stickslip.diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 

@@ -5,10 +5,9 @@ import math
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import PI, PID, FirstOrder, SecondOrder, Staircase, Step
-from blocks.ports import BlockError
-from diagram import drive, simulate, wire
+from stickslip.blocks import PI, PID, FirstOrder, SecondOrder, Staircase, Step
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 

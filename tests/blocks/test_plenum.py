@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from blocks.flow_resistance import FlowResistance
-from blocks.plenum import Plenum
-from blocks.ports import BlockError
-from diagram import drive, simulate, wire
+from stickslip.blocks.flow_resistance import FlowResistance
+from stickslip.blocks.plenum import Plenum
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import drive, simulate, wire
 
 
 def test_every_flow_counts_with_its_sign():

@@ -1,10 +1,9 @@
 """Names of ports, parameters and states never hide each other."""
 
 import pytest
-
-from blocks import FirstOrder, Plenum
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port
+from stickslip.blocks import FirstOrder, Plenum
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Port
 
 
 def _out(t, x, d, u, p, y):

@@ -5,18 +5,17 @@ import math
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.first_order import FirstOrder
-from blocks.ideal_valve import IdealValve
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.positioner import Positioner
-from blocks.recorded import Staircase
-from blocks.sources import Constant, Step
-from blocks.stick_slip import StickSlip
-from blocks.stribeck_stem import StribeckStem
-from diagram import drive, simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.ideal_valve import IdealValve
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.positioner import Positioner
+from stickslip.blocks.recorded import Staircase
+from stickslip.blocks.sources import Constant, Step
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.blocks.stribeck_stem import StribeckStem
+from stickslip.diagram import drive, simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 SHARP = {"rtol": 1e-9, "atol": 1e-11}
 K, F_C, F_S = 52500.0, 1250.0, 1750.0

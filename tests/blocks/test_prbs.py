@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.first_order import FirstOrder
-from blocks.ports import BlockError
-from blocks.prbs import PRBS
-from diagram import simulate, wire
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.prbs import PRBS
+from stickslip.diagram import simulate, wire
 
 
 @pytest.mark.parametrize("order", [2, 3, 7, 10])

@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.product import Divide, Product
-from blocks.sources import Ramp
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.product import Divide, Product
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 
 def test_product_of_signals():

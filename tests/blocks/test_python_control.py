@@ -8,9 +8,8 @@ import warnings
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import PI, BlockError, FirstOrder
-from diagram import WiringError, wire
+from stickslip.blocks import PI, BlockError, FirstOrder
+from stickslip.diagram import WiringError, wire
 
 
 def foreign(name="other", **ports):

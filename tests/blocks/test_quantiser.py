@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks import PI, BlockError, FirstOrder, IdealValve, Quantiser, Sine, Step
-from diagram import drive, simulate, wire
+from stickslip.blocks import PI, BlockError, FirstOrder, IdealValve, Quantiser, Sine, Step
+from stickslip.diagram import drive, simulate, wire
 
 
 @given(st.floats(0.01, 10.0), st.floats(-50.0, 50.0))

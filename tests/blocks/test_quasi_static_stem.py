@@ -6,19 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks.dead_time import DeadTime
-from blocks.first_order import FirstOrder
-from blocks.periodic import Sine
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.quasi_static_stem import QuasiStaticStem
-from blocks.recorded import Recorded
-from blocks.sampled_pi import SampledPI
-from blocks.sources import Step
-from blocks.stick_slip import StickSlip
-from diagram import drive, simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.dead_time import DeadTime
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.blocks.sources import Step
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.diagram import drive, simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 LAG = 612.0 / 52500.0  # s; analytic: how far behind its massless twin the thesis's stem slides, per rate of OP
 WIDE = {"low": -math.inf, "high": math.inf}

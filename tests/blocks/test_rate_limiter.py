@@ -7,16 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
-
-from blocks.first_order import FirstOrder
-from blocks.periodic import Sine
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.rate_limiter import RateLimiter
-from blocks.recorded import Recorded, Staircase
-from blocks.sources import Ramp, Step
-from diagram import drive, simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.rate_limiter import RateLimiter
+from stickslip.blocks.recorded import Recorded, Staircase
+from stickslip.blocks.sources import Ramp, Step
+from stickslip.diagram import drive, simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 
 def test_steps_become_ramps_of_their_own_rate():

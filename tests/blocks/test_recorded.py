@@ -7,11 +7,10 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks import FirstOrder
-from blocks.ports import BlockError
-from blocks.recorded import Recorded, Staircase
-from diagram import simulate, wire
+from stickslip.blocks import FirstOrder
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Recorded, Staircase
+from stickslip.diagram import simulate, wire
 
 
 def at(block, t):

@@ -5,16 +5,15 @@ import math
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.first_order import FirstOrder
-from blocks.integrator import Integrator
-from blocks.periodic import Triangle
-from blocks.ports import BlockError
-from blocks.recorded import Staircase
-from blocks.relay import Relay
-from diagram import drive, simulate, wire
-from diagram.reference import simulate_reference
-from engine.status import Status
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.integrator import Integrator
+from stickslip.blocks.periodic import Triangle
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Staircase
+from stickslip.blocks.relay import Relay
+from stickslip.diagram import drive, simulate, wire
+from stickslip.diagram.reference import simulate_reference
+from stickslip.engine.status import Status
 
 
 def test_it_switches_at_its_thresholds():

@@ -5,14 +5,13 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-
-from blocks.first_order import FirstOrder
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.relay_tuner import RelayTuner
-from blocks.sensor import SampledSensor
-from blocks.sources import Step
-from diagram import simulate, wire
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.relay_tuner import RelayTuner
+from stickslip.blocks.sensor import SampledSensor
+from stickslip.blocks.sources import Step
+from stickslip.diagram import simulate, wire
 
 K, TAU, THETA = 2.0, 10.0, 2.0
 

@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.periodic import Sine, Square
-from blocks.ports import BlockError
-from blocks.reset_integrator import ResetIntegrator
-from blocks.sources import Constant
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.periodic import Sine, Square
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.reset_integrator import ResetIntegrator
+from stickslip.blocks.sources import Constant
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 
 def test_it_resets_itself_to_a_sawtooth():

@@ -5,10 +5,8 @@ import pickle
 from pathlib import Path
 
 import pytest
-
-import blocks
-import detect.blocks
-from blocks import (
+import stickslip.detect.blocks
+from stickslip.blocks import (
     PI,
     AntiSurge,
     BlockError,
@@ -22,17 +20,19 @@ from blocks import (
     StickSlip,
     StribeckStem,
 )
-from blocks.block import Block
-from blocks.declared import PARTS
-from blocks.role import Role
-from diagram import wire
-from diagram.figures.drawing import colour
-from diagram.linear import linearise
-from plant import production_plant
-from plant.loops import self_regulating_loop
+from stickslip.blocks.block import Block
+from stickslip.blocks.declared import PARTS
+from stickslip.blocks.role import Role
+from stickslip.diagram import wire
+from stickslip.diagram.figures.drawing import colour
+from stickslip.diagram.linear import linearise
+from stickslip.plant import production_plant
+from stickslip.plant.loops import self_regulating_loop
+from stickslip.study.measures import limits
+from stickslip.study.subject import as_subject
+
+from stickslip import blocks
 from stickslip.commands.blocks import BLOCKS
-from study.measures import limits
-from study.subject import as_subject
 
 ROOT = Path(__file__).resolve().parents[2]
 ASKING = [
@@ -49,7 +49,7 @@ def test_every_block_of_the_catalogue_declares_a_role(name: str) -> None:
 
 
 def test_every_role_has_a_block() -> None:
-    blocks_of_detectors = [getattr(detect.blocks, name) for name in detect.blocks.__all__]
+    blocks_of_detectors = [getattr(stickslip.detect.blocks, name) for name in stickslip.detect.blocks.__all__]
     known = [*(getattr(blocks, name) for group in BLOCKS.values() for name in group), *blocks_of_detectors]
     assert {made.role for made in known} == set(Role)
 
@@ -65,8 +65,8 @@ def test_every_role_has_a_block() -> None:
     ],
 )  # fmt: skip
 def test_roles_are_what_an_engineer_expects(name: str, role: str) -> None:
-    assert getattr(blocks, name, None) or getattr(detect.blocks, name)
-    assert (getattr(blocks, name, None) or getattr(detect.blocks, name)).role == role
+    assert getattr(blocks, name, None) or getattr(stickslip.detect.blocks, name)
+    assert (getattr(blocks, name, None) or getattr(stickslip.detect.blocks, name)).role == role
 
 
 def guesses(source: str) -> list[str]:

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from blocks.first_order import FirstOrder
-from blocks.ports import BlockError
-from blocks.recorded import Staircase
-from blocks.sampled_filter import SampledFilter
-from diagram import drive
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Staircase
+from stickslip.blocks.sampled_filter import SampledFilter
+from stickslip.diagram import drive
 
 
 def stairs(values, dt):

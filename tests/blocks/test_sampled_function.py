@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from blocks import BlockError, FirstOrder, SampledFunction, SampledPI, Step
-from diagram import drive, simulate, wire
+from stickslip.blocks import BlockError, FirstOrder, SampledFunction, SampledPI, Step
+from stickslip.diagram import drive, simulate, wire
 
 
 def test_it_is_called_at_its_instants_with_values_by_name():

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks.periodic import Sine
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.recorded import Staircase
-from blocks.sampled_pi import SampledPI
-from diagram import drive, simulate, wire
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Staircase
+from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.diagram import drive, simulate, wire
 
 WIDE = {"low": -math.inf, "high": math.inf}
 KINDS = ["none", "conditional", "back_calculation"]
@@ -172,8 +171,8 @@ def test_misuse_is_refused_with_value_rule_and_remedy(make, words):
 def test_the_integral_may_take_in_the_present_error_first():
     e = [0.1, 0.3, -0.2, 0.0]
     held = (np.arange(4.0), np.array(e))
-    from blocks import Recorded
-    from diagram import simulate, wire
+    from stickslip.blocks import Recorded
+    from stickslip.diagram import simulate, wire
 
     for integral, before in (("previous", 1), ("present", 0)):
         pi = SampledPI(0.4, 10.0, dt=1.0, low=-9.0, high=9.0, integral=integral)

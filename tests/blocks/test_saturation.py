@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.saturation import Saturation
-from diagram import drive
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.saturation import Saturation
+from stickslip.diagram import drive
 
 
 def test_it_cuts_and_tells_when():

@@ -1,9 +1,8 @@
 """Scrubber: a constant loss."""
 
 import pytest
-
-from blocks.ports import BlockError
-from blocks.scrubber import Scrubber
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.scrubber import Scrubber
 
 
 def test_loss():

@@ -5,11 +5,10 @@ import math
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.ports import BlockError
-from blocks.second_order import SecondOrder
-from blocks.sources import Step
-from diagram import drive, simulate, wire
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.second_order import SecondOrder
+from stickslip.blocks.sources import Step
+from stickslip.diagram import drive, simulate, wire
 
 TIGHT = {"rtol": 1e-9, "atol": 1e-12}
 

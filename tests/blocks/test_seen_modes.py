@@ -5,9 +5,8 @@ import math
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import Constant, FirstOrder, Gain, Relay, ResetIntegrator, Sine, Switch
-from diagram import wire
+from stickslip.blocks import Constant, FirstOrder, Gain, Relay, ResetIntegrator, Sine, Switch
+from stickslip.diagram import wire
 
 FINE = {"max_step": 0.1}
 

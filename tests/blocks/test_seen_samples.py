@@ -3,9 +3,8 @@
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import KanoValve, Recorded, SampledFunction, SampledPI, Sine, ZeroOrderHold
-from diagram import wire
+from stickslip.blocks import KanoValve, Recorded, SampledFunction, SampledPI, Sine, ZeroOrderHold
+from stickslip.diagram import wire
 
 COARSE = {"solve_ivp_kwargs": {"max_step": 3.0}}
 

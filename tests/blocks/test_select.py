@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.first_order import FirstOrder
-from blocks.periodic import Sine
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.recorded import Staircase
-from blocks.select import MaxSelect, MinSelect
-from blocks.sources import Constant, Step
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Staircase
+from stickslip.blocks.select import MaxSelect, MinSelect
+from stickslip.blocks.sources import Constant, Step
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 PAIRS = [(MinSelect, np.minimum), (MaxSelect, np.maximum)]
 

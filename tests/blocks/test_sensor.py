@@ -8,12 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
-
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.sensor import SampledSensor, Sensor
-from blocks.sources import Constant, Ramp
-from diagram import drive, simulate, wire
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sensor import SampledSensor, Sensor
+from stickslip.blocks.sources import Constant, Ramp
+from stickslip.diagram import drive, simulate, wire
 
 
 def drive_at(block, times, rtol=1e-6, atol=1e-9, **inputs):

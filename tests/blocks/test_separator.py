@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.ports import BlockError
-from blocks.separator import Separator
-from blocks.sources import Step
-from diagram import drive
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.separator import Separator
+from stickslip.blocks.sources import Step
+from stickslip.diagram import drive
 
 REST = {"F_in": 8000.0, "Z_I": 0.37, "F_L": 5716.28101809346, "F_G": 2283.7189819065397, "F_flare": 0.0}
 

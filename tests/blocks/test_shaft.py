@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from blocks.ports import BlockError
-from blocks.shaft import Shaft
-from diagram import drive
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.shaft import Shaft
+from stickslip.diagram import drive
 
 
 def test_torque_balance():

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks import (
+from stickslip.blocks import (
     PI,
     PRBS,
     Biquad,
@@ -35,8 +34,8 @@ from blocks import (
     VariableDelay,
     ZeroOrderHold,
 )
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 WIDE = {"low": -math.inf, "high": math.inf}
 CURVE = ([-1.0, 0.2, 0.4, 2.0], [-0.5, 0.1, 0.5, 1.5])

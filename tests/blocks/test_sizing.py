@@ -8,10 +8,9 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from blocks.control_valve_flow import ControlValveFlow
-from blocks.ports import BlockError
-from blocks.sizing import C_v_from_Kv, Kv_from_C_v, Kv_from_Cv, Sizing, size_gas_valve, size_liquid_valve
+from stickslip.blocks.control_valve_flow import ControlValveFlow
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sizing import C_v_from_Kv, Kv_from_C_v, Kv_from_Cv, Sizing, size_gas_valve, size_liquid_valve
 
 WATER = {"density": 999.1, "p_vapour": 1.7e3, "p_critical": 220.6e5}
 
@@ -150,6 +149,6 @@ def test_without_the_library_the_remedy_is_named(monkeypatch):
 
 
 def test_the_library_is_loaded_only_when_asked():
-    code = "import blocks, sys; print('fluids' in sys.modules)"
+    code = "import sys; from stickslip import blocks; print('fluids' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.ports import BlockError
-from blocks.sources import Constant, Ramp, Step
-from diagram import simulate, wire
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Constant, Ramp, Step
+from stickslip.diagram import simulate, wire
 
 
 def at(block, t):

@@ -4,9 +4,8 @@ import control as ct
 import numpy as np
 import pytest
 from scipy.linalg import expm
-
-from blocks import BlockError, StateSpace
-from diagram import drive, ensemble, wire
+from stickslip.blocks import BlockError, StateSpace
+from stickslip.diagram import drive, ensemble, wire
 
 A = np.array([[-0.5, 2.0, 0.0], [-2.0, -0.5, 1.0], [0.0, 0.0, -0.1]])
 B = np.array([[1.0, 0.0], [0.0, 0.5], [0.3, -1.0]])

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.stenman_valve import StenmanValve
 
-from blocks.ports import BlockError
-from blocks.stenman_valve import StenmanValve
 from tests.blocks.test_valves_agree import sampled
 
 

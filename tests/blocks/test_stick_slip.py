@@ -7,17 +7,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks.first_order import FirstOrder
-from blocks.integrator import Integrator
-from blocks.periodic import Sine
-from blocks.pi import PI
-from blocks.ports import BlockError
-from blocks.recorded import Recorded
-from blocks.sampled_pi import SampledPI
-from blocks.sources import Ramp, Step
-from blocks.stick_slip import StickSlip
-from diagram import drive, simulate, wire
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.integrator import Integrator
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.pi import PI
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.blocks.sources import Ramp, Step
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.diagram import drive, simulate, wire
 
 K, M, F_V, F_C = 52500.0, 1.36, 612.0, 1250.0
 LAG = F_V / K  # analytic: a stem that slides at the rate r of OP stands F_v r/k behind

@@ -4,14 +4,13 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.integrator import Integrator
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.sources import Constant
-from blocks.switch import Switch
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks.integrator import Integrator
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Constant
+from stickslip.blocks.switch import Switch
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 
 def test_it_chooses_and_tells_when():

@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
-
-from blocks.ports import BlockError
-from blocks.tabulated_map import TabulatedMap, read_curves
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.tabulated_map import TabulatedMap, read_curves
 
 DATA = Path(os.environ.get("STICKSLIP_DATA", Path(__file__).parents[3] / "shared" / "data")) / "compressor"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason=f"the compressor curves are not at {DATA}: NOT TESTED")

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, BlockError, IdealValve, Overflow, Step, Tank
-from diagram import drive, simulate, wire
+from stickslip.blocks import PI, BlockError, IdealValve, Overflow, Step, Tank
+from stickslip.diagram import drive, simulate, wire
 
 
 def test_it_empties_as_torricelli_says():

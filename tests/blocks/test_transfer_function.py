@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks import BlockError, TransferFunction
-from diagram import drive, ensemble, wire
+from stickslip.blocks import BlockError, TransferFunction
+from stickslip.diagram import drive, ensemble, wire
 
 
 def test_a_step_has_its_closed_form():

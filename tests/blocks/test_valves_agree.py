@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks.block import Block
-from blocks.chen_valve import ChenValve
-from blocks.choudhury_valve import ChoudhuryValve
-from blocks.he_valve import HeValve
-from blocks.kano_valve import KanoValve
-from blocks.quasi_static_stem import QuasiStaticStem
-from blocks.stenman_valve import StenmanValve
-from blocks.stick_slip import StickSlip
-from diagram import drive
+from stickslip.blocks.block import Block
+from stickslip.blocks.chen_valve import ChenValve
+from stickslip.blocks.choudhury_valve import ChoudhuryValve
+from stickslip.blocks.he_valve import HeValve
+from stickslip.blocks.kano_valve import KanoValve
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.stenman_valve import StenmanValve
+from stickslip.blocks.stick_slip import StickSlip
+from stickslip.diagram import drive
 
 PERCENT = {"low": 0.0, "high": 100.0}
 TWO_BANDS = (KanoValve, ChoudhuryValve, ChenValve, HeValve.from_bands)

@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.dead_time import DeadTime
-from blocks.ports import BlockError
-from blocks.recorded import Recorded
-from blocks.sources import Constant
-from blocks.variable_delay import VariableDelay
-from diagram import drive, simulate, wire
+from stickslip.blocks.dead_time import DeadTime
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.recorded import Recorded
+from stickslip.blocks.sources import Constant
+from stickslip.blocks.variable_delay import VariableDelay
+from stickslip.diagram import drive, simulate, wire
 
 
 def test_straight_inputs_arrive_as_old_as_theta_says():

@@ -4,14 +4,13 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.arithmetic import Sum
-from blocks.first_order import FirstOrder
-from blocks.periodic import Sine
-from blocks.ports import BlockError
-from blocks.sources import Constant
-from blocks.zero_order_hold import ZeroOrderHold
-from diagram import drive, simulate, wire
+from stickslip.blocks.arithmetic import Sum
+from stickslip.blocks.first_order import FirstOrder
+from stickslip.blocks.periodic import Sine
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.sources import Constant
+from stickslip.blocks.zero_order_hold import ZeroOrderHold
+from stickslip.diagram import drive, simulate, wire
 
 
 def test_it_takes_samples_and_holds_them():

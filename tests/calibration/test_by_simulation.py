@@ -7,16 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from calibration import at_record, by_simulation, simulate
-from calibration.alike import alike
-from calibration.by_simulation import PIECE, split
-from calibration.conditions import conditions
-from calibration.drawing import one
-from calibration.posterior import SEEN, chances, detection_limit, nearest, read, weighted_quantile
-from calibration.records import Table
-from calibration.spec import CAUSES
-from logs import LoopRecord
+from stickslip.calibration import at_record, by_simulation, simulate
+from stickslip.calibration.alike import alike
+from stickslip.calibration.by_simulation import PIECE, split
+from stickslip.calibration.conditions import conditions
+from stickslip.calibration.drawing import one
+from stickslip.calibration.posterior import SEEN, chances, detection_limit, nearest, read, weighted_quantile
+from stickslip.calibration.records import Table
+from stickslip.calibration.spec import CAUSES
+from stickslip.logs import LoopRecord
 
 BARE = {
     "noise": 0.01, "noise_time": 0.0, "walk": 0.0, "sp_move": 0.0, "door": 0.0, "stale": 0.0, "step_pv": 0.0,

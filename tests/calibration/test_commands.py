@@ -1,11 +1,10 @@
-"""``python -m calibration train`` from nothing to a model that answers, on a few loops."""
+"""``python -m stickslip.calibration train`` from nothing to a model that answers, on a few loops."""
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-
-from calibration.__main__ import calibration
-from detect.judge.model import FILE, Model
+from stickslip.calibration.__main__ import calibration
+from stickslip.detect.judge.model import FILE, Model
 
 LOOPS = 28  # of a part: every kind is among them
 
@@ -14,8 +13,8 @@ LOOPS = 28  # of a part: every kind is among them
 def small(monkeypatch, tmp_path, here):
     """Parts of a few loops."""
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
-    monkeypatch.setattr("calibration.records.PART", LOOPS)
-    monkeypatch.setattr("calibration.records.processes", here)
+    monkeypatch.setattr("stickslip.calibration.records.PART", LOOPS)
+    monkeypatch.setattr("stickslip.calibration.records.processes", here)
     return tmp_path
 
 

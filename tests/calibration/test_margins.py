@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from calibration.drawing import _pick
-from calibration.margins import _unwrapped
+from stickslip.calibration.drawing import _pick
+from stickslip.calibration.margins import _unwrapped
 
 
 @pytest.mark.parametrize("seed", range(20))

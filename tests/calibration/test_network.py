@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
-
-from calibration.__main__ import calibration
-from calibration.network import MISSING, fit
-from calibration.scoring import auc
-from calibration.signals import Examples, examples
-from detect.judge.features.channels import MOST
-from detect.judge.features.network import CHANNELS, LEAST, shipped_network
+from stickslip.calibration.__main__ import calibration
+from stickslip.calibration.network import MISSING, fit
+from stickslip.calibration.scoring import auc
+from stickslip.calibration.signals import Examples, examples
+from stickslip.detect.judge.features.channels import MOST
+from stickslip.detect.judge.features.network import CHANNELS, LEAST, shipped_network
 
 RNG = np.random.default_rng(5)
 
@@ -32,9 +31,11 @@ def made(n: int) -> Examples:
 def test_it_finds_what_is_there_and_runs_the_same_without_torch(monkeypatch):
     torch = pytest.importorskip("torch", reason="PyTorch (extra training) is not installed")
     models = []
-    monkeypatch.setattr("calibration.network.RISE", 500)
+    monkeypatch.setattr("stickslip.calibration.network.RISE", 500)
     own = fit.__globals__["untrained"]
-    monkeypatch.setattr("calibration.network.untrained", lambda kinds: models.append(own(kinds)) or models[-1])
+    monkeypatch.setattr(
+        "stickslip.calibration.network.untrained", lambda kinds: models.append(own(kinds)) or models[-1]
+    )
     said = []
     net = fit(made(1600), said.append, passes=4)
     assert len(said) == 4 and float(said[-1].split()[-1]) < float(said[0].split()[-1])
@@ -51,7 +52,7 @@ def test_it_finds_what_is_there_and_runs_the_same_without_torch(monkeypatch):
 
 
 def test_signals_are_kept_and_equal_when_made_again(monkeypatch, tmp_path):
-    monkeypatch.setattr("calibration.signals.PART", 28)
+    monkeypatch.setattr("stickslip.calibration.signals.PART", 28)
     both = examples(tmp_path, 79, 2, kinds="moved")
     parts = sorted((tmp_path / "parts").iterdir())
     assert len(parts) == 2 and 50 <= len(both) <= 56 and both.x.shape == (len(both), CHANNELS, MOST)
@@ -66,7 +67,7 @@ def test_signals_are_kept_and_equal_when_made_again(monkeypatch, tmp_path):
 
 
 def test_without_torch_the_command_says_what_to_do(monkeypatch, tmp_path):
-    monkeypatch.setattr("calibration.commands.find_spec", lambda name: None)
+    monkeypatch.setattr("stickslip.calibration.commands.find_spec", lambda name: None)
     done = CliRunner().invoke(calibration, ["train", "--folder", str(tmp_path / "parts")])
     assert done.exit_code == 2 and MISSING in " ".join(done.output.split())
     assert not (tmp_path / "parts").exists()  # before anything is simulated
@@ -74,7 +75,7 @@ def test_without_torch_the_command_says_what_to_do(monkeypatch, tmp_path):
 
 def test_a_network_that_goes_on_is_at_first_the_one_it_began_with():
     torch = pytest.importorskip("torch", reason="PyTorch (extra training) is not installed")
-    from calibration.network import go_on, taken, untrained
+    from stickslip.calibration.network import go_on, taken, untrained
 
     begun = shipped_network()
     model = untrained(len(begun.kinds))

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.stats import rankdata
-
-from calibration import LoopSpec, draw, simulate
-from calibration.__main__ import calibration
-from calibration.chunks import read, write
-from calibration.defects import DEFECTS, names
-from calibration.drawing import OTHERS, one
+from stickslip.calibration import LoopSpec, draw, simulate
+from stickslip.calibration.__main__ import calibration
+from stickslip.calibration.chunks import read, write
+from stickslip.calibration.defects import DEFECTS, names
+from stickslip.calibration.drawing import OTHERS, one
 
 
 def test_equal_specs_give_equal_records_whatever_runs_beside_them() -> None:
@@ -141,7 +140,7 @@ def test_each_defect_is_really_there() -> None:
 
 
 def test_a_set_is_kept_in_chunks_and_taken_up_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("calibration.chunks.CHUNK", 4)
+    monkeypatch.setattr("stickslip.calibration.chunks.CHUNK", 4)
     assert write(tmp_path, 10, seed=6, progress=False) == 10
     whole = {file.name: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
     (tmp_path / "parts" / "000000004.parquet").unlink()

@@ -5,14 +5,13 @@ from functools import partial
 
 import numpy as np
 import pytest
-
-from calibration import LoopSpec
-from calibration.drawing import one
-from calibration.excitation import Excitation
-from calibration.loops import parameters
-from calibration.sampled import CONTROLLERS, LEAVES, VALVES, run
-from calibration.simulation import QUIET, by_engine, driver, in_scans
-from diagram import drive
+from stickslip.calibration import LoopSpec
+from stickslip.calibration.drawing import one
+from stickslip.calibration.excitation import Excitation
+from stickslip.calibration.loops import parameters
+from stickslip.calibration.sampled import CONTROLLERS, LEAVES, VALVES, run
+from stickslip.calibration.simulation import QUIET, by_engine, driver, in_scans
+from stickslip.diagram import drive
 
 SCANS = 400
 PROCESSES = ("one_lag", "two_lags", "integrating")

@@ -1,10 +1,9 @@
 """What a logged stem says of simulated valves: sticky ones are found, also those that creep, and sound ones are not."""
 
 import pytest
-
-from calibration import draw, simulate
-from detect.judge.answer import answer
-from detect.prepare.prepared import Prepared
+from stickslip.calibration import draw, simulate
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.prepare.prepared import Prepared
 
 LOOPS = 80
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from calibration import CAUSES
-from calibration.records import Table
-from calibration.scoring import auc, calibration_error, score
-from detect.judge.actions import CAUSES as SPOKEN
+from stickslip.calibration import CAUSES
+from stickslip.calibration.records import Table
+from stickslip.calibration.scoring import auc, calibration_error, score
+from stickslip.detect.judge.actions import CAUSES as SPOKEN
 
 FEATURES = ("d", "network_sticky", "travel_gain", "travel_bent", "travel_between", "travel_turned",
             "travel_rows", "a", "b", "c", "tell", "network_S", "network_J", "other")  # fmt: skip
@@ -34,7 +33,7 @@ def made(n, seed):
 @pytest.fixture(scope="module")
 def model():
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
-    from calibration.training import fit
+    from stickslip.calibration.training import fit
 
     return fit(made(1200, 0), made(800, 1), say=lambda text: None, trees=120)
 
@@ -64,7 +63,7 @@ def test_it_is_kept_and_read_the_same(model, tmp_path):
 
 def test_tables_of_other_features_are_refused():
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
-    from calibration.training import fit
+    from stickslip.calibration.training import fit
 
     one, two = made(20, 0), made(20, 1)
     with pytest.raises(ValueError, match="different features"):

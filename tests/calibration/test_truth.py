@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from calibration import draw, simulate
-from calibration.drawing import one
-from calibration.spec import LoopSpec, Truth
-from logs import LoopRecord
+from stickslip.calibration import draw, simulate
+from stickslip.calibration.drawing import one
+from stickslip.calibration.spec import LoopSpec, Truth
+from stickslip.logs import LoopRecord
 
 CLEAN = {"noise": 0.0, "walk": 0.0, "sp_move": 0.0, "door": 0.0, "stale": 0.0, "step_pv": 0.0, "step_op": 0.0}
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from calibration import draw
-from calibration.drawing import SECONDS, SWELLS
-from calibration.excitation import SHAPES
+from stickslip.calibration import draw
+from stickslip.calibration.drawing import SECONDS, SWELLS
+from stickslip.calibration.excitation import SHAPES
 
 
 @pytest.fixture(scope="module")

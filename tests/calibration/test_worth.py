@@ -1,11 +1,10 @@
 """What the shipped model is worth, on a small set of fresh loops: no figure of docs/verdict.md can rot unseen."""
 
 import numpy as np
-
-from calibration import draw, simulate
-from calibration.records import Table, kept_table, table
-from calibration.scoring import auc, score
-from detect.judge.model import FILE, calibrated
+from stickslip.calibration import draw, simulate
+from stickslip.calibration.records import Table, kept_table, table
+from stickslip.calibration.scoring import auc, score
+from stickslip.detect.judge.model import FILE, calibrated
 
 LOOPS = 240  # half sticky; the standard error of AUC is 0.017, that of the share found 0.04
 
@@ -27,12 +26,12 @@ def test_the_model_file_is_small() -> None:
 
 
 def test_features_are_kept_part_by_part(tmp_path, monkeypatch, here) -> None:
-    monkeypatch.setattr("calibration.records.PART", 4)  # read when a part is made, in this process
+    monkeypatch.setattr("stickslip.calibration.records.PART", 4)  # read when a part is made, in this process
     monkeypatch.setattr(
-        "calibration.records.made_part",
+        "stickslip.calibration.records.made_part",
         lambda folder, setting, seed, kinds: table(simulate(draw(4, seed, setting, kinds=kinds))),
     )
-    monkeypatch.setattr("calibration.records.processes", here)
+    monkeypatch.setattr("stickslip.calibration.records.processes", here)
     two = kept_table(tmp_path, "training", 5, 2)
     parts = sorted((tmp_path / "training_5" / "parts").iterdir())
     assert len(two) == 8 and [part.stem for part in parts] == ["000000000", "000000004"]

@@ -1,8 +1,7 @@
 """The loops of a case: one by its name, several by their controllers."""
 
 import pytest
-
-from cases import find
+from stickslip.cases import find
 
 
 def test_one_loop_has_the_name_of_its_case():

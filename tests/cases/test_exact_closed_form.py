@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from cases.exact import (
+from stickslip.cases.exact import (
     IDEAL_HALF_GAIN,
     IDEAL_HIGH,
     IDEAL_NORMAL,

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
-
-from cases.exact import (
+from stickslip.cases.exact import (
     IDEAL_HALF_GAIN,
     IDEAL_HIGH,
     INTEGRATOR_HIGH,

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from stickslip.cases.exact import IDEAL_HIGH, IDEAL_NORMAL, INTEGRATOR_HIGH, ExactLoop, exact_run
 
 from benchmarks.peers import c_loop
-from cases.exact import IDEAL_HIGH, IDEAL_NORMAL, INTEGRATOR_HIGH, ExactLoop, exact_run
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,7 @@ from decimal import Decimal, getcontext
 
 import numpy as np
 import pytest
-
-from cases.exact import IDEAL_HIGH, IDEAL_NORMAL, INTEGRATOR_HIGH, ExactLoop, exact_run, symmetric_start
+from stickslip.cases.exact import IDEAL_HIGH, IDEAL_NORMAL, INTEGRATOR_HIGH, ExactLoop, exact_run, symmetric_start
 
 TERMS = 26
 ZERO = Decimal(0)

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from cases import CaseError, find, names
-from cases.exact import (
+from stickslip.cases import CaseError, find, names
+from stickslip.cases.exact import (
     IDEAL_HALF_GAIN,
     IDEAL_HIGH,
     IDEAL_NORMAL,
@@ -14,7 +13,7 @@ from cases.exact import (
     exact_run,
     symmetric_start,
 )
-from cases.ideal import CASES_BY_NAME, GAIN_READING
+from stickslip.cases.ideal import CASES_BY_NAME, GAIN_READING
 
 STICKY = ("ideal_high", "ideal_normal", "ideal_half_gain")
 

@@ -6,11 +6,10 @@ Which valves stick is known from how the cases are built: those loops must be fo
 import re
 
 import pytest
-
-from cases import find, names
-from detect import compare, diagnose
-from detect.prepare.prepared import Prepared
-from diagram import simulate
+from stickslip.cases import find, names
+from stickslip.detect import compare, diagnose
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.diagram import simulate
 
 CASES = [name for name in names() if name not in ("sine", "cascaded_tanks")]  # these have no controller
 STICKY = {  # by construction: the loops whose own valve sticks and makes them cycle

@@ -5,12 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from blocks import Staircase
-from blocks.role import Role
-from cases import find
-from cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, site_flow
-from diagram import simulate, wire
+from stickslip.blocks import Staircase
+from stickslip.blocks.role import Role
+from stickslip.cases import find
+from stickslip.cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, site_flow
+from stickslip.diagram import simulate, wire
 
 DATA = Path(os.environ.get("STICKSLIP_DATA", "../shared/data")) / "cascaded_tanks" / "estimation.csv"
 SP = Staircase("SP", [1.5, 1.8, 1.2], at=[0.0, 10.0, 200.0])

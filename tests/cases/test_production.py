@@ -5,16 +5,15 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-
-from blocks import CubicMap
-from cases import find, names
-from cases.choice import gain_from, scan
-from cases.kicks import SIGNALS, SIZE, Studies, case_1_numbers, rest_amplitudes, study_of
-from diagram import simulate
-from engine.status import Status
-from plant import SET_B, SET_C, SET_E, kicked, production_plant
-from study import production_subject
-from study.subject import start_kicks
+from stickslip.blocks import CubicMap
+from stickslip.cases import find, names
+from stickslip.cases.choice import gain_from, scan
+from stickslip.cases.kicks import SIGNALS, SIZE, Studies, case_1_numbers, rest_amplitudes, study_of
+from stickslip.diagram import simulate
+from stickslip.engine.status import Status
+from stickslip.plant import SET_B, SET_C, SET_E, kicked, production_plant
+from stickslip.study import production_subject
+from stickslip.study.subject import start_kicks
 
 J = {"normal": 500.0 / 52500.0, "high": 1000.0 / 52500.0}  # analytic: (F_s - F_c)/k
 S = {"normal": 3000.0 / 52500.0, "high": 3500.0 / 52500.0}  # analytic: (F_s + F_c)/k
@@ -152,9 +151,9 @@ def test_scan_covers_both_ways_and_skips_what_cannot_rest():
 
 
 def test_numbers_of_a_case(monkeypatch):
-    import cases.production
+    import stickslip.cases.production
 
-    monkeypatch.setattr(cases.production, "KICKS_OF_A_CASE", 2)
+    monkeypatch.setattr(stickslip.cases.production, "KICKS_OF_A_CASE", 2)
     found = {n.quantity: n for n in find("plant_1_none").numbers()}
     assert found["pressure amplitude, none"].published == 0.0
     assert found["pressure amplitude, none"].reproduced == pytest.approx(0.0, abs=1e-6)
@@ -162,7 +161,7 @@ def test_numbers_of_a_case(monkeypatch):
 
 
 def test_an_interrupted_study_is_no_study(monkeypatch):
-    module = import_module("study.run")
+    module = import_module("stickslip.study.run")
     whole = module.ensemble
 
     def stopped(*arguments, **options):

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from cases import curves, ideas, valve_pictures
-from cases.kicks import Study, case_1_numbers
-from cases.tables import Row, between, relative, table_5_4, table_6_1, table_6_2, table_case_2, table_ideal
-from logs.oscillation import Band, band, oscillation, without_trend
+from stickslip.cases import curves, ideas, valve_pictures
+from stickslip.cases.kicks import Study, case_1_numbers
+from stickslip.cases.tables import Row, between, relative, table_5_4, table_6_1, table_6_2, table_case_2, table_ideal
+from stickslip.logs.oscillation import Band, band, oscillation, without_trend
 
 T = np.arange(0.0, 1000.05, 0.1)
 

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from cases import starts
-from cases.kicks import FRESH, SEED, SIZE, Study
-from cases.production import KICK, TWO_JUMPS, own_numbers
-from cases.starts import Pooled, fresh, judged, plant_rows, telling
-from plant import SET_E
-from study.subject import start_kicks
+from stickslip.cases import starts
+from stickslip.cases.kicks import FRESH, SEED, SIZE, Study
+from stickslip.cases.production import KICK, TWO_JUMPS, own_numbers
+from stickslip.cases.starts import Pooled, fresh, judged, plant_rows, telling
+from stickslip.plant import SET_E
+from stickslip.study.subject import start_kicks
 
 
 class Made:
@@ -58,7 +57,7 @@ def test_rows_that_tell_parameters_apart():
 
 
 def test_fresh_starts_differ():
-    from plant import production_plant
+    from stickslip.plant import production_plant
 
     plant = production_plant()
     oil = [tuple(start_kicks(plant["S1"].x0, 3, seed, SIZE)[:, 0]) for seed in FRESH]

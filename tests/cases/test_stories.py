@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from cases.stories import EXPORTS, STORIES, main
-from detect import diagnose
-from logs import read_loop
+from stickslip.cases.stories import EXPORTS, STORIES, main
+from stickslip.detect import diagnose
+from stickslip.logs import read_loop
 
 SMOOTH = ("TIC-204", "PIC-305")  # no valve that sticks: not chaotic, so every digit is kept by any good solver
 STEADY_LINES = 120  # of a sticky loop, before the last digits of a solver can have grown

@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from blocks import Step, TabulatedMap
-from cases import find, names
-from cases.topologies import cascade_flow, own_map, split_range
-from cases.topologies.map_plane import map_plane
-from detect import diagnose
-from diagram import simulate
-from plant import SET_B, production_plant, steady_state
+from stickslip.blocks import Step, TabulatedMap
+from stickslip.cases import find, names
+from stickslip.cases.topologies import cascade_flow, own_map, split_range
+from stickslip.cases.topologies.map_plane import map_plane
+from stickslip.detect import diagnose
+from stickslip.diagram import simulate
+from stickslip.plant import SET_B, production_plant, steady_state
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "topologies.md").read_text()

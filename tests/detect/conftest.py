@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-from logs import LoopRecord
+from stickslip.logs import LoopRecord
 
 
 def _wave(kind, t, period=50.0, phase=0.0, tau=8.0):
@@ -152,8 +151,8 @@ def _noise(kind, n, seed):
 
 def _simulated(valve, process="self_regulating", S=6.0, J=4.0, moves=(), noise=0.05, theta=0.0, n=1500, seed=0):
     """The same loop from the blocks and the engine; `valve` is "kano", "choudhury" or "he", S, J and noise in %."""
-    from blocks import ChoudhuryValve, FirstOrder, HeValve, Integrator, KanoValve, SampledPI, Staircase
-    from diagram import simulate, wire
+    from stickslip.blocks import ChoudhuryValve, FirstOrder, HeValve, Integrator, KanoValve, SampledPI, Staircase
+    from stickslip.diagram import simulate, wire
 
     bands = {"S": S / 100, "J": J / 100}
     if valve == "he":

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-
-from detect.methods import algorithm1
+from stickslip.detect.methods import algorithm1
 
 
 def test_thesis_sine():

@@ -7,12 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
-
-from detect import stream
-from detect.methods import area_ratio
-from detect.methods.area_ratio import Params, closed_form, detect
-from detect.prepare.lateness import Lateness, Side
-from logs import LoopRecord
+from stickslip.detect import stream
+from stickslip.detect.methods import area_ratio
+from stickslip.detect.methods.area_ratio import Params, closed_form, detect
+from stickslip.detect.prepare.lateness import Lateness, Side
+from stickslip.logs import LoopRecord
 
 
 def test_closed_form_meets_the_integral():

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-
-from detect.methods import bicoherence as method
-from detect.methods.bicoherence import CHI2, bicoherence, clusters, detect, ellipse
-from logs import LoopRecord
+from stickslip.detect.methods import bicoherence as method
+from stickslip.detect.methods.bicoherence import CHI2, bicoherence, clusters, detect, ellipse
+from stickslip.logs import LoopRecord
 
 
 def test_gaussian_noise_is_below_its_limit():

@@ -5,17 +5,16 @@ from types import SimpleNamespace
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip, Sum
-from cases import find
-from detect.blocks import DetectorBlock
-from detect.methods import area_ratio, harmonics, play_fit, stem_play
-from detect.oscillation import acf_crossings as oscillation
-from detect.oscillation import hagglund1995
-from detect.stream import LoopFacts, Sample
-from detect.words import WORDS
-from diagram import WiringError, simulate, wire
-from logs import LoopRecord
+from stickslip.blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip, Sum
+from stickslip.cases import find
+from stickslip.detect.blocks import DetectorBlock
+from stickslip.detect.methods import area_ratio, harmonics, play_fit, stem_play
+from stickslip.detect.oscillation import acf_crossings as oscillation
+from stickslip.detect.oscillation import hagglund1995
+from stickslip.detect.stream import LoopFacts, Sample
+from stickslip.detect.words import WORDS
+from stickslip.diagram import WiringError, simulate, wire
+from stickslip.logs import LoopRecord
 
 EVERY = 40
 

@@ -3,11 +3,10 @@
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip
-from detect.blocks import PrefilterBlock
-from detect.prepare import prefilter
-from diagram import simulate, wire
+from stickslip.blocks import PI, BlockError, FirstOrder, SampledSensor, Step, StickSlip
+from stickslip.detect.blocks import PrefilterBlock
+from stickslip.detect.prepare import prefilter
+from stickslip.diagram import simulate, wire
 
 WINDOW, SD = 128, 0.002
 

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 from scipy.stats import binom
-
-from detect import METHODS
-from detect.cards import (
+from stickslip.detect import METHODS
+from stickslip.detect.cards import (
     OUTLINE_COLUMNS,
     PUBLISHED_COLUMNS,
     RATE_COLUMNS,
@@ -16,8 +15,8 @@ from detect.cards import (
     published_rows,
     rate_rows,
 )  # fmt: skip
-from detect.published import PUBLISHED, THESIS, wilson
-from detect.rates import COMBINED, FILE, STICKY, described, of_counts, rates
+from stickslip.detect.published import PUBLISHED, THESIS, wilson
+from stickslip.detect.rates import COMBINED, FILE, STICKY, described, of_counts, rates
 
 THESIS_TEXT = Path(__file__).parents[3] / "shared" / "thesis" / "kvam_2009_stiction.txt"
 WORDS = ["stiction", "no_stiction", "inconclusive", "not_applicable"]

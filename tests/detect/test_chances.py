@@ -5,11 +5,10 @@ from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
-
-from cases.stories import EXPORTS
-from detect import diagnose
-from detect.chances import chance
-from logs import read_loop
+from stickslip.cases.stories import EXPORTS
+from stickslip.detect import diagnose
+from stickslip.detect.chances import chance
+from stickslip.logs import read_loop
 
 
 @given(st.floats(0.0, 1.0))

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from detect.methods.change_no_change import detect, stuck
-from logs import LoopRecord
+from stickslip.detect.methods.change_no_change import detect, stuck
+from stickslip.logs import LoopRecord
 
 
 def parallelogram(n=4000, period=200, hold=0.6, S=5.0):

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from detect.methods import cross_correlation, curve_fit, hammerstein, relay_fit
-from detect.prepare.clock import CYCLES, LIMIT, Clock, clock_of
-from detect.prepare.conditions import drawn_op
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
+from stickslip.detect.methods import cross_correlation, curve_fit, hammerstein, relay_fit
+from stickslip.detect.prepare.clock import CYCLES, LIMIT, Clock, clock_of
+from stickslip.detect.prepare.conditions import drawn_op
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
 
 from .conftest import _outside_square, _sticky
 

@@ -7,12 +7,11 @@ import types
 
 import numpy as np
 import pytest
-
-from detect import METHODS, Comparison, Verdict, compare, diagnose
-from detect.cards import CARD_COLUMNS, card_rows
-from detect.comparison import COLUMNS, harmless
-from detect.methods import area_ratio, cross_correlation
-from logs import Log, LogError, LoopRecord, ReadError
+from stickslip.detect import METHODS, Comparison, Verdict, compare, diagnose
+from stickslip.detect.cards import CARD_COLUMNS, card_rows
+from stickslip.detect.comparison import COLUMNS, harmless
+from stickslip.detect.methods import area_ratio, cross_correlation
+from stickslip.logs import Log, LogError, LoopRecord, ReadError
 
 
 @pytest.fixture

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
-
-from detect.prepare import conditions
-from logs import LoopRecord
+from stickslip.detect.prepare import conditions
+from stickslip.logs import LoopRecord
 
 
 def record(pv, op=None, **more):

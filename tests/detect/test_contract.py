@@ -6,12 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-import detect.methods
-import detect.oscillation
-from detect import GATES, METHODS, stream
-from detect.window_twin import WINDOW, twin_of
-from logs import LoopRecord
+import stickslip.detect.methods
+import stickslip.detect.oscillation
+from stickslip.detect import GATES, METHODS, stream
+from stickslip.detect.window_twin import WINDOW, twin_of
+from stickslip.logs import LoopRecord
 
 # The loop in which a method can see a sticky valve at all, where its card asks for a special one.
 SEEN_IN = {
@@ -33,7 +32,7 @@ by_name = pytest.mark.parametrize("method", METHODS, ids=lambda m: m.CARD.name)
 
 
 def test_every_card_is_listed():
-    rooms = (detect.methods, detect.oscillation)
+    rooms = (stickslip.detect.methods, stickslip.detect.oscillation)
     pages = [
         importlib.import_module(f"{room.__name__}.{m.name}")
         for room in rooms
@@ -48,7 +47,7 @@ def test_every_card_is_listed():
 @pytest.mark.parametrize("page", [*METHODS, *GATES], ids=lambda m: m.CARD.name)
 def test_card_is_complete(page):
     card = page.CARD
-    assert page.__name__ in (f"detect.methods.{card.name}", f"detect.oscillation.{card.name}")
+    assert page.__name__ in (f"stickslip.detect.methods.{card.name}", f"stickslip.detect.oscillation.{card.name}")
     assert card.title and card.source and card.finds and card.assumes and card.pros and card.cons
     assert set(card.signals) <= {"SP", "PV", "OP", "MV"}
     assert card.index[0] < card.index[1]

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-
-from detect.methods import cross_correlation
-from detect.methods.cross_correlation import detect, symmetry
-from logs import LoopRecord
+from stickslip.detect.methods import cross_correlation
+from stickslip.detect.methods.cross_correlation import detect, symmetry
+from stickslip.logs import LoopRecord
 
 
 def sines(phi, n=4000, period=50.0, noise=0.0, process="self_regulating"):

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from detect.methods import curve_fit
-from detect.methods.curve_fit import Params, detect, errors
-from detect.prepare.half_wave_fits import gather
-from detect.prepare.prepared import HalfWave
-from logs import LoopRecord
+from stickslip.detect.methods import curve_fit
+from stickslip.detect.methods.curve_fit import Params, detect, errors
+from stickslip.detect.prepare.half_wave_fits import gather
+from stickslip.detect.prepare.prepared import HalfWave
+from stickslip.logs import LoopRecord
 
 from .conftest import own_turns
 

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-
-from detect.prepare import cycles
+from stickslip.detect.prepare import cycles
 
 
 def usable(found):
@@ -24,7 +23,7 @@ def test_gap_cuts_no_half_cycle_in_two(wave, loop):
 
 
 def test_set_point_step_is_cut_out(wave, loop):
-    from logs import LoopRecord
+    from stickslip.logs import LoopRecord
 
     t = np.arange(2000.0)
     sp = np.where(t < 1000, 30.0, 35.0)
@@ -43,7 +42,7 @@ def test_drift_is_taken_off(wave, loop):
 
 
 def test_offset_without_set_point_is_centred(wave):
-    from logs import LoopRecord
+    from stickslip.logs import LoopRecord
 
     t = np.arange(1000.0)
     found = cycles.cut(LoopRecord.from_arrays(t, pv=wave("sine", t, phase=0.3) + 400, op=50 + np.sin(t)))

@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-
-from detect import METHODS, diagnose
-from detect.prepare.causality import causality, lag_of_pv
-from detect.prepare.conditions import examine, set_point
-from detect.prepare.in_charge import asleep, copied, untracked
-from detect.prepare.prepared import prepared
-from detect.prepare.response import frozen, unresponsive
-from detect.prepare.stale import held, stale, without_stale
-from logs import LoopRecord
+from stickslip.detect import METHODS, diagnose
+from stickslip.detect.prepare.causality import causality, lag_of_pv
+from stickslip.detect.prepare.conditions import examine, set_point
+from stickslip.detect.prepare.in_charge import asleep, copied, untracked
+from stickslip.detect.prepare.prepared import prepared
+from stickslip.detect.prepare.response import frozen, unresponsive
+from stickslip.detect.prepare.stale import held, stale, without_stale
+from stickslip.logs import LoopRecord
 
 NEW = {"stale_data", "frozen_pv", "pv_unresponsive", "not_in_charge"}
 

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
-
-from detect.methods.derivative_histogram import EDGES, Params, bell_or_humps, detect, noise_share
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
+from stickslip.detect.methods.derivative_histogram import EDGES, Params, bell_or_humps, detect, noise_share
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
 
 
 def test_the_humps_are_the_density_of_a_sine():

@@ -5,10 +5,9 @@ import types
 
 import numpy as np
 import pytest
-
-from detect import Card, Method, Verdict, WeightedVote, diagnose
-from detect.methods import area_ratio
-from logs import LoopRecord
+from stickslip.detect import Card, Method, Verdict, WeightedVote, diagnose
+from stickslip.detect.methods import area_ratio
+from stickslip.logs import LoopRecord
 
 
 def saying(word, name="area_ratio", code=None):
@@ -146,7 +145,7 @@ def test_a_method_from_outside_is_used_and_plotted(record):
 
 def test_a_module_from_outside_is_used_and_plotted(record, tmp_path, monkeypatch):
     (tmp_path / "house_method.py").write_text(
-        "from detect import Card, Verdict\n"
+        "from stickslip.detect import Card, Verdict\n"
         "CARD = Card('house_method', 'House', 'us', ('PV',), (), 'x', (0, 9), ('self_regulating',), 'no')\n"
         "def detect(record):\n"
         "    return Verdict('house_method', 'inconclusive', 1.0, 2.0, 'Unsure.', evidence={'R': 1.0}, draw=draw)\n"

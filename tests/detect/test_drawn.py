@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from cases import find
-from detect.prepare.clock import clock_of
-from detect.prepare.conditions import compressed, drawn_op
-from detect.prepare.drawn import controlled_as_logged, drawn, free_of_noise
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
-from logs.dirt import swinging_door
+from stickslip.cases import find
+from stickslip.detect.prepare.clock import clock_of
+from stickslip.detect.prepare.conditions import compressed, drawn_op
+from stickslip.detect.prepare.drawn import controlled_as_logged, drawn, free_of_noise
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
+from stickslip.logs.dirt import swinging_door
 
 CASES = ("ideal_high", "ideal_half_gain", "ideal_integrating")
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from detect.methods.dtw_shapes import Params, detect, distances, named, templates
-from logs import LoopRecord
+from stickslip.detect.methods.dtw_shapes import Params, detect, distances, named, templates
+from stickslip.logs import LoopRecord
 
 
 def plain(x, y, band):

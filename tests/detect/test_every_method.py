@@ -4,9 +4,8 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
-
-from detect import GATES, METHODS
-from logs import LoopRecord
+from stickslip.detect import GATES, METHODS
+from stickslip.logs import LoopRecord
 
 from .conftest import _outside_square, _sticky
 from .test_contract import SEEN_IN

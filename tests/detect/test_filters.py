@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from scipy import signal
-
-from detect.prepare.filters import first_order, smoothed, summits
+from stickslip.detect.prepare.filters import first_order, smoothed, summits
 
 NOISE = np.random.default_rng(7)
 

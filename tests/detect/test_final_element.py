@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from cases import find
-from detect import diagnose
-from detect.methods import curve_fit
-from detect.prepare.conditions import examine
-from detect.prepare.final_element import no_valve
-from diagram import simulate
-from logs import Log, LoopSignals, read_loop, read_loops
+from stickslip.cases import find
+from stickslip.detect import diagnose
+from stickslip.detect.methods import curve_fit
+from stickslip.detect.prepare.conditions import examine
+from stickslip.detect.prepare.final_element import no_valve
+from stickslip.diagram import simulate
+from stickslip.logs import Log, LoopSignals, read_loop, read_loops
 
 T = np.arange(400.0)
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from detect import METHODS, compare, diagnose
-from logs import LoopRecord, ReadError, read_loop
+from stickslip.detect import METHODS, compare, diagnose
+from stickslip.logs import LoopRecord, ReadError, read_loop
 
 N = 900
 
@@ -44,7 +43,7 @@ def test_diagnose_takes_a_frame(frame, record):
 
 
 def test_compare_takes_frames_of_one_loop_and_of_several(frame, columns):
-    from detect.methods import area_ratio
+    from stickslip.detect.methods import area_ratio
 
     assert [judged.loop for judged in compare(frame, [area_ratio]).loops] == ["FIC1"]
     both = {**columns, "LIC2.PV": columns["FIC1.PV"], "LIC2.OP": columns["FIC1.OP"]}

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from detect.methods.area_ratio import closed_form, detect
-from detect.oscillation import acf_crossings as oscillation
-from detect.prepare import cycles
-from detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split
-from detect.prepare.prepared import Prepared
+from stickslip.detect.methods.area_ratio import closed_form, detect
+from stickslip.detect.oscillation import acf_crossings as oscillation
+from stickslip.detect.prepare import cycles
+from stickslip.detect.prepare.gaps import Gap, bridgeable, describe, gaps_in, split
+from stickslip.detect.prepare.prepared import Prepared
 
 T = np.arange(3000.0)
 HOLES = np.arange(75, 3000, 150)
@@ -112,7 +111,7 @@ def test_a_refusal_names_them_too(loop):
 
 
 def test_moves_of_the_set_point_are_told_from_gaps(wave):
-    from logs import LoopRecord
+    from stickslip.logs import LoopRecord
 
     e, sp = wave("sine", T), np.where(T < 1500, 30.0, 35.0)
     found = cycles.cut(LoopRecord.from_arrays(T, pv=sp - e, op=50 + 0.1 * np.cumsum(e), sp=sp))

@@ -4,17 +4,16 @@ import math
 
 import numpy as np
 import pytest
-
-from detect import GATES
-from detect.oscillation import (
+from stickslip.detect import GATES
+from stickslip.detect.oscillation import (
     forsman_stattin,
     miao_seborg,
     salsbury_singhal,
     several_periods,
     thornhill1997,
 )
-from detect.oscillation.even import acf, even, regularity
-from logs import LoopRecord
+from stickslip.detect.oscillation.even import acf, even, regularity
+from stickslip.logs import LoopRecord
 
 OTHERS = (forsman_stattin, miao_seborg, salsbury_singhal, several_periods, thornhill1997)
 by_name = pytest.mark.parametrize("gate", OTHERS, ids=lambda g: g.CARD.name)

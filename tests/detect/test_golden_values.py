@@ -9,15 +9,14 @@ import itertools
 
 import numpy as np
 import pytest
-
-from detect.methods import curve_fit, relay_fit
-from detect.methods.hagglund2011 import measure_all
-from detect.prepare.cycles import Params
-from detect.prepare.half_cycles import crossings, in_pieces
-from detect.prepare.half_wave_fits import gather
-from detect.prepare.lateness import lateness
-from detect.prepare.prepared import HalfWave, Prepared
-from logs import LoopRecord
+from stickslip.detect.methods import curve_fit, relay_fit
+from stickslip.detect.methods.hagglund2011 import measure_all
+from stickslip.detect.prepare.cycles import Params
+from stickslip.detect.prepare.half_cycles import crossings, in_pieces
+from stickslip.detect.prepare.half_wave_fits import gather
+from stickslip.detect.prepare.lateness import lateness
+from stickslip.detect.prepare.prepared import HalfWave, Prepared
+from stickslip.logs import LoopRecord
 
 PERIOD, N = 50.0, 4096
 

@@ -4,11 +4,10 @@ import pickle
 
 import numpy as np
 import pytest
-
-from detect import stream
-from detect.methods import hagglund2011
-from detect.methods.hagglund2011 import Params, detect, measure
-from logs import LoopRecord
+from stickslip.detect import stream
+from stickslip.detect.methods import hagglund2011
+from stickslip.detect.methods.hagglund2011 import Params, detect, measure
+from stickslip.logs import LoopRecord
 
 
 def continuum(shape, m=4000):

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from detect.prepare.half_cycles import crossings, measure
+from stickslip.detect.prepare.half_cycles import crossings, measure
 
 
 def ratio(t, x, noise=0.0):

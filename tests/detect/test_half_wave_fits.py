@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from detect.prepare.half_wave_fits import free_triangle, gather, relay, relay_wave, sine, triangle
-from detect.prepare.prepared import HalfWave
+from stickslip.detect.prepare.half_wave_fits import free_triangle, gather, relay, relay_wave, sine, triangle
+from stickslip.detect.prepare.prepared import HalfWave
 
 
 def half(y, m=2000):

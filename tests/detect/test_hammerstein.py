@@ -4,12 +4,11 @@ from typing import get_args
 
 import numpy as np
 import pytest
-
-from detect.methods import hammerstein
-from detect.methods.hammerstein import Params, detect, search
-from detect.prepare.linear_models import Linear
-from detect.prepare.valve_models import kano
-from logs import LoopRecord
+from stickslip.detect.methods import hammerstein
+from stickslip.detect.methods.hammerstein import Params, detect, search
+from stickslip.detect.prepare.linear_models import Linear
+from stickslip.detect.prepare.valve_models import kano
+from stickslip.logs import LoopRecord
 
 LAG = 1 - np.exp(-1 / 8)
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from detect.methods.harmonics import amplitudes, detect, harmonics_of
-from logs import LoopRecord
+from stickslip.detect.methods.harmonics import amplitudes, detect, harmonics_of
+from stickslip.logs import LoopRecord
 
 
 def shape(kind, u):

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-from detect import diagnose
-from detect.prepare.harris import harris
+from stickslip.detect import diagnose
+from stickslip.detect.prepare.harris import harris
 
 
 def noise(n=20_000, seed=0):

@@ -4,11 +4,10 @@ import itertools
 
 import numpy as np
 import pytest
-
-from detect.prepare.interval_halving import primitives
-from detect.prepare.prepared import Prepared
-from detect.prepare.whole_cycles import whole_cycles
-from logs import LoopRecord
+from stickslip.detect.prepare.interval_halving import primitives
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.whole_cycles import whole_cycles
+from stickslip.logs import LoopRecord
 
 x = np.linspace(0.0, 1.0, 64, endpoint=False)
 

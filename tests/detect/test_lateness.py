@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from detect.prepare.half_cycles import HalfCycle
-from detect.prepare.lateness import closed_form, lag_of, lateness
+from stickslip.detect.prepare.half_cycles import HalfCycle
+from stickslip.detect.prepare.lateness import closed_form, lag_of, lateness
 
 
 def half(peak, before, after):

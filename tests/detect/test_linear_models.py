@@ -5,8 +5,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-
-from detect.prepare.linear_models import Linear, bank, fit, near_by
+from stickslip.detect.prepare.linear_models import Linear, bank, fit, near_by
 
 
 def excited(n=1000, seed=0):

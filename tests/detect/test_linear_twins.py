@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-from detect.prepare.linear_twins import linear_twins
-from detect.prepare.stick import stick
+from stickslip.detect.prepare.linear_twins import linear_twins
+from stickslip.detect.prepare.stick import stick
 
 
 def pair(n=3000, seed=0):

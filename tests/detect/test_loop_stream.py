@@ -4,13 +4,12 @@ import pickle
 
 import numpy as np
 import pytest
-
-from detect import METHODS
-from detect.loop_stream import LoopStream
-from detect.methods import area_ratio, cross_correlation, hagglund2011, hammerstein, harmonics
-from detect.pool import Pool, joined
-from detect.prepare.prepared import Prepared
-from detect.stream import LoopFacts, Sample, replay
+from stickslip.detect import METHODS
+from stickslip.detect.loop_stream import LoopStream
+from stickslip.detect.methods import area_ratio, cross_correlation, hagglund2011, hammerstein, harmonics
+from stickslip.detect.pool import Pool, joined
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.stream import LoopFacts, Sample, replay
 
 
 def fed(record, **more):

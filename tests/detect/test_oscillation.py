@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-
-from detect.methods import area_ratio
-from detect.oscillation import acf_crossings as oscillation
-from detect.oscillation import hagglund1995
+from stickslip.detect.methods import area_ratio
+from stickslip.detect.oscillation import acf_crossings as oscillation
+from stickslip.detect.oscillation import hagglund1995
 
 
 @pytest.mark.parametrize("kind", ["sine", "triangle", "square", "exponential"])

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-from detect.methods.parallelogram import detect, sizes_of, width
-from detect.prepare.stick import stick
-from logs import LoopRecord
+from stickslip.detect.methods.parallelogram import detect, sizes_of, width
+from stickslip.detect.prepare.stick import stick
+from stickslip.logs import LoopRecord
 
 
 def swings(n=1500):

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from detect.oscillation import acf_crossings, several_periods
-from detect.prepare.prepared import prepared
-from logs import LoopRecord
+from stickslip.detect.oscillation import acf_crossings, several_periods
+from stickslip.detect.prepare.prepared import prepared
+from stickslip.logs import LoopRecord
 
 
 def drifting(kind, wave, n=6000, period=60.0, longer=0.2, noise=0.05, seed=0):

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from cases import find
-from detect.prepare.pieces import run_in
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
+from stickslip.cases import find
+from stickslip.detect.prepare.pieces import run_in
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
 
 T = np.arange(600.0)
 CYCLE = np.sin(2 * np.pi * T / 120)  # five cycles

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from detect import diagnose
-from detect.methods import area_ratio
-from logs import LoopRecord
-from logs.figures import COLOURS
+from stickslip.detect import diagnose
+from stickslip.detect.methods import area_ratio
+from stickslip.logs import LoopRecord
+from stickslip.logs.figures import COLOURS
 
 
 @pytest.fixture

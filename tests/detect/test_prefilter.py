@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-
-from detect.prepare import prefilter
+from stickslip.detect.prepare import prefilter
 
 
 def reference(noise_std, q, t, z):

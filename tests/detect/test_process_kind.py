@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from detect import diagnose
-from detect.prepare.prepared import prepared
-from detect.prepare.process_kind import kind_of_tag
-from logs import LoopRecord
+from stickslip.detect import diagnose
+from stickslip.detect.prepare.prepared import prepared
+from stickslip.detect.prepare.process_kind import kind_of_tag
+from stickslip.logs import LoopRecord
 
 
 def untold(record, name="X1"):

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-from detect.methods import high_passed_pv, shifted_pv
-from detect.methods.high_passed_pv import high_passed
-from detect.prepare.prepared import Prepared
-from detect.prepare.pv_op_loops import loops, roundness, tilt
-from logs import LoopRecord
+from stickslip.detect.methods import high_passed_pv, shifted_pv
+from stickslip.detect.methods.high_passed_pv import high_passed
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.pv_op_loops import loops, roundness, tilt
+from stickslip.logs import LoopRecord
 
 both = pytest.mark.parametrize("method", [high_passed_pv, shifted_pv], ids=lambda m: m.CARD.name)
 

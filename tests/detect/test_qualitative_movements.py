@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 import pytest
-
-from detect.methods.qualitative_movements import detect, movements
-from logs import LoopRecord
+from stickslip.detect.methods.qualitative_movements import detect, movements
+from stickslip.logs import LoopRecord
 
 
 @pytest.mark.parametrize("level", [0.5, 0.7, 1.0])

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from detect.methods.qualitative_shapes import detect
-from logs import LoopRecord
+from stickslip.detect.methods.qualitative_shapes import detect
+from stickslip.logs import LoopRecord
 
 
 def shape(kind, u, apex=0.5):

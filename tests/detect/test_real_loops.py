@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from detect import diagnose
-from logs import LoopRecord
+from stickslip.detect import diagnose
+from stickslip.logs import LoopRecord
 
 DATA = Path(os.environ.get("STICKSLIP_DATA", Path(__file__).parents[3] / "shared" / "data"))
 LIST = DATA / "loops.csv"

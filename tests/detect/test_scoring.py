@@ -1,11 +1,10 @@
 """Scores on labelled records: by tag, by the majority of what is decided, counted by hand."""
 
 import pytest
-
-from detect.comparison import Comparison, Judged
-from detect.scoring import SCORE_COLUMNS, Label, read_labels, score_rows, scores
-from detect.verdict import Verdict
-from logs import ReadError
+from stickslip.detect.comparison import Comparison, Judged
+from stickslip.detect.scoring import SCORE_COLUMNS, Label, read_labels, score_rows, scores
+from stickslip.detect.verdict import Verdict
+from stickslip.logs import ReadError
 
 WORD = {"S": "stiction", "N": "no_stiction", "?": "inconclusive"}
 

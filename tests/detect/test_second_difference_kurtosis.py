@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
-
-from detect.methods.second_difference_kurtosis import detect, excess, noise_share
-from detect.prepare.prepared import CUT
-from logs import LoopRecord
+from stickslip.detect.methods.second_difference_kurtosis import detect, excess, noise_share
+from stickslip.detect.prepare.prepared import CUT
+from stickslip.logs import LoopRecord
 
 
 def level(wave, kind, noise=0.0, n=4000, period=100.0):

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-from detect.methods import segmentation
-from detect.methods.segmentation import Params, detect, segment
-from logs import LoopRecord
+from stickslip.detect.methods import segmentation
+from stickslip.detect.methods.segmentation import Params, detect, segment
+from stickslip.logs import LoopRecord
 
 
 def stenman(n=700, d=4.0, noise=0.02, seed=0):

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
-
-from detect.prepare.smoothing import moving_average, noise_std
+from stickslip.detect.prepare.smoothing import moving_average, noise_std
 
 
 def test_a_line_stays_a_line_on_uneven_time():

@@ -2,8 +2,7 @@ import pickle
 
 import numpy as np
 import pytest
-
-from detect.stream import Buffer, LoopFacts, Sample
+from stickslip.detect.stream import Buffer, LoopFacts, Sample
 
 
 def test_buffer_keeps_order_over_chunks():

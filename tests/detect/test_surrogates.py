@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfilt
-
-from detect.methods import surrogates
-from detect.methods.surrogates import Params, detect, forecast_error
-from logs import LoopRecord
+from stickslip.detect.methods import surrogates
+from stickslip.detect.methods.surrogates import Params, detect, forecast_error
+from stickslip.logs import LoopRecord
 
 
 def narrow(seed, n=6000):

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from detect.prepare.surrogates import end_matched, phase_randomised
+from stickslip.detect.prepare.surrogates import end_matched, phase_randomised
 
 
 @pytest.mark.parametrize("n", [64, 1000])

@@ -4,11 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from detect.judge.answer import Answer
-from detect.tag import judge_tag
-from logs import LoopRecord
-from logs.tags import valve_in
+from stickslip.detect.judge.answer import Answer
+from stickslip.detect.tag import judge_tag
+from stickslip.logs import LoopRecord
+from stickslip.logs.tags import valve_in
 
 from .likelihood.loops import run
 
@@ -83,7 +82,7 @@ def test_check_gives_the_days_of_a_real_valve_one_verdict(tmp_path):
 
     from click.testing import CliRunner
 
-    from stickslip.cli import cli
+    from stickslip.commands.cli import cli
 
     data = Path(os.environ.get("STICKSLIP_DATA", Path(__file__).parents[3] / "shared" / "data")) / "refinery"
     if not data.exists():

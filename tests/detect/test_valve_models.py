@@ -4,8 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-
-from detect.prepare.valve_models import VALVES, he, kano
+from stickslip.detect.prepare.valve_models import VALVES, he, kano
 
 
 def one(value):

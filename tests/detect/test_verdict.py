@@ -3,8 +3,7 @@ import pickle
 
 import numpy as np
 import pytest
-
-from detect.verdict import Verdict, VerdictError
+from stickslip.detect.verdict import Verdict, VerdictError
 
 
 def test_refusal_never_carries_an_index():

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from detect import diagnose
-from detect.judge.answer import answer
-from detect.judge.over_days import answer_over_days
-from detect.prepare.days import DAY, SAMPLES, days_of, edges_of_days
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
-from scan.judge import row_of
+from stickslip.detect import diagnose
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.judge.over_days import answer_over_days
+from stickslip.detect.prepare.days import DAY, SAMPLES, days_of, edges_of_days
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
+from stickslip.scan.judge import row_of
 
 from .likelihood.loops import run
 

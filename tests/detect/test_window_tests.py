@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from detect.methods.window_tests import Params, detect, flags, reverse_arrangements
-from logs import LoopRecord
+from stickslip.detect.methods.window_tests import Params, detect, flags, reverse_arrangements
+from stickslip.logs import LoopRecord
 
 
 def test_reverse_arrangements():  # analytic: mean w (w - 1) / 4 and variance (2 w^3 + 3 w^2 - 5 w) / 72 of noise

@@ -3,9 +3,8 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-
-from detect.words import WORDS, Kind, Word
-from logs.style import PAGE
+from stickslip.detect.words import WORDS, Kind, Word
+from stickslip.logs.style import PAGE
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -26,8 +25,8 @@ def test_numbers_are_those_of_the_docs_of_the_block():
 
 
 def test_kinds_are_those_that_a_page_and_a_terminal_know():
-    from stickslip.console import COLOUR_OF
-    from stickslip.report.page import CSS
+    from stickslip.commands.console import COLOUR_OF
+    from stickslip.commands.report.page import CSS
 
     assert set(COLOUR_OF) == set(get_args(Kind))
     assert all(kind in PAGE and f".{kind} " in CSS for kind in get_args(Kind))

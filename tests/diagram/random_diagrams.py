@@ -1,8 +1,7 @@
 """Random diagrams by seed: sources, noise, sampled and continuous controllers, sticky valves, dead times, nesting."""
 
 import numpy as np
-
-from blocks import (
+from stickslip.blocks import (
     PI,
     DeadTime,
     FirstOrder,
@@ -19,9 +18,9 @@ from blocks import (
     StickSlip,
     Sum,
 )
-from detect.blocks import DetectorBlock, PrefilterBlock
-from detect.methods import area_ratio
-from diagram import wire
+from stickslip.detect.blocks import DetectorBlock, PrefilterBlock
+from stickslip.detect.methods import area_ratio
+from stickslip.diagram import wire
 
 
 def random_diagram(seed):

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from blocks import PI, DeadTime, FirstOrder, Noise, QuasiStaticStem, Sensor, Staircase, StickSlip, Sum
-from diagram import WiringError, simulate, wire
-from diagram.branches import Branches
-from diagram.pins import pinned, replay, residuals
-from logs import Log
+from stickslip.blocks import PI, DeadTime, FirstOrder, Noise, QuasiStaticStem, Sensor, Staircase, StickSlip, Sum
+from stickslip.diagram import WiringError, simulate, wire
+from stickslip.diagram.branches import Branches
+from stickslip.diagram.pins import pinned, replay, residuals
+from stickslip.logs import Log
 
 LEVELS = [0.3, 0.5, 0.35, 0.6]
 ONE_STEP = 1e-5  # of OP: the one-step error of the controller without a gap is below 1e-9 here

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import PI, FirstOrder, IdealValve, Integrator, KanoValve, QuasiStaticStem, Step, StickSlip, Sum
+from stickslip.diagram import Diagram, simulate, wire
+from stickslip.diagram.cells import MANY
+from stickslip.engine.status import Status
 
 from benchmarks.peers.coupled_sticky import coupled_sticky_loops
-from blocks import PI, FirstOrder, IdealValve, Integrator, KanoValve, QuasiStaticStem, Step, StickSlip, Sum
-from diagram import Diagram, simulate, wire
-from diagram.cells import MANY
-from engine.status import Status
 
 COUNT = 40  # loops, more than MANY
 

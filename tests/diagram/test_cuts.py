@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-
-from blocks import (
+from stickslip.blocks import (
     PI,
     Constant,
     DeadTime,
@@ -25,7 +24,8 @@ from blocks import (
     StickSlip,
     Sum,
 )
-from diagram import WiringError, held, interpolated, simulate, wire
+from stickslip.diagram import WiringError, held, interpolated, simulate, wire
+
 from tests.diagram.random_diagrams import random_diagram
 
 SEEDS = range(24)

@@ -6,11 +6,10 @@ import pickle
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import PI, Constant, FirstOrder, IdealValve, Ramp, Sine, Step, StickSlip
-from diagram import WiringError, drive, simulate, wire
-from engine import call
-from engine.advance import advance
+from stickslip.blocks import PI, Constant, FirstOrder, IdealValve, Ramp, Sine, Step, StickSlip
+from stickslip.diagram import WiringError, drive, simulate, wire
+from stickslip.engine import call
+from stickslip.engine.advance import advance
 
 
 def loop(F_s=2250.0, name="loop", **process):

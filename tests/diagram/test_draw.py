@@ -5,16 +5,15 @@ import itertools
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks import PI, FirstOrder, Gain, Integrator, Step, StickSlip
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from diagram import wire
-from diagram.figures.drawing import _Ink, draw, main_parameters
-from diagram.figures.placement import grid, wrapped
-from diagram.figures.routes import sheet
-from diagram.figures.strokes import branches, strokes
-from plant.loops import self_regulating_loop
+from stickslip.blocks import PI, FirstOrder, Gain, Integrator, Step, StickSlip
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.diagram import wire
+from stickslip.diagram.figures.drawing import _Ink, draw, main_parameters
+from stickslip.diagram.figures.placement import grid, wrapped
+from stickslip.diagram.figures.routes import sheet
+from stickslip.diagram.figures.strokes import branches, strokes
+from stickslip.plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
 
@@ -159,8 +158,8 @@ def test_a_drawing_that_goes_on_below_is_as_clear(diagram, bands):
 
 
 def test_the_plant_fits_a_page():
-    from diagram.figures.drawing import WIDEST
-    from plant import production_plant
+    from stickslip.diagram.figures.drawing import WIDEST
+    from stickslip.plant import production_plant
 
     plant = production_plant()
     check_drawing(plant, bands=5)
@@ -253,9 +252,9 @@ def test_diagrams_plot_themselves():
 
 
 def test_the_plant_is_folded_by_unit_to_fit_a_page():
-    from diagram.wiring import WiringError
-    from plant import production_plant
-    from plant.units import units
+    from stickslip.diagram.wiring import WiringError
+    from stickslip.plant import production_plant
+    from stickslip.plant.units import units
 
     plant = production_plant()
     folded = units(plant)
@@ -279,7 +278,7 @@ def test_the_plant_is_folded_by_unit_to_fit_a_page():
 
 
 def test_a_sum_shows_the_sign_of_each_input():
-    from blocks import Sum
+    from stickslip.blocks import Sum
 
     parts = [Step("SP", 0.5), Step("PV", 0.2), Step("F", 1.0), Sum("e", {"SP": 1.0, "PV": -1.0, "F": -0.5})]
     told = [text.get_text() for text in draw(wire(parts, outputs=["e"])).axes[0].texts]

@@ -8,16 +8,15 @@ import polars as pl
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks import BlockError, Constant, FirstOrder, Gain, Noise, Recorded, SampledPI, Sine, Step
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from diagram import simulate, wire
-from diagram.ensembles import ensemble
-from diagram.ensembles.variants import reseeded
-from engine.status import Status
-from logs import Log
-from plant.loops import self_regulating_loop
+from stickslip.blocks import BlockError, Constant, FirstOrder, Gain, Noise, Recorded, SampledPI, Sine, Step
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.ensembles import ensemble
+from stickslip.diagram.ensembles.variants import reseeded
+from stickslip.engine.status import Status
+from stickslip.logs import Log
+from stickslip.plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
 LAG = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)], name="lag")
@@ -331,7 +330,7 @@ def test_one_variant_is_told_from_the_others():
 
 
 def test_a_variant_whose_model_ends_says_why_as_its_run_alone_does():
-    from plant import production_plant
+    from stickslip.plant import production_plant
 
     plant = production_plant("B")
     result = ensemble(

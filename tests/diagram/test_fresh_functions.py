@@ -6,12 +6,11 @@ Every law is a lag, dy/dt = k u - y, which rests at the gain k times the input: 
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import Equations
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from diagram import drive, ensemble, simulate, wire
-from engine.call import address
+from stickslip.blocks import Equations
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.diagram import drive, ensemble, simulate, wire
+from stickslip.engine.call import address
 
 K = 1.0
 GAINS = np.array([1.0])

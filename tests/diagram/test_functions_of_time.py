@@ -10,13 +10,12 @@ from typing import Any
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import Equations, FirstOrder, Relay, Sine
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from blocks.role import Role
-from diagram import Diagram, drive, simulate, wire
-from diagram.ensembles import ensemble
+from stickslip.blocks import Equations, FirstOrder, Relay, Sine
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.role import Role
+from stickslip.diagram import Diagram, drive, simulate, wire
+from stickslip.diagram.ensembles import ensemble
 
 ON = 1.0 / 12.0 + np.arange(200.0)  # sin(2 pi t) rises through 0.5, and falls through -0.5 half a period later
 RELAY = Relay("on", "u", 0.5, -0.5)

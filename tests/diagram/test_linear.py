@@ -5,16 +5,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stickslip.blocks import PI, Constant, FirstOrder, Gain, Integrator, Sum
+from stickslip.diagram import WiringError, wire
+from stickslip.diagram.linear import linearise, open_loop, operating_point, rga
+from stickslip.diagram.linear.figures import plot_poles
+from stickslip.diagram.linear.gain_arrays import relative_gains
+from stickslip.diagram.linear.poles import poles_of, table
+from stickslip.diagram.linear.slopes import slopes
+from stickslip.plant import SET_B, SETS, production_plant, steady_state
+from stickslip.plant.loops import self_regulating_loop
 
-from blocks import PI, Constant, FirstOrder, Gain, Integrator, Sum
-from diagram import WiringError, wire
-from diagram.linear import linearise, open_loop, operating_point, rga
-from diagram.linear.figures import plot_poles
-from diagram.linear.gain_arrays import relative_gains
-from diagram.linear.poles import poles_of, table
-from diagram.linear.slopes import slopes
-from plant import SET_B, SETS, production_plant, steady_state
-from plant.loops import self_regulating_loop
 from tests.plant import test_peer as peer
 
 PAIRED = ("LCS11", "PCS11", "LCS21", "PCS21")
@@ -268,7 +268,7 @@ def test_full_stem_adds_its_own_modes():
 
 
 def test_a_kink_counts_with_its_steeper_side():
-    from blocks.control_valve_flow import ControlValveFlow
+    from stickslip.blocks.control_valve_flow import ControlValveFlow
 
     at_zero = wire(
         [Constant("p_up", 2e5), Constant("p_down", 1e5), Constant("MV", 0.0), ControlValveFlow(2.0)], outputs=["F"]

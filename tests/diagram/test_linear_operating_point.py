@@ -3,14 +3,13 @@
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import PI, FirstOrder, Integrator, SampledPI, Sine, Step, StickSlip
-from diagram import WiringError, simulate, wire
-from diagram.linear import NoOperatingPoint, operating_point
-from plant import kicked, production_plant
-from plant.build import compressor_2
-from plant.feed import constant
-from plant.loops import self_regulating_loop
+from stickslip.blocks import PI, FirstOrder, Integrator, SampledPI, Sine, Step, StickSlip
+from stickslip.diagram import WiringError, simulate, wire
+from stickslip.diagram.linear import NoOperatingPoint, operating_point
+from stickslip.plant import kicked, production_plant
+from stickslip.plant.build import compressor_2
+from stickslip.plant.feed import constant
+from stickslip.plant.loops import self_regulating_loop
 
 FEEDS = [(8000.0, 0.25), (7600.0, 0.36), (7000.0, 0.20), (6500.0, 0.35), (8300.0, 0.30), (8200.0, 0.38)]
 
@@ -25,7 +24,7 @@ def off(point, plant):
 @pytest.mark.parametrize("name", ["A", "B"])
 @pytest.mark.parametrize(("F_in", "Z_I"), FEEDS)
 def test_from_the_rest_of_another_feed(name, F_in, Z_I):
-    """The oracle is the recipe of plant.rest, which shares nothing with the search."""
+    """The oracle is the recipe of stickslip.plant.rest, which shares nothing with the search."""
     plant = production_plant(name, F_in=F_in, Z_I=Z_I)
     point = operating_point(plant, production_plant(name))
     assert off(point, plant) < 1e-8
@@ -141,7 +140,7 @@ def test_unknown_names_are_explained():
 
 
 def test_a_diagram_without_states_rests_as_it_is():
-    from cases import find
+    from stickslip.cases import find
 
     point = operating_point(find("sine").build(), t=12.5)
     assert point["e"] == pytest.approx(0.075, rel=1e-12) and point.states == {}  # analytic: the amplitude

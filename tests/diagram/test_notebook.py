@@ -5,12 +5,11 @@ import re
 
 import numpy as np
 import pytest
-
-from blocks import PI, Recorded, StateSpace
-from diagram import ensemble, simulate, wire
-from engine.status import Status
-from plant import production_plant
-from plant.loops import self_regulating_loop
+from stickslip.blocks import PI, Recorded, StateSpace
+from stickslip.diagram import ensemble, simulate, wire
+from stickslip.engine.status import Status
+from stickslip.plant import production_plant
+from stickslip.plant.loops import self_regulating_loop
 
 SCREEN = 24 * 80
 PNG = b"\x89PNG"
@@ -73,7 +72,7 @@ def test_a_diagram_without_signals_worth_a_picture_is_still_shown():
 
 
 def test_a_plot_appears_in_a_notebook_without_a_magic_command(run):
-    from logs import Log
+    from stickslip.logs import Log
 
     log = Log(t=[0.0, 1.0], signals={"PV": [1.0, 2.0]})
     for figure in (run.plot(), self_regulating_loop().plot(), log.plot()):

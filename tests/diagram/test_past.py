@@ -5,10 +5,9 @@ Expected numbers are analytic (a delayed ramp, counted samples) or those of one 
 
 import numpy as np
 import pytest
-
-from blocks import PI, Constant, DeadTime, FirstOrder, Gain, IdealValve, Ramp, SampledPI, SampledSensor, Step
-from diagram import WiringError, ensemble, simulate, wire
-from diagram.reference import simulate_reference
+from stickslip.blocks import PI, Constant, DeadTime, FirstOrder, Gain, IdealValve, Ramp, SampledPI, SampledSensor, Step
+from stickslip.diagram import WiringError, ensemble, simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
 CUT = 4.0
 

@@ -8,10 +8,10 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
+from stickslip.diagram import ensemble, simulate
+from stickslip.plant import production_plant
+from stickslip.plant.loops import self_regulating_loop
 
-from diagram import ensemble, simulate
-from plant import production_plant
-from plant.loops import self_regulating_loop
 from tests.diagram.random_diagrams import random_diagram
 
 N = int(os.environ.get("STICKSLIP_PICKLED", "12"))  # diagrams per start method; 200 were run once

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import expm
-
-from blocks import (
+from stickslip.blocks import (
     PI,
     BlockError,
     FirstOrder,
@@ -18,11 +17,12 @@ from blocks import (
     StickSlip,
     Sum,
 )
-from blocks.pin import Pin
-from diagram import WiringError, simulate, wire
-from diagram.pins import pinned, replay, replays, residuals
-from diagram.reference import simulate_reference
-from logs import Log
+from stickslip.blocks.pin import Pin
+from stickslip.diagram import WiringError, simulate, wire
+from stickslip.diagram.pins import pinned, replay, replays, residuals
+from stickslip.diagram.reference import simulate_reference
+from stickslip.logs import Log
+
 from tests.diagram.random_diagrams import random_diagram
 
 TIGHT = {"rtol": 1e-10, "atol": 1e-13}

@@ -3,12 +3,11 @@
 import numpy as np
 import polars as pl
 import pytest
-
-from blocks import PI, FirstOrder, Gain, IdealValve, StickSlip
-from diagram import drive, ensemble, held, interpolated, simulate, wire
-from diagram.reference import simulate_reference
-from logs import Log
-from logs.from_table import from_table
+from stickslip.blocks import PI, FirstOrder, Gain, IdealValve, StickSlip
+from stickslip.diagram import drive, ensemble, held, interpolated, simulate, wire
+from stickslip.diagram.reference import simulate_reference
+from stickslip.logs import Log
+from stickslip.logs.from_table import from_table
 
 LOG = Log(t=[0.0, 10.0, 20.0], signals={"SP": [0.2, 0.6, 0.4], "PV": [0.1, 0.3, 0.5], "TAG": [1.0, 2.0, 3.0]})
 READERS = wire([Gain("a", "SP", 1.0), Gain("b", "PV", 1.0)], inputs=["SP", "PV"], name="readers")

@@ -4,14 +4,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-
-from blocks import PI, FirstOrder, Gain, Integrator, Ramp, Sine, Step, StickSlip
-from diagram import simulate, wire
-from diagram.ensembles import ensemble
-from diagram.figures.panels import main_signals
-from diagram.figures.spread import plot_ensemble
-from diagram.figures.trends import modes_over_time, plot_run
-from plant.loops import self_regulating_loop
+from stickslip.blocks import PI, FirstOrder, Gain, Integrator, Ramp, Sine, Step, StickSlip
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.ensembles import ensemble
+from stickslip.diagram.figures.panels import main_signals
+from stickslip.diagram.figures.spread import plot_ensemble
+from stickslip.diagram.figures.trends import modes_over_time, plot_run
+from stickslip.plant.loops import self_regulating_loop
 
 LOOP = self_regulating_loop()
 
@@ -146,7 +145,7 @@ def test_panels_that_move_come_before_panels_that_rest():
 
 
 def test_a_nested_diagram_keeps_its_colour():
-    from cases import find
+    from stickslip.cases import find
 
     run = find("own_map").run()
     colours = {}
@@ -205,7 +204,7 @@ def test_failed_variants_are_not_in_the_spread():
 
 
 def test_what_swings_too_often_is_a_band_with_its_last_cycles_beside():
-    from blocks import Sine
+    from stickslip.blocks import Sine
 
     fast = simulate(wire([Sine("F", amplitude=2.0, period=1.0)], outputs=["F"]), 200.0, every=0.02)
     whole, close = plot_run(fast).axes
@@ -218,7 +217,7 @@ def test_what_swings_too_often_is_a_band_with_its_last_cycles_beside():
 
 
 def test_the_title_says_what_is_found():
-    from blocks import Sine
+    from stickslip.blocks import Sine
 
     def title(parts, duration=200.0):
         return plot_run(simulate(wire(parts, outputs=["F"], name="case"), duration, every=0.05)).get_suptitle()

@@ -4,8 +4,7 @@ import io
 import sys
 
 import pytest
-
-from diagram.progress import reporting
+from stickslip.diagram.progress import reporting
 
 
 def test_the_callers_function_is_told():

@@ -3,9 +3,8 @@
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import Equations, FirstOrder, StateSpace, TransferFunction
-from diagram import simulate, wire
+from stickslip.blocks import Equations, FirstOrder, StateSpace, TransferFunction
+from stickslip.diagram import simulate, wire
 
 T = np.linspace(0.0, 20.0, 81)
 U = np.sin(0.4 * T) + 1.0

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
-
-from blocks import (
+from stickslip.blocks import (
     PI,
     Constant,
     DeadTime,
@@ -23,9 +22,9 @@ from blocks import (
     Step,
     StickSlip,
 )
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
-from engine.status import Status
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
+from stickslip.engine.status import Status
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}
 

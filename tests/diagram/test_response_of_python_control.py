@@ -3,12 +3,11 @@
 import control as ct
 import numpy as np
 import pytest
-
-from blocks import PI, Deadband, FirstOrder, Positioner, QuasiStaticStem, Step, StickSlip, StribeckStem
-from cases import find
-from diagram import WiringError, interpolated, simulate, wire
-from logs import ReadError, read_log
-from plant import production_plant
+from stickslip.blocks import PI, Deadband, FirstOrder, Positioner, QuasiStaticStem, Step, StickSlip, StribeckStem
+from stickslip.cases import find
+from stickslip.diagram import WiringError, interpolated, simulate, wire
+from stickslip.logs import ReadError, read_log
+from stickslip.plant import production_plant
 
 CLOSE = {"rtol": 1e-6, "atol": 1e-9}
 

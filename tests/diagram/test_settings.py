@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, FirstOrder, Noise, QuasiStaticStem, Sensor, Staircase, Step, Sum
-from diagram import Settings, ensemble, replay, replays, simulate, wire
-from diagram.branches import Branches
-from logs import Log
-from study import study
+from stickslip.blocks import PI, FirstOrder, Noise, QuasiStaticStem, Sensor, Staircase, Step, Sum
+from stickslip.diagram import Settings, ensemble, replay, replays, simulate, wire
+from stickslip.diagram.branches import Branches
+from stickslip.logs import Log
+from stickslip.study import study
 
 LAG = wire([Step("MV", 1.0), FirstOrder(K=2.0, tau=5.0)])
 SHARP = Settings(rtol=1e-11, atol=1e-13, method="explicit")

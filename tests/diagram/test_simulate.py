@@ -7,17 +7,16 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
-
-from blocks import PI, Constant, FirstOrder, Gain, Integrator, Noise, Sine, Step
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from blocks.recorded import Recorded
-from diagram import WiringError, simulate, wire
-from diagram.coarse import ToleranceWarning
-from diagram.ensembles import ensemble
-from diagram.reference import simulate_reference
-from engine.advance import advance
-from plant.loops import self_regulating_loop
+from stickslip.blocks import PI, Constant, FirstOrder, Gain, Integrator, Noise, Sine, Step
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.recorded import Recorded
+from stickslip.diagram import WiringError, simulate, wire
+from stickslip.diagram.coarse import ToleranceWarning
+from stickslip.diagram.ensembles import ensemble
+from stickslip.diagram.reference import simulate_reference
+from stickslip.engine.advance import advance
+from stickslip.plant.loops import self_regulating_loop
 
 
 def _lotka_out(t, x, d, u, p, y):

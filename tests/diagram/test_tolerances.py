@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, BlockError, FirstOrder, Gain, SampledPI, SecondOrder
-from diagram import simulate, wire
-from diagram.wiring import WiringError
-from plant.loops import self_regulating_loop
+from stickslip.blocks import PI, BlockError, FirstOrder, Gain, SampledPI, SecondOrder
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.wiring import WiringError
+from stickslip.plant.loops import self_regulating_loop
 
 GIVEN = {"controller.K_p": 0.02, "process.K": 0.05, "process.tau": 0.1}
 

@@ -4,10 +4,9 @@ import re
 
 import numpy as np
 import pytest
-
-from blocks import PI, Constant, FirstOrder, IdealValve, Step, StickSlip, Sum
-from blocks.ports import BlockError
-from diagram import WiringError, simulate, wire
+from stickslip.blocks import PI, Constant, FirstOrder, IdealValve, Step, StickSlip, Sum
+from stickslip.blocks.ports import BlockError
+from stickslip.diagram import WiringError, simulate, wire
 
 
 def parts(**names):

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stickslip.blocks import BlockError, DeadTime, Equations, Gain, KanoValve
+from stickslip.blocks.noise import Noise
+from stickslip.blocks.sensor import SampledSensor, Sensor
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import drive, ensemble, simulate, wire
+from stickslip.diagram.reference import simulate_reference
 
-import blocks
-from blocks import BlockError, DeadTime, Equations, Gain, KanoValve
-from blocks.noise import Noise
-from blocks.sensor import SampledSensor, Sensor
-from blocks.sources import Ramp
-from diagram import drive, ensemble, simulate, wire
-from diagram.reference import simulate_reference
+from stickslip import blocks
 
 HOUSE = Path(__file__).resolve().parents[2]
 

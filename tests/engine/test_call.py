@@ -8,9 +8,8 @@ import textwrap
 from pathlib import Path
 
 import pytest
-
-from engine.call import KernelError, address
-from engine.reach import Reached
+from stickslip.engine.call import KernelError, address
+from stickslip.engine.reach import Reached
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -24,12 +23,12 @@ FILES = {
             return x
     """,
     "near/decay.py": """
-        from blocks.block import Block, Kernels
-        from blocks.ports import Port
+        from stickslip.blocks.block import Block, Kernels
+        from stickslip.blocks.ports import Port
         from far import numbers
         from far.helpers import inner, rate
         from far.numbers import RATE, TABLE
-        from diagram import simulate, wire
+        from stickslip.diagram import simulate, wire
 
         def scaled(x, by=1.0):
             return x * by
@@ -116,7 +115,7 @@ def test_a_fingerprint_follows_constants_and_helpers_and_nothing_else(monkeypatc
 
 def test_a_second_process_compiles_nothing():
     code = (
-        "from blocks import FirstOrder; from engine import call;"
+        "from stickslip.blocks import FirstOrder; from stickslip.engine import call;"
         "der = FirstOrder(1.0, 1.0).kernels.der; call.address(der);"
         "print(call._known[der].made.cache_hits)"
     )

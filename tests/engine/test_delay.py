@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from stickslip.blocks import Constant, DeadTime, FirstOrder, Integrator, Ramp, SampledPI, Sine, Step, Sum
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
+from stickslip.engine import layout as at
+from stickslip.engine.status import Status
 
 from benchmarks.peers import c_coupled
 from benchmarks.peers.c_library import NoCompiler
-from blocks import Constant, DeadTime, FirstOrder, Integrator, Ramp, SampledPI, Sine, Step, Sum
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
-from engine import layout as at
-from engine.status import Status
 
 SHARP = {"rtol": 1e-11, "atol": 1e-13}
 

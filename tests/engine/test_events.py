@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks import Constant, FirstOrder, SampledPI, Sine, Step
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from diagram import drive, simulate, wire
-from engine.status import Status
+from stickslip.blocks import Constant, FirstOrder, SampledPI, Sine, Step
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.diagram import drive, simulate, wire
+from stickslip.engine.status import Status
 
 SHARP = {"rtol": 1e-12, "atol": 1e-14}
 

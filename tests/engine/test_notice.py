@@ -4,8 +4,7 @@ import io
 import sys
 
 from numba import njit
-
-from engine.notice import noticed
+from stickslip.engine.notice import noticed
 
 
 class Terminal(io.StringIO):
@@ -43,10 +42,10 @@ def test_compiling_is_told_once_and_only_if_it_happens(monkeypatch):
 
 def test_a_check_says_that_the_methods_are_being_compiled(monkeypatch, tmp_path):
     from click.testing import CliRunner
+    from stickslip.cases.stories import EXPORTS
 
-    import detect
-    from cases.stories import EXPORTS
-    from stickslip.cli import cli
+    from stickslip import detect
+    from stickslip.commands.cli import cli
 
     diagnose = detect.diagnose
 

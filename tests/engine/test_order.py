@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from diagram import wire
-from engine import layout as at
-from engine.run import Settings, prepare, run
-from engine.status import Status
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.diagram import wire
+from stickslip.engine import layout as at
+from stickslip.engine.run import Settings, prepare, run
+from stickslip.engine.status import Status
 
 
 def _der(t, x, d, u, p, dx):

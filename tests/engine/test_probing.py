@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from engine.probing import longest
+from stickslip.engine.probing import longest
 
 
 def twice(f):  # type: ignore[no-untyped-def]

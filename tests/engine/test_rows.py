@@ -9,10 +9,8 @@ import os
 
 import numpy as np
 import pytest
-
-import blocks
-import detect.blocks
-from blocks import (
+import stickslip.detect.blocks
+from stickslip.blocks import (
     PI,
     Biquad,
     ChenValve,
@@ -45,14 +43,16 @@ from blocks import (
     VariableDelay,
     ZeroOrderHold,
 )
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from detect.blocks import DetectorBlock, PrefilterBlock
-from detect.methods import area_ratio
-from diagram import simulate, wire
-from diagram.ensembles import ensemble
-from diagram.reference import simulate_reference
-from engine.status import Status
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.detect.blocks import DetectorBlock, PrefilterBlock
+from stickslip.detect.methods import area_ratio
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.ensembles import ensemble
+from stickslip.diagram.reference import simulate_reference
+from stickslip.engine.status import Status
+
+from stickslip import blocks
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}
 DIAGRAMS = int(os.environ.get("STICKSLIP_DIAGRAMS", "40"))
@@ -104,7 +104,7 @@ SAMPLED = {
 def every_sampled_block():
     return {
         kind
-        for room in (blocks, detect.blocks)
+        for room in (blocks, stickslip.detect.blocks)
         for kind in vars(room).values()
         if inspect.isclass(kind) and issubclass(kind, Block) and kind.period_param
     }

@@ -4,12 +4,21 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks import Constant, FirstOrder, IdealValve, QuasiStaticStem, Recorded, SampledPI, Sine, Step, StickSlip
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from diagram import simulate, wire
-from engine.status import Status
+from stickslip.blocks import (
+    Constant,
+    FirstOrder,
+    IdealValve,
+    QuasiStaticStem,
+    Recorded,
+    SampledPI,
+    Sine,
+    Step,
+    StickSlip,
+)
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.diagram import simulate, wire
+from stickslip.engine.status import Status
 
 
 def _count(t, x, d, u, p, y):

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
-
-from blocks import (
+from stickslip.blocks import (
     PI,
     FirstOrder,
     QuasiStaticStem,
@@ -19,10 +18,10 @@ from blocks import (
     Step,
     StickSlip,
 )
-from blocks.block import Block, Kernels
-from blocks.ports import BlockError, Port
-from diagram import simulate, wire
-from engine import layout as at
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import BlockError, Port
+from stickslip.diagram import simulate, wire
+from stickslip.engine import layout as at
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, FirstOrder, Gain, QuasiStaticStem, Ramp, Sensor, Step, StickSlip, Sum
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from diagram import simulate, wire
-from engine import layout as at
+from stickslip.blocks import PI, FirstOrder, Gain, QuasiStaticStem, Ramp, Sensor, Step, StickSlip, Sum
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.diagram import simulate, wire
+from stickslip.engine import layout as at
 
 SHARP = {"rtol": 1e-10, "atol": 1e-12}
 

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from blocks import Constant, FirstOrder, Step
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from diagram import simulate, wire
-from engine.status import Status
+from stickslip.blocks import Constant, FirstOrder, Step
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.diagram import simulate, wire
+from stickslip.engine.status import Status
 
 
 def _x(t, x, d, u, p, y):

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from stickslip.blocks import PI, Constant, FirstOrder, Gain, Noise, QuasiStaticStem, Sine, Step
+from stickslip.diagram import simulate, wire
+from stickslip.engine import layout as at
+from stickslip.engine.call import pointer_to
+from stickslip.engine.elimination import eliminate
+from stickslip.engine.linear import factorise, solve
+from stickslip.engine.structure import analyse
 
 from benchmarks.peers.coupled_sticky import coupled_sticky_loops
-from blocks import PI, Constant, FirstOrder, Gain, Noise, QuasiStaticStem, Sine, Step
-from diagram import simulate, wire
-from engine import layout as at
-from engine.call import pointer_to
-from engine.elimination import eliminate
-from engine.linear import factorise, solve
-from engine.structure import analyse
 
 
 @st.composite

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from stickslip.diagram import simulate, wire
+from stickslip.diagram.reference import simulate_reference
+from stickslip.engine.turns import turns
 
-import blocks
-from diagram import simulate, wire
-from diagram.reference import simulate_reference
-from engine.turns import turns
+from stickslip import blocks
 
 SWITCHING = {  # behind a = 5, b = 1: the block, and its output (analytic); as built it gives another
     "min": (lambda: blocks.MinSelect("m", ["a", "b"]), 1.0),

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from cases.models import ideal_flow, site_flow
-from diagram import ensemble
-from gap.effects import effect
-from logs import Log
+from stickslip.cases.models import ideal_flow, site_flow
+from stickslip.diagram import ensemble
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
 
 ROWS = 1801  # half an hour, a row a second
 START = {"SP": 1.5, "PV": 1.5, "OP": 0.5}

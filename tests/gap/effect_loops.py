@@ -1,9 +1,9 @@
 """Loops without noise into which the tests put effects, and a small and a plain size of every effect."""
 
-from blocks import Staircase
-from cases.models import ideal_flow
-from diagram import simulate, wire
-from gap.effects import effect
+from stickslip.blocks import Staircase
+from stickslip.cases.models import ideal_flow
+from stickslip.diagram import simulate, wire
+from stickslip.gap.effects import effect
 
 EXACT = {"rtol": 1e-12, "atol": 1e-14}
 SP, T = Staircase("SP", [1.5, 1.8, 1.35, 1.65], dwell=100.0), 400.0

@@ -6,8 +6,7 @@ y_k+1 = a y_k + (1 - a) K (OP_k + load_k),  a = exp(-1/tau)        a first order
 import math
 
 import numpy as np
-
-from logs import Log
+from stickslip.logs import Log
 
 K_P, T_I = 0.4, 10.0
 

@@ -1,14 +1,13 @@
 """A tank whose outflow goes with the root of its level, under a controller that scans or does not, and its records."""
 
 import numpy as np
-
-from blocks import PI, Equations, IdealValve, Noise, SampledPI, SampledSensor, Staircase, Sum
-from diagram import Diagram, simulate, wire
-from diagram.inputs import close
-from gap.likelihood.frame import Frame
-from gap.records.model import read, silenced
-from gap.records.start import start_values
-from logs import Log
+from stickslip.blocks import PI, Equations, IdealValve, Noise, SampledPI, SampledSensor, Staircase, Sum
+from stickslip.diagram import Diagram, simulate, wire
+from stickslip.diagram.inputs import close
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.records.model import read, silenced
+from stickslip.gap.records.start import start_values
+from stickslip.logs import Log
 
 LEVELS = (1.0, 1.06, 0.97, 1.1, 1.05, 0.95, 1.02)
 DIGIT = 1e-4

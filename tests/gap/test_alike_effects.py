@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import Staircase
+from stickslip.cases.models import level_cascade, level_loop
+from stickslip.diagram import simulate
+from stickslip.gap.effects import effect
 
-from blocks import Staircase
-from cases.models import level_cascade, level_loop
-from diagram import simulate
-from gap.effects import effect
 from tests.gap.effect_loops import EXACT, EXACTLY, LOGGED, put, quiet, run
 
 

@@ -1,17 +1,17 @@
 """Two effects of which one is a sensor of few levels, or a stem that is the smaller of the two."""
 
 import pytest
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import diagnose
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.alternatives import alternatives
+from stickslip.gap.explanations.beside_digits import beside_digits
+from stickslip.gap.explanations.candidates import candidates, ranked
+from stickslip.gap.explanations.pairs import paired
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import ideal_flow
-from gap import diagnose
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.alternatives import alternatives
-from gap.explanations.beside_digits import beside_digits
-from gap.explanations.candidates import candidates, ranked
-from gap.explanations.pairs import paired
-from logs import Log
 
 DIGITS = [effect(name) for name in ("quantisation", "step_disturbance", "sensor_bias", "process_gain")]
 STEM = [effect(name) for name in ("deadband", "process_gain", "valve_gain", "sensor_span", "dead_time")]

@@ -2,25 +2,25 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import FirstOrder, Staircase, Sum
+from stickslip.cases.plant_models import LOGGED_SECTION
+from stickslip.diagram import ensemble, simulate, wire
+from stickslip.engine.run import Settings
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.candidates import ranked
+from stickslip.gap.fits.search import Candidate, exact
+from stickslip.gap.floors.floor import undisturbed
+from stickslip.gap.linearised.behind import NOTHING, Behind, behind
+from stickslip.gap.linearised.driving import driven
+from stickslip.gap.linearised.filtered import filter_of
+from stickslip.gap.linearised.instants import with_switches
+from stickslip.gap.linearised.observer import observer
+from stickslip.gap.records.model import read, silenced
+from stickslip.gap.records.record import switch_rows
+from stickslip.logs import Log
 
 from benchmarks.gap.plant import MODELS, ROUNDING, PlantRun
-from blocks import FirstOrder, Staircase, Sum
-from cases.plant_models import LOGGED_SECTION
-from diagram import ensemble, simulate, wire
-from engine.run import Settings
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.candidates import ranked
-from gap.fits.search import Candidate, exact
-from gap.floors.floor import undisturbed
-from gap.linearised.behind import NOTHING, Behind, behind
-from gap.linearised.driving import driven
-from gap.linearised.filtered import filter_of
-from gap.linearised.instants import with_switches
-from gap.linearised.observer import observer
-from gap.records.model import read, silenced
-from gap.records.record import switch_rows
-from logs import Log
 
 SWITCHES = (300.0, 600.7, 901.3, 1200.0)  # [s]: two at rows, two between them
 

@@ -1,16 +1,18 @@
-"""A stem that creeps: bristles (``blocks.lugre_stem``) in a loop with noise; S and J analytic, of F_s, F_c and k."""
+"""A stem that creeps: bristles (``stickslip.blocks.lugre_stem``) in a loop with noise; S and J analytic, of F_s, F_c
+and k.
+"""
 
 import pytest
+from stickslip.blocks import LuGreStem
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import diagnose
+from stickslip.gap.answers.report import Size
+from stickslip.gap.effects import effect
+from stickslip.gap.records.model import read
+from stickslip.gap.telling.creep import about_creep, coarse, creeps, least_sizes
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from blocks import LuGreStem
-from cases.models import ideal_flow
-from gap import diagnose
-from gap.answers.report import Size
-from gap.effects import effect
-from gap.records.model import read
-from gap.telling.creep import about_creep, coarse, creeps, least_sizes
-from logs import Log
 
 SPRING = 30000.0  # N per travel
 F_S, F_C = 900.0, 300.0  # N: breaks away 3 % behind OP, slides 1 % behind it

@@ -4,11 +4,10 @@ import json
 
 import numpy as np
 import pytest
-
-from cases.models import ideal_flow
-from gap import GapError, diagnose
-from gap.effects import effect
-from logs import Log
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import GapError, diagnose
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
 
 NAMES = ("valve_gain", "process_gain", "sensor_span", "dead_time", "controller_gain", "sensor_bias")
 FEW = [effect(name) for name in NAMES]
@@ -56,7 +55,7 @@ def test_what_the_catalogue_lacks_is_unknown(recorded):
 
 def test_two_effects_are_both_named(recorded):
     one, two = effect("controller_gain"), effect("sensor_bias")
-    from diagram import ensemble
+    from stickslip.diagram import ensemble
 
     log = recorded()
     model = two.insert(one.insert(ideal_flow(rest=1.5), "controller", factor=1.2), "sensor", offset=0.05)
@@ -100,7 +99,7 @@ def test_noise_may_be_one_of_two(recorded):
     few = [effect("sensor_noise"), effect("controller_gain"), effect("sensor_bias")]
     one = effect("controller_gain").insert(ideal_flow(rest=1.5), "controller", factor=1.2)
     noisy = effect("sensor_noise").insert(one, "sensor", factor=3.0)
-    from diagram import ensemble
+    from stickslip.diagram import ensemble
 
     log = recorded()
     inputs = Log(log.t, {"SP": log["SP"]})
@@ -111,8 +110,8 @@ def test_noise_may_be_one_of_two(recorded):
 
 
 def test_a_slow_signal_coarsely_rounded_is_no_compression():
-    from cases.models import site_flow
-    from diagram import ensemble
+    from stickslip.cases.models import site_flow
+    from stickslip.diagram import ensemble
 
     t, fine = np.arange(0.0, 7201.0, 5.0), np.arange(7201.0)
     SP = np.where(fine % 1200 < 600, 1.5, 1.6)

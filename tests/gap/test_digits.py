@@ -2,20 +2,20 @@
 
 import numpy as np
 import pytest
+from stickslip.cases.models import ideal_flow
+from stickslip.diagram import ensemble
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.candidates import candidates, ranked, way
+from stickslip.gap.fits.adequacy import adequate, stands
+from stickslip.gap.fits.noise import is_noise
+from stickslip.gap.fits.scans import read_off
+from stickslip.gap.fits.texture import fitted_compression, in_loop
+from stickslip.gap.insertion.straightness import lined, sloping
+from stickslip.gap.records.record import spacing
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import ideal_flow
-from diagram import ensemble
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.candidates import candidates, ranked, way
-from gap.fits.adequacy import adequate, stands
-from gap.fits.noise import is_noise
-from gap.fits.scans import read_off
-from gap.fits.texture import fitted_compression, in_loop
-from gap.insertion.straightness import lined, sloping
-from gap.records.record import spacing
-from logs import Log
 
 
 def read(setting, effects=(), severity="typical", seed=30, hours=0.5, **more):

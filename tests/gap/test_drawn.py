@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
+from stickslip.cases.models import level_loop, site_flow
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.gap.filters.diagnosing import filtering_of
+from stickslip.gap.filters.drawn import Draws, drawn
+from stickslip.gap.filters.explaining import settled
+from stickslip.gap.filters.filtering import Explanation
+from stickslip.gap.filters.hysteresis import fitted_stems, looked_at
+from stickslip.gap.filters.jumping import decided
+from stickslip.gap.records.model import read
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import level_loop, site_flow
-from gap import diagnose
-from gap.effects import effect
-from gap.filters.diagnosing import filtering_of
-from gap.filters.drawn import Draws, drawn
-from gap.filters.explaining import settled
-from gap.filters.filtering import Explanation
-from gap.filters.hysteresis import fitted_stems, looked_at
-from gap.filters.jumping import decided
-from gap.records.model import read
-from logs import Log
 
 FIRST, ROWS, S, J = 8, 60, 0.03, 0.009  # rows at the beginning tell where the stems are, and by how much is chance
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, DeadTime, FirstOrder, IdealValve, Recorded, Sensor, Staircase, StateSpace
-from diagram import simulate, wire
-from gap.effects import CATALOGUE, effect
-from gap.insertion.effect import EffectError, Parameter
+from stickslip.blocks import PI, DeadTime, FirstOrder, IdealValve, Recorded, Sensor, Staircase, StateSpace
+from stickslip.diagram import simulate, wire
+from stickslip.gap.effects import CATALOGUE, effect
+from stickslip.gap.insertion.effect import EffectError, Parameter
 
 T, EXACT = 120.0, {"every": 1.0, "rtol": 1e-10, "atol": 1e-12}
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from stickslip.cases.models import CASES_BY_NAME
+from stickslip.diagram import simulate
+from stickslip.gap.effects import CATALOGUE, effect
 
-from cases.models import CASES_BY_NAME
-from diagram import simulate
-from gap.effects import CATALOGUE, effect
 from tests.gap.effect_loops import ELSEWHERE, EXACT, EXACTLY, LOGGED, SIZES, T, put, quiet
 
 

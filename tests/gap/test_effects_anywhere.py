@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from stickslip.cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, site_flow
+from stickslip.diagram import simulate, wire
+from stickslip.gap.effects import CATALOGUE, effect
 
-from cases.models import CASES_BY_NAME, cascaded_tanks, ideal_flow, site_flow
-from diagram import simulate, wire
-from gap.effects import CATALOGUE, effect
 from tests.gap.effect_loops import SIZES, SP, put, quiet, run
 
 LEGAL = [

@@ -3,11 +3,11 @@
 import math
 
 import pytest
+from stickslip.cases.models import cascaded_tanks, ideal_flow
+from stickslip.gap.effects import effect
+from stickslip.gap.insertion.effect import EffectError
+from stickslip.logs import Log
 
-from cases.models import cascaded_tanks, ideal_flow
-from gap.effects import effect
-from gap.insertion.effect import EffectError
-from logs import Log
 from tests.gap.effect_loops import SIZES, quiet
 
 

@@ -5,8 +5,7 @@ shows S - J only: then its S lies within the interval that is told.
 """
 
 import pytest
-
-from blocks import (
+from stickslip.blocks import (
     ChenValve,
     ChoudhuryValve,
     HeValve,
@@ -17,8 +16,9 @@ from blocks import (
     StenmanValve,
     StickSlip,
 )
-from gap.diagnosis import diagnose
-from gap.effects import effect
+from stickslip.gap.diagnosis import diagnose
+from stickslip.gap.effects import effect
+
 from tests.gap.test_own_valve import F_C, F_S, J, S, log_of, loop
 
 LIMITS = ("sensor_saturation", "valve_saturation", "controller_limits")

@@ -2,16 +2,15 @@
 
 import numpy as np
 import pytest
-
-from cases.models import ideal_flow
-from gap import diagnose
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.candidates import candidates
-from gap.explanations.isolability import classes
-from gap.fits.adequacy import needed
-from gap.fits.sensitivity import promised, seen
-from gap.telling.swapping import swapped
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import diagnose
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.candidates import candidates
+from stickslip.gap.explanations.isolability import classes
+from stickslip.gap.fits.adequacy import needed
+from stickslip.gap.fits.sensitivity import promised, seen
+from stickslip.gap.telling.swapping import swapped
 
 NAMES = ("valve_gain", "process_gain", "sensor_span", "dead_time", "second_lag", "controller_gain", "sensor_bias")
 FEW = [effect(name) for name in NAMES]

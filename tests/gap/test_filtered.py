@@ -2,19 +2,19 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import Staircase
+from stickslip.cases.plant_models import LOGGED_SECTION
+from stickslip.diagram import simulate
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.gap.floors.floor import Floor
+from stickslip.gap.floors.problem import Problem, Settled
+from stickslip.gap.linearised.between import jumps
+from stickslip.gap.linearised.filtered import filter_of
+from stickslip.gap.linearised.parts import parts
+from stickslip.gap.records.model import read, silenced
 
 from benchmarks.gap.plant import MODELS, PlantRun
-from blocks import Staircase
-from cases.plant_models import LOGGED_SECTION
-from diagram import simulate
-from gap import diagnose
-from gap.effects import effect
-from gap.floors.floor import Floor
-from gap.floors.problem import Problem, Settled
-from gap.linearised.between import jumps
-from gap.linearised.filtered import filter_of
-from gap.linearised.parts import parts
-from gap.records.model import read, silenced
 
 
 @pytest.fixture(scope="module")
@@ -91,9 +91,10 @@ def test_an_output_jumps_where_its_set_point_does(healthy):
 
 
 def test_scanning_loops_are_replayed_instead():
+    from stickslip.cases.models import site_flow
+    from stickslip.logs import Log
+
     from benchmarks.gap.generator import record as made
-    from cases.models import site_flow
-    from logs import Log
 
     one = made("site", hours=0.1)
     log = Log(one.signals["time"], {s: one.signals[s] for s in ("SP", "PV", "OP")})

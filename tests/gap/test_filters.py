@@ -2,26 +2,25 @@
 
 import numpy as np
 import pytest
-
-from cases.models import level_cascade, second_order_flow, site_flow
-from diagram import ensemble, simulate
-from diagram.inputs import close
-from diagram.playback import held
-from gap.effects import effect
-from gap.filters import filtering, kalman
-from gap.filters.affine import NotAffine, affine
-from gap.filters.checks import checks
-from gap.filters.digits import levels
-from gap.filters.filtering import Explanation
-from gap.filters.fitting import refined
-from gap.filters.lifted import NOWHERE, lifted
-from gap.filters.operating import operating
-from gap.filters.reading import Filtering
-from gap.filters.scanned import scanned
-from gap.filters.stems import stuck
-from gap.insertion.straightness import lined
-from gap.records.model import nuisances, read, silenced
-from logs import Log
+from stickslip.cases.models import level_cascade, second_order_flow, site_flow
+from stickslip.diagram import ensemble, simulate
+from stickslip.diagram.inputs import close
+from stickslip.diagram.playback import held
+from stickslip.gap.effects import effect
+from stickslip.gap.filters import filtering, kalman
+from stickslip.gap.filters.affine import NotAffine, affine
+from stickslip.gap.filters.checks import checks
+from stickslip.gap.filters.digits import levels
+from stickslip.gap.filters.filtering import Explanation
+from stickslip.gap.filters.fitting import refined
+from stickslip.gap.filters.lifted import NOWHERE, lifted
+from stickslip.gap.filters.operating import operating
+from stickslip.gap.filters.reading import Filtering
+from stickslip.gap.filters.scanned import scanned
+from stickslip.gap.filters.stems import stuck
+from stickslip.gap.insertion.straightness import lined
+from stickslip.gap.records.model import nuisances, read, silenced
+from stickslip.logs import Log
 
 NEAR = {"SP": 1.5, "PV": 1.5, "OP": 0.5, "MV": 0.5}
 EFFECTS = [

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from cases.models import ideal_flow, site_flow
-from gap.diagnosis import prepared
-from gap.fits.robust import step
-from gap.floors.floor import UNIT, floor_of, losses, residuals, skipped_rows
-from logs import Log
+from stickslip.cases.models import ideal_flow, site_flow
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.fits.robust import step
+from stickslip.gap.floors.floor import UNIT, floor_of, losses, residuals, skipped_rows
+from stickslip.logs import Log
 
 
 def test_residuals_of_the_right_model_are_the_sensors_noise(recorded):
@@ -71,7 +70,7 @@ def test_missing_samples_are_left_out(recorded):
 
 
 def test_unsure_parameters_settle_within_their_tolerances():
-    from diagram import ensemble
+    from stickslip.diagram import ensemble
 
     t, fine = np.arange(0.0, 3601.0, 5.0), np.arange(3601.0)
     SP = np.where(fine % 1202 < 601, 1.5, 1.6)
@@ -86,8 +85,8 @@ def test_unsure_parameters_settle_within_their_tolerances():
 
 
 def test_a_model_that_rests_elsewhere_is_started_where_the_record_starts(recorded):
-    from gap.records.model import read, silenced
-    from gap.records.start import start_values
+    from stickslip.gap.records.model import read, silenced
+    from stickslip.gap.records.start import start_values
 
     opened, record = read(site_flow(), recorded(seed=3))  # the model's own start is PV = OP = 0, at a limit
     found = start_values(silenced(opened), record)
@@ -96,8 +95,8 @@ def test_a_model_that_rests_elsewhere_is_started_where_the_record_starts(recorde
 
 
 def test_a_controller_at_its_limit_is_replayed_exactly(recorded):
-    from gap.effects import effect
-    from gap.fits.search import Candidate
+    from stickslip.gap.effects import effect
+    from stickslip.gap.fits.search import Candidate
 
     problem = prepared(ideal_flow(), recorded("controller_limits", "controller", high=55.0))
     (fit,) = Candidate(problem, problem.quiet, effect("controller_limits"), "controller").tried([{"high": 55.0}])

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from blocks import Tank
-from diagram import wire
-from gap.effects import effect
-from gap.free_run import FreeModel, explained, folds, left_out
-from logs import Log
+from stickslip.blocks import Tank
+from stickslip.diagram import wire
+from stickslip.gap.effects import effect
+from stickslip.gap.free_run import FreeModel, explained, folds, left_out
+from stickslip.logs import Log
 
 
 @pytest.fixture(scope="module")

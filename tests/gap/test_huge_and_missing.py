@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from gap.fits.loads import trimmed
-from gap.floors.floor import losses
+from stickslip.gap.fits.loads import trimmed
+from stickslip.gap.floors.floor import losses
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")
 

@@ -1,18 +1,18 @@
 """A load explains a record without jumps far better than one with a stem: beside such a stem nothing is looked for."""
 
 import pytest
+from stickslip.cases.models import ideal_flow
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.jumps import too_smooth
+from stickslip.gap.explanations.pairs import paired
+from stickslip.gap.explanations.stem_beside import stem_beside
+from stickslip.gap.explanations.unmeasured import unmeasured_load
+from stickslip.gap.fits.adequacy import needed
+from stickslip.gap.fits.search import Candidate, best_of
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import ideal_flow
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.jumps import too_smooth
-from gap.explanations.pairs import paired
-from gap.explanations.stem_beside import stem_beside
-from gap.explanations.unmeasured import unmeasured_load
-from gap.fits.adequacy import needed
-from gap.fits.search import Candidate, best_of
-from logs import Log
 
 
 def problem_of(effects=(), outside=""):
@@ -43,9 +43,11 @@ def test_without_a_load_to_compare_with_nothing_is_too_smooth():
 def test_beside_a_stem_that_a_smooth_record_cannot_have_nothing_is_looked_for(monkeypatch):
     problem = problem_of(outside="wave_packet")
     asked = []
-    monkeypatch.setattr("gap.explanations.pairs.with_second", lambda *a: asked.append(a[1].effect.name) or iter(()))
-    monkeypatch.setattr("gap.explanations.pairs.firsts", lambda problem, fits: list(fits))
-    monkeypatch.setattr("gap.explanations.pairs.ENOUGH", -1e9)
+    monkeypatch.setattr(
+        "stickslip.gap.explanations.pairs.with_second", lambda *a: asked.append(a[1].effect.name) or iter(())
+    )
+    monkeypatch.setattr("stickslip.gap.explanations.pairs.firsts", lambda problem, fits: list(fits))
+    monkeypatch.setattr("stickslip.gap.explanations.pairs.ENOUGH", -1e9)
     stem = fitted(problem, "stiction", "valve", S=3.0, J=1.2)
     paired(problem, [stem], [effect("stiction"), effect("valve_gain")], False, unmeasured_load(problem, 0.0))
     assert asked == []

@@ -2,9 +2,8 @@
 
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
-
-from gap.linearised.gains import FORGOTTEN, Linear, gains
-from gap.linearised.kalman import gain, noise, predicted
+from stickslip.gap.linearised.gains import FORGOTTEN, Linear, gains
+from stickslip.gap.linearised.kalman import gain, noise, predicted
 
 RNG = np.random.default_rng(3)
 A = np.array([[-0.5, 0.3], [0.0, -0.05]])

@@ -1,10 +1,9 @@
 """Effects that are a lag: the model's own where it has one, one more where it has none."""
 
 import pytest
-
-from blocks import IdealValve, LeadLag, Sensor
-from diagram import Diagram, wire
-from gap.effects import effect
+from stickslip.blocks import IdealValve, LeadLag, Sensor
+from stickslip.diagram import Diagram, wire
+from stickslip.gap.effects import effect
 
 
 def path(positioner: float, element: float) -> Diagram:

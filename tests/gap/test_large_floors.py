@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import stickslip.gap.linearised.filtered as filtered
+import stickslip.gap.linearised.usual as usual
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.fits.search import Candidate
+from stickslip.gap.fits.sensitivity import promised, smallest
+from stickslip.gap.floors.floor import Floor, scored
+from stickslip.gap.floors.problem import Problem
+from stickslip.gap.linearised.usual import _placed
 
-import gap.linearised.filtered as filtered
-import gap.linearised.usual as usual
 from benchmarks.gap.plant import MODELS, PlantRun
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.fits.search import Candidate
-from gap.fits.sensitivity import promised, smallest
-from gap.floors.floor import Floor, scored
-from gap.floors.problem import Problem
-from gap.linearised.usual import _placed
 
 SECTION = MODELS["separator_section"][0]
 

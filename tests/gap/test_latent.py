@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from blocks import Staircase
-from cases.models import ideal_flow, level_loop, site_flow
-from diagram import simulate
-from gap import GapError, diagnose, latent_input
-from gap.answers.report import GapReport, Where
-from gap.effects import effect
-from logs import Log
+from stickslip.blocks import Staircase
+from stickslip.cases.models import ideal_flow, level_loop, site_flow
+from stickslip.diagram import simulate
+from stickslip.gap import GapError, diagnose, latent_input
+from stickslip.gap.answers.report import GapReport, Where
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
 
 
 def report_at(model, place, signals=()):

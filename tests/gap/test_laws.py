@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from gap.filters.laws import CURVED, SLOW, STOPS, blurred, through, within
+from stickslip.gap.filters.laws import CURVED, SLOW, STOPS, blurred, through, within
 
 
 def test_an_opening_that_is_known_goes_through_the_law_as_it_is():

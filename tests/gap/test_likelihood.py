@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
+from stickslip.blocks import Staircase
+from stickslip.cases.models import level_loop, second_order_flow, site_flow
+from stickslip.diagram import Diagram, simulate
+from stickslip.diagram.inputs import close
+from stickslip.gap.filters.diagnosing import filtering_of
+from stickslip.gap.filters.filtering import Explanation
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.switches import with_switches
+from stickslip.gap.records.model import read
+from stickslip.logs import Log
 
-from blocks import Staircase
-from cases.models import level_loop, second_order_flow, site_flow
-from diagram import Diagram, simulate
-from diagram.inputs import close
-from gap.filters.diagnosing import filtering_of
-from gap.filters.filtering import Explanation
-from gap.likelihood.frame import Frame
-from gap.likelihood.hypothesis import Hypothesis
-from gap.likelihood.switches import with_switches
-from gap.records.model import read
-from logs import Log
 from tests.gap.root_tank import framed, logged, tank
 
 STEADY = 120  # rows after which a filter has forgotten how it began

@@ -1,9 +1,9 @@
 """What the one likelihood finds in a loop that no exact filter has: nonlinear, scanned and continuous."""
 
 import pytest
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
 
-from gap import diagnose
-from gap.effects import effect
 from tests.gap.root_tank import logged, tank
 
 STATED = {"sd": 0.018, "time": 45.0, "noise": 0.003}  # wrong by 1.8, 2.2 and 1.3: a plant's load is not known better

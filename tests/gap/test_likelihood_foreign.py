@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from stickslip.gap import diagnose
+from stickslip.gap.likelihood.diagnosing import frame_of, when_switched
+from stickslip.gap.likelihood.frame import Frame
+from stickslip.gap.likelihood.hypothesis import Hypothesis
+from stickslip.gap.likelihood.search import model_alone
+from stickslip.gap.records.model import read
+from stickslip.logs import Log
 
 from benchmarks.foreign import trial
-from gap import diagnose
-from gap.likelihood.diagnosing import frame_of, when_switched
-from gap.likelihood.frame import Frame
-from gap.likelihood.hypothesis import Hypothesis
-from gap.likelihood.search import model_alone
-from gap.records.model import read
-from logs import Log
 
 
 def without_gap(plant: str) -> tuple[trial.Wired, Log]:

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, FirstOrder, IdealValve, Noise, SampledSensor, Sum
-from diagram import simulate, wire
-from gap import diagnose
-from gap.effects import effect
-from logs import Log
+from stickslip.blocks import PI, FirstOrder, IdealValve, Noise, SampledSensor, Sum
+from stickslip.diagram import simulate, wire
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
 
 T = np.arange(0.0, 1800.0, 4.0)
 SP = np.repeat([0.5, 0.6, 0.45], 150)

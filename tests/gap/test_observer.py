@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 from scipy.linalg import expm
-
-from blocks import FirstOrder
-from diagram import drive, wire
-from gap.linearised.between import bends
-from gap.linearised.observer import observer, phis
+from stickslip.blocks import FirstOrder
+from stickslip.diagram import drive, wire
+from stickslip.gap.linearised.between import bends
+from stickslip.gap.linearised.observer import observer, phis
 
 
 def run(made, u, y, start, dt, **params):
@@ -56,8 +55,8 @@ def test_parameters_differ_from_run_to_run():
 
 
 def test_a_process_that_bends_follows_its_simulation():
-    from diagram.changes import part
-    from plant.build import turbine_and_shaft  # speed follows torque over speed
+    from stickslip.diagram.changes import part
+    from stickslip.plant.build import turbine_and_shaft  # speed follows torque over speed
 
     whole = turbine_and_shaft()
     piece = part(whole, ["shaft"], "shaft")

@@ -1,15 +1,14 @@
 """A pair of which one effect is not there is one effect, with the sizes that the pair has found."""
 
 import pytest
-
-from cases.models import ideal_flow
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.candidates import candidates
-from gap.explanations.joint import apart
-from gap.explanations.one_of_pair import enough_alone
-from gap.fits.search import best_of
-from gap.fits.together import marked, together
+from stickslip.cases.models import ideal_flow
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.candidates import candidates
+from stickslip.gap.explanations.joint import apart
+from stickslip.gap.explanations.one_of_pair import enough_alone
+from stickslip.gap.fits.search import best_of
+from stickslip.gap.fits.together import marked, together
 
 S, J, WRONG = 4.0, 1.5, 4.4  # what is there, and an S that a search had ended at
 STEM = ("stiction", "valve", {"S": S, "J": J})

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, FirstOrder, IdealValve, QuasiStaticStem, SampledSensor, Square, StickSlip, StribeckStem
-from diagram import simulate, wire
-from gap.diagnosis import diagnose, prepared
-from gap.effects import effect
-from gap.floors.floor import FORETOLD, MECHANICAL
-from logs import Log
+from stickslip.blocks import PI, FirstOrder, IdealValve, QuasiStaticStem, SampledSensor, Square, StickSlip, StribeckStem
+from stickslip.diagram import simulate, wire
+from stickslip.gap.diagnosis import diagnose, prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.floors.floor import FORETOLD, MECHANICAL
+from stickslip.logs import Log
 
 F_S, F_C, SPRING = 2250.0, 1250.0, 52500.0  # [N], [N], [N/travel]: StickSlip's own
 S, J = 100.0 * (F_S + F_C) / SPRING, 100.0 * (F_S - F_C) / SPRING  # analytic [% OP]: 6.67 and 1.90

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from gap.page import page
+from stickslip.gap.page import page
 
 
 def test_the_page_is_up_to_date():
     written = (Path(__file__).parents[2] / "docs" / "effects.md").read_text()
-    assert written == page(), "python -m gap.page > docs/effects.md"
+    assert written == page(), "python -m stickslip.gap.page > docs/effects.md"

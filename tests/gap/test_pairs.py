@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import diagnose
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.candidates import candidates, ranked
+from stickslip.gap.explanations.proposals import proposed
+from stickslip.gap.fits.search import near_neutral
+from stickslip.gap.fits.together import together
+from stickslip.gap.records.offsets import held
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import ideal_flow
-from gap import diagnose
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.candidates import candidates, ranked
-from gap.explanations.proposals import proposed
-from gap.fits.search import near_neutral
-from gap.fits.together import together
-from gap.records.offsets import held
-from logs import Log
 
 NAMES = ("dead_time", "second_lag", "process_gain", "controller_gain", "sensor_bias", "process_time_constant")
 FEW = [effect(name) for name in NAMES]

@@ -1,13 +1,12 @@
 """Two effects of which one is found by a search of its own: a limit, a plan, a stem, noise."""
 
 import pytest
-
-from cases.models import ideal_flow
-from gap import diagnose
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.beside_noise import beside_noise
-from gap.explanations.candidates import candidates, ranked
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import diagnose
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.beside_noise import beside_noise
+from stickslip.gap.explanations.candidates import candidates, ranked
 
 # what is put in: two effects, each (name, place, sizes); and what else is in the catalogue
 CASES = {

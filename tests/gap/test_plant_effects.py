@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from blocks import FlowResistance, IdealValve
-from diagram import simulate, wire
-from gap.effects import CATALOGUE, effect
-from gap.effects.horizontal_separator import cylinder
-from gap.insertion.effect import EffectError
-from plant import kicked, production_plant
+from stickslip.blocks import FlowResistance, IdealValve
+from stickslip.diagram import simulate, wire
+from stickslip.gap.effects import CATALOGUE, effect
+from stickslip.gap.effects.horizontal_separator import cylinder
+from stickslip.gap.insertion.effect import EffectError
+from stickslip.plant import kicked, production_plant
 
 PLANT = production_plant()
 TYPICAL = {
@@ -62,7 +61,7 @@ def test_the_plant_runs_with_it_and_feels_it(name, base):
 
 
 def test_nothing_of_the_plant_is_in_a_flow_loop():
-    from cases.models import ideal_flow
+    from stickslip.cases.models import ideal_flow
 
     assert all(effect(name).places(ideal_flow()) == () for name in TYPICAL)
 

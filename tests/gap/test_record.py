@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from gap.fits.scans import read_off
-from gap.insertion.straightness import sloping
-from gap.records.record import rounding
+from stickslip.gap.fits.scans import read_off
+from stickslip.gap.insertion.straightness import sloping
+from stickslip.gap.records.record import rounding
 
 
 @given(st.sampled_from([1e-6, 1e-3, 0.0015, 0.02, 0.25, 5.0]), st.integers(0, 1000))

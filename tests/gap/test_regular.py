@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from cases.models import site_flow
-from gap.records.model import read
-from gap.records.record import GapError
-from gap.records.regular import with_inputs_held, with_rows_filled
-from logs import Log
+from stickslip.cases.models import site_flow
+from stickslip.gap.records.model import read
+from stickslip.gap.records.record import GapError
+from stickslip.gap.records.regular import with_inputs_held, with_rows_filled
+from stickslip.logs import Log
 
 
 def test_a_set_point_kept_at_its_changes_is_held_in_between(site_record):

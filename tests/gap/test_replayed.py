@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import GapError, replayed
+from stickslip.gap.answers.report import Cause, GapReport, Shrinkage, Size, Where
 
-from cases.models import ideal_flow
-from gap import GapError, replayed
-from gap.answers.report import Cause, GapReport, Shrinkage, Size, Where
 from tests.gap.test_latent import moved, report_at
 
 SHRINKS = Shrinkage(before=10.0, after=2.0, floor=1.0, fraction=0.87, low=0.84, high=0.9)

@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
+from stickslip.cases.models import site_flow
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.gap.filters.checks import known_of
+from stickslip.gap.filters.constant import modulated, stretches
+from stickslip.gap.filters.diagnosing import LIMIT, filtering_of, rival, worst
+from stickslip.gap.filters.explaining import coarse, followed, settled
+from stickslip.gap.filters.filtering import Explanation
+from stickslip.gap.filters.growing import growing
+from stickslip.gap.filters.rivals import beside
+from stickslip.gap.records.model import Nuisance, read
 
-from cases.models import site_flow
-from gap import diagnose
-from gap.effects import effect
-from gap.filters.checks import known_of
-from gap.filters.constant import modulated, stretches
-from gap.filters.diagnosing import LIMIT, filtering_of, rival, worst
-from gap.filters.explaining import coarse, followed, settled
-from gap.filters.filtering import Explanation
-from gap.filters.growing import growing
-from gap.filters.rivals import beside
-from gap.records.model import Nuisance, read
 from tests.gap.outside_loops import KINDS, site_log
 
 FEW = ("step_disturbance", "sine_disturbance", "sensor_drift", "sensor_noise", "process_gain", "second_lag")

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, FirstOrder, IdealValve, SampledSensor
-from cases.models import ideal_flow, site_flow
-from diagram import ensemble, wire
-from gap.diagnosis import diagnose, prepared
-from gap.effects import effect
-from gap.records.model import read
-from logs import Log
+from stickslip.blocks import PI, FirstOrder, IdealValve, SampledSensor
+from stickslip.cases.models import ideal_flow, site_flow
+from stickslip.diagram import ensemble, wire
+from stickslip.gap.diagnosis import diagnose, prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.records.model import read
+from stickslip.logs import Log
 
 NOISE = 0.004
 ONES = [effect(name) for name in ("scan_time", "controller_gain", "controller_filter", "sensor_lag", "dead_time")]

@@ -1,11 +1,10 @@
 """Spans by which sizes of effects are measured: stated ones, and what becomes of them on their way (all analytic)."""
 
 import pytest
-
-from blocks import FirstOrder, Gain, IdealValve, LeadLag, Lookup1D, SampledPI, SampledSensor, Sum
-from diagram import Diagram, wire
-from gap.effects import Deadband, Stiction
-from gap.insertion.scales import ends, span
+from stickslip.blocks import FirstOrder, Gain, IdealValve, LeadLag, Lookup1D, SampledPI, SampledSensor, Sum
+from stickslip.diagram import Diagram, wire
+from stickslip.gap.effects import Deadband, Stiction
+from stickslip.gap.insertion.scales import ends, span
 
 
 def in_percent(*between: object, valve: str = "p") -> Diagram:

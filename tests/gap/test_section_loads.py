@@ -1,12 +1,12 @@
 """Loads at the feed of a separator section, which nobody measures, beside a feed that swings by itself."""
 
 import pytest
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.fits.loads import fitted_load
+from stickslip.gap.fits.search import Candidate
 
 from benchmarks.gap.plant import MODELS, PlantRun
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.fits.loads import fitted_load
-from gap.fits.search import Candidate
 
 
 @pytest.mark.parametrize(

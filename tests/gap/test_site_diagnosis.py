@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
-from cases.models import ideal_flow, level_cascade, level_loop, second_order_flow, site_flow
-from gap import diagnose
-from gap.effects import effect
-from gap.filters.diagnosing import filtering_of
-from gap.records.model import read
-from logs import Log
+from stickslip.cases.models import ideal_flow, level_cascade, level_loop, second_order_flow, site_flow
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.gap.filters.diagnosing import filtering_of
+from stickslip.gap.records.model import read
+from stickslip.logs import Log
 
 LEVEL = {"loop": level_loop, "middle": 0.5, "reach": 0.1, "digit": 0.0005}
 

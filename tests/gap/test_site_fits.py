@@ -5,18 +5,18 @@ Records are of the house's own loop as a site logs it; every expected size is th
 
 import numpy as np
 import pytest
+from stickslip.cases.models import level_cascade, site_flow
+from stickslip.gap import calibrated, diagnose
+from stickslip.gap.effects import effect
+from stickslip.gap.filters.diagnosing import filtering_of
+from stickslip.gap.filters.explaining import settled
+from stickslip.gap.filters.filtering import Explanation
+from stickslip.gap.filters.hysteresis import looked_at
+from stickslip.gap.filters.logged_stem import logged_stem
+from stickslip.gap.records.model import read
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import level_cascade, site_flow
-from gap import calibrated, diagnose
-from gap.effects import effect
-from gap.filters.diagnosing import filtering_of
-from gap.filters.explaining import settled
-from gap.filters.filtering import Explanation
-from gap.filters.hysteresis import looked_at
-from gap.filters.logged_stem import logged_stem
-from gap.records.model import read
-from logs import Log
 
 
 def known(*names):

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 from scipy.stats import norm
+from stickslip.cases.models import site_flow
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.gap.filters.diagnosing import TIE, filtering_of, outcome
+from stickslip.gap.records.model import read
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import site_flow
-from gap import diagnose
-from gap.effects import effect
-from gap.filters.diagnosing import TIE, filtering_of, outcome
-from gap.records.model import read
-from logs import Log
 
 
 def known(*names):

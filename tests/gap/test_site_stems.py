@@ -2,16 +2,15 @@
 
 import numpy as np
 import pytest
-
-from cases.models import level_cascade, site_flow
-from diagram import ensemble
-from gap import diagnose
-from gap.effects import effect
-from gap.filters.diagnosing import filtering_of, worst
-from gap.filters.filtering import Explanation
-from gap.filters.hysteresis import MANY, NOTHING, Bank, banked, left
-from gap.records.model import read
-from logs import Log
+from stickslip.cases.models import level_cascade, site_flow
+from stickslip.diagram import ensemble
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.gap.filters.diagnosing import filtering_of, worst
+from stickslip.gap.filters.filtering import Explanation
+from stickslip.gap.filters.hysteresis import MANY, NOTHING, Bank, banked, left
+from stickslip.gap.records.model import read
+from stickslip.logs import Log
 
 STEPS = {"L": 0.0005, "SP": 0.001, "PV": 0.0005, "OP": 0.001}
 

@@ -1,12 +1,12 @@
 """A stem beside an effect of which the first part of a record feels one size only."""
 
-from cases.models import ideal_flow
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.candidates import candidates
-from gap.explanations.stem_beside import stem_beside
-from gap.fits.hidden import first_part_of
-from gap.fits.search import best_of
+from stickslip.cases.models import ideal_flow
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.candidates import candidates
+from stickslip.gap.explanations.stem_beside import stem_beside
+from stickslip.gap.fits.hidden import first_part_of
+from stickslip.gap.fits.search import best_of
 
 
 def test_a_limit_that_op_meets_late_only_does_not_end_the_search(recorded):

@@ -2,21 +2,21 @@
 
 import numpy as np
 import pytest
+from stickslip.cases.models import ideal_flow
+from stickslip.diagram import ensemble
+from stickslip.gap.diagnosis import diagnose, prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.candidates import candidates, ranked
+from stickslip.gap.explanations.nesting import one_of_nested
+from stickslip.gap.fits.adequacy import adequate, complete
+from stickslip.gap.fits.hidden import fitted_hidden
+from stickslip.gap.floors.floor import MECHANICAL
+from stickslip.gap.floors.modes import CHARGE
+from stickslip.gap.records.offsets import offsets
+from stickslip.gap.telling.words import abnormal_segment
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import ideal_flow
-from diagram import ensemble
-from gap.diagnosis import diagnose, prepared
-from gap.effects import effect
-from gap.explanations.candidates import candidates, ranked
-from gap.explanations.nesting import one_of_nested
-from gap.fits.adequacy import adequate, complete
-from gap.fits.hidden import fitted_hidden
-from gap.floors.floor import MECHANICAL
-from gap.floors.modes import CHARGE
-from gap.records.offsets import offsets
-from gap.telling.words import abnormal_segment
-from logs import Log
 
 STEMS = [effect("stiction"), effect("deadband")]
 

@@ -1,12 +1,12 @@
 """A stem that sticks, or plays, beside another effect: both are named, and which of the two the stem is."""
 
 import pytest
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
 
 from benchmarks.gap.generator import record
-from cases.models import ideal_flow
-from gap import diagnose
-from gap.effects import effect
-from logs import Log
 
 
 def named(effects, seed, catalogue):

@@ -1,10 +1,9 @@
 """Structural isolability: which logged signals feel an effect follows from the wiring (analytic)."""
 
 import pytest
-
-from cases.models import ideal_flow, level_cascade
-from gap.effects import effect
-from gap.telling.structure import by_wiring, felt, structure
+from stickslip.cases.models import ideal_flow, level_cascade
+from stickslip.gap.effects import effect
+from stickslip.gap.telling.structure import by_wiring, felt, structure
 
 CASCADE = {"SP_L", "L", "SP", "PV", "OP"}
 SHOWN = [

@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-
-from blocks import FirstOrder, IdealValve, Noise, SampledPI, SampledSensor, Sum
-from diagram import ensemble, wire
-from gap import diagnose
-from gap.effects import effect
-from gap.filters.diagnosing import filtering_of
-from gap.filters.summed import with_outputs
-from gap.records.model import read, silenced
-from logs import Log
+from stickslip.blocks import FirstOrder, IdealValve, Noise, SampledPI, SampledSensor, Sum
+from stickslip.diagram import ensemble, wire
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.gap.filters.diagnosing import filtering_of
+from stickslip.gap.filters.summed import with_outputs
+from stickslip.gap.records.model import read, silenced
+from stickslip.logs import Log
 
 T = np.arange(0.0, 10801.0, 10.0)
 INPUTS = {

@@ -1,9 +1,8 @@
 """Stated probabilities: what effects outside every catalogue make of them."""
 
 import pytest
-
-from gap.answers.evidence import Evidence
-from gap.answers.sureness import BENCHMARK, MISTAKEN, OUTSIDE, PRIOR, RECALLED, Sureness
+from stickslip.gap.answers.evidence import Evidence
+from stickslip.gap.answers.sureness import BENCHMARK, MISTAKEN, OUTSIDE, PRIOR, RECALLED, Sureness
 
 KINDS = sorted(kind for kind in BENCHMARK if kind.startswith("filter, "))
 

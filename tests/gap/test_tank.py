@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from blocks import PI, Equations, IdealValve, Noise, Sum
-from diagram import ensemble, wire
-from gap import diagnose
-from gap.effects import effect
-from logs import Log
+from stickslip.blocks import PI, Equations, IdealValve, Noise, Sum
+from stickslip.diagram import ensemble, wire
+from stickslip.gap import diagnose
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
 
 FEW = [effect(name) for name in ("positioner_lag", "valve_gain", "sensor_lag", "second_lag", "sensor_bias")]
 

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from blocks import Noise
-from cases.models import ideal_flow
-from gap import diagnose
-from gap.diagnosis import prepared
-from gap.effects import effect
-from gap.explanations.unmeasured import forgotten, octaves, unmeasured_load
-from gap.fits.adequacy import needed
+from stickslip.blocks import Noise
+from stickslip.cases.models import ideal_flow
+from stickslip.gap import diagnose
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.gap.explanations.unmeasured import forgotten, octaves, unmeasured_load
+from stickslip.gap.fits.adequacy import needed
 
 SD, TIME = 0.006, 120.0  # of the load that the model lacks: standard deviation, correlation time [s]
 FEW = [effect(name) for name in ("sensor_bias", "process_gain", "dead_time", "controller_gain", "sine_disturbance")]

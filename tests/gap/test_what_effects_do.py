@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from stickslip.blocks import Constant, FirstOrder, Recorded, SampledPI, Staircase, Sum
+from stickslip.cases.models import cascaded_tanks, ideal_flow, site_flow
+from stickslip.diagram import simulate, wire
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
+from stickslip.logs.dirt import swinging_door_kept
 
-from blocks import Constant, FirstOrder, Recorded, SampledPI, Staircase, Sum
-from cases.models import cascaded_tanks, ideal_flow, site_flow
-from diagram import simulate, wire
-from gap.effects import effect
-from logs import Log
-from logs.dirt import swinging_door_kept
 from tests.gap.effect_loops import EXACT, LOGGED, SIZES, T, put, quiet, run
 
 

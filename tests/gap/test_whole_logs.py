@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from blocks import Staircase
-from cases.models import ideal_flow
-from diagram import simulate
-from gap import diagnose
-from gap.diagnosis import prepared
-from gap.effects import effect
-from logs import Log
+from stickslip.blocks import Staircase
+from stickslip.cases.models import ideal_flow
+from stickslip.diagram import simulate
+from stickslip.gap import diagnose
+from stickslip.gap.diagnosis import prepared
+from stickslip.gap.effects import effect
+from stickslip.logs import Log
 
 LEVELS, DWELL = (1.2, 1.6, 1.4), 240.0  # [unit of PV], [s]
 EVERY_SIGNAL = ("SP", "OP", "MV", "load", "F", "y", "noise", "PV")

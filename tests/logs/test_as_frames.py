@@ -4,9 +4,8 @@ import sys
 
 import numpy as np
 import pytest
-
-from logs import Log
-from logs.notebook import ROWS
+from stickslip.logs import Log
+from stickslip.logs.notebook import ROWS
 
 LOG = Log(t=[0.0, 1.0, 2.5], signals={"OP": [50, 51, 52], "PV": [4, float("nan"), 5]}, units={"OP": "%"})
 

@@ -7,9 +7,8 @@ import zipfile
 from datetime import datetime
 
 import pytest
-
-from logs import LogError, LoopRecord, ReadError, read_log, read_loop, read_loops
-from logs.files.form import Form
+from stickslip.logs import LogError, LoopRecord, ReadError, read_log, read_loop, read_loops
+from stickslip.logs.files.form import Form
 
 
 def zipped(*names: str) -> bytes:

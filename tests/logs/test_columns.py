@@ -1,11 +1,10 @@
 """Column names of the usual systems."""
 
 import pytest
-
-from logs import ReadError, read_log, read_loop
-from logs.files.columns import choose_columns
-from logs.files.grouping import Columns, loop_names
-from logs.files.names import role_of
+from stickslip.logs import ReadError, read_log, read_loop
+from stickslip.logs.files.columns import choose_columns
+from stickslip.logs.files.grouping import Columns, loop_names
+from stickslip.logs.files.names import role_of
 
 NAMES = {
     "SP": ("FIC211.SP", "FIC211.PIDA.SP", "PID1/SP.CV", "FIC-211 Sp", "12-FIC-211_SP", "SetPoint", "LIC7 setpoint",

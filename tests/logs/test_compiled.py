@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from cases.stories import EXPORTS
-from logs.compiled import own_folder
+from stickslip.cases.stories import EXPORTS
+from stickslip.logs.compiled import own_folder
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -48,8 +47,8 @@ def kept_in(home):
 def test_the_engine_finds_a_place(sealed):
     home, run = sealed
     code = (
-        "import plant;"
-        "from blocks import FirstOrder; from engine.call import address;"
+        "from stickslip import plant;"
+        "from stickslip.blocks import FirstOrder; from stickslip.engine.call import address;"
         "address(FirstOrder(1.0, 1.0).kernels.out)"
     )
     done = run("-c", code)

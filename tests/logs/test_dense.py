@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from stickslip.detect.figures.loop_trend import plot_trend
+from stickslip.logs import LoopRecord
 
-from detect.figures.loop_trend import plot_trend
-from logs import LoopRecord
-from stickslip.report.page import figure_to_svg
+from stickslip.commands.report.page import figure_to_svg
 
 
 @pytest.mark.parametrize(("period", "bands"), [(60.0, 2), (40_000.0, 0)])

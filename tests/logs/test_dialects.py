@@ -4,8 +4,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
-
-from logs import read_log, read_loop
+from stickslip.logs import read_log, read_loop
 
 PV = [4.5, 4.25, 4.0]
 OP = [50.0, 50.5, 51.25]
@@ -166,7 +165,7 @@ def test_end_of_summer_time_is_undone(write):
 
 
 def test_a_number_that_steps_back_an_hour_is_no_clock_change(write):
-    from logs import ReadError
+    from stickslip.logs import ReadError
 
     with pytest.raises(ReadError, match="earlier"):
         read_loop(write("time,PV,OP\n0,1,50\n10,2,50\n20,3,50\n-3570,4,50\n-3560,5,50\n"))

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from logs import Log, LogError
-from logs.dirt import bad_states, drop_out, jitter_time, quantise, swinging_door, swinging_door_kept
+from stickslip.logs import Log, LogError
+from stickslip.logs.dirt import bad_states, drop_out, jitter_time, quantise, swinging_door, swinging_door_kept
 
 N = 400
 

@@ -4,8 +4,7 @@ from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
-
-from logs import Log, ReadError, read_log, read_loop
+from stickslip.logs import Log, ReadError, read_log, read_loop
 
 N = 12
 START = datetime(2024, 10, 13, 21, 55)

@@ -5,8 +5,7 @@ from datetime import UTC, datetime
 import numpy as np
 import polars as pl
 import pytest
-
-from logs import ReadError, read_log, read_loop
+from stickslip.logs import ReadError, read_log, read_loop
 
 N = 40
 PV, OP = 4.0 + np.sin(np.arange(N) / 3.0), 50.0 + np.arange(N) % 7

@@ -3,8 +3,7 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from logs import LoopRecord, ReadError, read_log, read_loop
+from stickslip.logs import LoopRecord, ReadError, read_log, read_loop
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")
 
@@ -89,7 +88,7 @@ def test_any_bytes(raw, tmp_path_factory):
 @settings(max_examples=100)
 @given(cut=st.integers(0, 3000), flip=st.integers(0, 3000))
 def test_damaged_parquet(cut, flip, tmp_path_factory):
-    from logs import Log
+    from stickslip.logs import Log
 
     path = tmp_path_factory.getbasetemp() / "fuzz.parquet"
     Log(t=range(20), signals={"PV": range(20), "OP": range(20)}).to_parquet(path)

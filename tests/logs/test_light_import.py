@@ -24,7 +24,9 @@ def test_nothing_of_the_house_is_imported():
     for file in files:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom):
-                names = [node.module or ""] if node.module != "stickslip" else [f"stickslip.{a.name}" for a in node.names]
+                names = (
+                    [node.module or ""] if node.module != "stickslip" else [f"stickslip.{a.name}" for a in node.names]
+                )
             elif isinstance(node, ast.Import):
                 names = [alias.name for alias in node.names]
             else:

@@ -5,8 +5,7 @@ from datetime import datetime
 
 import numpy as np
 import pytest
-
-from logs import Log, LogError, LoopSignals
+from stickslip.logs import Log, LogError, LoopSignals
 
 
 def small() -> Log:

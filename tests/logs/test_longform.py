@@ -1,8 +1,7 @@
 """Long tables: one row a value."""
 
 import numpy as np
-
-from logs import read_log, read_loop
+from stickslip.logs import read_log, read_loop
 
 
 def test_tags_reported_at_their_own_times(write):

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from logs import Log, LogError, LoopRecord
+from stickslip.logs import Log, LogError, LoopRecord
 
 N = 6
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from logs import Log, LogError, LoopSignals, ReadError, read_log, read_loop, read_loops
+from stickslip.logs import Log, LogError, LoopSignals, ReadError, read_log, read_loop, read_loops
 
 
 @pytest.fixture
@@ -105,8 +104,8 @@ def test_a_log_of_a_foreign_file_notes_the_loops_that_its_tags_tell(tmp_path):
 
 
 def test_simulation_notes_them():
-    from diagram import ensemble, simulate
-    from plant import production_plant
+    from stickslip.diagram import ensemble, simulate
+    from stickslip.plant import production_plant
 
     plant = production_plant()
     log = simulate(plant, 2.0, every=1.0).log

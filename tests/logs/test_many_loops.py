@@ -4,8 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-
-from logs import Log, LoopSignals, read_log, read_loops
+from stickslip.logs import Log, LoopSignals, read_log, read_loops
 
 ROWS = 4
 LAYOUTS = ("wide", "stems", "quality", "strays", "long", "own")
@@ -74,7 +73,7 @@ def test_work_grows_with_the_number_of_loops(tmp_path, read, layout):
 
 
 def test_the_count_knows_linear_from_quadratic():
-    from logs import loop_signals
+    from stickslip.logs import loop_signals
 
     loops = {f"FC{i}": LoopSignals(f"p{i}", f"u{i}") for i in range(32)}
     signals = [name for loop in loops.values() for name in (loop.pv, loop.op)]

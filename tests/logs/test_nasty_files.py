@@ -8,8 +8,7 @@ import zipfile
 import numpy as np
 import polars as pl
 import pytest
-
-from logs import ReadError, read_loop
+from stickslip.logs import ReadError, read_loop
 
 N = 400
 T = np.arange(N)
@@ -97,7 +96,7 @@ def test_what_cannot_be_read_is_refused_with_the_reason(name, make, words, tmp_p
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with a name on this system")
 def test_a_pipe_that_nobody_fills_does_not_hold_up_a_scan(tmp_path):
-    from scan.sources import source_of
+    from stickslip.scan.sources import source_of
 
     (tmp_path / "FIC1.csv").write_text(TEXT)
     os.mkfifo(tmp_path / "FIC2.csv")

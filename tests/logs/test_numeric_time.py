@@ -4,8 +4,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-
-from logs import ReadError, read_log, read_loop
+from stickslip.logs import ReadError, read_log, read_loop
 
 N = 30
 START = datetime(2024, 6, 13, 21, 55)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from logs import ReadError, read_loop
-from logs.files.order import about_sampling, ordered_times
+from stickslip.logs import ReadError, read_loop
+from stickslip.logs.files.order import about_sampling, ordered_times
 
 
 def table(times) -> str:

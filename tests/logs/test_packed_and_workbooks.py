@@ -6,9 +6,8 @@ import zipfile
 from xml.sax.saxutils import escape
 
 import pytest
-
-from logs import ReadError, read_log, read_loop
-from logs.files.packed import unpacked
+from stickslip.logs import ReadError, read_log, read_loop
+from stickslip.logs.files.packed import unpacked
 
 ROWS = [["Trend of unit 3", None, None], ["Time", "FIC1.PV", "FIC1.OP"]] + [
     [45579.5 + 10 * i / 86400, 4.0 + 0.25 * (i % 5), 50.0 + 0.5 * (i % 3)] for i in range(30)

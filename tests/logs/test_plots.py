@@ -4,8 +4,7 @@ import io
 
 import numpy as np
 import pytest
-
-from logs import Log, LogError, LoopRecord
+from stickslip.logs import Log, LogError, LoopRecord
 
 
 def lines_of(axes):

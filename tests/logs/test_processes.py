@@ -9,12 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stickslip.logs.processes import one_thread, processes
 from threadpoolctl import threadpool_info, threadpool_limits
 
-import calibration
-import detect
-import gap
-from logs.processes import one_thread, processes
+from stickslip import calibration, detect, gap
 
 
 def threads() -> list[int]:

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from logs import read_log, read_loop
+from stickslip.logs import read_log, read_loop
 
 N = 20
 

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from logs import ReadError, read_loop, read_loops
+from stickslip.logs import ReadError, read_loop, read_loops
 
 TAGS = ("FIC101", "LIC202", "PIC303")
 
@@ -41,7 +40,7 @@ def test_columns_of_the_other_loops_are_not_called_unused(unit):
 
 
 def test_the_file_is_read_once(unit, monkeypatch):
-    from logs.files import read
+    from stickslip.logs.files import read
 
     asked = []
     monkeypatch.setattr(read, "file_bytes", lambda source, of=read.file_bytes: asked.append(source) or of(source))

@@ -4,8 +4,7 @@ import csv
 
 import numpy as np
 import pytest
-
-from logs import read_log, read_loop
+from stickslip.logs import read_log, read_loop
 
 
 def rows(folder):

@@ -7,8 +7,7 @@ import polars as pl
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from logs import Log, read_log, read_loop
+from stickslip.logs import Log, read_log, read_loop
 
 floats = st.floats(allow_nan=True, allow_infinity=True, width=64)
 names = st.text(st.characters(exclude_categories=["Cs", "Cc", "Zl", "Zp", "Zs"]), min_size=1, max_size=8).filter(

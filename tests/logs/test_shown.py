@@ -4,14 +4,13 @@ import base64
 import re
 
 import pytest
-
-from cases.stories import EXPORTS
-from detect import area_ratio, compare, diagnose, survey
-from diagram import simulate
-from diagram.ensembles import ensemble
-from diagram.linear import linearise
-from logs import read_loop
-from plant.loops import self_regulating_loop
+from stickslip.cases.stories import EXPORTS
+from stickslip.detect import area_ratio, compare, diagnose, survey
+from stickslip.diagram import simulate
+from stickslip.diagram.ensembles import ensemble
+from stickslip.diagram.linear import linearise
+from stickslip.logs import read_loop
+from stickslip.plant.loops import self_regulating_loop
 
 PNG = b"\x89PNG"
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from logs import read_loop
-from logs.spans import guess_op_span
-from logs.tags import measurement_of
+from stickslip.logs import read_loop
+from stickslip.logs.spans import guess_op_span
+from stickslip.logs.tags import measurement_of
 
 
 @pytest.mark.parametrize(

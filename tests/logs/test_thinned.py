@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from logs import Log
-from logs.thinned import thinned
+from stickslip.logs import Log
+from stickslip.logs.thinned import thinned
 
 
 @pytest.mark.parametrize("n", [10, 4_000, 4_001, 123_457])

@@ -5,8 +5,7 @@ import threading
 import time
 
 import pytest
-
-from logs.time_limit import time_limit
+from stickslip.logs.time_limit import time_limit
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGALRM"), reason="no alarms on this system")
 

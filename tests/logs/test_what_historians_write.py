@@ -4,8 +4,7 @@ from datetime import datetime, timedelta
 
 import numpy as np
 import pytest
-
-from logs import ReadError, read_loop, read_loops
+from stickslip.logs import ReadError, read_loop, read_loops
 
 N = 40
 DAY = datetime(2024, 5, 6, 7)

@@ -7,8 +7,7 @@ from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
-
-from logs import ReadError, read_loop, read_loops
+from stickslip.logs import ReadError, read_loop, read_loops
 
 N = 40
 PV = [round(4.0 + 0.1 * (i % 7), 1) for i in range(N)]

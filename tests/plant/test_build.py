@@ -5,20 +5,19 @@ from dataclasses import replace
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.he_valve import HeValve
-from blocks.kano_valve import KanoValve
-from blocks.ports import BlockError
-from blocks.quasi_static_stem import QuasiStaticStem
-from blocks.sampled_pi import SampledPI
-from blocks.sources import Constant, Step
-from blocks.tabulated_map import TabulatedMap
-from diagram import WiringError, simulate, wire
-from plant import SET_B, SETS, kicked, parts, production_plant, steady_state
-from plant.balances import contents, with_balances
-from plant.build import compressor_2, separator_1, turbine_and_shaft
-from plant.parts import VALVES
-from study import production_subject
+from stickslip.blocks.he_valve import HeValve
+from stickslip.blocks.kano_valve import KanoValve
+from stickslip.blocks.ports import BlockError
+from stickslip.blocks.quasi_static_stem import QuasiStaticStem
+from stickslip.blocks.sampled_pi import SampledPI
+from stickslip.blocks.sources import Constant, Step
+from stickslip.blocks.tabulated_map import TabulatedMap
+from stickslip.diagram import WiringError, simulate, wire
+from stickslip.plant import SET_B, SETS, kicked, parts, production_plant, steady_state
+from stickslip.plant.balances import contents, with_balances
+from stickslip.plant.build import compressor_2, separator_1, turbine_and_shaft
+from stickslip.plant.parts import VALVES
+from stickslip.study import production_subject
 
 READINGS = ("p_1", "V_1", "z_1", "p_2", "V_2", "p_in2", "p_out2", "p_in3", "p_out3", "m_2", "m_3", "w", "tau_d")
 
@@ -230,7 +229,7 @@ def test_parts_that_the_plant_has_not_are_refused(number):
 
 
 def test_the_plant_and_the_cases_have_the_same_parameters():
-    from cases.production import SET
+    from stickslip.cases.production import SET
 
     assert production_plant().params == production_plant(SET).params
     for build in (separator_1, compressor_2, turbine_and_shaft):

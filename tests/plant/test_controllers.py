@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 import pytest
-
-from plant import production_plant
-from plant.parameters import SET_B
+from stickslip.plant import production_plant
+from stickslip.plant.parameters import SET_B
 
 PLANT = production_plant("B")
 

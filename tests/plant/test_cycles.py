@@ -6,9 +6,9 @@ kick (half of these numbers were fitted there, so agreement is agreement of two 
 
 import numpy as np
 import pytest
+from stickslip.diagram import simulate
+from stickslip.plant import kicked, production_plant
 
-from diagram import simulate
-from plant import kicked, production_plant
 from tests.plant.oscillation import period_and_amplitude
 
 # (set, stiction): level T, A; p_1 T, A [bar]; p_out2 A [bar].

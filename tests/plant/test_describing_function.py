@@ -8,9 +8,9 @@ period, which therefore comes from the loop stepped by hand.
 import numpy as np
 import pytest
 from scipy.optimize import fsolve
+from stickslip.diagram import simulate
+from stickslip.plant import SETS, kicked, production_plant, steady_state
 
-from diagram import simulate
-from plant import SETS, kicked, production_plant, steady_state
 from tests.plant.oscillation import period_and_amplitude
 
 F_C, K_STEM = 1250.0, 52500.0

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from blocks.sources import Constant, Step
-from diagram import simulate
-from plant import SETS, InfeasibleFeed, feed, production_plant
+from stickslip.blocks.sources import Constant, Step
+from stickslip.diagram import simulate
+from stickslip.plant import SETS, InfeasibleFeed, feed, production_plant
 
 
 def value(blocks, t):

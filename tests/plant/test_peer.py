@@ -6,9 +6,8 @@ Smooth stretch: ideal valves, the kick of the tables, set point and feed constan
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-
-from diagram import simulate
-from plant import SETS, kicked, production_plant, steady_state
+from stickslip.diagram import simulate
+from stickslip.plant import SETS, kicked, production_plant, steady_state
 
 ORDER = (
     "S1.N_oil", "S1.N_metL", "S1.N_metG", "S2.N_oil", "S2.N_metL", "S2.N_metG",

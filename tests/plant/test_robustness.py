@@ -8,12 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from blocks.sources import Constant, Ramp, Step
-from cases.random_plants import draw, feasible, run, varied
-from diagram import simulate
-from engine.status import Status
-from plant import SET_B, InfeasibleFeed, kicked, production_plant, steady_state
+from stickslip.blocks.sources import Constant, Ramp, Step
+from stickslip.cases.random_plants import draw, feasible, run, varied
+from stickslip.diagram import simulate
+from stickslip.engine.status import Status
+from stickslip.plant import SET_B, InfeasibleFeed, kicked, production_plant, steady_state
 
 COUNT = 40
 

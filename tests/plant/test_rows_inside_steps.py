@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from blocks import Staircase
-from cases.plant_models import full_plant
-from diagram import simulate
-from gap.records.model import silenced
+from stickslip.blocks import Staircase
+from stickslip.cases.plant_models import full_plant
+from stickslip.diagram import simulate
+from stickslip.gap.records.model import silenced
 
 SIGNALS = ["tau_d", "p_in3", "p_1"]
 

@@ -4,10 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-
-from plant import SET_A, SET_B, SETS, InfeasibleFeed, steady_state
-from plant.parameters import Fluids
-from plant.rest import designed, separator_rest
+from stickslip.plant import SET_A, SET_B, SETS, InfeasibleFeed, steady_state
+from stickslip.plant.parameters import Fluids
+from stickslip.plant.rest import designed, separator_rest
 
 # Published beside the plant's description (notes 1.8), from a program of its own.
 COMMON = {

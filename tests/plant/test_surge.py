@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from blocks.sources import Ramp
-from diagram import WiringError, simulate
-from plant import SETS, kicked, production_plant
-from plant.build import compressor_2
-from plant.feed import trip
+from stickslip.blocks.sources import Ramp
+from stickslip.diagram import WiringError, simulate
+from stickslip.plant import SETS, kicked, production_plant
+from stickslip.plant.build import compressor_2
+from stickslip.plant.feed import trip
 
 
 def from_design(name):

@@ -5,11 +5,10 @@ from dataclasses import replace
 import control as ct
 import numpy as np
 import pytest
-
-from blocks.sources import Step
-from diagram import WiringError, simulate
-from plant import SET_B, InfeasibleFeed, kicked, production_plant
-from plant.build import turbine_and_shaft
+from stickslip.blocks.sources import Step
+from stickslip.diagram import WiringError, simulate
+from stickslip.plant import SET_B, InfeasibleFeed, kicked, production_plant
+from stickslip.plant.build import turbine_and_shaft
 
 READINGS = ("p_1", "V_1", "p_2", "p_in2", "p_out2", "m_2", "m_3", "w", "tau_d")
 

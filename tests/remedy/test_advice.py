@@ -5,16 +5,15 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks import GapPI, HeValve
-from diagram import simulate
-from logs import LoopRecord
-from remedy import FitError, fit, python_of, remedies
-from remedy.advice import SURE
-from remedy.example import sticky
-from remedy.measures import REMEDIES
-from remedy.measures.setting import Situation
-from remedy.trial import NOTHING, diagram_of, outcomes
+from stickslip.blocks import GapPI, HeValve
+from stickslip.diagram import simulate
+from stickslip.logs import LoopRecord
+from stickslip.remedy import FitError, fit, python_of, remedies
+from stickslip.remedy.advice import SURE
+from stickslip.remedy.example import sticky
+from stickslip.remedy.measures import REMEDIES
+from stickslip.remedy.measures.setting import Situation
+from stickslip.remedy.trial import NOTHING, diagram_of, outcomes
 
 
 @pytest.fixture(scope="module")

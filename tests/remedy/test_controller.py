@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-
-from blocks import PID, FirstOrder, Noise, SampledPI, SampledSensor, Step, Sum
-from diagram import drive, simulate, wire
-from remedy.controller import controller_of, limits_of
+from stickslip.blocks import PID, FirstOrder, Noise, SampledPI, SampledSensor, Step, Sum
+from stickslip.diagram import drive, simulate, wire
+from stickslip.remedy.controller import controller_of, limits_of
 
 FREE = (-math.inf, math.inf)
 

@@ -5,12 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from blocks import ChenValve, FirstOrder, HeValve, Integrator, Recorded
-from diagram import simulate, wire
-from remedy.example import sticky
-from remedy.process import Left, Loop, day_of, settled, start_noise, told
-from remedy.search import best_with, best_without, ensemble_of
+from stickslip.blocks import ChenValve, FirstOrder, HeValve, Integrator, Recorded
+from stickslip.diagram import simulate, wire
+from stickslip.remedy.example import sticky
+from stickslip.remedy.process import Left, Loop, day_of, settled, start_noise, told
+from stickslip.remedy.search import best_with, best_without, ensemble_of
 
 WIDE = {"low": -math.inf, "high": math.inf}
 

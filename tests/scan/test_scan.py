@@ -11,14 +11,13 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-
-from logs import ReadError
-from scan import ScanError, ScanResult, scan
-from scan.judge import judged, row_of
-from scan.loop_map import read_map
-from scan.sources import Job, source_of
-from scan.table import csv_bytes, ranked, table_of
-from scan.together import grouped, phasors
+from stickslip.logs import ReadError
+from stickslip.scan import ScanError, ScanResult, scan
+from stickslip.scan.judge import judged, row_of
+from stickslip.scan.loop_map import read_map
+from stickslip.scan.sources import Job, source_of
+from stickslip.scan.table import csv_bytes, ranked, table_of
+from stickslip.scan.together import grouped, phasors
 
 TAGS = ("FIC101", "LIC102", "PIC103", "TIC104")  # of conftest.py
 PLAIN = ["loop", "verdict", "period_s", "samples", "interval_s"]
@@ -75,7 +74,7 @@ def test_a_killed_scan_goes_on_to_the_same_bytes(forms, tmp_path) -> None:
     command = [
         sys.executable,
         "-c",
-        f"from scan import scan; scan({str(many)!r}, {str(tmp_path / 'cut')!r}, workers=1)",
+        f"from stickslip.scan import scan; scan({str(many)!r}, {str(tmp_path / 'cut')!r}, workers=1)",
     ]
     process = subprocess.Popen(command, env={**os.environ})
     parts = tmp_path / "cut" / "parts"
@@ -118,14 +117,14 @@ def test_one_bad_loop_stops_no_other(forms, tmp_path, monkeypatch) -> None:
 
 
 def test_a_fault_of_ours_is_a_row_too(forms, monkeypatch) -> None:
-    import scan.judge
+    import stickslip.scan.judge
 
     def broken(record):
         if record.name == "LIC102":
             raise ZeroDivisionError("planted")
         return row_of(record)
 
-    monkeypatch.setattr(scan.judge, "row_of", broken)
+    monkeypatch.setattr(stickslip.scan.judge, "row_of", broken)
     job = source_of(forms["wide"], Path("unused")).jobs[0]
     rows = judged(job, 3)
     assert [row["loop"] for row in rows] == list(TAGS)
@@ -134,14 +133,14 @@ def test_a_fault_of_ours_is_a_row_too(forms, monkeypatch) -> None:
 
 
 def test_a_loop_that_never_ends_is_given_up(forms, monkeypatch) -> None:
-    import scan.judge
+    import stickslip.scan.judge
 
     def endless(record):
         while True:
             time.sleep(0.01)
 
-    monkeypatch.setattr(scan.judge, "row_of", endless)
-    monkeypatch.setattr(scan.judge, "SECONDS_MAX", 1)
+    monkeypatch.setattr(stickslip.scan.judge, "row_of", endless)
+    monkeypatch.setattr(stickslip.scan.judge, "SECONDS_MAX", 1)
     job = source_of(forms["wide"], Path("unused")).jobs[0]
     rows = judged(replace(job, loops=job.loops[:1]), 0)
     assert rows[0]["error"] == "TimeoutError: the loop took more than 1 s"

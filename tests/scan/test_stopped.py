@@ -8,9 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-
-from cases.stories import EXPORTS
-from scan import scan
+from stickslip.cases.stories import EXPORTS
+from stickslip.scan import scan
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups on this system")
 

@@ -5,15 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from stickslip.detect.tag import judge_tag
+from stickslip.logs import LoopRecord, read_loop
+from stickslip.logs.tags import valve_in
+from stickslip.scan.judge import judged
+from stickslip.scan.sources import source_of
+from stickslip.scan.table import table_of
+from stickslip.scan.valves import records_at, with_valves
 
-from detect.tag import judge_tag
-from logs import LoopRecord, read_loop
-from logs.tags import valve_in
-from scan.judge import judged
-from scan.sources import source_of
-from scan.table import table_of
-from scan.valves import records_at, with_valves
-from stickslip.cli import cli
+from stickslip.commands.cli import cli
 
 N, EVERY, DAYS = 600, 5.0, 3
 
@@ -92,7 +92,7 @@ def test_a_valve_that_fails_keeps_the_rows_of_its_records(source, records, monke
     def broken(name, records):
         raise ZeroDivisionError("planted")
 
-    monkeypatch.setattr("scan.valves.row_of_valve", broken)
+    monkeypatch.setattr("stickslip.scan.valves.row_of_valve", broken)
     assert with_valves(source, records, 1).equals(records)
 
 

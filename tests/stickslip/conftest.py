@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from stickslip.cli import cli
+from stickslip.commands.cli import cli
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD = "time,SP,PV,OP\n" + "".join(f"{i},5,{4 + 0.1 * (i % 7):.1f},{50 + i % 5}\n" for i in range(100))

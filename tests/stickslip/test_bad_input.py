@@ -199,7 +199,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_any_work(call, tmp_pa
     def work(*_, **__):
         raise AssertionError("work began")
 
-    monkeypatch.setattr("study.run.as_subject", work)
+    monkeypatch.setattr("stickslip.study.run.as_subject", work)
     monkeypatch.setattr("stickslip.commands.study.subject_of", work)
     (tmp_path / "input.csv").write_text(GOOD)
     given = [tmp_path / "input.csv"] if place == "scan" else ["ideal_high", "--vary", "valve.F_s=1750,2250"]

@@ -5,10 +5,10 @@ import re
 from pathlib import Path
 
 import pytest
+from stickslip.blocks.block import Block
+from stickslip.blocks.ports import BlockError
 
-import blocks
-from blocks.block import Block
-from blocks.ports import BlockError
+from stickslip import blocks
 from stickslip.commands.blocks import BLOCKS, entries, find, markdown
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -131,7 +131,7 @@ def test_json_into_a_pipe(shell, good):
 
 def sticky_with_stem(tmp_path, exports, *, stem):
     """The sticky example as a table, with the stem under the valve's own tag."""
-    from logs import read_loop
+    from stickslip.logs import read_loop
 
     loop = read_loop(exports / "FIC101_pi_export.csv")
     held = loop.op.copy()
@@ -166,7 +166,7 @@ def test_time_unit_reaches_the_reader(call, tmp_path):
 def test_simulate_adds_what_loops_like_this_one_say(call, exports, monkeypatch):
     from functools import partial
 
-    import calibration
+    from stickslip import calibration
 
     monkeypatch.setattr(calibration, "at_record", partial(calibration.at_record, loops=120, workers=1))
     result = call("check", exports / "FIC101_pi_export.csv", "--simulate", "--json", "-")
@@ -187,8 +187,9 @@ def test_an_unsure_record_is_simulated_by_default(call, exports, monkeypatch, op
     from dataclasses import replace
     from functools import partial
 
-    import calibration
-    from calibration.by_simulation import together
+    from stickslip.calibration.by_simulation import together
+
+    from stickslip import calibration
     from stickslip.commands import one_loop
 
     plain = one_loop.diagnosed
@@ -210,7 +211,7 @@ def test_an_unsure_record_is_simulated_by_default(call, exports, monkeypatch, op
 def test_a_record_that_needs_no_simulation_is_not_simulated(verdict, p):
     from types import SimpleNamespace
 
-    from detect import Diagnosis
+    from stickslip.detect import Diagnosis
 
     def unsure(verdict, p):
         return Diagnosis.unsure.fget(SimpleNamespace(verdict=verdict, probability=p))

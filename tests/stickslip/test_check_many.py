@@ -3,14 +3,13 @@
 import json
 
 import pytest
-
-from detect.words import WORDS
+from stickslip.detect.words import WORDS
 
 
 @pytest.fixture(scope="module")
 def plant_file(tmp_path_factory):
-    from diagram import simulate
-    from plant import kicked, production_plant
+    from stickslip.diagram import simulate
+    from stickslip.plant import kicked, production_plant
 
     plant = kicked(production_plant(F_s="high", sticky=["VPCS1"]), 1.02, 1.03)
     log = simulate(plant, 1200.0, every=2.0, method="stiff").log.between(200.0, 1200.0)

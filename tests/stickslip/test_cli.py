@@ -7,10 +7,10 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from stickslip.engine.status import HINTS
 
 import stickslip
-from engine.status import HINTS
-from stickslip.cli import COMMANDS, cli
+from stickslip.commands.cli import COMMANDS, cli
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -129,7 +129,8 @@ def test_advice_that_says_how_to_integrate_works(call):
 
 
 def test_the_methods_named_here_are_the_engines():
-    from engine.run import METHODS as OF_ENGINE
+    from stickslip.engine.run import METHODS as OF_ENGINE
+
     from stickslip.commands.simulate import METHODS
 
     assert set(METHODS) == set(OF_ENGINE)

@@ -10,7 +10,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from stickslip.console import LONGEST_MESSAGE, Speaker, json_option, user_errors
+from stickslip.commands.console import LONGEST_MESSAGE, Speaker, json_option, user_errors
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 MODEL = """
-from cases.models import ideal_flow
+from stickslip.cases.models import ideal_flow
 
 
 def loop():
@@ -31,10 +31,10 @@ def written(tmp_path):
     """Write ten minutes of the ideal flow loop, measured with a bias."""
 
     def write(bias):
-        from cases.models import ideal_flow
-        from diagram import ensemble
-        from gap.effects import effect
-        from logs import Log
+        from stickslip.cases.models import ideal_flow
+        from stickslip.diagram import ensemble
+        from stickslip.gap.effects import effect
+        from stickslip.logs import Log
 
         t = np.arange(601.0)
         SP = np.where(t < 300.0, 1.5, 1.6)
@@ -90,7 +90,7 @@ def test_help_says_that_the_file_is_executed(call):
 
 
 def test_a_calibration_takes_the_minutes_that_are_given(call, written, model, monkeypatch):
-    import gap
+    from stickslip import gap
 
     asked = []
     monkeypatch.setattr(gap, "calibrated", lambda *_, seconds, **__: asked.append(seconds) or "")

@@ -13,7 +13,7 @@ pytest.importorskip("resource", reason="limits of memory are of Unix")
 from benchmarks.hostile import MODEL, faults_of_csv, faults_of_page, good_files, run, tried
 from benchmarks.hostile_files import files, mutated
 from benchmarks.hostile_text import INJECTIONS
-from stickslip.report.page import Section, page
+from stickslip.commands.report.page import Section, page
 
 COMMANDS = ("check", "valve", "gap", "scan")
 HEAVY = ("bomb", "million", "thousand million", "thirty thousand")  # through one command only: they take a second each

@@ -15,7 +15,7 @@ ROWS = 500_000
 SECONDS, MEGABYTES = 10.0, 500.0  # required
 PROGRAM = r"""
 import json, pathlib, re, resource, sys
-from stickslip.cli import cli
+from stickslip.commands.cli import cli
 
 try:
     cli.main(["check", sys.argv[1], "--json", sys.argv[2]], standalone_mode=False)

@@ -5,10 +5,10 @@ import time
 
 import polars as pl
 import pytest
+from stickslip.cases.stories import EXPORTS
+from stickslip.detect import diagnose
+from stickslip.logs import read_loop
 
-from cases.stories import EXPORTS
-from detect import diagnose
-from logs import read_loop
 from stickslip.commands.loop_page import loop_page
 from stickslip.commands.scan_page import file_names, scan_page
 from tests.stickslip.browser import browser, probed
@@ -64,8 +64,7 @@ def test_reports_on_other_loops_are_whole(name):
 
 def test_a_loop_that_cannot_be_judged_has_a_report():
     import numpy as np
-
-    from logs import LoopRecord
+    from stickslip.logs import LoopRecord
 
     t = np.arange(300.0)
     for pv in (0 * t + 4.0, np.full(300, np.nan)):
@@ -114,7 +113,7 @@ def test_it_prints(report, tmp_path):
 def scanned(tmp_path_factory):
     from click.testing import CliRunner
 
-    from stickslip.cli import cli
+    from stickslip.commands.cli import cli
 
     folder = tmp_path_factory.mktemp("scan")
     words = ["scan", str(EXPORTS), "--out", str(folder / "kept"), "--workers", "1", "--html", str(folder / "scan.html"),
@@ -152,8 +151,8 @@ def test_tags_are_text_and_their_files_stay_in_the_folder():
 
 
 def test_a_hostile_tag_runs_nothing():
-    from scan import ScanResult
-    from scan.table import ranked, table_of
+    from stickslip.scan import ScanResult
+    from stickslip.scan.table import ranked, table_of
 
     row = {"order": 0, "loop": "<script>alert(1)</script>", "verdict": "stiction", "probability": 0.9}
     html = scan_page(ScanResult(ranked(table_of([row])), "x"), "1 loop")
@@ -163,7 +162,7 @@ def test_a_hostile_tag_runs_nothing():
 def test_the_page_builder_knows_nothing_of_what_it_shows():
     from pathlib import Path
 
-    import stickslip.report
+    import stickslip.commands.report
 
     ours = {"stiction", "valve", "loop", "loops", "verdict", "stem", "detector", "study", "scan", "plant"}
     for file in Path(stickslip.report.__file__).parent.glob("*.py"):

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 OWN = """
-from blocks import FirstOrder, IdealValve, PI, Step
-from detect import Verdict
-from diagram import wire
+from stickslip.blocks import FirstOrder, IdealValve, PI, Step
+from stickslip.detect import Verdict
+from stickslip.diagram import wire
 
 
 def loop():
@@ -73,7 +73,7 @@ def test_a_case_of_ones_own_is_simulated_linearised_and_studied(call, own, tmp_p
         (["simulate", "nowhere.py:loop"], "there is no file 'nowhere.py'; give FILE.py:FUNCTION"),
         (["simulate", "{own}"], "give {own}:loop or {own}:detect or {own}:five or {own}:broken"),
         (["simulate", "{own}:lop"], "has no function 'lop'; did you mean 'loop'"),
-        (["simulate", "{own}:five"], "returned int; return diagram.wire([...]) or a cases.Case"),
+        (["simulate", "{own}:five"], "returned int; return stickslip.diagram.wire([...]) or a stickslip.cases.Case"),
         (["study", "{own}:broken"], "the function failed (RuntimeError: planted)"),
         (["table", "{own}:loop", "--method", "{own}:broken"], "failed on a record (RuntimeError: planted)"),
         (["table", "{own}:loop", "--method", "{own}:five"], "failed on a record (TypeError"),
@@ -106,7 +106,7 @@ def piped():
     """Run `stickslip check -` in this process with bytes on standard input."""
     from click.testing import CliRunner
 
-    from stickslip.cli import cli
+    from stickslip.commands.cli import cli
 
     def run(content, *arguments):
         return CliRunner().invoke(cli, ["check", *map(str, arguments)], input=content, catch_exceptions=False)

@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from stickslip.report.page import Section, page, table_to_html
+from stickslip.commands.report.page import Section, page, table_to_html
 from tests.stickslip.browser import browser
 
 
@@ -40,7 +40,7 @@ def read(text):
 def demo_page(tmp_path_factory):
     from click.testing import CliRunner
 
-    from stickslip.cli import cli
+    from stickslip.commands.cli import cli
 
     folder = tmp_path_factory.mktemp("demo")
     done = CliRunner().invoke(cli, ["demo", "--out", str(folder)], catch_exceptions=False)

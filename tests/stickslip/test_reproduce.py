@@ -6,19 +6,19 @@ import re
 from pathlib import Path
 
 import pytest
+from stickslip.cases.starts import Fresh
+from stickslip.cases.tables import Row
 
-from cases.starts import Fresh
-from cases.tables import Row
-from stickslip.cli import COMMANDS
 from stickslip.commands import reproduce
 from stickslip.commands.captions import CAPTIONS
+from stickslip.commands.cli import COMMANDS
 
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     from click.testing import CliRunner
 
-    from stickslip.cli import cli
+    from stickslip.commands.cli import cli
 
     folder = tmp_path_factory.mktemp("reproduce") / "pages"
     with pytest.MonkeyPatch.context() as patch:

@@ -3,10 +3,10 @@
 import re
 
 import polars as pl
+from stickslip.scan import ScanResult
+from stickslip.scan.changes import Change, changes
+from stickslip.scan.table import ranked, table_of
 
-from scan import ScanResult
-from scan.changes import Change, changes
-from scan.table import ranked, table_of
 from stickslip.commands.scan_page import scan_page
 
 

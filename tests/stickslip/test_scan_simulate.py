@@ -10,8 +10,8 @@ def plant(tmp_path):
     """Three loops, of which two can be judged."""
     from dataclasses import replace
 
-    from calibration import simulate
-    from calibration.drawing import one
+    from stickslip.calibration import simulate
+    from stickslip.calibration.drawing import one
 
     folder = tmp_path / "plant"
     folder.mkdir()
@@ -23,7 +23,7 @@ def plant(tmp_path):
 
 
 def test_the_first_are_simulated_and_kept(call, plant, tmp_path, monkeypatch):
-    import calibration
+    from stickslip import calibration
 
     whole = calibration.at_record
     asked = []

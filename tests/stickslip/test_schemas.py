@@ -26,7 +26,7 @@ def test_the_page_is_what_the_quick_commands_write(page):
 
 
 def test_every_command_and_every_schema_of_the_command_line_is_on_the_page(page):
-    from stickslip.cli import COMMANDS
+    from stickslip.commands.cli import COMMANDS
 
     text = page.PAGE.read_text()
     assert {line[0] for lines in page.LINES.values() for line in lines} == set(COMMANDS)

@@ -4,10 +4,10 @@ import json
 from dataclasses import replace
 
 import pytest
+from stickslip.engine.status import Status
+from stickslip.logs import read_log
 
-import diagram
-from engine.status import Status
-from logs import read_log
+from stickslip import diagram
 
 
 def test_log_and_pictures_are_written(call, tmp_path):
@@ -69,7 +69,7 @@ def test_a_run_that_stops_early_is_not_done(call, monkeypatch, tmp_path):
 
 
 def test_list_names_every_case(call):
-    from cases import names
+    from stickslip.cases import names
 
     result = call("simulate", "--list", "--json", "-")
     answer = json.loads(result.stdout)

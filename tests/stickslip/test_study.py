@@ -8,12 +8,12 @@ import time
 
 import polars as pl
 import pytest
+from stickslip.cases import find
+from stickslip.cases.production import CASES_BY_NAME
+from stickslip.study.request import fingerprint
 
-from cases import find
-from cases.production import CASES_BY_NAME
-from stickslip.cli import COMMANDS
+from stickslip.commands.cli import COMMANDS
 from stickslip.commands.study import subject_of
-from study.request import fingerprint
 from tests.stickslip.conftest import ROOT
 
 IDEAL = ("study", "ideal_integrating", "--duration", "300", "--every", "1", "--vary", "valve.F_s=1750:2250:3")
@@ -23,7 +23,7 @@ IDEAL = ("study", "ideal_integrating", "--duration", "300", "--every", "1", "--v
 def done(tmp_path_factory):
     from click.testing import CliRunner
 
-    from stickslip.cli import cli
+    from stickslip.commands.cli import cli
 
     folder = tmp_path_factory.mktemp("study") / "folder"
     arguments = [*IDEAL, "--vary", "controller.K_p=0.1,0.2", "--kicks", "2", "--out", str(folder), "--json", "-"]

@@ -4,8 +4,7 @@ import csv
 import json
 
 import pytest
-
-from detect import METHODS
+from stickslip.detect import METHODS
 
 SOME = ("--method", "area_ratio", "--method", "cross_correlation")
 

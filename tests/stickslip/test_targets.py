@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from stickslip import targets
-from stickslip.targets import check_targets, write_whole
+from stickslip.commands import targets
+from stickslip.commands.targets import check_targets, write_whole
 
 
 def test_replaces_and_leaves_nothing_beside(tmp_path):

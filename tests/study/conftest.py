@@ -1,8 +1,8 @@
 """What tests of studies share: the small study in one go, and parts of a few runs."""
 
 import pytest
+from stickslip.study import run as running
 
-from study import run as running
 from tests.study.small_study import small
 
 

@@ -4,10 +4,9 @@ import os
 import signal
 
 import pytest
-
-from logs.files.resumable import parquet
-from plant.loops import integrating_loop
-from study import StudyError, study
+from stickslip.logs.files.resumable import parquet
+from stickslip.plant.loops import integrating_loop
+from stickslip.study import StudyError, study
 
 pytest.importorskip("distributed")
 
@@ -41,7 +40,7 @@ def test_a_worker_that_is_killed_changes_nothing(cluster, local, tmp_path):
 
 
 def test_a_study_begun_here_goes_on_there(cluster, local, tmp_path, monkeypatch):
-    from study import run as running
+    from stickslip.study import run as running
 
     monkeypatch.setattr(running, "PART_SECONDS", 1e-9)
     monkeypatch.setattr(running, "FIRST_PART", 1)
@@ -56,6 +55,6 @@ def test_a_study_begun_here_goes_on_there(cluster, local, tmp_path, monkeypatch)
 
 
 def test_no_scheduler_at_that_address(monkeypatch):
-    monkeypatch.setattr("logs.cluster.ANSWER", 1)
+    monkeypatch.setattr("stickslip.logs.cluster.ANSWER", 1)
     with pytest.raises(StudyError, match="no Dask scheduler answers"):
         study(integrating_loop(), GRID, progress=False, cluster="tcp://127.0.0.1:1", **OPTIONS)

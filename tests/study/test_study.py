@@ -3,11 +3,11 @@
 import numpy as np
 import polars as pl
 import pytest
+from stickslip.diagram import simulate
+from stickslip.logs.oscillation import oscillation
+from stickslip.plant.loops import integrating_loop, self_regulating_loop
+from stickslip.study import StudyError, Subject, study, uniform
 
-from diagram import simulate
-from logs.oscillation import oscillation
-from plant.loops import integrating_loop, self_regulating_loop
-from study import StudyError, Subject, study, uniform
 from tests.study.small_study import GRID, OPTIONS, small
 
 
@@ -96,8 +96,8 @@ def test_infinity_is_a_value_and_noise_differs_between_kicks(tmp_path):
         integrating_loop().with_params({"controller.high": 0.02}), {"controller.high": [0.02, float("inf")]}, **OPTIONS
     )
     assert found.complete and row.table["OP.saturated"][0] > 0.0 and row.table["OP.saturated"][2] is None
-    from blocks import PI, Integrator, SampledSensor, Step
-    from diagram import wire
+    from stickslip.blocks import PI, Integrator, SampledSensor, Step
+    from stickslip.diagram import wire
 
     loop = wire(
         [

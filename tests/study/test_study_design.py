@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from study import StudyError, loguniform, normal, parse, uniform
-from study.axes import Law, axes_of
-from study.design import design
+from stickslip.study import StudyError, loguniform, normal, parse, uniform
+from stickslip.study.axes import Law, axes_of
+from stickslip.study.design import design
 
 lists = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=4, unique=True)
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import polars as pl
 import pytest
+from stickslip.logs.files.resumable import RowsFolder, parquet
+from stickslip.plant.loops import integrating_loop
+from stickslip.study import StudyError, study
+from stickslip.study import run as running
 
-from logs.files.resumable import RowsFolder, parquet
-from plant.loops import integrating_loop
-from study import StudyError, study
-from study import run as running
 from tests.study.small_study import GRID, OPTIONS, small
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -68,7 +68,7 @@ def test_ctrl_c_keeps_what_is_finished(whole, tmp_path, monkeypatch, short_parts
 
 def test_kill_9_loses_nothing_but_the_last_part(tmp_path):
     code = (
-        "from study import run as running\n"
+        "from stickslip.study import run as running\n"
         "from tests.study.small_study import small\n"
         "running.PART_SECONDS, running.FIRST_PART = 1e-9, 1\n"
         f"small(out={str(tmp_path / 'killed')!r}, workers=1, kicks=60, duration=2000.0)\n"

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from stickslip.blocks import FirstOrder, Saturation, Step
+from stickslip.blocks.block import Block, Kernels
+from stickslip.blocks.ports import Port
+from stickslip.blocks.role import Role
+from stickslip.diagram import simulate, wire
+from stickslip.logs.oscillation import oscillations
+from stickslip.plant.loops import integrating_loop
+from stickslip.study import study
+from stickslip.study.axes import axes_of
+from stickslip.study.design import design
+from stickslip.study.measures import Measures, OwnMeasures, limiting, limits, slips, valves
+from stickslip.study.points import Points
+from stickslip.study.subject import as_subject
 
-from blocks import FirstOrder, Saturation, Step
-from blocks.block import Block, Kernels
-from blocks.ports import Port
-from blocks.role import Role
-from diagram import simulate, wire
-from logs.oscillation import oscillations
-from plant.loops import integrating_loop
-from study import study
-from study.axes import axes_of
-from study.design import design
-from study.measures import Measures, OwnMeasures, limiting, limits, slips, valves
-from study.points import Points
-from study.subject import as_subject
 from tests.plant.oscillation import period_and_amplitude
 
 T = np.arange(0.0, 200.0, 0.5)
@@ -90,7 +90,7 @@ def test_what_stands_still_has_no_period():
 def test_slips_are_the_changes_from_stuck_to_sliding():
     loop = integrating_loop()
     run = simulate(loop, 4000.0, every=1.0, start={"process.PV": 0.3})
-    from diagram import ensemble
+    from stickslip.diagram import ensemble
 
     events = ensemble(loop, 4000.0, start={"process.PV": [0.3]}, every=1.0).raw_events[0]
     # oracle: the named events of a plain run

@@ -5,13 +5,12 @@ from itertools import product
 import numpy as np
 import polars as pl
 import pytest
-
-from study.axes import axes_of
-from study.findings import Findings
-from study.growth import draw_growth
-from study.maps import draw_maps
-from study.spread import draw_spread
-from study.told import told
+from stickslip.study.axes import axes_of
+from stickslip.study.findings import Findings
+from stickslip.study.growth import draw_growth
+from stickslip.study.maps import draw_maps
+from stickslip.study.spread import draw_spread
+from stickslip.study.told import told
 
 GAINS, FRICTIONS = (1.0, 2.0), (10.0, 20.0, 30.0)
 

@@ -3,13 +3,12 @@
 import numpy as np
 import polars as pl
 import pytest
-
-from diagram import simulate
-from plant import kicked, production_plant
-from plant.loops import integrating_loop
-from study import StudyError, production_subject, study
-from study.groups import groups
-from study.request import fingerprint
+from stickslip.diagram import simulate
+from stickslip.plant import kicked, production_plant
+from stickslip.plant.loops import integrating_loop
+from stickslip.study import StudyError, production_subject, study
+from stickslip.study.groups import groups
+from stickslip.study.request import fingerprint
 
 PLANT = {"duration": 60.0, "every": 0.5, "measure_from": 20.0, "progress": False}
 

@@ -12,11 +12,11 @@ from __future__ import annotations
 
 import math
 
-from detect.judge.earned import usable
-from detect.judge.features.dead_travel import dead_travel_features
-from detect.judge.features.network import network_features
-from detect.judge.features.view import View, view_of
-from detect.prepare.prepared import Prepared
+from stickslip.detect.judge.earned import usable
+from stickslip.detect.judge.features.dead_travel import dead_travel_features
+from stickslip.detect.judge.features.network import network_features
+from stickslip.detect.judge.features.view import View, view_of
+from stickslip.detect.prepare.prepared import Prepared
 
 __all__ = ["View", "features", "features_of", "view_of"]
 
@@ -25,7 +25,7 @@ def features(loop: Prepared) -> dict[str, float] | None:
     """All features of a prepared record by name; None where the record shows too little for any (``view_of``).
 
     >>> import numpy as np
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(500.0)
     >>> found = features(Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 8), op=50 - np.cos(t / 8), sp=0 * t)))
     >>> found is not None and found["network_sticky"] < 0

@@ -13,9 +13,8 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.channels import LAGS, innovations
-from detect.prepare.stick import stick
+from stickslip.detect.judge.features.channels import LAGS, innovations
+from stickslip.detect.prepare.stick import stick
 
 __all__ = ["CANDIDATES", "candidates"]
 

@@ -12,8 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.view import View
 
 __all__ = ["EVEN", "ODD", "channels", "innovations"]
 
@@ -69,6 +68,6 @@ def innovations(u: Values, y: Values) -> Values:
 
 
 def _travelled(u: Values, back: float) -> Values:
-    from detect.judge.features.travel_kernels import travelled
+    from stickslip.detect.judge.features.travel_kernels import travelled
 
     return np.asarray(travelled(u, back))

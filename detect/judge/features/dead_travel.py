@@ -10,9 +10,8 @@ All of it comes from ``likelihood.pooled`` for one record.  Nothing is there whe
 from __future__ import annotations
 
 import numpy as np
-
-from detect.likelihood.pooled import Evidence
-from detect.likelihood.stems import Stems
+from stickslip.detect.likelihood.pooled import Evidence
+from stickslip.detect.likelihood.stems import Stems
 
 __all__ = ["dead_travel_features"]
 

@@ -9,7 +9,7 @@
 
 A loop drawn upside down, or a little faster, sticks as much: the features are the means of four scores, of x read on
 more and on fewer points a turn than the network was fitted on, and of both with the odd channels negated.
-Fitted on simulated loops that nothing else is fitted on (``calibration.network``), run here in plain numpy.
+Fitted on simulated loops that nothing else is fitted on (``stickslip.calibration.network``), run here in plain numpy.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.judge.features.candidates import CANDIDATES, candidates
-from detect.judge.features.channels import EVEN, ODD, channels
-from detect.judge.features.view import View
+from stickslip.detect.judge.features.candidates import CANDIDATES, candidates
+from stickslip.detect.judge.features.channels import EVEN, ODD, channels
+from stickslip.detect.judge.features.view import View
 
 __all__ = [
     "CHANNELS", "FILE", "FLIPPED", "LAYERS", "STICKY", "STRIDE", "Network", "network_features", "one_look", "seen_by",

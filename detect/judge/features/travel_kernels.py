@@ -3,8 +3,7 @@
 from typing import Any
 
 import numpy as np
-
-from logs.compiled import njit
+from stickslip.logs.compiled import njit
 
 __all__ = ["travelled"]
 

@@ -15,11 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
-from detect.prepare.controller import controller_sign
-from detect.prepare.prepared import Prepared
-from detect.prepare.process_kind import kind_of_tag
-from detect.prepare.recent import blocks, recent, samples_per_turn
+from stickslip.detect.prepare.controller import controller_sign
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.process_kind import kind_of_tag
+from stickslip.detect.prepare.recent import blocks, recent, samples_per_turn
 
 __all__ = ["LONGEST", "View", "view_of"]
 
@@ -60,7 +59,7 @@ class View:
 def view_of(loop: Prepared) -> View | None:
     """The view on a record; None where fewer than 40 samples are left, or OP or PV does not move.
 
-    >>> from logs import LoopRecord
+    >>> from stickslip.logs import LoopRecord
     >>> t = np.arange(1000.0)
     >>> v = view_of(Prepared(LoopRecord.from_arrays(t, pv=np.sin(t / 16), op=50 - np.cos(t / 16), sp=0 * t)))
     >>> v.block, round(v.turn), len(v)

@@ -4,9 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
-from detect.evidence.windows import FALSE_ALARMS, OverTime, Window
-from detect.judge.answer import Amount
+from stickslip.detect.evidence.windows import FALSE_ALARMS, OverTime, Window
+from stickslip.detect.judge.answer import Amount
 
 DRAWS = 2000
 

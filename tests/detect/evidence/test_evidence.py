@@ -4,16 +4,15 @@ from datetime import datetime
 
 import numpy as np
 import pytest
-
-from detect import diagnose
-from detect.evidence import correlation, over_time, spectrum, stem_trend
-from detect.figures.evidence import plot_correlation, plot_over_time, plot_pv_op, plot_spectrum, plot_stem_op
-from detect.figures.loop_trend import plot_cycles, plot_trend
-from detect.judge.answer import Amount
-from detect.judge.confirming import confirming_rows as plan_of
-from detect.methods import play_fit, stem_play
-from detect.prepare.prepared import Prepared
-from logs import Log, LoopRecord
+from stickslip.detect import diagnose
+from stickslip.detect.evidence import correlation, over_time, spectrum, stem_trend
+from stickslip.detect.figures.evidence import plot_correlation, plot_over_time, plot_pv_op, plot_spectrum, plot_stem_op
+from stickslip.detect.figures.loop_trend import plot_cycles, plot_trend
+from stickslip.detect.judge.answer import Amount
+from stickslip.detect.judge.confirming import confirming_rows as plan_of
+from stickslip.detect.methods import play_fit, stem_play
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import Log, LoopRecord
 
 
 @pytest.fixture
@@ -180,7 +179,7 @@ def test_sizes_over_time_are_whole_on_the_axis(seen):
 
 
 def test_a_set_point_that_swings_is_what_pv_follows():
-    from detect.evidence import set_point_words
+    from stickslip.detect.evidence import set_point_words
 
     t = np.arange(1800.0)
     wave = 2.0 * np.pi * t / 60.0

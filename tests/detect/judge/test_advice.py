@@ -1,9 +1,8 @@
 from typing import get_args
 
 import pytest
-
-from detect.judge.advice import ADVICE, advice
-from detect.verdict import Code, Word
+from stickslip.detect.judge.advice import ADVICE, advice
+from stickslip.detect.verdict import Code, Word
 
 
 def test_every_verdict_and_every_code_has_a_sentence():

@@ -4,16 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from cases.stories import EXPORTS
-from detect import diagnose
-from detect.judge.actions import CAUSES, confirming_steps
-from detect.judge.answer import LEVEL, Amount, answer, next_step
-from detect.judge.features import features
-from detect.judge.model import FILE, Model, calibrated, rounded
-from detect.prepare.prepared import Prepared
-from detect.prepare.stick import stick
-from logs import LoopRecord, read_loop
+from stickslip.cases.stories import EXPORTS
+from stickslip.detect import diagnose
+from stickslip.detect.judge.actions import CAUSES, confirming_steps
+from stickslip.detect.judge.answer import LEVEL, Amount, answer, next_step
+from stickslip.detect.judge.features import features
+from stickslip.detect.judge.model import FILE, Model, calibrated, rounded
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.stick import stick
+from stickslip.logs import LoopRecord, read_loop
 
 RNG = np.random.default_rng(0)
 T = np.arange(800.0)
@@ -167,9 +166,9 @@ def test_the_answer_needs_no_library_of_trees():
 
     code = f"""
 import sys
-from detect.judge.answer import LEVEL, Amount, answer, next_step
-from detect.prepare.prepared import Prepared
-from logs import read_loop
+from stickslip.detect.judge.answer import LEVEL, Amount, answer, next_step
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import read_loop
 print(answer(Prepared(read_loop({str(EXPORTS / "FIC101_pi_export.csv")!r}))).word)
 print("sklearn" in sys.modules)
 """

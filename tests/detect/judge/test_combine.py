@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from detect import Verdict, Weight, WeightedVote, diagnose
-from logs import LoopRecord
+from stickslip.detect import Verdict, Weight, WeightedVote, diagnose
+from stickslip.logs import LoopRecord
 
 ORDER = {"no_stiction": 0, "inconclusive": 1, "stiction": 2}
 WORDS = ("stiction", "no_stiction", "inconclusive", "not_applicable")

@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 import pytest
-
-from detect.judge.features import features
-from detect.judge.features.dead_travel import MOST
-from detect.prepare.prepared import Prepared
-from logs import LoopRecord
+from stickslip.detect.judge.features import features
+from stickslip.detect.judge.features.dead_travel import MOST
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.logs import LoopRecord
 
 
 def closed_loop(

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from cases.stories import EXPORTS
-from detect import diagnose
-from detect.evidence import over_time
-from detect.judge.answer import answer
-from detect.prepare.prepared import STEPS_MAX, Prepared
-from detect.prepare.recent import recent
-from logs import LoopRecord, read_loop
+from stickslip.cases.stories import EXPORTS
+from stickslip.detect import diagnose
+from stickslip.detect.evidence import over_time
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.prepare.prepared import STEPS_MAX, Prepared
+from stickslip.detect.prepare.recent import recent
+from stickslip.logs import LoopRecord, read_loop
 
 
 def repeated(record, times):

@@ -5,10 +5,9 @@ import time
 import numpy as np
 import pytest
 from scipy.signal import correlate
-
-from detect.judge.features.candidates import CANDIDATES, JUMP, SHARES, candidates
-from detect.judge.features.channels import innovations
-from detect.judge.features.network import (
+from stickslip.detect.judge.features.candidates import CANDIDATES, JUMP, SHARES, candidates
+from stickslip.detect.judge.features.channels import innovations
+from stickslip.detect.judge.features.network import (
     CHANNELS,
     EVEN,
     FILE,
@@ -21,10 +20,10 @@ from detect.judge.features.network import (
     seen_by,
     shipped_network,
 )  # fmt: skip
-from detect.judge.features.view import view_of
-from detect.prepare.prepared import Prepared
-from detect.prepare.stick import stick
-from logs import LoopRecord
+from stickslip.detect.judge.features.view import view_of
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.stick import stick
+from stickslip.logs import LoopRecord
 
 KINDS = ("cycling", "drift", "excited", "healthy")
 WIDTH = dict(zip((name for name, *_ in LAYERS), (4, 6, 6, 5, 5, 7, 7), strict=True))

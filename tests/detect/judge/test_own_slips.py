@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-
-from calibration.defects import compressed
-from calibration.drawing import draw
-from calibration.simulation import simulate
-from detect.judge.answer import answer
-from detect.judge.own_slips import driving, own_slips
-from detect.prepare.prepared import Prepared
-from detect.prepare.stick import stick
-from logs import LoopRecord
+from stickslip.calibration.defects import compressed
+from stickslip.calibration.drawing import draw
+from stickslip.calibration.simulation import simulate
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.judge.own_slips import driving, own_slips
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.stick import stick
+from stickslip.logs import LoopRecord
 
 T = np.arange(3000.0)
 

@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from calibration import draw, simulate
-from calibration.drawing import one
-from detect.judge.answer import answer
-from detect.judge.own_slips import own_slips
-from detect.judge.still_stem import still_stem
-from detect.prepare.prepared import Prepared
-from detect.prepare.stick import stick
-from logs import LoopRecord
+from stickslip.calibration import draw, simulate
+from stickslip.calibration.drawing import one
+from stickslip.detect.judge.answer import answer
+from stickslip.detect.judge.own_slips import own_slips
+from stickslip.detect.judge.still_stem import still_stem
+from stickslip.detect.prepare.prepared import Prepared
+from stickslip.detect.prepare.stick import stick
+from stickslip.logs import LoopRecord
 
 T = np.arange(2000.0)
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from detect.judge.trees import Trees
+from stickslip.detect.judge.trees import Trees
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +16,7 @@ def data():
 
 def test_equal_to_the_library(data, tmp_path):
     pytest.importorskip("sklearn", reason="scikit-learn (extra calibration) is not installed")
-    from calibration.boosting import classifier, filled, quantile, start, taken
+    from stickslip.calibration.boosting import classifier, filled, quantile, start, taken
 
     x, y = data
     binary = classifier(x, y > 1, 30, 8, seed=0)

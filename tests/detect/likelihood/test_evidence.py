@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 from scipy import stats
-
-from calibration.crossed.drawing import draw
-from calibration.crossed.history import seen
-from detect.likelihood.pooled import evidence_of
-from detect.likelihood.regression import lines
-from detect.likelihood.rows import rows_of
-from detect.likelihood.stems import stems_of
-from detect.likelihood.words import said
-from detect.prepare.prepared import Prepared
+from stickslip.calibration.crossed.drawing import draw
+from stickslip.calibration.crossed.history import seen
+from stickslip.detect.likelihood.pooled import evidence_of
+from stickslip.detect.likelihood.regression import lines
+from stickslip.detect.likelihood.rows import rows_of
+from stickslip.detect.likelihood.stems import stems_of
+from stickslip.detect.likelihood.words import said
+from stickslip.detect.prepare.prepared import Prepared
 
 from .loops import run
 

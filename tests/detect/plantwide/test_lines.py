@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-
-from detect.plantwide.lines import groups, spectra
+from stickslip.detect.plantwide.lines import groups, spectra
 
 N = 3000
 

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
-from detect.plantwide.survey import survey
-from detect.prepare.stick import stick
-from logs import Log, LoopSignals
+from stickslip.detect.plantwide.slips import Jumps, Slips, jumps_of, larger, owners, slips_of
+from stickslip.detect.plantwide.survey import survey
+from stickslip.detect.prepare.stick import stick
+from stickslip.logs import Log, LoopSignals
 
 T = np.arange(3000.0)
 

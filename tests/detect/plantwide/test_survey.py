@@ -5,16 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from detect.plantwide.survey import survey
-from logs import Log, LogError, LoopSignals
+from stickslip.detect.plantwide.survey import survey
+from stickslip.logs import Log, LogError, LoopSignals
 
 LOOP_OF = {"VPCS1": "PCS11", "VLCS1": "LCS11", "VLCS2": "LCS21"}
 
 
 def plant_log(sticky, F_s="high", case=1, kick=(1.02, 1.02), stems=False):
-    from diagram import simulate
-    from plant import kicked, production_plant
+    from stickslip.diagram import simulate
+    from stickslip.plant import kicked, production_plant
 
     plant = kicked(production_plant(F_s=F_s, case=case, sticky=sticky), *kick)
     log = simulate(plant, 2000.0, every=1.0, method="stiff").log.between(200.0, 2000.0)

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from detect.valve_test import analyse
-from logs import LogError, LoopRecord
+from stickslip.detect.valve_test import analyse
+from stickslip.logs import LogError, LoopRecord
 
 HOLD, DT = 60.0, 0.5
 STEPS = [1, 1, -0.5, -0.5, -0.5, 2, 2, -1, -1, -1, 0.25, 0.25, 0.25, 0.25, 0.25, 5, -5, 5, -5, -0.5, -0.5, 0.5, 0.5]

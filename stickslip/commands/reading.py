@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from logs import Log
+    from stickslip.logs import Log
 
 OPTIONS = (
     click.option("--time", metavar="COLUMN", help="Name of the time column."),
@@ -33,7 +33,7 @@ def as_named(log: "Log", given: Sequence[str]) -> "Log":
 
     Raises ``ValueError`` for a text of another form, a column that the log does not have, and a name that is taken.
 
-    >>> from logs import Log
+    >>> from stickslip.logs import Log
     >>> log = as_named(Log(t=[0, 1], signals={"FC101.OP": [50, 60]}), ["OP=0.01*FC101.OP"])
     >>> log.names, log["OP"].tolist()
     (('OP',), [0.5, 0.6])

@@ -82,7 +82,7 @@ def write_whole(path: Path, content: bytes) -> None:
     A link keeps pointing where it did; a device or a pipe, e.g. /dev/null, is written to as it stands.  Raises
     ``ValueError`` naming ``path`` when that fails.
     """
-    from logs.files.write import replacing
+    from stickslip.logs.files.write import replacing
 
     try:
         if path.exists() and not path.is_file():

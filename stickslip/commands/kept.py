@@ -35,7 +35,7 @@ def kept(name: str, make: Callable[[], Any], folders: Sequence[str] = stickslip.
             return found["content"]
     content = json.loads(json.dumps(make()))  # so that it is the same whether it was kept or not
     if not sys.dont_write_bytecode:
-        from stickslip.targets import write_whole
+        from stickslip.commands.targets import write_whole
 
         with suppress(OSError, ValueError):  # no place to keep it
             path.parent.mkdir(exist_ok=True)

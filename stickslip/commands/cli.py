@@ -62,7 +62,7 @@ class Lazy(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         name = args[0]
         if name not in COMMANDS and not name.startswith("-"):
-            from logs.hint import nearest  # numpy and more, which ``stickslip --help`` need not wait for
+            from stickslip.logs.hint import nearest  # numpy and more, which ``stickslip --help`` need not wait for
 
             hint = nearest(name, COMMANDS)
             if Path(name).is_file():

@@ -4,9 +4,9 @@ import html
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from stickslip.report.pictures import beside, captioned, figure_to_svg, side_by_side
-from stickslip.report.style import CSS
-from stickslip.report.tables import ordered_table, table_to_html
+from stickslip.commands.report.pictures import beside, captioned, figure_to_svg, side_by_side
+from stickslip.commands.report.style import CSS
+from stickslip.commands.report.tables import ordered_table, table_to_html
 
 __all__ = [
     "Section", "beside", "bullets", "captioned", "figure_to_svg", "ordered_table", "page", "pairs", "side_by_side",

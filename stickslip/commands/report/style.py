@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from string import Template
 
-from logs.style import AT_NIGHT, NIGHT, PAGE
+from stickslip.logs.style import AT_NIGHT, NIGHT, PAGE
 
 __all__ = ["CSS", "in_variables"]
 
@@ -14,9 +14,9 @@ def _variables(colours: Mapping[str, str], picture: Mapping[str, str]) -> str:
 
 
 def in_variables(svg: str) -> str:
-    """Return a picture whose colours are those of the page: by day as drawn, at night as ``logs.style`` says.
+    """Return a picture whose colours are those of the page: by day as drawn, at night as ``stickslip.logs.style`` says.
 
-    >>> from logs.style import RED
+    >>> from stickslip.logs.style import RED
     >>> in_variables(f"stroke: {RED}; fill: none")
     'stroke: var(--xb00020); fill: none'
     """

@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cases import Case
-    from detect import Method
-    from detect.card import Card
-    from detect.prepare.prepared import Prepared
-    from detect.verdict import Verdict
-    from diagram.diagram import Diagram
-    from logs import LoopRecord
+    from stickslip.cases import Case
+    from stickslip.detect import Method
+    from stickslip.detect.card import Card
+    from stickslip.detect.prepare.prepared import Prepared
+    from stickslip.detect.verdict import Verdict
+    from stickslip.diagram.diagram import Diagram
+    from stickslip.logs import LoopRecord
 
 DURATION, EVERY = 600.0, 1.0  # s, of a case that is a diagram alone
 EXECUTED = "FILE.py:FUNCTION: that file IS EXECUTED"
@@ -63,7 +63,7 @@ def function_of(given: str, option: str) -> Callable[..., Any]:
         raise ValueError(f"{option} {given}: '{path}' cannot be executed ({why}); mend the file") from fault
     made = getattr(module, function, None)
     if not callable(made):
-        from logs.hint import nearest
+        from stickslip.logs.hint import nearest
 
         known = [name for name, value in vars(module).items() if callable(value) and not name.startswith("_")]
         raise ValueError(f"{option} {given}: '{path}' has no function '{function}'; {nearest(function, known)}")
@@ -80,7 +80,7 @@ def _functions(path: str) -> str:
         return f"'{path}' is no Python ({fault}); mend the file"
     names = [one.name for one in statements if isinstance(one, ast.FunctionDef) and not one.name.startswith("_")]
     if not names:
-        return f"'{path}' defines none; write one that returns diagram.wire([...])"
+        return f"'{path}' defines none; write one that returns stickslip.diagram.wire([...])"
     return f"give {' or '.join(f'{path}:{name}' for name in names)}"
 
 
@@ -106,11 +106,11 @@ def case_named(given: str, option: str = "CASE") -> "Case":
 
     Raises ``ValueError`` if there is no such case, or the function gives neither.
     """
-    from cases import Case, find
+    from stickslip.cases import Case, find
 
     if not is_own(given):
         return find(given)
-    from diagram import Diagram
+    from stickslip.diagram import Diagram
 
     made = _called(given, option)
     if isinstance(made, Case):
@@ -118,7 +118,7 @@ def case_named(given: str, option: str = "CASE") -> "Case":
     if not isinstance(made, Diagram):
         raise ValueError(
             f"{option} {given}: the function returned {type(made).__name__}; "
-            "return diagram.wire([...]) or a cases.Case"
+            "return stickslip.diagram.wire([...]) or a stickslip.cases.Case"
         )
     about = (
         f"Made by {given}, which was executed: {DURATION:g} s with a row every {EVERY:g} s unless you say otherwise."
@@ -136,7 +136,7 @@ class OwnMethod:
 
     def detect(self, record: "LoopRecord | Prepared") -> "Verdict":
         """Return what the function says of a record; raise ``ValueError`` where it fails."""
-        from detect.verdict import Verdict
+        from stickslip.detect.verdict import Verdict
 
         try:
             found = self.function(record)
@@ -144,7 +144,9 @@ class OwnMethod:
             why = f"{type(fault).__name__}: {fault}"
             raise ValueError(f"--method {self.CARD.name} failed on a record ({why}); mend the function") from fault
         if not isinstance(found, Verdict):
-            raise ValueError(f"--method {self.CARD.name} gave {type(found).__name__}; return a detect.Verdict")
+            raise ValueError(
+                f"--method {self.CARD.name} gave {type(found).__name__}; return a stickslip.detect.Verdict"
+            )
         return found
 
 
@@ -153,9 +155,9 @@ def method_named(given: str) -> "Method":
 
     The ``CARD`` of the file is its card, if it has one. Raises ``ValueError`` if there is no such method.
     """
-    from detect import METHODS
-    from detect.card import Card
-    from logs.hint import nearest
+    from stickslip.detect import METHODS
+    from stickslip.detect.card import Card
+    from stickslip.logs.hint import nearest
 
     if not is_own(given):
         known = {method.CARD.name: method for method in METHODS}
@@ -173,7 +175,7 @@ def method_named(given: str) -> "Method":
 
 def plain_card(name: str, source: str) -> "Card":
     """Return the card of a method that has none: it is on trial, so that it is shown without a vote."""
-    from detect.card import Card
+    from stickslip.detect.card import Card
 
     return Card(
         name=name, title=name, source=source, signals=("PV", "OP"), assumes=(), finds="what its author says",

@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from stickslip.report.style import in_variables
+from stickslip.commands.report.style import in_variables
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

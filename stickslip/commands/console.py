@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from stickslip.targets import write_whole
+from stickslip.commands.targets import write_whole
 
 COLOUR_OF = {"bad": "red", "good": "green", "open": "yellow"}  # in a terminal, by the kind of what is said
 PIPED, WORD = 120, 14  # columns of a table that no terminal shows; letters of a word that a table does not cut

@@ -15,7 +15,7 @@ def with_standard_input(files: Sequence[Path]) -> Iterator[tuple[Path, ...]]:
 
     Raises ``ValueError`` where ``-`` stands twice, nothing is piped in, or more than is read at once.
     """
-    from logs.files.size import TEXT_MAX, check_text
+    from stickslip.logs.files.size import TEXT_MAX, check_text
 
     asked = [str(file) == "-" for file in files]
     if not any(asked):
