@@ -1,9 +1,10 @@
 """Sticky control valves: simulate them, find them in routine data, and say what a model of a loop lacks.
 
 >>> import stickslip as ss
->>> loop = ss.wire([ss.blocks.Step("SP", after=0.5), ss.blocks.PI(0.4, 10.0), ss.blocks.FirstOrder(3.0, 10.0)])
->>> round(float(ss.simulate(loop, 60.0).log["PV"][-1]), 3)
-0.499
+>>> process = ss.blocks.FirstOrder(3.0, 10.0, inputs="OP")
+>>> loop = ss.wire([ss.blocks.Step("SP", after=0.5), ss.blocks.PI(0.4, 10.0), process])
+>>> round(float(ss.simulate(loop, 60.0).log["PV"][-1]), 5)  # analytic: 0.5 (1 - exp(-1.2/10*60))
+0.49963
 
 wire       blocks joined to a diagram             read_loop  a file -> a ``LoopRecord``
 simulate   a run, with its log                    diagnose   a record -> does the valve stick?

@@ -56,6 +56,9 @@ def function_of(given: str, option: str) -> Callable[..., Any]:
         import cloudpickle
 
         cloudpickle.register_pickle_by_value(module)
+    folder = str(file.resolve().parent)
+    if folder not in sys.path:  # its neighbours are found, and as the last they hide nothing of Python's or ours
+        sys.path.append(folder)
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as fault:

@@ -162,10 +162,10 @@ def test_a_hostile_tag_runs_nothing():
 def test_the_page_builder_knows_nothing_of_what_it_shows():
     from pathlib import Path
 
-    import stickslip.commands.report
+    from stickslip.commands import report
 
     ours = {"stiction", "valve", "loop", "loops", "verdict", "stem", "detector", "study", "scan", "plant"}
-    for file in Path(stickslip.report.__file__).parent.glob("*.py"):
+    for file in Path(report.__file__).parent.glob("*.py"):
         words = set(re.findall(r"[a-z]+", file.read_text(encoding="utf-8").lower()))
         assert not words & ours, file.name
         assert not re.search(r"\b(OP|PV|SP|MV)\b", file.read_text(encoding="utf-8")), file.name

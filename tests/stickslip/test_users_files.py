@@ -33,7 +33,7 @@ def test_a_loop_is_judged_beside_them(shell, folder, exports):
 
 def test_the_processes_of_a_scan_do_not_import_them_either(shell, folder, exports):
     done = shell("scan", exports, "--workers", "2", "--out", "kept", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 1, done.stderr
     assert not (folder / "executed").exists()
 
 
@@ -43,13 +43,16 @@ def test_a_plain_folder_of_that_name_is_read(shell, tmp_path, exports):
     assert shell("check", "logs/FIC1.csv", cwd=tmp_path).returncode == 1
 
 
-def test_a_model_may_import_what_lies_in_the_present_folder(shell, tmp_path):
-    (tmp_path / "gains.py").write_text("K = 3.0\n")
-    (tmp_path / "model.py").write_text(
+@pytest.mark.parametrize("folder", [".", "models"])
+def test_a_model_may_import_what_lies_beside_it(shell, tmp_path, folder):
+    (tmp_path / folder).mkdir(exist_ok=True)
+    (tmp_path / folder / "gains.py").write_text("K = 3.0\n")
+    (tmp_path / folder / "model.py").write_text(
         "import stickslip as ss\nfrom gains import K\n\n\ndef loop():\n"
-        "    return ss.wire([ss.blocks.Step('SP'), ss.blocks.PI(0.4, 10.0), ss.blocks.FirstOrder(K, 10.0)])\n"
+        "    process = ss.blocks.FirstOrder(K, 10.0, inputs='OP')\n"
+        "    return ss.wire([ss.blocks.Step('SP'), ss.blocks.PI(0.4, 10.0), process])\n"
     )
-    done = shell("simulate", "model.py:loop", "--duration", "20", cwd=tmp_path)
+    done = shell("simulate", f"{folder}/model.py:loop", "--duration", "20", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
 
 

@@ -1,0 +1,47 @@
+"""Names are no metaphors, files are short, no room is too large."""
+
+import ast
+import re
+
+from tests.architecture.house import FILES, PACKAGES, offenders, parsed
+
+METAPHORS = {"cast", "crew", "company", "casting", "books", "portfolio", "member", "members", "layer", "layers"}
+
+
+def words_of(source: str) -> set[str]:
+    """Return the words that a file's own names are made of: functions, classes, arguments, variables, fields."""
+    names = set()
+    for node in ast.walk(parsed(source)):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.arg):
+            names.add(node.arg)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            names.add(node.attr)
+    return {word for name in names for word in re.findall(r"[A-Z]?[a-z]+", name) for word in [word.lower()]}
+
+
+def test_names_are_no_metaphors() -> None:
+    assert (
+        offenders(lambda path: (words_of(path.read_text()) | set(re.findall(r"[a-z]+", path.stem))) & METAPHORS) == {}
+    )
+
+
+def test_the_rule_of_names_can_fail() -> None:
+    assert words_of("class _Crew:\n    def cast(self, members): self.books = 1") >= {"crew", "cast", "members", "books"}
+
+
+def test_files_are_short() -> None:
+    lengths = sorted(len(path.read_text().splitlines()) for _, path in FILES)
+    assert lengths[-1] < 400 and lengths[len(lengths) * 9 // 10] < 300
+
+
+def test_no_room_is_above_a_quarter_of_the_house():
+    lines = dict.fromkeys(PACKAGES, 0)
+    for room, path in FILES:
+        assert room is not None
+        lines[room.split("/")[0]] += len(path.read_text().splitlines())
+    largest = max(lines, key=lambda room: lines[room])
+    assert lines[largest] <= 0.25 * sum(lines.values()), (largest, lines)
